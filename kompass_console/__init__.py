@@ -1,0 +1,3 @@
+"""Kompass Console: the browser page from which people drive and heal their ROS 2 robots."""
+
+__version__ = "0.1.0"
