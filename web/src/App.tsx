@@ -1,0 +1,77 @@
+import { useCallback, useEffect, useState } from "react";
+import { currentSession, login, logout } from "./api/client";
+import { ApiError, asApiError } from "./api/errors";
+import type { Session } from "./api/types";
+import { ConsolePage } from "./frame/ConsolePage";
+import { LoginPage } from "./session/LoginPage";
+import { SessionContext } from "./session/SessionContext";
+
+type Gate =
+  | { at: "opening" }
+  | { at: "login"; notice: string | null }
+  | { at: "inside"; session: Session };
+
+/** Who is here? A token from the address first, else this browser's session, else ask. */
+async function enter(token: string | null): Promise<Gate> {
+  let notice: string | null = null;
+  if (token !== null) {
+    try {
+      return { at: "inside", session: await login(token) };
+    } catch (error) {
+      const { title, remedy } = asApiError(error);
+      notice = `${title} ${remedy}`;
+    }
+  }
+  try {
+    const session = await currentSession();
+    return session === null ? { at: "login", notice } : { at: "inside", session };
+  } catch (error) {
+    const { title, remedy } = asApiError(error);
+    return { at: "login", notice: notice ?? `${title} ${remedy}` };
+  }
+}
+
+export function App({ token }: { token: string | null }) {
+  const [gate, setGate] = useState<Gate>({ at: "opening" });
+  useEffect(() => {
+    void enter(token).then(setGate);
+  }, [token]);
+
+  const onLogin = useCallback((session: Session) => setGate({ at: "inside", session }), []);
+  const onLogout = useCallback(() => {
+    const leave = (notice: string | null) => setGate({ at: "login", notice });
+    logout().then(
+      () => leave(null),
+      (error: unknown) => leave(`Logged out here only. ${asApiError(error).title}`),
+    );
+  }, []);
+  // The state socket was refused: either the console is away, or it no longer knows this session.
+  const onRefused = useCallback(() => {
+    currentSession().then(
+      (session) => {
+        if (session === null) {
+          setGate({
+            at: "login",
+            notice: "Your session has ended: the console was restarted. Use its new address.",
+          });
+        }
+      },
+      (error: unknown) => {
+        if (!(error instanceof ApiError)) throw error; // away: the page says that its view is frozen
+      },
+    );
+  }, []);
+
+  switch (gate.at) {
+    case "opening":
+      return null;
+    case "login":
+      return <LoginPage notice={gate.notice} onLogin={onLogin} />;
+    case "inside":
+      return (
+        <SessionContext value={{ session: gate.session, logout: onLogout }}>
+          <ConsolePage onRefused={onRefused} />
+        </SessionContext>
+      );
+  }
+}

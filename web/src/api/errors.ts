@@ -1,0 +1,45 @@
+/** A failed request, told as a person needs it: what went wrong, and what to do. */
+export class ApiError extends Error {
+  override readonly name = "ApiError";
+
+  constructor(
+    /** HTTP status; 0 when no answer came. */
+    readonly status: number,
+    readonly title: string,
+    readonly remedy: string,
+  ) {
+    super(title);
+  }
+}
+
+export function noAnswer(): ApiError {
+  return new ApiError(
+    0,
+    "The console did not answer.",
+    "Check the network between this browser and the robot, then try again.",
+  );
+}
+
+/** Reads the `detail` of an error response; tolerates bodies that are not ours (a proxy's, say). */
+export function errorFromBody(status: number, body: unknown): ApiError {
+  const detail = isRecord(body) ? body.detail : undefined;
+  if (isRecord(detail) && typeof detail.title === "string") {
+    const remedy = detail.remedy;
+    return new ApiError(status, detail.title, typeof remedy === "string" ? remedy : "");
+  }
+  if (typeof detail === "string") return new ApiError(status, detail, "");
+  return new ApiError(
+    status,
+    `The console answered with error ${status}.`,
+    "Reload the page; if it stays, look at the console's log on the robot.",
+  );
+}
+
+/** Any thrown value as an ApiError, so that panels have one thing to show. */
+export function asApiError(error: unknown): ApiError {
+  return error instanceof ApiError ? error : noAnswer();
+}
+
+function isRecord(value: unknown): value is Record<string, unknown> {
+  return typeof value === "object" && value !== null;
+}

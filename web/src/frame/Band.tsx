@@ -1,0 +1,28 @@
+import type { ReactNode } from "react";
+import classes from "./Band.module.css";
+
+interface Props {
+  tone: "stale" | "stopped" | "alarm" | "notice";
+  title: string;
+  children?: ReactNode;
+  action?: ReactNode;
+  testId?: string;
+}
+
+/** A message across the scene: something the operator must not overlook. */
+export function Band({ tone, title, children, action, testId }: Props) {
+  return (
+    <div
+      className={classes.band}
+      data-tone={tone}
+      data-testid={testId}
+      role={tone === "alarm" ? "alert" : "status"}
+    >
+      <div className={classes.text}>
+        <strong>{title}</strong>
+        {children !== undefined && <div className={classes.more}>{children}</div>}
+      </div>
+      {action}
+    </div>
+  );
+}

@@ -1,0 +1,128 @@
+import { useMediaQuery } from "@mantine/hooks";
+import { useState } from "react";
+import { CoordinatesForm } from "../goal/CoordinatesForm";
+import { GoalCard } from "../goal/GoalCard";
+import { GoalHint } from "../goal/GoalHint";
+import { GoalOverlay } from "../goal/GoalOverlay";
+import { type GoalTool, useGoalTool } from "../goal/useGoalTool";
+import { useKeys } from "../keys";
+import { DriveBand } from "../scene/DriveBand";
+import scene from "../scene/Scene.module.css";
+import { SceneFrame } from "../scene/SceneFrame";
+import { StaleBand } from "../scene/StaleBand";
+import { useView, type ViewHandle } from "../scene/useView";
+import { useSession } from "../session/SessionContext";
+import { RobotProvider } from "../state/RobotContext";
+import { StopBand } from "../stop/StopBand";
+import { StopProvider } from "../stop/StopContext";
+import { BottomPanel } from "./BottomPanel";
+import classes from "./ConsolePage.module.css";
+import { HelpPanel } from "./HelpPanel";
+import { SidePanel } from "./SidePanel";
+import { StatusLine } from "./StatusLine";
+import { ToolRail } from "./ToolRail";
+import { TopBar } from "./TopBar";
+
+export function ConsolePage({ onRefused }: { onRefused: () => void }) {
+  return (
+    <RobotProvider onRefused={onRefused}>
+      <StopProvider>
+        <Workplace />
+      </StopProvider>
+    </RobotProvider>
+  );
+}
+
+/** The frame of the page. Robot data is read by its leaves: nothing here renders with it. */
+function Workplace() {
+  const { session } = useSession();
+  const handle = useView();
+  const { view, change } = handle;
+  const goal = useGoalTool(view?.id ?? null);
+  const [layersOpen, setLayersOpen] = useState(false);
+  const [helpOpen, setHelpOpen] = useState(false);
+  const narrow = useMediaQuery("(max-width: 1100px)", false, { getInitialValueInEffect: false });
+  const phone = useMediaQuery("(max-width: 560px)", false, { getInitialValueInEffect: false });
+
+  useKeys(({ key, onControl }) => {
+    switch (key.toLowerCase()) {
+      case "g":
+        if (session.role !== "viewer" && view !== null) goal.toggle();
+        return true;
+      case "f":
+        if (view !== null) change({ follow: !view.follow });
+        return true;
+      case "t":
+        if (view !== null) change({ top: !view.top });
+        return true;
+      case "l":
+        setLayersOpen(!layersOpen);
+        return true;
+      case "?":
+      case "h":
+        setHelpOpen(!helpOpen);
+        return true;
+      case "enter":
+        // A focused button knows best what Enter means.
+        if (onControl || goal.draft === null) return false;
+        goal.go();
+        return true;
+      case "escape":
+        if (layersOpen) return false;
+        if (goal.back()) return true;
+        setHelpOpen(false);
+        return helpOpen;
+      default:
+        return false;
+    }
+  });
+
+  return (
+    <div className={classes.page}>
+      <TopBar />
+      <main className={scene.scene}>
+        <SceneStack handle={handle} goal={goal} />
+        {helpOpen && <HelpPanel onClose={() => setHelpOpen(false)} />}
+      </main>
+      <ToolRail
+        scene={handle}
+        goal={goal}
+        layersOpen={layersOpen}
+        onLayers={setLayersOpen}
+        helpOpen={helpOpen}
+        onHelp={() => setHelpOpen(!helpOpen)}
+      />
+      <StatusLine />
+      {narrow ? <BottomPanel startOpen={!phone} /> : <SidePanel />}
+    </div>
+  );
+}
+
+/** The scene, and what lies over it, from far to near. */
+function SceneStack({ handle, goal }: { handle: ViewHandle; goal: GoalTool }) {
+  const { view, error } = handle;
+  return (
+    <>
+      {view === null ? (
+        <p className={scene.waiting}>
+          {error === null ? "Opening the scene…" : `${error.title} ${error.remedy}`}
+        </p>
+      ) : (
+        <>
+          <SceneFrame id={view.id} />
+          {goal.active && <GoalOverlay tool={goal} view={view.id} />}
+          {goal.active && goal.draft === null && <GoalHint tool={goal} />}
+          {goal.active && goal.typing && goal.draft === null && (
+            <CoordinatesForm tool={goal} view={view.id} />
+          )}
+          {goal.draft !== null && <GoalCard tool={goal} draft={goal.draft} />}
+        </>
+      )}
+      <div className={scene.bands}>
+        <StopBand />
+        <StaleBand />
+        <DriveBand />
+      </div>
+    </>
+  );
+}

@@ -1,0 +1,51 @@
+import { CloseButton, Kbd } from "@mantine/core";
+import classes from "./HelpPanel.module.css";
+
+const KEYS: [string, string][] = [
+  ["Space", "Stop the robot, from anywhere on the page"],
+  ["G", "Goal tool on or off"],
+  ["Enter", "Go, when the goal card shows it"],
+  ["Esc", "Drop the goal, then leave the tool"],
+  ["F", "Follow the robot"],
+  ["T", "Top view"],
+  ["L", "Layers"],
+  ["?", "This help"],
+];
+
+const GESTURES: [string, string][] = [
+  ["Tap, goal tool on", "A point; the robot chooses its heading"],
+  ["Press, drag, release", "A point with the heading of the drag"],
+  ["Drag the scene", "Turn; right button or two fingers move it"],
+  ["Wheel or pinch", "Nearer and farther"],
+  ["Hold the release", "One second, or hold Enter on it"],
+];
+
+/** The keys and gestures, beside the scene and not over it where there is room. */
+export function HelpPanel({ onClose }: { onClose: () => void }) {
+  return (
+    <aside className={classes.panel} aria-label="Help" data-testid="help-panel">
+      <header className={classes.head}>
+        <h2>Keys and gestures</h2>
+        <CloseButton size="lg" aria-label="Close help" onClick={onClose} />
+      </header>
+      <dl className={classes.list}>
+        {KEYS.map(([key, what]) => (
+          <div key={key}>
+            <dt>
+              <Kbd>{key}</Kbd>
+            </dt>
+            <dd>{what}</dd>
+          </div>
+        ))}
+      </dl>
+      <dl className={classes.gestures}>
+        {GESTURES.map(([gesture, what]) => (
+          <div key={gesture}>
+            <dt>{gesture}</dt>
+            <dd>{what}</dd>
+          </div>
+        ))}
+      </dl>
+    </aside>
+  );
+}

@@ -1,0 +1,46 @@
+import type { Pose } from "../api/types";
+import { ageText, degreesText, signed } from "../format";
+import { POSE_DEADLINE_S } from "../state/overall";
+import { useRobot } from "../state/RobotContext";
+import classes from "./StatusLine.module.css";
+
+/** Where the robot is, how old that is, and who else looks. */
+export function StatusLine() {
+  const { state, elapsed, frozen, connected } = useRobot();
+  const scan = state?.streams.find((stream) => stream.key === "scan");
+  return (
+    <footer className={classes.line} data-testid="status-line">
+      <span className={classes.link} data-frozen={frozen || undefined}>
+        {frozen ? (connected ? "No data" : "Disconnected") : "Live"}
+      </span>
+      <PoseText pose={state?.pose ?? null} elapsed={elapsed} />
+      {scan?.age != null && (
+        <span className={classes.extra}>scan {ageText(scan.age + elapsed)}</span>
+      )}
+      <span className={classes.gap} />
+      {state !== null && (
+        <span className={classes.extra}>
+          {state.viewers === 1 ? "only you watch" : `${state.viewers} pages watch`}
+        </span>
+      )}
+    </footer>
+  );
+}
+
+function PoseText({ pose, elapsed }: { pose: Pose | null; elapsed: number }) {
+  if (pose === null) {
+    return (
+      <span data-testid="pose" className={classes.stale}>
+        position unknown
+      </span>
+    );
+  }
+  const age = pose.age + elapsed;
+  const stale = age > POSE_DEADLINE_S;
+  return (
+    <span data-testid="pose" className={stale ? classes.stale : undefined}>
+      x {signed(pose.x, 2)} y {signed(pose.y, 2)} m · {degreesText(pose.yaw)} · {signed(pose.v, 2)}{" "}
+      m/s{stale && ` · ${ageText(age)} old`}
+    </span>
+  );
+}

@@ -1,0 +1,94 @@
+import { UnstyledButton } from "@mantine/core";
+import {
+  IconCurrentLocation,
+  IconHelpCircle,
+  IconMapPin,
+  IconSquareArrowDown,
+} from "@tabler/icons-react";
+import type { ReactNode } from "react";
+import type { GoalTool } from "../goal/useGoalTool";
+import { LayersMenu } from "../scene/LayersMenu";
+import type { ViewHandle } from "../scene/useView";
+import { useSession } from "../session/SessionContext";
+import classes from "./ToolRail.module.css";
+
+interface Props {
+  scene: ViewHandle;
+  goal: GoalTool;
+  layersOpen: boolean;
+  onLayers: (open: boolean) => void;
+  helpOpen: boolean;
+  onHelp: () => void;
+}
+
+export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }: Props) {
+  const { session } = useSession();
+  const { view, change } = scene;
+  const viewer = session.role === "viewer";
+  return (
+    <nav className={classes.rail} aria-label="Tools">
+      <Tool
+        testId="goal-tool"
+        label="Goal"
+        hint={viewer ? "Viewers watch; an operator sends goals" : "Send the robot somewhere (G)"}
+        on={goal.active}
+        disabled={viewer || view === null}
+        onClick={goal.toggle}
+        icon={<IconMapPin size={22} aria-hidden />}
+      />
+      <LayersMenu scene={scene} open={layersOpen} onOpen={onLayers} className={classes.tool} />
+      <Tool
+        testId="follow"
+        label="Follow"
+        hint="Keep the robot in the middle (F)"
+        on={view?.follow ?? false}
+        disabled={view === null}
+        onClick={() => view !== null && change({ follow: !view.follow })}
+        icon={<IconCurrentLocation size={22} aria-hidden />}
+      />
+      <Tool
+        testId="top-view"
+        label="Top view"
+        hint="Look straight down (T)"
+        on={view?.top ?? false}
+        disabled={view === null}
+        onClick={() => view !== null && change({ top: !view.top })}
+        icon={<IconSquareArrowDown size={22} aria-hidden />}
+      />
+      <Tool
+        testId="help"
+        label="Help"
+        hint="Keys and gestures (?)"
+        on={helpOpen}
+        onClick={onHelp}
+        icon={<IconHelpCircle size={22} aria-hidden />}
+      />
+    </nav>
+  );
+}
+
+interface ToolProps {
+  testId: string;
+  label: string;
+  hint: string;
+  on: boolean;
+  disabled?: boolean;
+  onClick: () => void;
+  icon: ReactNode;
+}
+
+function Tool({ testId, label, hint, on, disabled = false, onClick, icon }: ToolProps) {
+  return (
+    <UnstyledButton
+      className={classes.tool}
+      data-testid={testId}
+      aria-pressed={on}
+      title={hint}
+      disabled={disabled}
+      onClick={onClick}
+    >
+      {icon}
+      <span>{label}</span>
+    </UnstyledButton>
+  );
+}

@@ -1,0 +1,132 @@
+import { ActionIcon, Menu, UnstyledButton } from "@mantine/core";
+import {
+  IconChevronDown,
+  IconLogout,
+  IconMoon,
+  IconSun,
+  IconSunMoon,
+  IconUser,
+} from "@tabler/icons-react";
+import { StatusMark } from "../health/StatusMark";
+import { useSession } from "../session/SessionContext";
+import { overall } from "../state/overall";
+import { useRobot } from "../state/RobotContext";
+import { useStop } from "../stop/StopContext";
+import { Mark } from "./Mark";
+import classes from "./TopBar.module.css";
+import { useTheme } from "./useTheme";
+
+export function TopBar() {
+  const { state } = useRobot();
+  return (
+    <header className={classes.bar}>
+      <span className={classes.robot}>
+        <Mark size={22} />
+        <strong>{state?.robot.name ?? "Kompass Console"}</strong>
+      </span>
+      <OverallState />
+      <span className={classes.gap} />
+      <SimulationRate />
+      <ThemeToggle />
+      <UserMenu />
+    </header>
+  );
+}
+
+function OverallState() {
+  const { state, elapsed, frozen } = useRobot();
+  const { stop, drive } = useStop();
+  const { level, text } = overall(state, elapsed);
+  return (
+    <span className={classes.states}>
+      <span className={classes.state} data-level={level} data-testid="overall" role="status">
+        <StatusMark level={level} />
+        {text}
+      </span>
+      {!frozen && drive?.stopped && (
+        <span className={classes.stopped} data-testid="stopped-hint">
+          {stop.phase === "stopped" ? "Stopped" : "Stopping"}
+        </span>
+      )}
+    </span>
+  );
+}
+
+/** A simulation should never be taken for the robot, nor its clock for the wall's. */
+function SimulationRate() {
+  const { state, elapsed } = useRobot();
+  const simulation = state?.simulation ?? null;
+  if (simulation === null) return null;
+  const stale = simulation.age + elapsed > 3;
+  return (
+    <span
+      className={classes.sim}
+      data-testid="sim-rate"
+      data-stale={stale || undefined}
+      title="Simulated seconds per second"
+    >
+      <span className={classes.simWord}>Simulation </span>
+      {stale ? "silent" : `${simulation.rate.toFixed(2)}×`}
+    </span>
+  );
+}
+
+const THEME_WORDS = { auto: "as the system", light: "light", dark: "dark" } as const;
+
+function ThemeToggle() {
+  const { choice, cycle } = useTheme();
+  const Icon = { auto: IconSunMoon, light: IconSun, dark: IconMoon }[choice];
+  const label = `Theme: ${THEME_WORDS[choice]}`;
+  return (
+    <ActionIcon
+      variant="subtle"
+      color="gray"
+      className={classes.icon}
+      aria-label={label}
+      title={label}
+      data-testid="theme-toggle"
+      onClick={cycle}
+    >
+      <Icon size={20} aria-hidden />
+    </ActionIcon>
+  );
+}
+
+function UserMenu() {
+  const { session, logout } = useSession();
+  const { version, state } = useRobot();
+  return (
+    <Menu position="bottom-end" width={240}>
+      <Menu.Target>
+        <UnstyledButton
+          className={classes.user}
+          aria-label={`User ${session.user}`}
+          data-testid="user-menu"
+        >
+          <IconUser size={18} aria-hidden />
+          <span className={classes.userName}>{session.user}</span>
+          <IconChevronDown size={14} aria-hidden />
+        </UnstyledButton>
+      </Menu.Target>
+      <Menu.Dropdown>
+        <Menu.Label>
+          {session.user}, {session.role}
+        </Menu.Label>
+        {version !== null && <Menu.Label>Kompass Console {version}</Menu.Label>}
+        {state !== null && (
+          <Menu.Label>
+            ROS domain {state.ros.domain_id}, {state.ros.middleware}
+          </Menu.Label>
+        )}
+        <Menu.Divider />
+        <Menu.Item
+          leftSection={<IconLogout size={18} aria-hidden />}
+          onClick={logout}
+          data-testid="logout"
+        >
+          Log out
+        </Menu.Item>
+      </Menu.Dropdown>
+    </Menu>
+  );
+}

@@ -1,0 +1,52 @@
+import { Button, TextInput } from "@mantine/core";
+import { type FormEvent, useState } from "react";
+import { parseCoordinates } from "./coordinates";
+import classes from "./Goal.module.css";
+import type { GoalTool } from "./useGoalTool";
+
+/** A goal without a pointer: x and y in the map frame, and a heading if wanted. */
+export function CoordinatesForm({ tool, view }: { tool: GoalTool; view: string }) {
+  const [x, setX] = useState("");
+  const [y, setY] = useState("");
+  const [heading, setHeading] = useState("");
+  const [asked, setAsked] = useState(false);
+  const { goal, errors } = parseCoordinates(x, y, heading);
+
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    setAsked(true);
+    if (goal !== null) tool.check({ ...goal, view }, null);
+  };
+  const field = (
+    label: string,
+    name: "x" | "y" | "heading",
+    value: string,
+    set: (v: string) => void,
+  ) => (
+    <TextInput
+      label={label}
+      inputMode="decimal"
+      size="sm"
+      value={value}
+      autoFocus={name === "x"}
+      data-testid={`coordinate-${name}`}
+      error={asked ? errors[name] : undefined}
+      onChange={(event) => set(event.currentTarget.value)}
+      onKeyDown={(event) => {
+        if (event.key === "Escape") tool.type(false);
+      }}
+    />
+  );
+  return (
+    <form className={classes.form} onSubmit={submit} aria-label="Goal coordinates" noValidate>
+      <div className={classes.fields}>
+        {field("x (m)", "x", x, setX)}
+        {field("y (m)", "y", y, setY)}
+        {field("Heading (°)", "heading", heading, setHeading)}
+      </div>
+      <Button type="submit" size="sm" data-testid="coordinate-check">
+        Check
+      </Button>
+    </form>
+  );
+}

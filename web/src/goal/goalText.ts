@@ -1,0 +1,90 @@
+import type { Drive, Goal, GoalCheck } from "../api/types";
+import { degreesText, distanceText, durationText, signed } from "../format";
+
+/** How a line is meant: calm, good news, or something for a person. */
+export type Tone = "plain" | "done" | "problem";
+
+export interface GoalLine {
+  tone: Tone;
+  text: string;
+  /** What to do, where something is to be done. */
+  more: string;
+}
+
+/** `4.2 m, about 21 s, clear`: what will happen if the operator says Go. */
+export function checkText(check: GoalCheck): string {
+  if (!check.ok) return check.message;
+  const parts: string[] = [];
+  if (check.length !== null) parts.push(distanceText(check.length));
+  if (check.duration !== null) parts.push(`about ${durationText(check.duration)}`);
+  parts.push(parts.length === 0 ? "Clear" : "clear");
+  return parts.join(", ");
+}
+
+export function placeText(x: number, y: number, yaw: number | null): string {
+  const place = `x ${signed(x, 2)}, y ${signed(y, 2)} m`;
+  return yaw === null ? place : `${place}, heading ${degreesText(yaw)}`;
+}
+
+/** A planner answers a goal at once; later than this, something is wrong. */
+const ACCEPT_WITHIN_S = 3;
+
+export function goalLine(goal: Goal): GoalLine {
+  switch (goal.phase) {
+    case "sent":
+      return goal.elapsed < ACCEPT_WITHIN_S
+        ? line("plain", "Goal sent")
+        : line(
+            "problem",
+            `Sent ${durationText(goal.elapsed)} ago, not accepted yet`,
+            "Look at the planner's health; cancel the goal or send it again.",
+          );
+    case "accepted":
+      return line("plain", "Goal accepted");
+    case "driving":
+      return line("plain", remaining(goal));
+    case "arrived":
+      return line(
+        "done",
+        goal.error === null ? "Arrived" : `Arrived, ${distanceText(goal.error)} off`,
+      );
+    case "failed":
+      return line(
+        "problem",
+        goal.message === "" ? "The goal failed" : goal.message,
+        "Pick another point, or send the goal again.",
+      );
+    case "canceled":
+      return line("plain", "Goal cancelled", goal.message);
+  }
+}
+
+function remaining(goal: Goal): string {
+  if (goal.distance_left === null) return "On the way";
+  const left = `${distanceText(goal.distance_left)} left`;
+  return goal.eta === null ? left : `${left}, about ${durationText(goal.eta)}`;
+}
+
+function line(tone: Tone, text: string, more = ""): GoalLine {
+  return { tone, text, more };
+}
+
+export function isUnderWay(goal: Goal | null): boolean {
+  return goal !== null && ["sent", "accepted", "driving"].includes(goal.phase);
+}
+
+const HELD: Record<string, string> = {
+  obstacle: "an obstacle is close",
+  "scan stale": "the laser scan is late",
+  "odometry stale": "the odometry is late",
+  "command stale": "no commands arrive",
+};
+
+/** Why the robot is slower than it was told to be; null when nothing holds it. */
+export function limitText(drive: Drive | null): string | null {
+  if (drive === null || drive.stopped || drive.limited_by === "") return null;
+  const why = HELD[drive.limited_by] ?? drive.limited_by;
+  const percent = Math.round(drive.speed_factor * 100);
+  if (percent >= 100) return null;
+  return percent <= 0 ? `Held: ${why}` : `Slowed to ${percent} %: ${why}`;
+}

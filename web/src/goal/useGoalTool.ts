@@ -1,0 +1,124 @@
+import { useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { checkGoal, removePreview, sendGoal } from "../api/client";
+import { ApiError, asApiError } from "../api/errors";
+import type { GoalCheck, GoalPick, GoalPoint } from "../api/types";
+import type { Px } from "./gesture";
+
+/** A goal that is being prepared: not sent, or its sending was refused. */
+export interface Draft {
+  /** Where the hand is, in page pixels; null when the coordinates were typed. */
+  anchor: Px | null;
+  phase: "checking" | "checked" | "sending";
+  check: GoalCheck | null;
+  error: ApiError | null;
+}
+
+export interface GoalTool {
+  active: boolean;
+  typing: boolean;
+  draft: Draft | null;
+  toggle: () => void;
+  type: (open: boolean) => void;
+  check: (goal: GoalPick | GoalPoint, anchor: Px | null) => void;
+  /** Sends the checked goal. */
+  go: () => void;
+  /** Sends the nearest reachable point instead. */
+  goNearest: () => void;
+  /** Drops the draft, else leaves the tool. Returns whether there was anything to leave. */
+  back: () => boolean;
+  drop: () => void;
+}
+
+/** The goal tool: pick, check, then send; each answer belongs to the newest pick only. */
+export function useGoalTool(viewId: string | null): GoalTool {
+  const [active, setActive] = useState(false);
+  const [typing, setTyping] = useState(false);
+  const [draft, setDraft] = useState<Draft | null>(null);
+  const asking = useRef<AbortController | null>(null);
+  useEffect(() => () => asking.current?.abort(), []);
+
+  const drop = useCallback(() => {
+    asking.current?.abort();
+    asking.current = null;
+    setDraft(null);
+    if (viewId !== null) {
+      removePreview(viewId).catch((error: unknown) => {
+        // Only a drawing is left behind, and the next check replaces it.
+        if (!(error instanceof ApiError)) throw error;
+      });
+    }
+  }, [viewId]);
+
+  const check = useCallback((goal: GoalPick | GoalPoint, anchor: Px | null) => {
+    asking.current?.abort();
+    const mine = new AbortController();
+    asking.current = mine;
+    setDraft({ anchor, phase: "checking", check: null, error: null });
+    checkGoal(goal, mine.signal).then(
+      (answer) => {
+        if (asking.current !== mine) return;
+        setDraft({ anchor, phase: "checked", check: answer, error: null });
+      },
+      (error: unknown) => {
+        if (asking.current !== mine) return;
+        setDraft({ anchor, phase: "checked", check: null, error: asApiError(error) });
+      },
+    );
+  }, []);
+
+  const send = useCallback(
+    (goal: GoalPoint, from: Draft) => {
+      const mine = new AbortController();
+      asking.current = mine;
+      setDraft({ ...from, phase: "sending", error: null });
+      sendGoal(viewId === null ? goal : { ...goal, view: viewId }).then(
+        () => {
+          if (asking.current !== mine) return;
+          setDraft(null);
+          setTyping(false);
+          setActive(false);
+        },
+        (error: unknown) => {
+          if (asking.current === mine) setDraft({ ...from, error: asApiError(error) });
+        },
+      );
+    },
+    [viewId],
+  );
+
+  const go = useCallback(() => {
+    if (draft?.phase !== "checked" || !draft.check?.ok) return;
+    const { x, y, yaw } = draft.check;
+    send({ x, y, yaw }, draft);
+  }, [draft, send]);
+
+  const goNearest = useCallback(() => {
+    const nearest = draft?.check?.nearest;
+    if (draft?.phase !== "checked" || !nearest) return;
+    send({ x: nearest.x, y: nearest.y, yaw: draft.check?.yaw ?? null }, draft);
+  }, [draft, send]);
+
+  const leave = useCallback(() => {
+    if (draft !== null) drop();
+    setTyping(false);
+    setActive(false);
+  }, [draft, drop]);
+
+  const toggle = useCallback(() => {
+    if (active) leave();
+    else setActive(true);
+  }, [active, leave]);
+
+  const back = useCallback(() => {
+    if (draft !== null) drop();
+    else if (typing) setTyping(false);
+    else if (active) setActive(false);
+    else return false;
+    return true;
+  }, [draft, typing, active, drop]);
+
+  return useMemo(
+    () => ({ active, typing, draft, toggle, type: setTyping, check, go, goNearest, back, drop }),
+    [active, typing, draft, toggle, check, go, goNearest, back, drop],
+  );
+}

@@ -1,0 +1,71 @@
+import { Menu, UnstyledButton } from "@mantine/core";
+import { IconCheck, IconStack2 } from "@tabler/icons-react";
+import type { LayerKey } from "../api/types";
+import type { ViewHandle } from "./useView";
+
+const LAYERS: [LayerKey, string][] = [
+  ["map", "Map"],
+  ["local_map", "Local map"],
+  ["path", "Path"],
+  ["scan", "Laser scan"],
+  ["robot", "Robot"],
+  ["goal", "Goal"],
+  ["trail", "Trail"],
+];
+
+interface Props {
+  scene: ViewHandle;
+  open: boolean;
+  onOpen: (open: boolean) => void;
+  className: string | undefined;
+}
+
+/** Which parts of the scene are drawn; stays open while several are switched. */
+export function LayersMenu({ scene, open, onOpen, className }: Props) {
+  const { view, toggleLayer } = scene;
+  return (
+    <Menu
+      opened={open}
+      onChange={onOpen}
+      position="right-start"
+      closeOnItemClick={false}
+      width={200}
+    >
+      <Menu.Target>
+        <UnstyledButton
+          className={className}
+          disabled={view === null}
+          data-testid="layers"
+          title="What the scene shows (L)"
+        >
+          <IconStack2 size={22} aria-hidden />
+          <span>Layers</span>
+        </UnstyledButton>
+      </Menu.Target>
+      <Menu.Dropdown aria-label="Layers">
+        {LAYERS.map(([key, label]) => {
+          const on = view?.layers[key] ?? false;
+          return (
+            <Menu.Item
+              key={key}
+              role="menuitemcheckbox"
+              aria-checked={on}
+              data-testid={`layer-${key}`}
+              onClick={() => toggleLayer(key)}
+              mih={44}
+              leftSection={
+                <IconCheck
+                  size={18}
+                  aria-hidden
+                  style={{ visibility: on ? "visible" : "hidden" }}
+                />
+              }
+            >
+              {label}
+            </Menu.Item>
+          );
+        })}
+      </Menu.Dropdown>
+    </Menu>
+  );
+}

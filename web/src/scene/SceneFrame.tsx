@@ -1,0 +1,15 @@
+import { memo } from "react";
+import classes from "./Scene.module.css";
+
+/** The 3D scene: viser's client of this page's view. Never re-rendered by robot data. */
+export const SceneFrame = memo(function SceneFrame({ id }: { id: string }) {
+  return (
+    <iframe
+      key={id}
+      className={classes.frame}
+      data-testid="scene-frame"
+      title="3D scene: map, robot and paths"
+      src={`/scene/${encodeURIComponent(id)}/`}
+    />
+  );
+});

@@ -1,0 +1,41 @@
+import { wholeAgeText } from "../format";
+import { Band } from "../frame/Band";
+import { POSE_DEADLINE_S } from "../state/overall";
+import { useRobot } from "../state/RobotContext";
+
+/** A position as old as this is told across the scene; younger ones only grey out. */
+const TELL_AFTER_S = Math.max(1, POSE_DEADLINE_S);
+
+/** Says that the scene shows the past. */
+export function StaleBand() {
+  const { state, elapsed, frozen, connected } = useRobot();
+  if (frozen) {
+    const since = wholeAgeText(elapsed);
+    return (
+      <Band
+        tone="stale"
+        testId="stale-band"
+        title={
+          state === null
+            ? `Waiting for the robot: no data for ${since}${connected ? "." : ", connecting…"}`
+            : `View is frozen: no data from the robot for ${since}${connected ? "." : ", reconnecting…"}`
+        }
+      >
+        {state !== null && "The robot may have moved. STOP still tries to reach it."}
+      </Band>
+    );
+  }
+  if (state === null) return null;
+  if (state.pose === null) {
+    return (
+      <Band tone="stale" testId="stale-band" title="Position unknown: no odometry received yet." />
+    );
+  }
+  const age = state.pose.age + elapsed;
+  if (age < TELL_AFTER_S) return null;
+  return (
+    <Band tone="stale" testId="stale-band" title={`Position is ${wholeAgeText(age)} old.`}>
+      The robot may be elsewhere; check its odometry.
+    </Band>
+  );
+}

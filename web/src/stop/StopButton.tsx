@@ -1,0 +1,31 @@
+import { UnstyledButton } from "@mantine/core";
+import classes from "./Stop.module.css";
+import { useStop } from "./StopContext";
+import { stopLabel } from "./stopMachine";
+
+/** Always on screen, above everything, and pressable in every state. */
+export function StopButton() {
+  const { stop, press } = useStop();
+  const { word, spoken } = stopLabel(stop.phase);
+  return (
+    <UnstyledButton
+      className={classes.button}
+      data-phase={stop.phase}
+      data-testid="stop-button"
+      aria-label={spoken}
+      // On press, not on release: a finger that slips off has still stopped the robot.
+      onPointerDown={(event) => {
+        if (event.button === 0) press();
+      }}
+      onClick={(event) => {
+        // Enter and assistive technology click without a pointer.
+        if (event.detail === 0) press();
+      }}
+    >
+      <span className={classes.word}>{word}</span>
+      {stop.phase === "idle" && <span className={classes.hint}>Space</span>}
+      {stop.phase === "stopped" && <span className={classes.hint}>standstill ✓</span>}
+      {stop.phase === "unconfirmed" && <span className={classes.hint}>press again</span>}
+    </UnstyledButton>
+  );
+}

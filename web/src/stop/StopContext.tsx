@@ -1,0 +1,71 @@
+import {
+  createContext,
+  type ReactNode,
+  useCallback,
+  useContext,
+  useEffect,
+  useMemo,
+  useReducer,
+} from "react";
+import { stopRobot } from "../api/client";
+import { asApiError } from "../api/errors";
+import type { Drive } from "../api/types";
+import { useKeys } from "../keys";
+import { FROZEN_S } from "../state/overall";
+import { useRobot } from "../state/RobotContext";
+import { IDLE, type StopState, stopReducer } from "./stopMachine";
+
+interface Stop {
+  stop: StopState;
+  /** The drive manager's newest report, or null when it is too old to believe. */
+  drive: Drive | null;
+  press: () => void;
+  dismiss: () => void;
+}
+
+const StopContext = createContext<Stop | null>(null);
+
+export function StopProvider({ children }: { children: ReactNode }) {
+  const { state, elapsed } = useRobot();
+  const [stop, dispatch] = useReducer(stopReducer, IDLE);
+  const reported = state?.drive ?? null;
+  const drive =
+    reported?.available && reported.age + elapsed <= FROZEN_S && elapsed <= FROZEN_S
+      ? reported
+      : null;
+
+  // `elapsed` runs on while nothing arrives: it is what makes an unanswered stop time out.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: elapsed is the clock of this effect
+  useEffect(() => {
+    dispatch({ type: "observed", drive, now: performance.now() });
+  }, [drive, elapsed]);
+
+  const press = useCallback(() => {
+    dispatch({ type: "pressed", now: performance.now() });
+    stopRobot().then(
+      (answer) => {
+        if (!answer.accepted) dispatch({ type: "refused", problem: answer.message, remedy: "" });
+      },
+      (error: unknown) => {
+        const { title, remedy } = asApiError(error);
+        dispatch({ type: "refused", problem: title, remedy });
+      },
+    );
+  }, []);
+  const dismiss = useCallback(() => dispatch({ type: "dismissed" }), []);
+
+  useKeys(({ key }) => {
+    if (key !== " ") return false;
+    press();
+    return true;
+  });
+
+  const value = useMemo(() => ({ stop, drive, press, dismiss }), [stop, drive, press, dismiss]);
+  return <StopContext value={value}>{children}</StopContext>;
+}
+
+export function useStop(): Stop {
+  const stop = useContext(StopContext);
+  if (stop === null) throw new Error("useStop needs a StopProvider above it");
+  return stop;
+}

@@ -1,0 +1,27 @@
+import { createTheme, type MantineColorsTuple } from "@mantine/core";
+
+/** The one accent: shade 7 carries white text, shade 4 stands on dark ground, both above 4.5:1. */
+const blue: MantineColorsTuple = [
+  "#edf4ff",
+  "#d9e7fb",
+  "#b4cff5",
+  "#93bbf2",
+  "#74a8ee",
+  "#4f8ee3",
+  "#2f74d0",
+  "#1f5fbf",
+  "#184d9e",
+  "#113c7d",
+];
+
+export const theme = createTheme({
+  primaryColor: "kompass",
+  primaryShade: { light: 7, dark: 7 },
+  colors: { kompass: blue },
+  fontFamily: 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif',
+  fontFamilyMonospace: 'ui-monospace, "SF Mono", Menlo, Consolas, "DejaVu Sans Mono", monospace',
+  fontSizes: { xs: "0.8125rem", sm: "0.875rem", md: "0.875rem", lg: "1rem", xl: "1.125rem" },
+  defaultRadius: "md",
+  respectReducedMotion: true,
+  focusRing: "auto",
+});
