@@ -1,0 +1,304 @@
+"""What all path followers share: turn towards the path, drive along it, stop at its end, align."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kompass.algorithms.following.command import Command, FollowStep, Phase
+from kompass.algorithms.following.limits import Limits, stopping_speed
+from kompass.algorithms.following.path_tracker import PathTracker
+from kompass.algorithms.geometry import Floats, wrap_angle
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowerParams:
+    """Common to all followers.
+
+    Attributes:
+        lookahead_distance: Arc ahead of the robot whose end tells which way to face [m].
+        goal_tolerance: Distance from the path's end that counts as there [m].
+        heading_tolerance: Difference from the goal's heading that counts as aligned [rad].
+        turn_in_place_angle: Facing farther than this from the path, the robot turns first [rad].
+        turn_done_angle: … until it faces it this closely [rad].
+        lateral_acceleration: Allowed in curves [m/s²].
+        approach_deceleration: Used to slow down towards the goal, if the robot can [m/s²].
+        min_speed: Least speed while the goal is not reached [m/s].
+        min_turn_rate: Least rate of turning on the spot [rad/s].
+    """
+
+    lookahead_distance: float = 0.35
+    goal_tolerance: float = 0.03
+    heading_tolerance: float = 0.05
+    turn_in_place_angle: float = 1.0
+    turn_done_angle: float = 0.15
+    lateral_acceleration: float = 0.3
+    approach_deceleration: float = 0.3
+    min_speed: float = 0.02
+    min_turn_rate: float = 0.1
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if isinstance(value, (int, float)) and not (math.isfinite(value) and value >= 0):
+                raise ValueError(f"{item.name}: {value}; give a finite number, 0 or more")
+        for name in ("lookahead_distance", "goal_tolerance", "heading_tolerance"):
+            if getattr(self, name) == 0:
+                raise ValueError(f"{name}: 0; give a number above 0")
+        if not self.turn_done_angle < self.turn_in_place_angle:
+            raise ValueError(
+                f"turn_done_angle: {self.turn_done_angle} rad; give less than "
+                f"turn_in_place_angle, {self.turn_in_place_angle} rad"
+            )
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What a steering law gets to see: pose, current velocity, the path, and the speed allowed."""
+
+    x: float
+    y: float
+    yaw: float
+    speed: float
+    turn_rate: float
+    tracker: PathTracker
+    homing: bool
+    allowed_speed: float
+    dt: float
+
+
+class PathFollower(ABC):
+    """Follows one path after another; a subclass supplies the steering law.
+
+    Args:
+        params: See :class:`FollowerParams`.
+        max_v: [m/s]
+        max_omega: [rad/s]
+        acc: [m/s²]
+        decel: [m/s²]
+        omega_acc: Both ways [rad/s²].
+    """
+
+    def __init__(
+        self,
+        params: FollowerParams,
+        *,
+        max_v: float,
+        max_omega: float,
+        acc: float,
+        decel: float,
+        omega_acc: float,
+    ) -> None:
+        self._params = params
+        self._linear = Limits(max_v, acc, decel)
+        self._angular = Limits(max_omega, omega_acc, omega_acc)
+        for name, value in (
+            ("max_v", max_v),
+            ("max_omega", max_omega),
+            ("acc", acc),
+            ("decel", decel),
+            ("omega_acc", omega_acc),
+        ):
+            if value <= 0:
+                raise ValueError(f"{name}: {value}; give a number above 0")
+        self._poses: Floats | None = None
+        self._tracker: PathTracker | None = None
+        self._phase: Phase = "driving"
+        self._last = Command()
+
+    @property
+    def tracker(self) -> PathTracker | None:
+        """Progress along the current path; None before the first one."""
+        return self._tracker
+
+    def set_path(self, poses: ArrayLike) -> None:
+        """Follow ``poses`` (N, 3) from now on; the last yaw is the heading to end with.
+
+        The path is joined where it first comes (almost) nearest to the robot, which keeps
+        moving meanwhile. Setting the path that is being followed again changes nothing.
+
+        Raises:
+            ValueError: No poses, or one that is not finite.
+        """
+        given = np.array(poses, dtype=np.float64)
+        same = self._poses is not None and np.array_equal(self._poses, given)
+        if same and self._phase != "arrived":
+            return
+        self._tracker = PathTracker(given)
+        self._poses = given
+        self._phase = "driving"
+
+    def reset(self) -> None:
+        """Forget the commanded velocity, after something else has driven or stopped the robot."""
+        self._last = Command()
+
+    def step(self, pose: ArrayLike, v: float, omega: float, dt: float) -> FollowStep:
+        """The command for the next ``dt`` [s].
+
+        Args:
+            pose: (x, y, yaw) of the robot in the frame of the path.
+            v: Its measured velocity ahead [m/s].
+            omega: And its turning rate [rad/s].
+            dt: Control period [s].
+
+        Raises:
+            ValueError: An argument is not finite, or ``dt`` is not positive.
+            RuntimeError: No path has been set.
+        """
+        x, y, yaw = (float(value) for value in np.asarray(pose, dtype=np.float64))
+        if not all(map(math.isfinite, (x, y, yaw, v, omega))):
+            raise ValueError(f"pose, v, omega: {(x, y, yaw, v, omega)}; give finite numbers")
+        if not (math.isfinite(dt) and dt > 0):
+            raise ValueError(f"dt: {dt} s; give the control period, above 0")
+        tracker = self._tracker
+        if tracker is None:
+            raise RuntimeError("No path to follow: call set_path first.")
+        speed, turn_rate = self._velocity(v, omega, dt)
+        tracker.advance(x, y)
+        dx, dy = tracker.goal[0] - x, tracker.goal[1] - y
+        distance = math.hypot(dx, dy)
+        ahead = math.cos(yaw) * dx + math.sin(yaw) * dy
+        self._settle_phase(tracker, distance, ahead, speed, dt)
+
+        heading_error = wrap_angle(tracker.heading_at(tracker.progress) - yaw)
+        if self._phase == "arrived":
+            command = Command()
+        elif self._phase == "aligning":
+            heading_error = wrap_angle(tracker.goal_yaw - yaw)
+            command = self._align(heading_error, speed, turn_rate, dt)
+            at_rest = abs(v) <= 0.02 and abs(omega) <= 0.1 and command == Command()
+            if at_rest and abs(heading_error) <= self._params.heading_tolerance:
+                self._phase = "arrived"
+        else:
+            command = self._move(x, y, yaw, speed, turn_rate, distance, dt)
+        self._last = command
+        return FollowStep(
+            command=command,
+            phase=self._phase,
+            progress=tracker.progress,
+            remaining=tracker.remaining,
+            cross_track_error=tracker.cross_track(x, y),
+            heading_error=heading_error,
+        )
+
+    def _velocity(self, v: float, omega: float, dt: float) -> tuple[float, float]:
+        """What to accelerate from: the last command, unless the robot plainly did not follow it.
+
+        Measurements lag and are noisy; but after a stop or a slowdown they are right.
+        """
+        linear, angular = self._linear, self._angular
+        speed, turn_rate = self._last.vx, self._last.omega
+        if abs(v - speed) > max(0.3 * linear.max_vel, 3.0 * linear.max_acc * dt):
+            speed = v
+        if abs(omega - turn_rate) > max(0.3 * angular.max_vel, 3.0 * angular.max_acc * dt):
+            turn_rate = omega
+        return speed, turn_rate
+
+    def _settle_phase(
+        self, tracker: PathTracker, distance: float, ahead: float, speed: float, dt: float
+    ) -> None:
+        tolerance = self._params.goal_tolerance
+        if self._phase == "aligning":
+            if distance > tolerance:
+                self._phase = "driving"
+        elif (
+            self._phase != "arrived"
+            and tracker.remaining <= tolerance
+            and distance <= 0.7 * tolerance
+            and ahead <= 0.15 * tolerance + 0.5 * abs(speed) * dt
+        ):
+            self._phase = "aligning"
+
+    def _move(
+        self,
+        x: float,
+        y: float,
+        yaw: float,
+        speed: float,
+        turn_rate: float,
+        distance: float,
+        dt: float,
+    ) -> Command:
+        tracker, params = self._tracker, self._params
+        assert tracker is not None
+        # Past the end of the path or beside it, only the straight way to the goal is left.
+        dx, dy = tracker.goal[0] - x, tracker.goal[1] - y
+        end = tracker.end_heading
+        homing = (
+            tracker.remaining <= params.goal_tolerance
+            and math.cos(end) * dx + math.sin(end) * dy <= 0.3 * params.goal_tolerance
+        )
+        if homing:
+            target = tracker.goal
+        else:
+            target = tracker.point_at(tracker.progress + params.lookahead_distance)
+        bearing = wrap_angle(math.atan2(target[1] - y, target[0] - x) - yaw)
+        if homing and distance <= 0.7 * params.goal_tolerance:
+            bearing = 0.0  # on the spot: where it lies does not matter any more
+        limit = params.turn_in_place_angle * (0.5 if homing else 1.0)
+        if abs(bearing) > limit:
+            self._phase = "turning"
+        elif self._phase == "turning" and abs(bearing) <= params.turn_done_angle:
+            self._phase = "driving"
+        if self._phase == "turning":
+            return self._turn(bearing, speed, turn_rate, dt)
+
+        allowed = self._allowed_speed(tracker, bearing, distance if homing else None, dt)
+        situation = Situation(x, y, yaw, speed, turn_rate, tracker, homing, allowed, dt)
+        vx, omega = self._drive(situation)
+        return Command(
+            self._linear.approach(speed, vx, dt), 0.0, self._angular.approach(turn_rate, omega, dt)
+        )
+
+    def _allowed_speed(
+        self, tracker: PathTracker, bearing: float, straight: float | None, dt: float
+    ) -> float:
+        """How fast the path ahead, its end and the robot's heading allow it to go [m/s]."""
+        params = self._params
+        limits = [self._linear.max_vel * max(0.2, math.cos(bearing))]
+        if straight is None:
+            at = tracker.progress
+            curvature = tracker.sharpest(at, min(at + params.lookahead_distance, tracker.length))
+            if curvature > 1e-6:
+                limits.append(0.9 * self._angular.max_vel / curvature)
+                limits.append(math.sqrt(params.lateral_acceleration / curvature))
+        decel = min(params.approach_deceleration, self._linear.max_decel)
+        left = tracker.remaining if straight is None else straight
+        limits.append(stopping_speed(left, decel, 1.5 * dt))
+        return max(min(limits), min(params.min_speed, self._linear.max_vel))
+
+    def _turn(self, angle: float, speed: float, turn_rate: float, dt: float) -> Command:
+        """Turn on the spot by ``angle`` [rad], slowing down in time."""
+        limit = stopping_speed(abs(angle), 0.5 * self._angular.max_decel, 1.5 * dt)
+        rate = min(self._angular.max_vel, max(limit, self._params.min_turn_rate))
+        return Command(
+            self._linear.approach(speed, 0.0, dt),
+            0.0,
+            self._angular.approach(turn_rate, math.copysign(rate, angle), dt),
+        )
+
+    def _align(self, error: float, speed: float, turn_rate: float, dt: float) -> Command:
+        if abs(error) > 0.5 * self._params.heading_tolerance:
+            return self._turn(error, speed, turn_rate, dt)
+        return Command(
+            self._linear.approach(speed, 0.0, dt), 0.0, self._angular.approach(turn_rate, 0.0, dt)
+        )
+
+    def _drive(self, situation: Situation) -> tuple[float, float]:
+        """Velocity and turning rate wanted next; the limits of acceleration are applied after."""
+        curvature = self._curvature(situation)
+        v = situation.allowed_speed
+        # The turning rate wins: rather slower than off the curve.
+        if abs(curvature) * v > self._angular.max_vel:
+            v = self._angular.max_vel / abs(curvature)
+        reached = self._linear.approach(situation.speed, v, situation.dt)
+        limit = self._angular.max_vel
+        return v, min(max(curvature * reached, -limit), limit)
+
+    @abstractmethod
+    def _curvature(self, situation: Situation) -> float:
+        """The curvature to drive now [1/m], positive to the left."""

@@ -1,0 +1,83 @@
+"""Stanley: steer by the heading error and the cross-track error at the front axle.
+
+G. M. Hoffmann, C. J. Tomlin, M. Montemerlo, S. Thrun, "Autonomous Automobile Trajectory Tracking
+for Off-Road Driving: Controller Design, Experimental Validation and Racing", ACC 2007.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from kompass.algorithms.following.follower import FollowerParams, PathFollower, Situation
+from kompass.algorithms.geometry import wrap_angle
+
+
+@dataclass(frozen=True, kw_only=True)
+class StanleyParams(FollowerParams):
+    """The law's own parameters.
+
+    Attributes:
+        heading_gain: On the heading error.
+        cross_track_gain: k in atan(k e / v) [1/s].
+        cross_track_min_linear_vel: Least v there, which keeps a slow robot from twitching [m/s].
+        wheel_base: From the axle that drives to the (virtual) one that steers [m].
+        max_steer: Of the (virtual) steering angle [rad].
+    """
+
+    heading_gain: float = 1.0
+    cross_track_gain: float = 1.5
+    cross_track_min_linear_vel: float = 0.1
+    wheel_base: float = 0.16
+    max_steer: float = 1.2
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.wheel_base > 0:
+            raise ValueError(f"wheel_base: {self.wheel_base} m; give a number above 0")
+        if not 0 < self.max_steer < math.pi / 2:
+            raise ValueError(f"max_steer: {self.max_steer} rad; give between 0 and π/2")
+
+
+class Stanley(PathFollower):
+    """Stanley's law; a robot without a steered axle drives as if it had one ahead of it."""
+
+    def __init__(
+        self,
+        config: StanleyParams | None = None,
+        *,
+        max_v: float,
+        max_omega: float,
+        acc: float,
+        decel: float,
+        omega_acc: float,
+    ) -> None:
+        self.config = config or StanleyParams()
+        super().__init__(
+            self.config,
+            max_v=max_v,
+            max_omega=max_omega,
+            acc=acc,
+            decel=decel,
+            omega_acc=omega_acc,
+        )
+
+    def _curvature(self, situation: Situation) -> float:
+        tracker, config = situation.tracker, self.config
+        if situation.homing:
+            dx, dy = tracker.goal[0] - situation.x, tracker.goal[1] - situation.y
+            steer = wrap_angle(math.atan2(dy, dx) - situation.yaw)
+        else:
+            # The published law looks at the path beside the front axle, not the rear one.
+            front_x = situation.x + config.wheel_base * math.cos(situation.yaw)
+            front_y = situation.y + config.wheel_base * math.sin(situation.yaw)
+            at = tracker.progress + config.wheel_base
+            path_x, path_y = tracker.point_at(at)
+            heading = tracker.heading_at(at)
+            error = math.cos(heading) * (front_y - path_y) - math.sin(heading) * (front_x - path_x)
+            speed = max(abs(situation.speed), config.cross_track_min_linear_vel)
+            steer = config.heading_gain * wrap_angle(heading - situation.yaw) - math.atan(
+                config.cross_track_gain * error / speed
+            )
+        steer = min(max(steer, -config.max_steer), config.max_steer)
+        return math.tan(steer) / config.wheel_base

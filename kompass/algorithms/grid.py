@@ -1,0 +1,103 @@
+"""An occupancy grid and the way between its cells and the world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kompass.algorithms.geometry import Floats, transform_points
+
+UNKNOWN = -1
+FREE = 0
+OCCUPIED = 100
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Cells of a map, as in nav_msgs/OccupancyGrid: -1 unknown, 0 free … 100 occupied.
+
+    ``cells`` is int8 (H, W); ``cells[row, col]`` covers the square from
+    ``(col, row) * resolution`` to ``(col + 1, row + 1) * resolution`` in the grid's own frame,
+    whose pose in the world is ``origin`` (x, y, yaw).
+    """
+
+    cells: NDArray[np.int8]
+    resolution: float
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if self.cells.ndim != 2 or self.cells.size == 0:
+            raise ValueError(
+                f"cells: shape {self.cells.shape} is no map; give rows and columns, (H, W) ≥ (1, 1)"
+            )
+        if not (math.isfinite(self.resolution) and self.resolution > 0):
+            raise ValueError(f"resolution: {self.resolution} m; give a cell size above 0")
+        if not all(math.isfinite(value) for value in self.origin):
+            raise ValueError(f"origin: {self.origin}; give finite x, y [m] and yaw [rad]")
+
+    @classmethod
+    def from_row_major(
+        cls,
+        data: Sequence[int] | NDArray[np.int8],
+        width: int,
+        height: int,
+        resolution: float,
+        origin: tuple[float, float, float],
+    ) -> Grid:
+        """From the flat ``data`` of a nav_msgs/OccupancyGrid.
+
+        Raises:
+            ValueError: ``data`` does not hold ``width * height`` cells.
+        """
+        flat = np.asarray(data, dtype=np.int8)
+        if flat.size != width * height:
+            raise ValueError(
+                f"data: {flat.size} cells, but width {width} × height {height} needs "
+                f"{width * height}; the message is truncated or its info is wrong"
+            )
+        return cls(flat.reshape(height, width), float(resolution), origin)
+
+    @property
+    def height(self) -> int:
+        return int(self.cells.shape[0])
+
+    @property
+    def width(self) -> int:
+        return int(self.cells.shape[1])
+
+    def to_grid_frame(self, pts: ArrayLike) -> Floats:
+        """World points (N, 2) in the grid's own frame [m]."""
+        x, y, yaw = self.origin
+        points = np.asarray(pts, dtype=np.float64).reshape(-1, 2) - (x, y)
+        return transform_points((0.0, 0.0, -yaw), points) if yaw else points
+
+    def world_to_cell(self, pts: ArrayLike) -> NDArray[np.int64]:
+        """The cells (N, 2) as (col, row) that hold world points (N, 2); may lie outside."""
+        cells: NDArray[np.int64] = np.floor(self.to_grid_frame(pts) / self.resolution).astype(
+            np.int64
+        )
+        return cells
+
+    def cell_to_world(self, cells: ArrayLike) -> Floats:
+        """World coordinates (N, 2) of the centres of cells (N, 2) given as (col, row)."""
+        centres = (np.asarray(cells, dtype=np.float64).reshape(-1, 2) + 0.5) * self.resolution
+        return transform_points(self.origin, centres)
+
+    def contains(self, pts: ArrayLike) -> NDArray[np.bool_]:
+        """Which world points (N, 2) lie on the grid; bool (N,)."""
+        col, row = self.world_to_cell(pts).T
+        inside: NDArray[np.bool_] = (
+            (col >= 0) & (col < self.width) & (row >= 0) & (row < self.height)
+        )
+        return inside
+
+    def occupied(self, threshold: int = 65, unknown_is_obstacle: bool = False) -> NDArray[np.bool_]:
+        """Obstacle cells, bool (H, W): those at or above ``threshold``, and unknown ones if asked."""
+        blocked: NDArray[np.bool_] = self.cells >= threshold
+        if unknown_is_obstacle:
+            blocked = blocked | (self.cells < 0)
+        return blocked

@@ -1,0 +1,134 @@
+"""Maps on disk, as map_server writes them: a YAML file beside a PGM or PNG image."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from PIL import Image, UnidentifiedImageError
+
+from kompass.algorithms.grid import FREE, OCCUPIED, UNKNOWN, Grid
+
+# What map_saver writes: brightness of occupied, unknown and free cells, and the thresholds that
+# read them back as the same three.
+_PIXEL_OCCUPIED, _PIXEL_UNKNOWN, _PIXEL_FREE = 0, 205, 254
+_OCCUPIED_THRESHOLD, _FREE_THRESHOLD = 0.65, 0.196
+
+
+class MapFileError(ValueError):
+    """A map file that cannot be used; the message names file, field, value and remedy."""
+
+
+def load_map(path: Path) -> Grid:
+    """The map that a map_server YAML file describes.
+
+    Fields: ``image`` (relative to the YAML file), ``resolution`` [m], ``origin`` [x, y, yaw],
+    and optionally ``negate`` (0), ``occupied_thresh`` (0.65), ``free_thresh`` (0.196) and
+    ``mode`` (trinary). The image's top row is the map's highest y.
+
+    Raises:
+        MapFileError: A file is missing or is no image, or a field is missing or unusable.
+    """
+    path = Path(path)
+    fields = _read_fields(path)
+    resolution = _number(path, fields, "resolution", None)
+    if resolution <= 0:
+        raise MapFileError(f"{path}: resolution: {resolution}; give the cell size in metres, > 0")
+    origin = fields.get("origin")
+    if not isinstance(origin, list) or len(origin) != 3 or not all(map(_is_number, origin)):
+        raise MapFileError(f"{path}: origin: {origin!r}; give [x, y, yaw] in metres and radians")
+    mode = fields.get("mode", "trinary")
+    if mode != "trinary":
+        raise MapFileError(f"{path}: mode: {mode!r} is not supported; use 'trinary'")
+    negate = fields.get("negate", 0)
+    if negate not in (0, 1):
+        raise MapFileError(f"{path}: negate: {negate!r}; give 0 (dark is occupied) or 1")
+    occupied_threshold = _number(path, fields, "occupied_thresh", _OCCUPIED_THRESHOLD)
+    free_threshold = _number(path, fields, "free_thresh", _FREE_THRESHOLD)
+    if not 0 <= free_threshold < occupied_threshold <= 1:
+        raise MapFileError(
+            f"{path}: free_thresh: {free_threshold}, occupied_thresh: {occupied_threshold}; "
+            "they must satisfy 0 <= free_thresh < occupied_thresh <= 1"
+        )
+
+    brightness = _read_image(path, fields.get("image")).astype(np.float64) / 255.0
+    occupancy = brightness if negate else 1.0 - brightness
+    cells = np.full(occupancy.shape, UNKNOWN, dtype=np.int8)
+    cells[occupancy > occupied_threshold] = OCCUPIED
+    cells[occupancy < free_threshold] = FREE
+    x, y, yaw = (float(value) for value in origin)
+    return Grid(np.ascontiguousarray(cells[::-1]), resolution, (x, y, yaw))
+
+
+def save_map(grid: Grid, path: Path) -> None:
+    """Write ``grid`` as ``path`` (YAML) and an image of the same name ending in ``.pgm``.
+
+    The format has three values: cells of 65 and more are saved as occupied, 0 … 19 as free,
+    the rest as unknown. A map of only -1, 0 and 100 is read back identical.
+
+    Raises:
+        MapFileError: ``path`` has no YAML ending, or its folder does not exist.
+    """
+    path = Path(path)
+    if path.suffix not in (".yaml", ".yml"):
+        raise MapFileError(f"{path}: ends in {path.suffix!r}; give a name ending in .yaml")
+    if not path.parent.is_dir():
+        raise MapFileError(f"{path}: folder {path.parent} does not exist; create it first")
+    pixels = np.full(grid.cells.shape, _PIXEL_UNKNOWN, dtype=np.uint8)
+    pixels[grid.cells >= 65] = _PIXEL_OCCUPIED
+    pixels[(grid.cells >= 0) & (grid.cells < 20)] = _PIXEL_FREE
+    image = path.with_suffix(".pgm")
+    Image.fromarray(np.ascontiguousarray(pixels[::-1])).save(image)
+    fields = {
+        "image": image.name,
+        "mode": "trinary",
+        "resolution": float(grid.resolution),
+        "origin": [float(value) for value in grid.origin],
+        "negate": 0,
+        "occupied_thresh": _OCCUPIED_THRESHOLD,
+        "free_thresh": _FREE_THRESHOLD,
+    }
+    path.write_text(yaml.safe_dump(fields, sort_keys=False), encoding="utf-8")
+
+
+def _read_fields(path: Path) -> dict[str, Any]:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise MapFileError(f"{path}: cannot be read ({error}); check the path") from error
+    try:
+        fields = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise MapFileError(f"{path}: is not valid YAML ({error})") from error
+    if not isinstance(fields, dict):
+        raise MapFileError(f"{path}: holds no fields; expected image, resolution and origin")
+    return fields
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _number(path: Path, fields: dict[str, Any], name: str, default: float | None) -> float:
+    value = fields.get(name, default)
+    if not _is_number(value):
+        raise MapFileError(f"{path}: {name}: {value!r}; give a number")
+    return float(value)
+
+
+def _read_image(path: Path, name: object) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    if not isinstance(name, str) or not name:
+        raise MapFileError(f"{path}: image: {name!r}; give the image's file name")
+    file = path.parent / name
+    try:
+        with Image.open(file) as image:
+            return np.asarray(image.convert("L"), dtype=np.uint8)
+    except FileNotFoundError as error:
+        raise MapFileError(
+            f"{path}: image: {file} does not exist; paths are relative to the YAML file"
+        ) from error
+    except (UnidentifiedImageError, OSError) as error:
+        raise MapFileError(f"{path}: image: {file} is no readable image ({error})") from error

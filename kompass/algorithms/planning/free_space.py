@@ -1,0 +1,130 @@
+"""The cells where the robot may be, how they hang together, and shortest ways over them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components, dijkstra
+
+from kompass.algorithms.distance_field import DistanceField
+from kompass.algorithms.geometry import Floats
+
+# Right, up and the two diagonals; the opposite directions are the same edges.
+_DIRECTIONS = ((0, 1), (1, 0), (1, 1), (1, -1))
+
+
+class FreeSpace:
+    """The 8-connected graph of cells whose centre keeps ``required`` [m] from obstacles.
+
+    Two cells are neighbours only if the straight motion between their centres keeps the
+    clearance as well, so being in the same region is a promise that a path exists.
+    """
+
+    def __init__(self, field: DistanceField, required: float) -> None:
+        self.field = field
+        self.required = required
+        grid = field.grid
+        # A little more than asked for: between the points tested here the clearance may dip.
+        enough = required + grid.resolution / 50.0
+        lattice = field.lattice
+        clear = lattice >= enough
+        centre = clear[1::2, 1::2]
+        # Diagonal motions are also tested halfway to their midpoint, where four lattice values meet.
+        quarter = (lattice[:-1, :-1] + lattice[1:, :-1] + lattice[:-1, 1:] + lattice[1:, 1:]) >= (
+            4.0 * enough
+        )
+        rows, cols = centre.shape
+        ids = np.arange(rows * cols, dtype=np.int32).reshape(rows, cols)
+        sources, targets, costs = [], [], []
+        for dy, dx in _DIRECTIONS:
+            left, right = max(0, -dx), cols - max(0, dx)
+            here = (slice(0, rows - dy), slice(left, right))
+            there = (slice(dy, rows), slice(left + dx, right + dx))
+            midpoint = clear[
+                1 + dy : 2 * (rows - dy) + dy : 2, 2 * left + 1 + dx : 2 * right + dx : 2
+            ]
+            open_ = centre[here] & centre[there] & midpoint
+            if dy and dx:
+                r, c = np.nonzero(open_)
+                c = c + left
+                first = quarter[2 * r + 1, 2 * c + min(dx, 0) + 1]
+                second = quarter[2 * r + 2, 2 * c + (2 if dx > 0 else -1)]
+                passes = first & second
+                open_[r[~passes], c[~passes] - left] = False
+            sources.append(ids[here][open_])
+            targets.append(ids[there][open_])
+            costs.append(np.full(len(sources[-1]), math.hypot(dx, dy) * grid.resolution))
+        a, b = np.concatenate(sources), np.concatenate(targets)
+        cost = np.concatenate(costs)
+        self._graph = coo_matrix(
+            (np.concatenate([cost, cost]), (np.concatenate([a, b]), np.concatenate([b, a]))),
+            shape=(rows * cols, rows * cols),
+        ).tocsr()
+        _, labels = connected_components(self._graph, directed=False)
+        self.labels: NDArray[np.int32] = np.where(centre.ravel(), labels, -1).astype(np.int32)
+
+    def region(self, cell: int) -> NDArray[np.int64]:
+        """The ids of all cells that can be reached from ``cell``."""
+        return np.flatnonzero(self.labels == self.labels[cell])
+
+    def centres(self, cells: NDArray[np.int64]) -> Floats:
+        """World coordinates (N, 2) of cells given by id."""
+        width = self.field.grid.width
+        return self.field.grid.cell_to_world(np.stack([cells % width, cells // width], axis=1))
+
+    def entry(self, point: tuple[float, float], reach: float, minimum: float) -> int | None:
+        """The nearest clear cell within ``reach`` [m] that a straight motion from ``point`` meets.
+
+        On the way the robot comes no closer to obstacles than it is at ``point`` (or than
+        ``required``); where that is impossible, no closer than ``minimum`` [m].
+        """
+        grid = self.field.grid
+        col, row = (int(value) for value in grid.world_to_cell([point])[0])
+        n = math.ceil(reach / grid.resolution)
+        cols = np.arange(max(0, col - n), min(grid.width, col + n + 1))
+        rows = np.arange(max(0, row - n), min(grid.height, row + n + 1))
+        ids = (rows[:, None] * grid.width + cols[None, :]).ravel().astype(np.int64)
+        ids = ids[self.labels[ids] >= 0]
+        centres = self.centres(ids)
+        away = np.hypot(centres[:, 0] - point[0], centres[:, 1] - point[1])
+        order = np.argsort(away, kind="stable")
+        order = order[away[order] <= reach]
+        here = self.field.at_xy(*point)
+        for level in (min(here, self.required), minimum):
+            starts = np.broadcast_to(point, (len(order), 2))
+            clear = self.field.segments_clear(starts, centres[order], level)
+            if clear.any():
+                return int(ids[order[int(np.argmax(clear))]])
+        return None
+
+    def nearest(self, cell: int, point: tuple[float, float]) -> tuple[float, float]:
+        """The centre closest to ``point`` among the cells reachable from ``cell``."""
+        centres = self.centres(self.region(cell))
+        away = np.hypot(centres[:, 0] - point[0], centres[:, 1] - point[1])
+        x, y = centres[int(np.argmin(away))]
+        return float(x), float(y)
+
+    def bounds(self, cell: int) -> tuple[Floats, Floats]:
+        """The world-aligned box (low, high) around the cells reachable from ``cell``."""
+        centres = self.centres(self.region(cell))
+        return centres.min(axis=0), centres.max(axis=0)
+
+    def shortest(
+        self, start: int, goal: int, limit: float = math.inf
+    ) -> tuple[Floats, float] | None:
+        """The shortest way over cells as (points (N, 2), length [m]); None if beyond ``limit``.
+
+        Dijkstra's algorithm; the limit keeps the search to the neighbourhood that matters.
+        """
+        length, previous = dijkstra(
+            self._graph, indices=start, return_predecessors=True, limit=limit
+        )
+        if not math.isfinite(length[goal]):
+            return None
+        chain = [goal]
+        while chain[-1] != start:
+            chain.append(int(previous[chain[-1]]))
+        return self.centres(np.array(chain[::-1], dtype=np.int64)), float(length[goal])
