@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import TypeAlias, TypeVar, cast
+from typing import TypeAlias, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
-Angle = TypeVar("Angle", float, Floats)
 
 
-def wrap_angle(a: Angle) -> Angle:
+@overload
+def wrap_angle(a: float) -> float: ...
+@overload
+def wrap_angle(a: Floats) -> Floats: ...
+def wrap_angle(a: float | Floats) -> float | Floats:
     """The same angle in [-π, π), for a number or an array [rad]."""
-    if isinstance(a, np.ndarray):
-        return cast("Angle", (a + math.pi) % (2.0 * math.pi) - math.pi)
     return (a + math.pi) % (2.0 * math.pi) - math.pi
 
 

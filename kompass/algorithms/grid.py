@@ -96,7 +96,7 @@ class Grid:
         return inside
 
     def occupied(self, threshold: int = 65, unknown_is_obstacle: bool = False) -> NDArray[np.bool_]:
-        """Obstacle cells, bool (H, W): those at or above ``threshold``, and unknown ones if asked."""
+        """Obstacle cells, bool (H, W): from ``threshold`` up, and unknown ones if asked."""
         blocked: NDArray[np.bool_] = self.cells >= threshold
         if unknown_is_obstacle:
             blocked = blocked | (self.cells < 0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import yaml
@@ -116,7 +116,8 @@ def _number(path: Path, fields: dict[str, Any], name: str, default: float | None
     value = fields.get(name, default)
     if not _is_number(value):
         raise MapFileError(f"{path}: {name}: {value!r}; give a number")
-    return float(value)
+    number: float = float(cast("float", value))
+    return number
 
 
 def _read_image(path: Path, name: object) -> np.ndarray[Any, np.dtype[np.uint8]]:

@@ -52,7 +52,7 @@ class LocalMapper:
         self.range_max = range_max
         self.cols = max(1, round(width / resolution))
         self.rows = max(1, round(height / resolution))
-        self._geometry: tuple[float, ...] | None = None
+        self._geometry: tuple[int, float, float, float, float] | None = None
         count = self.rows * self.cols
         self._range = np.empty(count, dtype=np.float32)
         self._beam = np.empty(count, dtype=np.int32)

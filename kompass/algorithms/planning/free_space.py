@@ -32,7 +32,7 @@ class FreeSpace:
         lattice = field.lattice
         clear = lattice >= enough
         centre = clear[1::2, 1::2]
-        # Diagonal motions are also tested halfway to their midpoint, where four lattice values meet.
+        # Diagonal motions are also tested a quarter in, amid four lattice values.
         quarter = (lattice[:-1, :-1] + lattice[1:, :-1] + lattice[:-1, 1:] + lattice[1:, 1:]) >= (
             4.0 * enough
         )
@@ -119,12 +119,17 @@ class FreeSpace:
 
         Dijkstra's algorithm; the limit keeps the search to the neighbourhood that matters.
         """
-        length, previous = dijkstra(
-            self._graph, indices=start, return_predecessors=True, limit=limit
+        lengths, previous = dijkstra(
+            csgraph=self._graph,
+            directed=True,
+            indices=np.array([start]),
+            return_predecessors=True,
+            limit=limit,
         )
-        if not math.isfinite(length[goal]):
+        length = float(lengths[0, goal])
+        if not math.isfinite(length):
             return None
         chain = [goal]
         while chain[-1] != start:
-            chain.append(int(previous[chain[-1]]))
-        return self.centres(np.array(chain[::-1], dtype=np.int64)), float(length[goal])
+            chain.append(int(previous[0, chain[-1]]))
+        return self.centres(np.array(chain[::-1], dtype=np.int64)), length

@@ -124,7 +124,7 @@ class GlobalPlanner:
         return not bool(clear.all())
 
     def _ends(self, start: ArrayLike, goal: ArrayLike) -> tuple[int, int]:
-        """The cells through which the graph is entered at start and goal; raises if there are none."""
+        """The cells through which start and goal enter the graph; raises if there are none."""
         sx, sy = (float(value) for value in np.asarray(start, dtype=np.float64)[:2])
         gx, gy = (float(value) for value in np.asarray(goal, dtype=np.float64)[:2])
         grid, field = self.grid, self.field
@@ -160,8 +160,8 @@ class GlobalPlanner:
         if clearance <= self.robot_radius:
             raise PlanningFailure(
                 Reason.START_BLOCKED,
-                f"The robot at ({x:.2f}, {y:.2f}) is {clearance:.2f} m from an obstacle on the map, "
-                f"less than its radius of {self.robot_radius:.2f} m.",
+                f"The robot at ({x:.2f}, {y:.2f}) is {clearance:.2f} m from an obstacle on the "
+                f"map, less than its radius of {self.robot_radius:.2f} m.",
             )
         cell = self._free.entry((x, y), max(_ESCAPE, 3 * self.grid.resolution), self.robot_radius)
         if cell is None:
@@ -195,7 +195,7 @@ class GlobalPlanner:
     def _search(self, start: Floats, goal: Floats, first: int, last: int) -> Floats:
         """A tight polyline (N, 2) that is no longer than the shortest one over the grid's cells."""
         field, required = self.field, self.required
-        if field.segment_clear(*start, *goal, required):
+        if field.segment_clear(start[0], start[1], goal[0], goal[1], required):
             return np.stack([start, goal])
         best: Floats | None = None
         found = search(
@@ -239,7 +239,7 @@ class GlobalPlanner:
         return even if clear.all() else band
 
     def _leave(self, here: Floats, points: Floats) -> Floats:
-        """Prepend the straight way out of the clearance zone, joining the path as late as allowed."""
+        """Prepend the straight way out of the clearance zone, to as late a pose as allowed."""
         away = np.hypot(points[:, 0] - here[0], points[:, 1] - here[1])
         reach = 2.0 * float(away[0]) + 4.0 * self.grid.resolution
         level = min(self.field.at_xy(*here), self.required)
@@ -247,7 +247,9 @@ class GlobalPlanner:
         for index in range(1, len(points)):
             if away[index] > reach:
                 break
-            if self.field.segment_clear(*here, *points[index], level):
+            if self.field.segment_clear(
+                here[0], here[1], points[index, 0], points[index, 1], level
+            ):
                 join = index
         rest = points[join:]
         return np.concatenate([spread(np.stack([here, rest[0]]), self._spacing), rest[1:]])

@@ -47,7 +47,7 @@ class _ClearMotion(base.MotionValidator):  # type: ignore[misc]
         self._clear = field.segment_clear
         self._required = required
 
-    def checkMotion(self, start: Any, end: Any, *_last_valid: Any) -> bool:  # noqa: N802
+    def checkMotion(self, start: Any, end: Any, *_last_valid: Any) -> bool:
         # OMPL's second form also asks for the last valid state; planners that use it start from
         # "none", which is what leaving it alone means: they keep whole motions only.
         return self._clear(start[0], start[1], end[0], end[1], self._required)

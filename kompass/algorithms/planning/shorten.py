@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kompass.algorithms.distance_field import TOLERANCE, DistanceField
 from kompass.algorithms.geometry import Floats
@@ -148,7 +149,7 @@ def smooth(
                 [left + (wanted - left) * shares, right + (wanted - right) * shares]
             )
             clearance = field.at(samples.reshape(-1, 2)).reshape(2 * parts, len(nodes))
-            allowed = (clearance >= required - TOLERANCE).all(axis=0)
+            allowed: NDArray[np.bool_] = np.all(clearance >= required - TOLERANCE, axis=0)
             step = np.where(allowed[:, None], wanted - here, 0.0)
             band[nodes] = here + step
             moved = max(moved, float(np.abs(step).max()))

@@ -92,7 +92,7 @@ class StopZone:
         return min(1.0, max(0.0, (travel - braking - self.critical_distance) / ramp))
 
     def _travel(self, points: Floats, ux: float, uy: float, curvature: float) -> Floats:
-        """Arc length (N,) until the circle, setting out along the unit (ux, uy), touches each point."""
+        """Arc length (N,) until the circle, setting out along (ux, uy), touches each point."""
         ahead = points[:, 0] * ux + points[:, 1] * uy
         left = points[:, 1] * ux - points[:, 0] * uy
         radius = self.robot_radius

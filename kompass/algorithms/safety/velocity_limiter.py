@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from kompass.algorithms.following.command import Command
 from kompass.algorithms.following.limits import Limits
@@ -14,7 +14,7 @@ class VelocityLimits:
 
     vx: Limits
     omega: Limits
-    vy: Limits = Limits(0.0, 0.0, 0.0)
+    vy: Limits = field(default_factory=lambda: Limits(0.0, 0.0, 0.0))
 
 
 class VelocityLimiter:
