@@ -1,0 +1,89 @@
+"""Publishes what a real base publishes, and what only a simulator knows."""
+
+from __future__ import annotations
+
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import Imu, LaserScan
+from std_msgs.msg import Float32, UInt32
+from tf2_msgs.msg import TFMessage
+
+from kompass.algorithms.geometry import compose, inverse
+from kompass.simulation import messages
+from kompass.simulation.mjcf import IMU_HEIGHT, LIDAR_HEIGHT
+from kompass.simulation.robot import Robot
+
+MAP, ODOM, BASE, LIDAR, IMU = "map", "odom", "base_link", "LDS-01", "imu_link"
+
+_RELIABLE = QoSProfile(depth=10)
+_SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+_TRANSFORMS = QoSProfile(depth=100)
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class Broadcast:
+    """All publishers of the embedded robot."""
+
+    def __init__(self, node: Node, robot: Robot) -> None:
+        self._robot = robot
+        self._clock = node.get_clock()
+        publisher = node.create_publisher
+        self._scan = publisher(LaserScan, "/scan", _SENSOR)
+        self._imu = publisher(Imu, "/imu", _SENSOR)
+        self._filtered = publisher(Odometry, "/odometry/filtered", _RELIABLE)
+        self._wheels = publisher(Odometry, "/odom", _RELIABLE)
+        self._truth = publisher(Odometry, "/simulator/ground_truth", _RELIABLE)
+        self._tf = publisher(TFMessage, "/tf", _TRANSFORMS)
+        self._tf_static = publisher(TFMessage, "/tf_static", _LATCHED)
+        self._rate = publisher(Float32, "/simulator/rate", _RELIABLE)
+        self._contacts = publisher(UInt32, "/simulator/contacts", _LATCHED)
+        self._published_contacts = -1
+        self._announce_sensors()
+
+    def motion(self) -> None:
+        """Odometry of every kind, transforms and inertial readings: once per control period."""
+        stamp = self._clock.now().to_msg()
+        wheels, filtered = self._robot.wheel_odometry(), self._robot.filtered()
+        self._filtered.publish(messages.odometry(filtered, stamp, MAP))
+        self._wheels.publish(messages.odometry(wheels, stamp, ODOM))
+        self._truth.publish(messages.odometry(self._robot.truth(), stamp, MAP))
+        correction = compose(filtered.pose, inverse(wheels.pose))
+        x, y, yaw = (float(part) for part in correction)
+        self._tf.publish(
+            TFMessage(
+                transforms=[
+                    messages.transform(MAP, ODOM, (x, y, yaw), stamp),
+                    messages.transform(ODOM, BASE, wheels.pose, stamp),
+                ]
+            )
+        )
+        self._imu.publish(messages.inertial(self._robot.imu(), stamp, IMU))
+        if self._robot.contacts != self._published_contacts:
+            self.contacts()
+
+    def scan(self, period: float) -> None:
+        """One turn of the lidar, `period` seconds after the one before."""
+        stamp = self._clock.now().to_msg()
+        self._scan.publish(messages.laser_scan(self._robot.scan(), stamp, LIDAR, period))
+
+    def rate(self, rate: float) -> None:
+        """Simulated seconds per real second."""
+        self._rate.publish(Float32(data=rate))
+
+    def contacts(self) -> None:
+        """How often the robot has touched something."""
+        self._published_contacts = self._robot.contacts
+        self._contacts.publish(UInt32(data=self._published_contacts))
+
+    def _announce_sensors(self) -> None:
+        stamp = self._clock.now().to_msg()
+        origin = (0.0, 0.0, 0.0)
+        self._tf_static.publish(
+            TFMessage(
+                transforms=[
+                    messages.transform(BASE, LIDAR, origin, stamp, LIDAR_HEIGHT),
+                    messages.transform(BASE, IMU, origin, stamp, IMU_HEIGHT),
+                ]
+            )
+        )

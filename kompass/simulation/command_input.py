@@ -1,0 +1,65 @@
+"""Listens to velocity commands, whichever of the two types they come in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+
+TOPIC = "/cmd_vel"
+_TYPES = {"geometry_msgs/msg/TwistStamped": TwistStamped, "geometry_msgs/msg/Twist": Twist}
+
+
+class CommandInput:
+    """Subscribes to `/cmd_vel` with the type of its publishers.
+
+    ROS 2 distributions disagree on the type, and one DDS participant cannot read a topic as two
+    types. So the graph decides, and is asked again by every `follow_publishers`. With no publisher
+    in sight the type stays what it was, TwistStamped at first, so that the robot shows up as a
+    reader of commands.
+    """
+
+    def __init__(self, node: Node, drive: Callable[[float, float], None]) -> None:
+        """Start listening.
+
+        Args:
+            node: Owns the subscription.
+            drive: Called with (v in m/s, omega in rad/s); its ValueError becomes a warning.
+        """
+        self._node = node
+        self._drive = drive
+        self._mixed = False
+        self._type: type[Twist] | type[TwistStamped] = TwistStamped
+        self._subscription = self._subscribe()
+
+    def follow_publishers(self) -> None:
+        """Change over to the publishers' type when they have another one."""
+        names = {info.topic_type for info in self._node.get_publishers_info_by_topic(TOPIC)}
+        offered = [_TYPES[name] for name in sorted(names) if name in _TYPES]
+        mixed = len(offered) > 1
+        if mixed and not self._mixed:
+            self._node.get_logger().warning(
+                f"{TOPIC} is published as Twist and as TwistStamped at once; only "
+                f"{self._type.__name__} is obeyed. Make all publishers use one type."
+            )
+        self._mixed = mixed
+        if offered and self._type not in offered:
+            self._type = offered[0]
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = self._subscribe()
+            self._node.get_logger().info(f"{TOPIC} is read as {self._type.__name__}")
+
+    def _subscribe(self) -> Subscription:
+        return self._node.create_subscription(
+            self._type, TOPIC, self._on_command, QoSProfile(depth=10)
+        )
+
+    def _on_command(self, message: Twist | TwistStamped) -> None:
+        twist = message.twist if isinstance(message, TwistStamped) else message
+        try:
+            self._drive(twist.linear.x, twist.angular.z)
+        except ValueError as error:
+            self._node.get_logger().warning(f"{TOPIC} ignored: {error}", throttle_duration_sec=5.0)

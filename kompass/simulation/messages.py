@@ -1,0 +1,109 @@
+"""The robot's readings as ROS messages."""
+
+from __future__ import annotations
+
+import array
+import math
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
+from numpy.typing import NDArray
+from sensor_msgs.msg import Imu, LaserScan
+
+from kompass.algorithms.geometry import quaternion_from_yaw
+from kompass.simulation.motion import Matrix3, Motion
+from kompass.simulation.sensors import imu, lidar
+
+# Where x, y and yaw stand among (x, y, z, roll, pitch, yaw).
+_PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
+# Of what a planar robot does not measure: it is held on the floor.
+_OFF_PLANE = 1e-9
+
+
+def spatial_covariance(planar: Matrix3) -> NDArray[np.float64]:
+    """(36,) row-major covariance of (x, y, z, roll, pitch, yaw) from that of (x, y, yaw)."""
+    full = np.zeros((6, 6))
+    if planar.any():
+        full[[2, 3, 4], [2, 3, 4]] = _OFF_PLANE
+    full[_PLANAR] = planar
+    return full.ravel()
+
+
+def odometry(motion: Motion, stamp: Time, frame: str, child: str = "base_link") -> Odometry:
+    """`motion` as nav_msgs/Odometry in `frame`, its twist in `child`."""
+    message = Odometry()
+    message.header.stamp = stamp
+    message.header.frame_id = frame
+    message.child_frame_id = child
+    x, y, yaw = motion.pose
+    pose = message.pose.pose
+    pose.position.x, pose.position.y = x, y
+    _set_yaw(pose.orientation, yaw)
+    twist = message.twist.twist
+    twist.linear.x, twist.linear.y, twist.angular.z = motion.twist
+    message.pose.covariance = spatial_covariance(motion.pose_covariance)
+    message.twist.covariance = spatial_covariance(motion.twist_covariance)
+    return message
+
+
+def transform(
+    parent: str,
+    child: str,
+    pose: tuple[float, float, float],
+    stamp: Time,
+    height: float = 0.0,
+) -> TransformStamped:
+    """Where `child` is in `parent`: planar `pose` (x, y, yaw), `height` metres up."""
+    message = TransformStamped()
+    message.header.stamp = stamp
+    message.header.frame_id = parent
+    message.child_frame_id = child
+    translation = message.transform.translation
+    translation.x, translation.y, translation.z = pose[0], pose[1], height
+    _set_yaw(message.transform.rotation, pose[2])
+    return message
+
+
+def laser_scan(ranges: NDArray[np.float32], stamp: Time, frame: str, period: float) -> LaserScan:
+    """`ranges` (N,) as sensor_msgs/LaserScan, `period` seconds after the one before."""
+    message = LaserScan()
+    message.header.stamp = stamp
+    message.header.frame_id = frame
+    message.angle_increment = math.tau / len(ranges)
+    message.angle_min = 0.0
+    message.angle_max = math.tau - message.angle_increment
+    message.time_increment = 0.0  # all rays are cast at the stamp
+    message.scan_time = period
+    message.range_min = lidar.RANGE_MIN
+    message.range_max = lidar.RANGE_MAX
+    message.ranges = array.array("f", ranges.tobytes())
+    return message
+
+
+def inertial(reading: imu.ImuReading, stamp: Time, frame: str) -> Imu:
+    """`reading` as sensor_msgs/Imu."""
+    message = Imu()
+    message.header.stamp = stamp
+    message.header.frame_id = frame
+    orientation = message.orientation
+    orientation.x, orientation.y, orientation.z, orientation.w = reading.orientation
+    rate, acceleration = message.angular_velocity, message.linear_acceleration
+    rate.x, rate.y, rate.z = (float(part) for part in reading.angular_velocity)
+    acceleration.x, acceleration.y, acceleration.z = (
+        float(part) for part in reading.linear_acceleration
+    )
+    message.orientation_covariance = _diagonal(imu.ORIENTATION_NOISE)
+    message.angular_velocity_covariance = _diagonal(imu.GYRO_NOISE)
+    message.linear_acceleration_covariance = _diagonal(imu.ACCELERATION_NOISE)
+    return message
+
+
+def _set_yaw(quaternion: object, yaw: float) -> None:
+    for name, value in zip("xyzw", quaternion_from_yaw(yaw), strict=True):
+        setattr(quaternion, name, float(value))
+
+
+def _diagonal(deviation: float) -> NDArray[np.float64]:
+    return (np.eye(3) * deviation**2).ravel()

@@ -1,0 +1,141 @@
+"""The embedded robot as a ROS 2 node, in real time."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from kompass.simulation.pacer import Pacer
+from kompass.simulation.worlds.registry import world
+
+if TYPE_CHECKING:
+    from kompass.simulation.broadcast import Broadcast
+    from kompass.simulation.command_input import CommandInput
+    from kompass.simulation.robot import Robot
+
+PERIOD = 0.02  # of odometry and transforms, s
+SCAN_PERIODS = 5  # a scan every 0.1 s
+GRAPH_PERIODS = 10  # look for publishers of commands every 0.2 s
+REPORT_PERIODS = 50  # rate and contacts every second
+SLOW = 0.95  # below this rate the node complains
+
+
+def run_simulator(
+    world_name: str,
+    *,
+    seed: int = 0,
+    node_name: str = "simulator",
+    stop: Callable[[], bool] | None = None,
+) -> None:
+    """Run the robot until SIGTERM, SIGINT, or until `stop` returns true.
+
+    Meant to be the whole life of a forked child: it loads MuJoCo and initialises ROS 2 in a
+    context of its own. It returns within 0.1 s of being told to stop. Signals are watched only
+    when it runs in the main thread, and SIGINT only where the caller has not ignored it.
+
+    Args:
+        world_name: One of `kompass.simulation.worlds.registry.world_names()`.
+        seed: Of the sensors' noise and of the base's calibration.
+        node_name: Of the ROS 2 node.
+        stop: Asked after every event, at least ten times a second, whether to end.
+
+    Raises:
+        ValueError: There is no such world.
+    """
+    place = world(world_name)
+    # Imported here, so that the process that forks this one stays small and without threads.
+    import rclpy
+    from rclpy.experimental import EventsExecutor
+    from rclpy.signals import SignalHandlerOptions
+
+    from kompass.simulation.broadcast import Broadcast
+    from kompass.simulation.command_input import CommandInput
+    from kompass.simulation.robot import Robot
+
+    robot = Robot(place, seed)
+    context = rclpy.Context()
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node(node_name, context=context)
+    executor = EventsExecutor(context=context)
+    try:
+        with _signals() as told_to_stop:
+            broadcast = Broadcast(node, robot)
+            commands = CommandInput(node, robot.command)
+            loop = _Loop(robot, broadcast, commands, node.get_logger().warning)
+            node.create_timer(PERIOD, lambda: loop.tick(time.monotonic()))
+            executor.add_node(node)
+            node.get_logger().info(f"robot in {place.name!r}: {place.title}")
+            while not (told_to_stop() or (stop is not None and stop())):
+                # Never without a timeout: rclpy 7.1.6 then spins at full load and fires no timer.
+                executor.spin_once(timeout_sec=0.1)
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        context.try_shutdown()
+
+
+class _Loop:
+    """What the node does once per period, in order."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        broadcast: Broadcast,
+        commands: CommandInput,
+        warn: Callable[[str], None],
+    ) -> None:
+        self._robot = robot
+        self._broadcast = broadcast
+        self._commands = commands
+        self._warn = warn
+        self._pacer = Pacer(PERIOD, time.monotonic())
+        self._ticks = 0
+
+    def tick(self, now: float) -> None:
+        """Simulate up to `now` (monotonic seconds) and publish the result once."""
+        self._robot.step(self._pacer.due(now) * PERIOD)
+        self._broadcast.motion()
+        self._ticks += 1
+        if self._ticks % SCAN_PERIODS == 0:
+            self._broadcast.scan(SCAN_PERIODS * PERIOD)
+        if self._ticks % GRAPH_PERIODS == 0:
+            self._commands.follow_publishers()
+        if self._ticks % REPORT_PERIODS == 0:
+            self._report(now)
+
+    def _report(self, now: float) -> None:
+        rate, lost = self._pacer.report(now)
+        self._broadcast.rate(rate)
+        self._broadcast.contacts()
+        if rate < SLOW:
+            self._warn(
+                f"the simulation runs at {rate:.2f} of real time ({lost:.2f} s lost): "
+                "the machine is too busy for it"
+            )
+
+
+@contextmanager
+def _signals() -> Iterator[Callable[[], bool]]:
+    """Collect SIGTERM and SIGINT while it lasts; yields whether one has come."""
+    told = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield told.is_set
+        return
+
+    def note(_number: int, _frame: FrameType | None) -> None:
+        told.set()
+
+    watched = [signal.SIGTERM]
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        watched.append(signal.SIGINT)
+    before = {number: signal.signal(number, note) for number in watched}
+    try:
+        yield told.is_set
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

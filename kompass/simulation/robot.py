@@ -1,0 +1,145 @@
+"""The embedded robot: MuJoCo physics, its drive and its sensors, on simulated time only."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from kompass.simulation.drive import DifferentialDrive
+from kompass.simulation.mjcf import TIMESTEP, model_text
+from kompass.simulation.motion import Motion
+from kompass.simulation.sensors.bumper import Bumper
+from kompass.simulation.sensors.imu import Imu, ImuReading
+from kompass.simulation.sensors.lidar import Lidar
+from kompass.simulation.sensors.localizer import Localizer
+from kompass.simulation.sensors.wheel_odometry import WheelOdometry
+from kompass.simulation.world import World
+
+# Encoders and localizer are sampled at this period of simulated time, however `step` is called.
+SAMPLE_STEPS = 10
+SAMPLE_PERIOD = SAMPLE_STEPS * TIMESTEP
+_SETTLING_STEPS = 250  # the wheels sink a few micrometres into the floor first
+
+
+class Robot:
+    """A differential-drive robot in a world.
+
+    Every source of noise has its own stream drawn from `seed`, so the same seed and the same calls
+    give the same run, and replacing one sensor leaves the others as they were. The parts (`drive`,
+    `lidar`, `imu_sensor`, `wheels`, `localizer`, `bumper`) may be exchanged for objects that
+    behave otherwise.
+
+    Attributes:
+        time: Simulated seconds since the start.
+    """
+
+    def __init__(self, world: World, seed: int = 0) -> None:
+        """Build the model of `world` and put the robot at its start, at rest.
+
+        Args:
+            world: Where the robot is.
+            seed: Of all noise and of the base's calibration errors.
+        """
+        self.world = world
+        self._model = mujoco.MjModel.from_xml_string(model_text(world))
+        self._data = mujoco.MjData(self._model)
+        lidar, imu, wheels, localizer = (
+            np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(4)
+        )
+        self.drive = DifferentialDrive()
+        self.lidar = Lidar(self._model, self._data, lidar)
+        self.imu_sensor = Imu(self._model, self._data, imu)
+        self.wheels = WheelOdometry(wheels)
+        self.localizer = Localizer(localizer, SAMPLE_PERIOD)
+        self.bumper = Bumper()
+
+        self._touch = self._data.sensor("shell").data
+        self._left, self._right = (
+            int(self._model.joint(name).qposadr[0]) for name in ("left", "right")
+        )
+        self._steps = 0
+        self._left_over = 0.0
+        self.place(world.start)
+
+    @property
+    def time(self) -> float:
+        """Simulated seconds since the start."""
+        return self._steps * TIMESTEP
+
+    @property
+    def contacts(self) -> int:
+        """How often the shell has touched a wall or an obstacle since the start."""
+        return self.bumper.episodes
+
+    def place(self, pose: tuple[float, float, float]) -> None:
+        """Set the robot down at rest at `pose` (x, y, yaw) in `map`.
+
+        The wheels do not notice: wheel odometry goes on from where it was.
+        """
+        x, y, yaw = pose
+        data = self._data
+        data.qpos[:7] = [x, y, 0.0, math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]
+        data.qvel[:] = 0.0
+        data.ctrl[:] = 0.0
+        mujoco.mj_step(self._model, data, _SETTLING_STEPS)
+        data.qvel[:] = 0.0
+        mujoco.mj_forward(self._model, data)
+        self._sample()
+
+    def command(self, v: float, omega: float) -> None:
+        """Drive with `v` (m/s) and `omega` (rad/s); see `DifferentialDrive.command`."""
+        self.drive.command(v, omega, self.time)
+
+    def step(self, dt: float) -> None:
+        """Let `dt` seconds of simulated time pass.
+
+        What is left of `dt` after whole physics steps is kept for the next call.
+
+        Raises:
+            ValueError: `dt` is negative or not finite.
+        """
+        if not (math.isfinite(dt) and dt >= 0.0):
+            raise ValueError(f"dt is {dt!r}; give a finite time of 0 s or more")
+        self._left_over += dt
+        count = int(self._left_over / TIMESTEP + 1e-6)
+        self._left_over -= count * TIMESTEP
+        for _ in range(count):
+            self._data.ctrl[:] = self.drive.wheel_speeds(self.time)
+            mujoco.mj_step(self._model, self._data)
+            self._steps += 1
+            self.bumper.update(bool(self._touch[0] > 0.0), self.time)
+            if self._steps % SAMPLE_STEPS == 0:
+                self._sample()
+
+    def scan(self) -> NDArray[np.float32]:
+        """Lidar ranges (360,) in metres from straight ahead anticlockwise; +inf = no return."""
+        return self.lidar.scan()
+
+    def imu(self) -> ImuReading:
+        """The newest inertial reading."""
+        return self.imu_sensor.read()
+
+    def wheel_odometry(self) -> Motion:
+        """What the encoders say: pose in `odom`, drifting, with its covariance."""
+        return self.wheels.read()
+
+    def filtered(self) -> Motion:
+        """What a localizer says: pose in `map`, within millimetres of the truth."""
+        return self.localizer.read()
+
+    def truth(self) -> Motion:
+        """Where the robot is in `map` and how it moves, exactly."""
+        x, y, _, w, i, j, k = (float(part) for part in self._data.qpos[:7])
+        yaw = math.atan2(2 * (w * k + i * j), 1 - 2 * (j * j + k * k))
+        east, north = (float(part) for part in self._data.qvel[:2])
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        omega = float(self._data.qvel[5])  # a free joint's rotation is in the body's frame
+        return Motion((x, y, yaw), (cos * east + sin * north, cos * north - sin * east, omega))
+
+    def _sample(self) -> None:
+        qpos = self._data.qpos
+        self.wheels.update(float(qpos[self._left]), float(qpos[self._right]), SAMPLE_PERIOD)
+        self.localizer.update(self.truth())

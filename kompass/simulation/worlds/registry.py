@@ -1,0 +1,28 @@
+"""Worlds by name."""
+
+from __future__ import annotations
+
+from kompass.simulation.world import World
+from kompass.simulation.worlds.apartment import APARTMENT
+from kompass.simulation.worlds.hexagon import HEXAGON
+from kompass.simulation.worlds.warehouse import WAREHOUSE
+
+_WORLDS = {item.name: item for item in (HEXAGON, APARTMENT, WAREHOUSE)}
+
+
+def world_names() -> tuple[str, ...]:
+    """The names that `world` knows, the default first."""
+    return tuple(_WORLDS)
+
+
+def world(name: str) -> World:
+    """The world called `name`.
+
+    Raises:
+        ValueError: There is no such world; the message lists those there are.
+    """
+    found = _WORLDS.get(name)
+    if found is None:
+        known = ", ".join(world_names())
+        raise ValueError(f"world is {name!r}, which does not exist; choose one of: {known}")
+    return found
