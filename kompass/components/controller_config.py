@@ -1,0 +1,44 @@
+"""Settings of the controller."""
+
+import enum
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from kompass.components.component_config import ComponentConfig
+from kompass.control import ControllersID
+
+
+class CmdPublishType(enum.Enum):
+    """How commands leave the controller."""
+
+    TWIST_SEQUENCE = "Sequence"
+    TWIST_PARALLEL = "Parallel"
+    TWIST_ARRAY = "Array"
+
+
+def _by_value(kind: type[enum.Enum]) -> Any:
+    def read(value: Any) -> Any:
+        if isinstance(value, str):
+            for member in kind:
+                if value.lower() in (member.value.lower(), member.name.lower()):
+                    return member
+            known = ", ".join(member.value for member in kind)
+            raise ValueError(f"{value!r} is none of {known}")
+        return value
+
+    return BeforeValidator(read)
+
+
+class ControllerConfig(ComponentConfig):
+    """How a path becomes commands."""
+
+    loop_rate: float = Field(default=20.0, ge=0.1, le=1e3, description="Hz")
+    algorithm: Annotated[ControllersID, _by_value(ControllersID)] = ControllersID.PURE_PURSUIT
+    control_time_step: float = Field(default=0.1, gt=0, description="s that one command holds")
+    ctrl_publish_type: Annotated[CmdPublishType, _by_value(CmdPublishType)] = (
+        CmdPublishType.TWIST_ARRAY
+    )
+    location_timeout: float = Field(default=0.5, gt=0, description="s; an older pose stops")
+    goal_dist_tolerance: float = Field(default=0.03, gt=0, description="m")
+    goal_orientation_tolerance: float = Field(default=0.05, gt=0, description="rad")

@@ -1,0 +1,80 @@
+"""Health of a component: one level, a sentence, and who caused it."""
+
+from dataclasses import dataclass, field
+
+from automatika_ros_sugar.msg import ComponentStatus
+
+TEXTS = {
+    ComponentStatus.STATUS_HEALTHY: "Running - Healthy",
+    ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL: "Failure: Algorithm Level",
+    ComponentStatus.STATUS_FAILURE_COMPONENT_LEVEL: "Failure: Component Level",
+    ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL: "Failure: System Level",
+    ComponentStatus.STATUS_GENERAL_FAILURE: "Failure: General",
+}
+
+
+@dataclass
+class Health:
+    """What a component says of itself. Setting a level replaces the sources of the last one."""
+
+    level: int = ComponentStatus.STATUS_HEALTHY
+    message: str = TEXTS[ComponentStatus.STATUS_HEALTHY]
+    topics: list[str] = field(default_factory=list)
+    components: list[str] = field(default_factory=list)
+    algorithms: list[str] = field(default_factory=list)
+
+    @property
+    def is_healthy(self) -> bool:
+        """True unless a failure is set."""
+        return self.level == ComponentStatus.STATUS_HEALTHY
+
+    def set_healthy(self) -> None:
+        """Clear the failure and its sources."""
+        self._set(ComponentStatus.STATUS_HEALTHY, "")
+
+    def set_fail_algorithm(self, algorithms: list[str], message: str = "") -> None:
+        """The data is there, and no answer was found."""
+        self._set(ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL, message, algorithms=algorithms)
+
+    def set_fail_component(self, components: list[str], message: str = "") -> None:
+        """A defect of the component itself."""
+        self._set(ComponentStatus.STATUS_FAILURE_COMPONENT_LEVEL, message, components=components)
+
+    def set_fail_system(
+        self,
+        topics: list[str] | None = None,
+        components: list[str] | None = None,
+        message: str = "",
+    ) -> None:
+        """Something outside is missing: an input, a peer, a device."""
+        self._set(
+            ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL,
+            message,
+            topics=topics,
+            components=components,
+        )
+
+    def _set(
+        self,
+        level: int,
+        message: str,
+        *,
+        topics: list[str] | None = None,
+        components: list[str] | None = None,
+        algorithms: list[str] | None = None,
+    ) -> None:
+        self.level = level
+        self.message = f"{TEXTS[level]} - {message}" if message else TEXTS[level]
+        self.topics = topics or []
+        self.components = components or []
+        self.algorithms = algorithms or []
+
+    def to_msg(self) -> ComponentStatus:
+        """As it is published."""
+        return ComponentStatus(
+            status=self.level,
+            msg=self.message,
+            src_topics=list(self.topics),
+            src_components=list(self.components),
+            src_algorithms=list(self.algorithms),
+        )

@@ -1,0 +1,129 @@
+"""One goal from its acceptance to its end: arrived, refused, blocked, stuck, stopped.
+
+No ROS and no clock: time is an argument [s], so every way to end is tested without waiting.
+"""
+
+import enum
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kompass.algorithms.geometry import wrap_angle
+
+Pose2D = tuple[float, float, float]
+FREE_HEADING = math.pi  # rad; a tolerance from here on asks for no heading
+
+
+class Outcome(enum.IntEnum):
+    """How a mission ended; the numbers are those of PlanPath's result."""
+
+    ARRIVED = 0
+    REFUSED = 1
+    BLOCKED = 2
+    STOPPED = 3
+    PREEMPTED = 4
+    CANCELED = 5
+    STUCK = 6
+    ERROR = 7
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How near is there: distance [m], heading [rad]."""
+
+    distance: float
+    heading: float
+
+    @property
+    def heading_matters(self) -> bool:
+        """Whether the goal's heading is asked for."""
+        return 0 < self.heading < FREE_HEADING
+
+
+@dataclass
+class Mission:
+    """Follows the robot on its way to a goal.
+
+    Parameters
+    ----------
+    goal
+        (x, y, yaw) in the world's frame [m, m, rad].
+    tolerance
+        How near is there.
+    patience
+        Time without a plan, or without progress, before giving up [s].
+    """
+
+    goal: Pose2D
+    tolerance: Tolerance
+    patience: float
+    path: NDArray[np.float64] | None = None
+    under_way: bool = False  # there has been a path, so the robot may have moved
+    _no_plan_since: float | None = None
+    _best: float = math.inf
+    _best_at: float = field(default=-math.inf)
+    _inside_since: float | None = None
+
+    SETTLE = 2.0  # s inside the tolerance after which a robot that still creeps has arrived
+    PROGRESS = 0.05  # m (or rad/10) that count as progress
+
+    def planned(self, path: NDArray[np.float64], now: float) -> None:
+        """A path of poses (N, 3) was found."""
+        self.path, self.under_way = path, True
+        self._no_plan_since = None
+        self._best, self._best_at = math.inf, now
+
+    def unplanned(self, now: float) -> bool:
+        """No path was found; True when patience is over."""
+        self.path = None
+        if self._no_plan_since is None:
+            self._no_plan_since = now
+        return now - self._no_plan_since >= self.patience
+
+    def errors(self, pose: Pose2D) -> tuple[float, float]:
+        """Distance [m] and heading error [rad] between a pose and the goal."""
+        distance = math.hypot(self.goal[0] - pose[0], self.goal[1] - pose[1])
+        return distance, abs(float(wrap_angle(self.goal[2] - pose[2])))
+
+    def distance_left(self, pose: Pose2D) -> float:
+        """Length of the path still ahead [m]; the straight distance while there is none."""
+        if self.path is None or len(self.path) < 2:
+            return self.errors(pose)[0]
+        points = self.path[:, :2]
+        steps = np.hypot(*np.diff(points, axis=0).T)
+        ahead = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+        away = np.hypot(points[:, 0] - pose[0], points[:, 1] - pose[1])
+        # Of points equally near, as where a path crosses itself, the later one is not assumed.
+        return float(ahead[int(np.argmin(away))])
+
+    def arrived(self, pose: Pose2D, standing: bool, now: float) -> bool:
+        """Whether the robot is there, and has come to rest or had the time to."""
+        distance, heading = self.errors(pose)
+        inside = distance <= self.tolerance.distance and (
+            not self.tolerance.heading_matters or heading <= self.tolerance.heading
+        )
+        if not inside:
+            self._inside_since = None
+            return False
+        if self._inside_since is None:
+            self._inside_since = now
+        return standing or now - self._inside_since >= self.SETTLE
+
+    def stuck(self, pose: Pose2D, now: float) -> bool:
+        """Whether nothing has come nearer for longer than patience."""
+        distance, heading = self.errors(pose)
+        left = self.distance_left(pose) + distance / 10
+        if self.tolerance.heading_matters and distance < 2 * self.tolerance.distance:
+            left += heading / 10
+        if left < self._best - self.PROGRESS:
+            self._best, self._best_at = left, now
+        return self.path is not None and now - self._best_at >= self.patience
+
+    def strayed(self, pose: Pose2D, limit: float) -> bool:
+        """Whether the robot is farther from its path than ``limit`` [m]."""
+        if self.path is None:
+            return False
+        away = np.hypot(self.path[:, 0] - pose[0], self.path[:, 1] - pose[1])
+        return float(away.min()) > limit

@@ -1,0 +1,34 @@
+"""Publish a component's health, under both names that recipes listen to."""
+
+import time
+
+from automatika_ros_sugar.msg import ComponentStatus
+from rclpy.lifecycle import LifecycleNode
+
+from kompass.components.health import Health
+from kompass.components.topic import LATCHED
+
+
+class StatusPublisher:
+    """A change goes out at once, and the same again at ``rate`` Hz, so silence means something.
+
+    Published on ``<node>/status`` and ``<node>_status``; latched, so a late listener knows.
+    """
+
+    def __init__(self, node: LifecycleNode, rate: float) -> None:
+        names = (f"{node.get_name()}/status", f"{node.get_name()}_status")
+        qos = LATCHED.to_ros()
+        self._publishers = [node.create_publisher(ComponentStatus, name, qos) for name in names]
+        self._period = 1.0 / rate
+        self._last: ComponentStatus | None = None
+        self._sent = 0.0
+
+    def publish(self, health: Health) -> None:
+        """Send when something changed or the period has passed."""
+        message = health.to_msg()
+        now = time.monotonic()
+        if message == self._last and now - self._sent < 0.95 * self._period:
+            return
+        self._last, self._sent = message, now
+        for publisher in self._publishers:
+            publisher.publish(message)

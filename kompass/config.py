@@ -1,0 +1,16 @@
+"""Configuration: validated models, and the files that fill them."""
+
+from kompass.components.component_config import ComponentConfig, ComponentRunType
+from kompass.robot import RobotConfig, RobotFrames
+from kompass.settings import Settings
+
+BaseComponentConfig = ComponentConfig
+
+__all__ = [
+    "BaseComponentConfig",
+    "ComponentConfig",
+    "ComponentRunType",
+    "RobotConfig",
+    "RobotFrames",
+    "Settings",
+]

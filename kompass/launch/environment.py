@@ -1,0 +1,46 @@
+"""What must be right in the environment before ROS is touched, told in one line each."""
+
+import importlib.util
+import os
+from pathlib import Path
+
+MIDDLEWARE = "RMW_IMPLEMENTATION"
+
+
+class EnvironmentProblem(RuntimeError):
+    """The environment cannot run ROS; the message says what to change."""
+
+
+def check_environment() -> None:
+    """Check the middleware and the domain.
+
+    Raises
+    ------
+    EnvironmentProblem
+        When rcl would end the process with a message of its own, or another domain be used.
+    """
+    name = os.environ.get(MIDDLEWARE, "")
+    if name and not _has_library(name):
+        raise EnvironmentProblem(
+            f"{MIDDLEWARE}={name}, but that middleware is not installed in this environment; "
+            f"unset {MIDDLEWARE}, or set it to rmw_fastrtps_cpp"
+        )
+    domain = os.environ.get("ROS_DOMAIN_ID", "")
+    if domain and not (domain.isdigit() and int(domain) <= 232):
+        raise EnvironmentProblem(
+            f"ROS_DOMAIN_ID={domain!r} is not a number from 0 to 232; choose one, or unset it"
+        )
+    if importlib.util.find_spec("rclpy") is None:
+        raise EnvironmentProblem(
+            "rclpy is not installed; on x86_64 Linux 'pip install kompass-console' brings it, "
+            "elsewhere source a ROS 2 installation first"
+        )
+
+
+def _has_library(middleware: str) -> bool:
+    folders = os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
+    spec = importlib.util.find_spec("rclpy")
+    if spec is not None and spec.origin is not None:
+        # The wheels put their libraries into <prefix>/lib.
+        folders += [str(parent / "lib") for parent in Path(spec.origin).parents[:6]]
+    return any((Path(folder) / f"lib{middleware}.so").is_file() for folder in folders if folder)

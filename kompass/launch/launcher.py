@@ -1,0 +1,207 @@
+"""The launcher of a recipe: components in, a supervised stack out."""
+
+import logging
+import os
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from kompass.components.component import Component
+from kompass.components.topic import Topic
+from kompass.launch.claim import claim
+from kompass.launch.companions import companions
+from kompass.launch.environment import check_environment
+from kompass.launch.host import host
+from kompass.launch.process import ProcessSpec, Report
+from kompass.launch.supervisor import Supervisor
+from kompass.robot import RobotConfig, RobotFrames
+
+
+class Launcher:
+    """Collects the components of a recipe and runs them.
+
+    Parameters
+    ----------
+    namespace
+        ROS namespace of all nodes.
+    config_file
+        Applied to each component when it is added; what the recipe sets afterwards wins.
+    """
+
+    def __init__(
+        self,
+        namespace: str = "",
+        config_file: str | None = None,
+        *,
+        enable_monitoring: bool = True,
+        activation_timeout: float | None = None,
+    ) -> None:
+        self.namespace = namespace
+        self.config_file = config_file
+        self.enable_monitoring = enable_monitoring
+        self.activation_timeout = activation_timeout
+        self._components: list[Component] = []
+        self._activate: list[str] = []
+        self._threaded: list[Component] = []
+
+    def kompass(
+        self,
+        components: list[Component],
+        *,
+        activate_all_components_on_start: bool = True,
+        components_to_activate_on_start: list[Component] | None = None,
+        multi_processing: bool | None = None,
+        multiprocessing: bool | None = None,
+    ) -> None:
+        """Add components.
+
+        Parameters
+        ----------
+        components
+            In the order in which they start.
+        activate_all_components_on_start, components_to_activate_on_start
+            Which become active at once.
+        multi_processing, multiprocessing
+            A process for each (the default), or one for all of them; both spellings are in use.
+
+        Raises
+        ------
+        ValueError
+            When two components have one name.
+        TypeError
+            When something in the list is not a component.
+        """
+        for component in components:
+            if not isinstance(component, Component):
+                raise TypeError(f"components holds {component!r}, which is not a component")
+            if any(component.node_name == other.node_name for other in self._components):
+                raise ValueError(
+                    f"two components are called '{component.node_name}'; names must differ"
+                )
+            if self.config_file:
+                component.apply_config_file(self.config_file)
+            self._components.append(component)
+            chosen = components_to_activate_on_start
+            if component in chosen if chosen is not None else activate_all_components_on_start:
+                self._activate.append(component.node_name)
+        flag = multi_processing if multi_processing is not None else multiprocessing
+        if flag is False:
+            self._threaded += components
+
+    @property
+    def components(self) -> list[Component]:
+        """All components added so far."""
+        return list(self._components)
+
+    @property
+    def robot(self) -> dict[str, RobotConfig]:
+        """The robot that each component assumes, by node name."""
+        return {component.node_name: component.robot for component in self._components}
+
+    @robot.setter
+    def robot(self, value: RobotConfig) -> None:
+        for component in self._components:
+            component.robot = value
+
+    @property
+    def frames(self) -> dict[str, RobotFrames]:
+        """The frame names that each component uses, by node name."""
+        return {component.node_name: component.frames for component in self._components}
+
+    @frames.setter
+    def frames(self, value: RobotFrames) -> None:
+        for component in self._components:
+            component.frames = value
+
+    def inputs(self, **topics: Topic | list[Topic]) -> None:
+        """Set an input of every component that has it.
+
+        Raises
+        ------
+        ValueError
+            When no component has it.
+        """
+        self._spread("set_input", "allowed_inputs", topics)
+
+    def outputs(self, **topics: Topic | list[Topic]) -> None:
+        """Set an output of every component that has it.
+
+        Raises
+        ------
+        ValueError
+            When no component has it.
+        """
+        self._spread("set_output", "allowed_outputs", topics)
+
+    def _spread(self, setter: str, allowed: str, topics: Mapping[str, Any]) -> None:
+        for key, value in topics.items():
+            taken = [getattr(component, setter)(**{key: value}) for component in self._components]
+            if not any(taken):
+                known = sorted({k for c in self._components for k in getattr(c, allowed)})
+                raise ValueError(f"no component has '{key}'; known are {', '.join(known)}")
+
+    def bringup(self, config_file: str | None = None) -> None:
+        """Run the stack; blocks until SIGINT or SIGTERM, then stops the robot and all processes.
+
+        Raises
+        ------
+        ValueError
+            When no component was added.
+        AlreadyRunning
+            When another stack runs the same nodes.
+        StartupError
+            When a process cannot start.
+        """
+        if not self._components:
+            raise ValueError("the launcher has no components; add them with launcher.kompass(…)")
+        check_environment()
+        if config_file:
+            for component in self._components:
+                component.apply_config_file(config_file)
+        _log_to_terminal()
+        own = self._specs()
+        names = [name for spec in own for name in spec.names]
+        # A node of the recipe's own takes the place of a companion of that name.
+        beside = [spec for spec in companions() if not set(spec.names) & set(names)]
+        names += [name for spec in beside for name in spec.names]
+        held = claim(names, self.namespace)
+        try:
+            Supervisor([*own, *beside], announced=[spec.name for spec in own]).run()
+        finally:
+            for descriptor in held:
+                os.close(descriptor)
+
+    def _specs(self) -> list[ProcessSpec]:
+        groups = [[c] for c in self._components if c not in self._threaded]
+        if self._threaded:
+            groups.append(self._threaded)
+        return [self._spec(group) for group in groups]
+
+    def _spec(self, group: list[Component]) -> ProcessSpec:
+        names = [component.node_name for component in group]
+
+        def main(report: Report) -> None:
+            host(
+                group,
+                self._activate,
+                report,
+                namespace=self.namespace,
+                first_start=spec.starts == 1,
+            )
+
+        spec = ProcessSpec(
+            name=names[0] if len(names) == 1 else "components",
+            main=main,
+            names=names,
+            stops_robot=any(component.stops_robot for component in group),
+        )
+        return spec
+
+
+def _log_to_terminal() -> None:
+    logger = logging.getLogger("kompass")
+    if not logger.handlers:
+        handler = logging.StreamHandler(sys.stderr)
+        handler.setFormatter(logging.Formatter("%(asctime)s %(message)s", "%H:%M:%S"))
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)

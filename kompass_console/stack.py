@@ -1,0 +1,179 @@
+"""Put together what runs: a recipe's stack, the embedded robot, the console."""
+
+from __future__ import annotations
+
+import os
+import runpy
+import secrets
+import signal
+import socket
+import sys
+import threading
+import traceback
+import webbrowser
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+from pydantic import ValidationError
+
+from kompass.launch.claim import AlreadyRunning
+from kompass.launch.companions import add_companion
+from kompass.launch.environment import EnvironmentProblem, check_environment
+from kompass.launch.process import ProcessSpec, Report
+from kompass.launch.supervisor import StartupError
+
+DEFAULT_WORLD = "hexagon"
+
+
+class Problem(Exception):
+    """Something to tell in one line, and the exit code."""
+
+    def __init__(self, code: int, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+@dataclass
+class Console:
+    """Where the console listens, and who may come in."""
+
+    host: str
+    port: int
+    open_browser: bool
+    robot_name: str
+    token: str | None
+
+    def __post_init__(self) -> None:
+        if self.token is not None and len(self.token) < 16:
+            raise Problem(2, "--token is too short: give at least 16 characters, or leave it out")
+        self.socket = self._listen()
+        self.port = self.socket.getsockname()[1]
+        self.tokens = {
+            "operator": self.token or secrets.token_urlsafe(24),
+            "viewer": secrets.token_urlsafe(24),
+        }
+
+    def _listen(self) -> socket.socket:
+        family = socket.AF_INET6 if ":" in self.host else socket.AF_INET
+        listening = socket.socket(family, socket.SOCK_STREAM)
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listening.bind((self.host, self.port))
+            listening.listen(128)
+        except OSError as error:
+            listening.close()
+            raise Problem(
+                2,
+                f"cannot listen on {self.host} port {self.port}: {error.strerror}; "
+                "choose another with --port (0 takes a free one) or --host",
+            ) from None
+        return listening
+
+    def url(self, role: str = "operator") -> str:
+        """The address with the token of a role."""
+        host = "127.0.0.1" if self.host in ("0.0.0.0", "::") else self.host
+        shown = f"[{host}]" if ":" in host else host
+        return f"http://{shown}:{self.port}/#token={self.tokens[role]}"
+
+    def announce(self) -> None:
+        """Print the addresses."""
+        typer.echo(f"\n  Console:    {self.url()}\n  To watch:   {self.url('viewer')}\n")
+
+    def serve(self, report: Report | None = None) -> None:
+        """Serve until SIGTERM or SIGINT."""
+        from kompass_console.server import run_console
+        from kompass_console.settings import ConsoleSettings
+
+        settings = ConsoleSettings.model_validate(
+            {"robot_name": self.robot_name, "access_tokens": self.tokens}
+        )
+        if report is not None:
+            report("active console")
+        if self.open_browser and sys.stdout.isatty() and _has_screen():
+            # The socket listens already, so the page waits for the server and not the reverse.
+            threading.Thread(target=webbrowser.open, args=(self.url(),), daemon=True).start()
+        run_console(self.socket, settings)
+
+
+def _has_screen() -> bool:
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def run_recipe(recipe: Path, console: Console, sim: str | None) -> None:
+    """Run a recipe with the console beside it, until Ctrl-C.
+
+    Raises
+    ------
+    Problem
+        When it cannot run, with the reason in one line.
+    """
+    if sim is not None:
+        _add_robot(sim)
+    add_companion(ProcessSpec("console", console.serve))
+    console.announce()
+    sys.argv = [str(recipe)]
+    sys.path.insert(0, str(recipe.resolve().parent))
+    try:
+        runpy.run_path(str(recipe), run_name="__main__")
+    except (AlreadyRunning, EnvironmentProblem, StartupError) as error:
+        raise Problem(1, str(error)) from None
+    except Exception as error:  # noqa: BLE001 - whatever a recipe raises is told in one line
+        raise Problem(3, _where(recipe, error)) from None
+    finally:
+        console.socket.close()
+
+
+def _where(recipe: Path, error: Exception) -> str:
+    """File, line and message of what a recipe raised."""
+    if isinstance(error, SyntaxError):
+        return f"{error.filename or recipe}:{error.lineno}: SyntaxError: {error.msg}"
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if Path(frame.filename).resolve() == recipe.resolve()]
+    line = f":{own[-1].lineno}" if own else ""
+    text = str(error)
+    if isinstance(error, ValidationError):
+        text = "; ".join(
+            f"{'.'.join(str(part) for part in item['loc'])} = {item['input']!r}: {item['msg']}"
+            for item in error.errors()
+        )
+    return f"{recipe}{line}: {type(error).__name__}: {' '.join(text.split())}"
+
+
+def _add_robot(world_name: str) -> None:
+    """The embedded robot and its map, as processes beside the recipe's."""
+    from kompass.share import map_path
+    from kompass.simulation.worlds.registry import world_names
+
+    if world_name not in world_names():
+        raise Problem(
+            2, f"--sim {world_name}: there is no such world; known are {', '.join(world_names())}"
+        )
+
+    def simulate(report: Report) -> None:
+        from kompass.simulation.node import run_simulator
+
+        report("active simulator")
+        run_simulator(world_name)
+
+    def serve_map(report: Report) -> None:
+        from kompass.components import MapServer, MapServerConfig
+        from kompass.launch.host import host
+
+        config = MapServerConfig(map_file_path=str(map_path(world_name)))
+        server = MapServer("map_server", config=config)
+        host([server], ["map_server"], report, first_start=False)
+
+    add_companion(ProcessSpec("simulator", simulate, names=["simulator"]))
+    add_companion(ProcessSpec("map_server", serve_map, names=["map_server"]))
+
+
+def run_attached(console: Console) -> None:
+    """Serve the console alone, in this process, until Ctrl-C."""
+    try:
+        check_environment()
+    except EnvironmentProblem as error:
+        raise Problem(1, str(error)) from None
+    console.announce()
+    signal.signal(signal.SIGINT, lambda *_: signal.raise_signal(signal.SIGTERM))
+    console.serve()
