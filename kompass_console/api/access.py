@@ -1,0 +1,56 @@
+"""What routes ask of a request: which console, and who is asking."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, cast
+
+from fastapi import Depends
+from starlette.requests import HTTPConnection
+
+from kompass_console.auth import SESSION_COOKIE, Session
+from kompass_console.console import Console
+from kompass_console.errors import ConsoleError
+from kompass_console.roles import Role
+
+
+def console_of(connection: HTTPConnection) -> Console:
+    """The console this request is for."""
+    return cast(Console, connection.app.state.console)
+
+
+def session_of(connection: HTTPConnection) -> Session:
+    """Who is asking. Raises ConsoleError 401 when nobody is logged in."""
+    session = console_of(connection).auth.session(connection.cookies.get(SESSION_COOKIE))
+    if session is None:
+        raise ConsoleError(
+            401,
+            "You are not logged in to this console.",
+            "Log in with the token that the console printed when it started.",
+        )
+    return session
+
+
+def at_least(role: Role) -> Callable[[HTTPConnection], Session]:
+    """A dependency: the session, when its role may do what `role` may; else 403."""
+
+    def check(connection: HTTPConnection) -> Session:
+        session = session_of(connection)
+        if not session.role.covers(role):
+            raise ConsoleError(
+                403,
+                f"You are logged in as {session.role}, and this takes {_article(role)} {role}.",
+                f"Log in with {_article(role)} {role}'s token, or ask one to do it.",
+            )
+        return session
+
+    return check
+
+
+def _article(role: Role) -> str:
+    return "an" if role[0] in "aeiou" else "a"
+
+
+CurrentConsole = Annotated[Console, Depends(console_of)]
+LoggedIn = Annotated[Session, Depends(session_of)]
+Operator = Annotated[Session, Depends(at_least(Role.OPERATOR))]

@@ -1,0 +1,47 @@
+"""STOP. Anybody who is logged in may press it; it waits for nothing here."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
+from kompass_console.api.models import StopAnswer, StopRequest
+from kompass_console.errors import ConsoleError
+from kompass_console.link.services import NoAnswer
+
+router = APIRouter(prefix="/api/stop", tags=["stop"])
+
+_BY_HAND = "Use the emergency stop on the robot itself."
+
+
+@router.post("")
+async def stop(
+    session: LoggedIn, console: CurrentConsole, body: StopRequest | None = None
+) -> StopAnswer:
+    """Latch STOP in the drive manager. That the robot stands still is told by the state."""
+    reason = body.reason if body is not None else ""
+    try:
+        answer = await console.link.drive.stop(session.user, reason)
+    except NoAnswer as error:
+        console.audit.record(session.user, session.role, "stop", error.why, reason=reason)
+        raise ConsoleError(503, f"STOP is not confirmed: {error.why}.", _BY_HAND) from error
+    outcome = "accepted" if answer.accepted else answer.message
+    console.audit.record(session.user, session.role, "stop", outcome, reason=reason)
+    return StopAnswer(accepted=answer.accepted, message=answer.message)
+
+
+@router.post("/release")
+async def release(session: Operator, console: CurrentConsole) -> StopAnswer:
+    """Let the robot move again."""
+    try:
+        answer = await console.link.drive.release(session.user)
+    except NoAnswer as error:
+        console.audit.record(session.user, session.role, "release stop", error.why)
+        raise ConsoleError(
+            503,
+            f"STOP is not released: {error.why}.",
+            "Look at the drive manager's health; the robot stays stopped.",
+        ) from error
+    outcome = "accepted" if answer.accepted else answer.message
+    console.audit.record(session.user, session.role, "release stop", outcome)
+    return StopAnswer(accepted=answer.accepted, message=answer.message)

@@ -1,0 +1,29 @@
+"""Everything a route may need, in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kompass_console.audit import AuditTrail
+from kompass_console.auth import Authenticator, LoginLimiter
+from kompass_console.link.link import RosLink
+from kompass_console.scene.scene import Scene
+from kompass_console.settings import ConsoleSettings
+from kompass_console.state_feed import StateFeed
+from kompass_console.views import ViewRegistry
+from kompass_console.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class Console:
+    """One running console."""
+
+    settings: ConsoleSettings
+    auth: Authenticator
+    limiter: LoginLimiter
+    audit: AuditTrail
+    world: World
+    link: RosLink
+    views: ViewRegistry
+    scene: Scene
+    feed: StateFeed

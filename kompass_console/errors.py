@@ -1,0 +1,18 @@
+"""Errors that people read: what and why, and what to do about it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+
+class ConsoleError(Exception):
+    """An answer other than success: HTTP status, one sentence of what and why, one of remedy."""
+
+    def __init__(
+        self, status: int, title: str, remedy: str, headers: Mapping[str, str] | None = None
+    ) -> None:
+        super().__init__(title)
+        self.status = status
+        self.title = title
+        self.remedy = remedy
+        self.headers = dict(headers or {})

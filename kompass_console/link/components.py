@@ -1,0 +1,125 @@
+"""Health of every component, as it says itself, and silence when it does not."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from automatika_ros_sugar.msg import ComponentStatus
+from rclpy.node import Node
+
+from kompass_console.api.models import ComponentInfo, ComponentState
+from kompass_console.link.discovery import Graph, status_topics
+from kompass_console.link.reader import Reader
+from kompass_console.world import Latest
+
+SILENT_AFTER = 1.5  # s; components speak on change and at 5 Hz
+_FORGET_AFTER = 600.0  # s of silence, when its topic has gone as well
+
+_STATES: dict[int, ComponentState] = {
+    ComponentStatus.STATUS_HEALTHY: "healthy",
+    ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL: "algorithm_failure",
+    ComponentStatus.STATUS_FAILURE_COMPONENT_LEVEL: "component_failure",
+    ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL: "system_failure",
+    ComponentStatus.STATUS_GENERAL_FAILURE: "general_failure",
+}
+_LABELS = {
+    "planner": "Planner",
+    "controller": "Controller",
+    "mapper": "Local map",
+    "local_mapper": "Local map",
+    "drive_manager": "Drive",
+    "driver": "Drive",
+    "map_server": "Map",
+    "motion_server": "Motion test",
+    "simulator": "Simulator",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """One status message."""
+
+    status: ComponentState
+    message: str
+    sources: tuple[str, ...]
+
+
+def label_of(name: str) -> str:
+    """The operator's word for a component."""
+    own = name.rpartition("/")[2]
+    return _LABELS.get(own, own.replace("_", " ").capitalize())
+
+
+def report_of(message: Any) -> Report:
+    """Status message as data; an unknown code counts as a general failure."""
+    sources = (*message.src_components, *message.src_topics, *message.src_algorithms)
+    status = _STATES.get(int(message.status), "general_failure")
+    return Report(status, str(message.msg), tuple(str(s) for s in sources))
+
+
+class Components:
+    """All components whose status topic has been seen."""
+
+    def __init__(self, node: Node, changed: Callable[[], None]) -> None:
+        self._node = node
+        self._changed = changed
+        self._readers: dict[str, Reader[Report]] = {}
+        self._reports: dict[str, Latest[Report]] = {}
+        self._since = time.monotonic()
+
+    def refresh(self, published: Graph) -> None:
+        """Listen to new components; forget those that have been gone for long."""
+        topics = status_topics(published)
+        for name, topic in topics.items():
+            if name not in self._readers:
+                self._add(name)
+            self._readers[name].follow(topic)
+        for name in [n for n in self._readers if n not in topics]:
+            if self._age(name) > _FORGET_AFTER:
+                self._readers.pop(name).close()
+                self._reports = {k: v for k, v in self._reports.items() if k != name}
+
+    def infos(self) -> list[ComponentInfo]:
+        """State of every component, by name."""
+        infos = []
+        for name, latest in sorted(self._reports.items()):
+            reader = self._readers.get(name)
+            age = self._age(name)
+            stamped = latest.get()
+            silent = stamped is None or age > SILENT_AFTER
+            infos.append(
+                ComponentInfo(
+                    name=name,
+                    label=label_of(name),
+                    status="silent" if stamped is None or silent else stamped.value.status,
+                    message=(
+                        f"Nothing heard from it for {age:.0f} s."
+                        if stamped is None or silent
+                        else stamped.value.message
+                    ),
+                    sources=[] if stamped is None else list(stamped.value.sources),
+                    age=age,
+                    topic="" if reader is None else reader.topic or "",
+                )
+            )
+        return infos
+
+    def _add(self, name: str) -> None:
+        latest: Latest[Report] = Latest()
+
+        def store(report: Report) -> None:
+            before = latest.get()
+            latest.set(report)
+            if before is None or before.value != report:
+                self._changed()
+
+        self._readers[name] = Reader(self._node, ComponentStatus, report_of, store, latched=True)
+        self._reports = {**self._reports, name: latest}
+
+    def _age(self, name: str) -> float:
+        latest = self._reports.get(name)
+        stamped = None if latest is None else latest.get()
+        return time.monotonic() - self._since if stamped is None else stamped.age()

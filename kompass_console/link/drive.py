@@ -1,0 +1,105 @@
+"""The drive manager: what it says, STOP and its release."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from kompass_interfaces.msg import DriveState
+from kompass_interfaces.srv import ReleaseStop, StopRobot
+from rclpy.node import Node
+
+from kompass_console.api.models import DriveInfo
+from kompass_console.link.discovery import Graph, of_type
+from kompass_console.link.reader import Reader
+from kompass_console.link.services import NoAnswer, ServicePool
+from kompass_console.world import Latest
+
+AVAILABLE_WITHIN = 1.5  # s; the drive manager speaks on change and at 5 Hz
+STOP_TIMEOUT = 1.0  # s
+
+_Said = tuple[bool, bool, str, str, str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What the drive manager answered to STOP or release."""
+
+    accepted: bool
+    message: str
+
+
+class Drive:
+    """State and STOP of every drive manager on the graph (there should be one)."""
+
+    def __init__(self, node: Node, changed: Callable[[], None]) -> None:
+        self._changed = changed
+        self._said: Latest[_Said] = Latest()
+        self._reader = Reader(node, DriveState, _said_of, self._store, latched=True)
+        self._stops = ServicePool(node, StopRobot, "kompass_interfaces/srv/StopRobot")
+        self._releases = ServicePool(node, ReleaseStop, "kompass_interfaces/srv/ReleaseStop")
+
+    def refresh(self, published: Graph, services: Graph) -> None:
+        """Listen to the drive manager that is there now, and keep its services connected."""
+        names = of_type(published, "kompass_interfaces/msg/DriveState")
+        self._reader.follow(names[0] if names else None)
+        self._stops.refresh(services)
+        self._releases.refresh(services)
+
+    def info(self) -> DriveInfo | None:
+        """What it last said; None when it never said anything."""
+        said = self._said.get()
+        if said is None:
+            return None
+        age = said.age()
+        stopped, standstill, stopped_by, reason, limited_by, speed_factor = said.value
+        return DriveInfo(
+            available=age < AVAILABLE_WITHIN,
+            stopped=stopped,
+            standstill=standstill,
+            stopped_by=stopped_by,
+            reason=reason,
+            limited_by=limited_by,
+            speed_factor=speed_factor,
+            age=age,
+        )
+
+    async def stop(self, operator: str, reason: str) -> Answer:
+        """Latch STOP in every drive manager; accepted when all have said so.
+
+        Raises NoAnswer when there is none or one does not answer within `STOP_TIMEOUT`.
+        """
+        request = StopRobot.Request(operator_name=operator, reason=reason)
+        return await _ask_all(self._stops, request)
+
+    async def release(self, operator: str) -> Answer:
+        """Let the robot move again; as `stop`."""
+        return await _ask_all(self._releases, ReleaseStop.Request(operator_name=operator))
+
+    def _store(self, said: _Said) -> None:
+        before = self._said.get()
+        self._said.set(said)
+        if before is None or before.value[:-1] != said[:-1]:
+            self._changed()
+
+
+async def _ask_all(pool: ServicePool, request: Any) -> Answer:
+    names = pool.names
+    if not names:
+        raise NoAnswer("no drive manager is there")
+    answers = await asyncio.gather(*(pool.call(request, STOP_TIMEOUT, name) for name in names))
+    refused = [a for a in answers if not a.success]
+    return Answer(not refused, str((refused or answers)[0].message))
+
+
+def _said_of(message: Any) -> _Said:
+    return (
+        bool(message.stopped),
+        bool(message.standstill),
+        str(message.stopped_by),
+        str(message.reason),
+        str(message.limited_by),
+        float(message.speed_factor),
+    )

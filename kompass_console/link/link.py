@@ -1,0 +1,139 @@
+"""The console's node: discovers what is on the graph and keeps the world up to date."""
+
+from __future__ import annotations
+
+import logging
+import os
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import rclpy
+from kompass_interfaces.srv import CheckGoal
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import get_rmw_implementation_identifier
+
+from kompass_console.link import convert
+from kompass_console.link.components import Components
+from kompass_console.link.drive import Drive
+from kompass_console.link.goals import Goals, pose_message
+from kompass_console.link.services import ServicePool
+from kompass_console.link.streams import Streams
+from kompass_console.settings import ConsoleSettings
+from kompass_console.world import World
+
+NODE_NAME = "kompass_console"
+CHECK_TIMEOUT = 2.0  # s
+CANCEL_TIMEOUT = 2.0  # s
+
+_LOOK_AROUND = 0.5  # s between two looks at the graph
+_TICK = 0.1  # s
+
+_logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class CheckAnswer:
+    """What the planner says about a goal; `reason` is CheckGoal's number, `preview` (N, 2) m."""
+
+    reachable: bool
+    reason: int
+    message: str
+    nearest: tuple[float, float] | None
+    preview: npt.NDArray[np.float64]
+    length: float
+    duration: float
+
+
+class RosLink:
+    """One rclpy context, node and thread. `changed` is called on any thread when the goal, the
+    drive manager's word or a component's status has changed."""
+
+    def __init__(
+        self, settings: ConsoleSettings, world: World, changed: Callable[[], None]
+    ) -> None:
+        self._ending = threading.Event()
+        self._context = rclpy.Context()
+        rclpy.init(
+            args=[],
+            context=self._context,
+            domain_id=settings.domain_id,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        self.domain_id = int(self._context.get_domain_id())
+        self.middleware = str(get_rmw_implementation_identifier())
+        # The process id keeps two consoles on one robot apart.
+        self._node = rclpy.create_node(
+            f"{NODE_NAME}_{os.getpid()}",
+            context=self._context,
+            use_global_arguments=False,
+            enable_rosout=False,
+            start_parameter_services=False,
+        )
+        self.streams = Streams(self._node, world, settings.topics)
+        self.components = Components(self._node, changed)
+        self.drive = Drive(self._node, changed)
+        self.goals = Goals(self._node, world, changed)
+        self._checks = ServicePool(self._node, CheckGoal, "kompass_interfaces/srv/CheckGoal")
+        self._node.create_timer(_LOOK_AROUND, self._look_around)
+        self._node.create_timer(_TICK, self.goals.tick)
+        self._executor = EventsExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._look_around()
+        self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
+        self._thread.start()
+
+    @property
+    def planner_checks(self) -> bool:
+        """Whether some planner answers goal checks."""
+        return bool(self._checks.names)
+
+    async def check_goal(self, x: float, y: float, yaw: float | None) -> CheckAnswer:
+        """Ask the planner about a goal (m, rad, map frame).
+
+        Raises NoAnswer when no planner answers within `CHECK_TIMEOUT`.
+        """
+        request = CheckGoal.Request(
+            goal=pose_message(x, y, yaw or 0.0), use_heading=yaw is not None
+        )
+        answer = await self._checks.call(request, CHECK_TIMEOUT)
+        nearest = (answer.nearest.x, answer.nearest.y) if answer.has_nearest else None
+        return CheckAnswer(
+            reachable=bool(answer.reachable),
+            reason=int(answer.reason),
+            message=str(answer.message),
+            nearest=nearest,
+            preview=convert.path(answer.preview),
+            length=float(answer.length),
+            duration=float(answer.duration),
+        )
+
+    def stop(self) -> None:
+        """Leave the graph and end the thread."""
+        self._ending.set()
+        self._executor.wake()
+        self._thread.join(2.0)
+        self._executor.shutdown(0.0)
+        self._node.destroy_node()
+        rclpy.shutdown(context=self._context, uninstall_handlers=False)
+
+    def _spin(self) -> None:
+        while not self._ending.is_set() and self._context.ok():
+            try:
+                self._executor.spin_once(timeout_sec=0.5)
+            except Exception:
+                # One message that cannot be handled must not make the console deaf.
+                _logger.exception("a ROS callback failed")
+
+    def _look_around(self) -> None:
+        topics = dict(self._node.get_topic_names_and_types())
+        published = {n: t for n, t in topics.items() if self._node.count_publishers(n) > 0}
+        services = dict(self._node.get_service_names_and_types())
+        self.streams.refresh(published)
+        self.components.refresh(published)
+        self.drive.refresh(published, services)
+        self.goals.refresh(published, services)
+        self._checks.refresh(services)

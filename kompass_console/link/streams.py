@@ -1,0 +1,130 @@
+"""What the robot measures and plans, read from the graph into the world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from geometry_msgs.msg import PolygonStamped
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from rclpy.node import Node
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Float32
+from tf2_msgs.msg import TFMessage
+
+from kompass_console.api.models import StreamInfo, StreamKey
+from kompass_console.link import convert
+from kompass_console.link.discovery import Graph, of_type, stream_topic
+from kompass_console.link.reader import Reader
+from kompass_console.settings import TopicOverrides
+from kompass_console.world import Latest, Motion, Pose, Stamped, World
+
+_BASE_FRAMES = ("base_link", "base_footprint")
+
+
+@dataclass(frozen=True, slots=True)
+class _Kind:
+    """How the page calls a stream, and how old (s) it may be; None: it is sent once and kept."""
+
+    label: str
+    deadline: float | None
+
+
+_KINDS: dict[StreamKey, _Kind] = {
+    "odometry": _Kind("Position", 0.5),
+    "scan": _Kind("Laser scan", 1.0),
+    "map": _Kind("Map", None),
+    "local_map": _Kind("Local map", 1.0),
+    "path": _Kind("Path", None),
+}
+
+
+class Streams:
+    """Readers for everything in the world but the goal."""
+
+    def __init__(self, node: Node, world: World, overrides: TopicOverrides) -> None:
+        self._world = world
+        self._overrides: dict[StreamKey, str | None] = {
+            "odometry": overrides.odometry,
+            "scan": overrides.scan,
+            "map": overrides.map,
+            "local_map": overrides.local_map,
+            "path": overrides.plan,
+        }
+        self._slots: dict[StreamKey, Latest[Any]] = {
+            "odometry": world.motion,
+            "scan": world.scan,
+            "map": world.map,
+            "local_map": world.local_map,
+            "path": world.path,
+        }
+        self._readers: dict[StreamKey, Reader[Any]] = {
+            "odometry": Reader(node, Odometry, convert.motion, self._moved),
+            "scan": Reader(node, LaserScan, convert.scan, world.scan.set),
+            "map": Reader(node, OccupancyGrid, convert.grid, world.map.set, latched=True),
+            "local_map": Reader(node, OccupancyGrid, convert.grid, world.local_map.set),
+            "path": Reader(node, Path, convert.path, world.path.set, latched=True),
+        }
+        self._footprint = Reader(
+            node, PolygonStamped, convert.polygon, world.footprint.set, latched=True
+        )
+        self._mounts = Reader(node, TFMessage, _mounts_of, self._mounted, latched=True, depth=10)
+        self._rate: Latest[float] = Latest()
+        self._rates = Reader(node, Float32, lambda m: float(m.data), self._rate.set)
+
+    @property
+    def simulation_rate(self) -> Stamped[float] | None:
+        """Simulated seconds per real second, as a simulator says."""
+        return self._rate.get()
+
+    def refresh(self, published: Graph) -> None:
+        """Read from the topics that are there now."""
+        for key, reader in self._readers.items():
+            topic = stream_topic(key, published, self._overrides[key])
+            if reader.follow(topic):
+                self._slots[key].clear()
+        footprints = of_type(published, "geometry_msgs/msg/PolygonStamped")
+        self._footprint.follow(next((n for n in footprints if n.endswith("footprint")), None))
+        if "tf2_msgs/msg/TFMessage" in published.get("/tf_static", ()):
+            self._mounts.follow("/tf_static")
+        if "std_msgs/msg/Float32" in published.get("/simulator/rate", ()):
+            self._rates.follow("/simulator/rate")
+
+    def infos(self) -> list[StreamInfo]:
+        """Every stream's topic and age."""
+        infos = []
+        for key, kind in _KINDS.items():
+            stamped = self._slots[key].get()
+            age = None if stamped is None else stamped.age()
+            late = age is not None and kind.deadline is not None and age > kind.deadline
+            # No path is a robot that has nothing to do; everything else has to be there.
+            stale = late or (age is None and key != "path")
+            infos.append(
+                StreamInfo(
+                    key=key,
+                    label=kind.label,
+                    topic=self._readers[key].topic,
+                    age=age,
+                    deadline=kind.deadline,
+                    stale=stale,
+                )
+            )
+        return infos
+
+    def _moved(self, motion: Motion) -> None:
+        self._world.history.add(motion.stamp, motion.pose)
+        self._world.motion.set(motion)
+
+    def _mounted(self, mounts: dict[str, Pose]) -> None:
+        self._world.scan_mount = {**self._world.scan_mount, **mounts}
+
+
+def _mounts_of(message: Any) -> dict[str, Pose]:
+    """Sensor frame -> its pose on the robot, of those fixed to the robot's base."""
+    mounts = {}
+    for transform in message.transforms:
+        if transform.header.frame_id.lstrip("/") in _BASE_FRAMES:
+            translation, rotation = transform.transform.translation, transform.transform.rotation
+            frame = transform.child_frame_id.lstrip("/")
+            mounts[frame] = Pose(translation.x, translation.y, convert.yaw_of(rotation))
+    return mounts

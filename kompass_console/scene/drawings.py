@@ -1,0 +1,111 @@
+"""What there is to draw at one moment, converted once for all pages."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from kompass_console.scene import local_map_layer, map_layer, path_layer, scan_layer
+from kompass_console.scene.local_map_layer import LocalMapDrawing
+from kompass_console.scene.map_layer import MapDrawing
+from kompass_console.scene.scan_layer import ScanDrawing
+from kompass_console.scene.shapes import Vertices
+from kompass_console.scene.trail_layer import Trail
+from kompass_console.world import GoalMark, Pose, Scan, World
+
+LayerKey = str
+
+# Seconds between two conversions of a layer, at least.
+_PERIODS: dict[LayerKey, float] = {
+    "map": 1.0,
+    "local_map": 0.1,
+    "path": 0.2,
+    "scan": 0.1,
+    "trail": 0.5,
+    "footprint": 1.0,
+    "robot": 0.05,
+    "goal": 0.05,
+}
+
+
+@dataclass
+class Drawings:
+    """The newest drawing of every layer, and how many there have been of each.
+
+    Pages compare the counts with those they have drawn; a page that has just come finds all.
+    """
+
+    map: MapDrawing | None = None
+    local_map: LocalMapDrawing | None = None
+    path: Vertices | None = None
+    scan: ScanDrawing | None = None
+    trail: Vertices | None = None
+    footprint: npt.NDArray[np.float64] | None = None
+    robot: Pose | None = None
+    goal: GoalMark | None = None
+    counts: dict[LayerKey, int] = field(default_factory=lambda: dict.fromkeys(_PERIODS, 0))
+
+
+class Converter:
+    """Turns what the robot said into drawings, layer by layer, when it changed and is due."""
+
+    def __init__(self, world: World, drawings: Drawings) -> None:
+        self._world = world
+        self._drawings = drawings
+        self._trail = Trail()
+        self._seen: dict[LayerKey, int] = {}
+        self._due: dict[LayerKey, float] = {}
+        self._trail_changed = False
+
+    def remember(self) -> None:
+        """Note where the robot is; all there is to do while nobody watches."""
+        motion = self._world.motion.get()
+        if motion is not None and self._trail.add(motion.value.pose):
+            self._trail_changed = True
+
+    def convert(self) -> None:
+        """Bring every layer up to date. Call from one thread only."""
+        world, drawings = self._world, self._drawings
+        self.remember()
+        if (motion := world.motion.get()) is not None and self._is_new("robot", motion.version):
+            drawings.robot = motion.value.pose
+        if self._trail_changed and self._is_due("trail"):
+            self._trail_changed = False
+            drawings.trail = self._trail.segments()
+            drawings.counts["trail"] += 1
+        if (goal := world.goal.get()) is not None and self._is_new("goal", goal.version):
+            drawings.goal = goal.value
+        if (scan := world.scan.get()) is not None and self._is_new("scan", scan.version):
+            drawings.scan = scan_layer.convert(scan.value, self._sensor_pose(scan.value))
+        if (path := world.path.get()) is not None and self._is_new("path", path.version):
+            drawings.path = path_layer.convert(path.value)
+        local = world.local_map.get()
+        if local is not None and self._is_new("local_map", local.version):
+            drawings.local_map = local_map_layer.convert(local.value)
+        ring = world.footprint.get()
+        if ring is not None and self._is_new("footprint", ring.version):
+            drawings.footprint = ring.value
+        if (grid := world.map.get()) is not None and self._is_new("map", grid.version):
+            drawings.map = map_layer.convert(grid.value)
+
+    def _is_new(self, layer: LayerKey, version: int) -> bool:
+        if self._seen.get(layer) == version or not self._is_due(layer):
+            return False
+        self._seen[layer] = version
+        self._drawings.counts[layer] += 1
+        return True
+
+    def _is_due(self, layer: LayerKey) -> bool:
+        now = time.monotonic()
+        if now < self._due.get(layer, 0.0):
+            return False
+        self._due[layer] = now + _PERIODS[layer] * 0.9
+        return True
+
+    def _sensor_pose(self, scan: Scan) -> Pose:
+        """Where the sensor was when the scan was taken, in the map frame."""
+        robot = self._world.history.at(scan.stamp) or Pose(0.0, 0.0, 0.0)
+        return robot.compose(self._world.scan_mount.get(scan.frame, Pose(0.0, 0.0, 0.0)))

@@ -1,0 +1,223 @@
+"""The map: quiet floor tiles, and low walls where it is occupied."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import viser
+
+from kompass_console.scene.palette import palette
+from kompass_console.scene.png import encode_palette
+from kompass_console.settings import Theme
+from kompass_console.world import Grid, Pose
+
+_UNKNOWN, _HATCH, _FREE, _OCCUPIED = 0, 1, 2, 3
+_OCCUPIED_FROM = 65  # of 100, as map_server and RViz draw it
+
+_TILE = 1024  # px; the smallest texture limit still met on tablets is 4096
+_SHARP = 2048  # px; small maps are magnified up to this, or their cells blur into each other
+_HATCH_PITCH = 12  # px between the hatching lines of unknown space
+
+_WALL_HEIGHT = 0.08  # m; low, so that a point on a wall's top is near the point on the floor
+_MOST_WALLS = 30_000  # boxes; a map with more keeps its floor only
+
+_Bytes = npt.NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True)
+class Tile:
+    """A piece of the floor: centre (x, y) in the grid's frame and size, m; classes (h, w)."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    classes: _Bytes
+
+
+@dataclass(frozen=True, slots=True)
+class MapDrawing:
+    """A map ready to be drawn. `bounds` (x0, y0, x1, y1) holds what is known, in the map frame."""
+
+    origin: Pose
+    tiles: tuple[Tile, ...]
+    wall_vertices: npt.NDArray[np.float32]
+    wall_faces: npt.NDArray[np.uint32]
+    bounds: tuple[float, float, float, float]
+    images: dict[Theme, tuple[bytes, ...]]
+
+
+def convert(grid: Grid) -> MapDrawing:
+    """Drawing of a map, its tiles encoded for both themes."""
+    classes = classify(grid.cells)
+    height, width = classes.shape
+    factor = max(1, min(8, _SHARP // max(height, width)))
+    tiles = []
+    step = max(1, _TILE // factor)
+    for row in range(0, height, step):
+        for column in range(0, width, step):
+            part = classes[row : row + step, column : column + step]
+            h, w = part.shape
+            magnified = part.repeat(factor, axis=0).repeat(factor, axis=1)
+            tiles.append(
+                Tile(
+                    x=(column + w / 2.0) * grid.resolution,
+                    y=(row + h / 2.0) * grid.resolution,
+                    width=w * grid.resolution,
+                    height=h * grid.resolution,
+                    classes=_hatched(magnified, row * factor, column * factor),
+                )
+            )
+    vertices, faces = walls(classes == _OCCUPIED, grid.resolution)
+    images = {theme: tuple(_encoded(t.classes, theme) for t in tiles) for theme in _THEMES}
+    return MapDrawing(
+        grid.origin, tuple(tiles), vertices, faces, known_bounds(grid, classes), images
+    )
+
+
+_THEMES: tuple[Theme, Theme] = ("light", "dark")
+
+
+def classify(cells: npt.NDArray[np.int8]) -> _Bytes:
+    """Class of every cell: unknown, free or occupied (what is in between counts as free)."""
+    classes = np.full(cells.shape, _FREE, dtype=np.uint8)
+    classes[cells < 0] = _UNKNOWN
+    classes[cells >= _OCCUPIED_FROM] = _OCCUPIED
+    return classes
+
+
+def walls(
+    occupied: npt.NDArray[np.bool_], resolution: float
+) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32]]:
+    """Mesh of low boxes over the occupied cells: vertices (V, 3) in m, triangles (F, 3).
+
+    Cells are merged into rectangles, along rows first and then down equal runs, so a wall is a
+    few boxes and not hundreds. Empty when there would be more boxes than a tablet draws well.
+    """
+    boxes = rectangles(occupied)
+    if not 0 < len(boxes) <= _MOST_WALLS:
+        return np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32)
+    r0, c0, r1, c1 = (boxes * resolution).T
+    corners = np.stack(
+        [
+            np.stack([x, y, np.full_like(x, z)], axis=1)
+            for z in (0.0, _WALL_HEIGHT)
+            for x, y in ((c0, r0), (c1, r0), (c1, r1), (c0, r1))
+        ],
+        axis=1,
+    )  # (N, 8, 3): the four lower corners counter-clockwise, then the four upper ones
+    quads = np.array([[4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+    # Each side has its own vertices, or shading would round the edges off.
+    vertices = corners[:, quads].reshape(-1, 3).astype(np.float32)
+    first = np.arange(len(vertices) // 4, dtype=np.uint32)[:, None] * 4
+    halves = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
+    faces = np.concatenate([first + halves[0], first + halves[1]])
+    return vertices, faces
+
+
+def rectangles(occupied: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
+    """Rectangles (N, 4) of (row, column, end row, end column) that cover the true cells once."""
+    padded = np.zeros((occupied.shape[0], occupied.shape[1] + 2), dtype=np.int8)
+    padded[:, 1:-1] = occupied
+    change = np.diff(padded, axis=1)
+    rows, starts = np.nonzero(change == 1)
+    ends = np.nonzero(change == -1)[1]
+    open_runs: dict[tuple[int, int], list[int]] = {}
+    done: list[list[int]] = []
+    for row, start, end in zip(rows.tolist(), starts.tolist(), ends.tolist(), strict=True):
+        run = open_runs.get((start, end))
+        if run is not None and run[2] == row:
+            run[2] = row + 1
+        else:
+            run = [row, start, row + 1, end]
+            open_runs[start, end] = run
+            done.append(run)
+    return np.array(done, dtype=np.int64).reshape(-1, 4)
+
+
+def known_bounds(grid: Grid, classes: _Bytes) -> tuple[float, float, float, float]:
+    """Box (x0, y0, x1, y1) in the map frame around the known cells (the whole grid if none)."""
+    known = classes != _UNKNOWN
+    rows, columns = np.nonzero(known.any(axis=1))[0], np.nonzero(known.any(axis=0))[0]
+    height, width = classes.shape
+    r0, r1 = (int(rows[0]), int(rows[-1]) + 1) if rows.size else (0, height)
+    c0, c1 = (int(columns[0]), int(columns[-1]) + 1) if columns.size else (0, width)
+    corners = [
+        grid.origin.compose(Pose(c * grid.resolution, r * grid.resolution, 0.0))
+        for r in (r0, r1)
+        for c in (c0, c1)
+    ]
+    xs, ys = [p.x for p in corners], [p.y for p in corners]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+def _hatched(classes: _Bytes, row: int, column: int) -> _Bytes:
+    """Unknown space gets thin diagonal lines that run on across tiles."""
+    rows = np.arange(row, row + classes.shape[0])[:, None]
+    columns = np.arange(column, column + classes.shape[1])[None, :]
+    lines = (rows + columns) % _HATCH_PITCH < 1
+    return np.where(lines & (classes == _UNKNOWN), np.uint8(_HATCH), classes)
+
+
+def _encoded(classes: _Bytes, theme: Theme) -> bytes:
+    colours = palette(theme)
+    return encode_palette(
+        classes, (colours.unknown, colours.unknown_line, colours.free, colours.occupied)
+    )
+
+
+class MapNodes:
+    """The map on one page."""
+
+    def __init__(self, scene: viser.SceneApi, parent: str, theme: Theme) -> None:
+        self._scene = scene
+        self._theme = theme
+        self._root = f"{parent}/map"
+        self._frame = scene.add_frame(self._root, show_axes=False)
+        self._tiles: list[viser.ImageHandle] = []
+        self._walls: viser.MeshHandle | None = None
+
+    def draw(self, drawing: MapDrawing) -> None:
+        self._frame.position = (drawing.origin.x, drawing.origin.y, 0.0)
+        half = drawing.origin.yaw / 2.0
+        self._frame.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
+        for surplus in self._tiles[len(drawing.tiles) :]:
+            surplus.remove()
+        del self._tiles[len(drawing.tiles) :]
+        images = drawing.images[self._theme]
+        for i, (tile, image) in enumerate(zip(drawing.tiles, images, strict=True)):
+            if i == len(self._tiles):
+                self._tiles.append(
+                    self._scene.add_image(
+                        f"{self._root}/tile{i}",
+                        np.zeros((1, 1, 4), np.uint8),
+                        tile.width,
+                        tile.height,
+                        format="png",
+                        cast_shadow=False,
+                        receive_shadow=False,
+                    )
+                )
+            handle = self._tiles[i]
+            handle.render_width, handle.render_height = tile.width, tile.height
+            handle.position = (tile.x, tile.y, 0.0)
+            handle._data = image
+        if self._walls is not None:
+            self._walls.remove()
+            self._walls = None
+        if len(drawing.wall_faces):
+            self._walls = self._scene.add_mesh_simple(
+                f"{self._root}/walls",
+                drawing.wall_vertices,
+                drawing.wall_faces,
+                color=palette(self._theme).wall,
+                flat_shading=True,
+                cast_shadow=False,
+                receive_shadow=False,
+            )
+
+    def show(self, visible: bool) -> None:
+        self._frame.visible = visible

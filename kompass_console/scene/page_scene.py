@@ -1,0 +1,221 @@
+"""The scene as one page sees it: its nodes, its theme, its camera.
+
+All methods run on viser's loop.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import viser
+
+from kompass_console.api.models import View
+from kompass_console.picking import Camera
+from kompass_console.scene import camera as cameras
+from kompass_console.scene.drawings import Drawings, LayerKey
+from kompass_console.scene.goal_layer import GoalNodes
+from kompass_console.scene.local_map_layer import LocalMapNodes
+from kompass_console.scene.map_layer import MapNodes
+from kompass_console.scene.palette import palette
+from kompass_console.scene.path_layer import PathNodes
+from kompass_console.scene.preview_layer import Preview, PreviewNodes
+from kompass_console.scene.robot_layer import RobotNodes
+from kompass_console.scene.scan_layer import ScanNodes
+from kompass_console.scene.trail_layer import TrailNodes
+
+_WORLD = "/world"
+_SAME_CAMERA = 0.05  # m; a page that reconnects reports the camera it had, to within rounding
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What a page that lost its connection had in view: camera position (3,) and the shift of
+    the world under it (2,), m."""
+
+    position: np.ndarray
+    shift: np.ndarray
+
+
+class PageScene:
+    """Nodes and camera of one connected page.
+
+    To follow the robot, the world is moved under the camera and the camera stays where it is: a
+    page's own orbit and zoom are then never overwritten by a stale position from here.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        view: View,
+        drawings: Drawings,
+        memory: Memory | None = None,
+    ) -> None:
+        self.client = client
+        self._view = view
+        self._scene = client.scene
+        self._shift = np.zeros(2)
+        self._following: np.ndarray | None = None
+        self._robot: np.ndarray | None = None
+        self._bounds: cameras.Bounds | None = None
+        self._drawn: dict[LayerKey, int] = {}
+        self._preview: Preview | None = None
+        resumed = memory is not None and np.allclose(
+            client.camera.position, memory.position, atol=_SAME_CAMERA
+        )
+        if memory is not None and resumed:
+            self._shift = memory.shift.copy()
+        self._world = self._scene.add_frame(_WORLD, show_axes=False, position=self._world_position)
+        self._scene.configure_default_lights(enabled=True, cast_shadow=False)
+        self._scene.configure_environment_map(None)
+        self._build()
+        self._show()
+        if resumed:
+            self._bounds = cameras.NOTHING_KNOWN
+        else:
+            client.camera.fov = cameras.FIELD_OF_VIEW
+            self._frame()
+        self.draw(drawings)
+
+    @property
+    def camera(self) -> Camera:
+        """The camera as the page last reported it."""
+        state = self.client.camera
+        px, py, pz = (float(c) for c in state.position)
+        w, x, y, z = (float(c) for c in state.wxyz)
+        return Camera((px, py, pz), (w, x, y, z), float(state.fov), float(state.aspect))
+
+    def to_map(self, point: tuple[float, float]) -> tuple[float, float]:
+        """Floor point of the displayed world -> map frame, m."""
+        return point[0] - float(self._shift[0]), point[1] - float(self._shift[1])
+
+    @property
+    def memory(self) -> Memory:
+        """What to give to the scene of the page's next connection."""
+        return Memory(np.array(self.client.camera.position), self._shift.copy())
+
+    def apply(self, view: View, drawings: Drawings) -> None:
+        """Bring the page to other settings."""
+        old, self._view = self._view, view
+        if old.theme != view.theme:
+            self._build()
+        self._show()
+        if not view.follow:
+            self._following = None
+        elif not old.follow:
+            self._begin_following()
+        if view.top != old.top:
+            self._tilt()
+        self.draw(drawings)
+
+    def draw(self, drawings: Drawings) -> None:
+        """Draw what has changed since the last time."""
+        counts = drawings.counts
+        with self.client.atomic():
+            if self._changed("footprint", counts):
+                self._robot_nodes.draw_body(drawings.footprint)
+            if self._changed("robot", counts) and drawings.robot is not None:
+                self._robot_nodes.place(drawings.robot)
+                self._robot = np.array([drawings.robot.x, drawings.robot.y])
+                self._follow()
+            if self._changed("scan", counts) and drawings.scan is not None:
+                self._scan.draw(drawings.scan)
+            if self._changed("path", counts) and drawings.path is not None:
+                self._path.draw(drawings.path)
+            if self._changed("goal", counts):
+                self._goal.draw(drawings.goal)
+            if self._changed("trail", counts) and drawings.trail is not None:
+                self._trail.draw(drawings.trail)
+        if self._changed("local_map", counts) and drawings.local_map is not None:
+            self._local_map.draw(drawings.local_map)
+        if self._changed("map", counts) and drawings.map is not None:
+            self._map.draw(drawings.map)
+            first = self._bounds is None
+            self._bounds = drawings.map.bounds
+            if first and self._following is None:
+                self._frame()
+
+    def preview(self, preview: Preview | None) -> None:
+        """Show a goal that is being considered, or take it away."""
+        self._preview = preview
+        self._preview_nodes.draw(preview)
+
+    def _build(self) -> None:
+        """(Re)make all nodes in the theme's colours; names stay, so viser replaces them."""
+        theme = self._view.theme
+        self.client.gui.configure_theme(
+            dark_mode=theme == "dark", show_logo=False, show_share_button=False
+        )
+        colours = palette(theme)
+        self._drawn.clear()
+        self._map = MapNodes(self._scene, _WORLD, theme)
+        self._local_map = LocalMapNodes(self._scene, _WORLD, theme)
+        self._trail = TrailNodes(self._scene, _WORLD, theme)
+        self._path = PathNodes(self._scene, f"{_WORLD}/path", colours.path)
+        self._scan = ScanNodes(self._scene, _WORLD, theme)
+        self._robot_nodes = RobotNodes(self._scene, _WORLD, theme)
+        self._goal = GoalNodes(self._scene, f"{_WORLD}/goal", colours.goal)
+        self._preview_nodes = PreviewNodes(self._scene, _WORLD, theme)
+        self._preview_nodes.draw(self._preview)
+
+    def _changed(self, layer: LayerKey, counts: dict[LayerKey, int]) -> bool:
+        # A hidden layer is not sent; it is brought up to date when it is shown again.
+        shown = layer in ("footprint", "robot") or getattr(self._view.layers, layer)
+        if not shown or self._drawn.get(layer, 0) == counts[layer]:
+            return False
+        self._drawn[layer] = counts[layer]
+        return True
+
+    def _show(self) -> None:
+        layers = self._view.layers
+        self._map.show(layers.map)
+        self._local_map.show(layers.local_map)
+        self._path.show(layers.path)
+        self._scan.show(layers.scan)
+        self._robot_nodes.show(layers.robot)
+        self._goal.show(layers.goal)
+        self._trail.show(layers.trail)
+
+    @property
+    def _world_position(self) -> tuple[float, float, float]:
+        return float(self._shift[0]), float(self._shift[1]), 0.0
+
+    def _frame(self) -> None:
+        """Look at the whole map."""
+        bounds = self._bounds or cameras.NOTHING_KNOWN
+        position, look_at = cameras.framing(bounds, self.camera.aspect, top=self._view.top)
+        shift = np.array([*self._shift, 0.0])
+        self._look(position + shift, look_at + shift)
+
+    def _tilt(self) -> None:
+        """Between straight down and at an angle, keeping the point looked at and the distance."""
+        state = self.client.camera
+        look_at = np.array(state.look_at)
+        distance = float(np.linalg.norm(np.array(state.position) - look_at))
+        self._look(look_at + cameras.offset_direction(top=self._view.top) * distance, look_at)
+
+    def _begin_following(self) -> None:
+        if self._robot is None:
+            return
+        self._following = self._robot.copy()
+        state = self.client.camera
+        offset = np.array(state.position) - np.array(state.look_at)
+        distance = float(np.linalg.norm(offset))
+        offset *= min(distance, cameras.FOLLOW_DISTANCE) / distance
+        centre = np.array([*(self._robot + self._shift), 0.0])
+        self._look(centre + offset, centre)
+
+    def _follow(self) -> None:
+        if not self._view.follow or self._robot is None:
+            return
+        if self._following is None:
+            self._begin_following()
+            return
+        self._shift -= self._robot - self._following
+        self._following = self._robot.copy()
+        self._world.position = self._world_position
+
+    def _look(self, position: np.ndarray, look_at: np.ndarray) -> None:
+        # Position first: setting it moves the look-at point along.
+        self.client.camera.position = position
+        self.client.camera.look_at = look_at

@@ -1,0 +1,79 @@
+"""Colours of the scene in both themes, as RGB 0..255.
+
+Quiet greys for the building, one accent for where the robot is going; see the page's tokens.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kompass_console.settings import Theme
+
+Rgb = tuple[int, int, int]
+Rgba = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Palette:
+    """One theme's colours; `floor` is the colour behind everything."""
+
+    floor: Rgb
+    free: Rgba
+    occupied: Rgba
+    unknown: Rgba
+    unknown_line: Rgba
+    wall: Rgb
+    obstacle: Rgba
+    path: Rgb
+    trail: Rgb
+    scan: Rgb
+    body: Rgb
+    front: Rgb
+    lidar: Rgb
+    footprint: Rgb
+    goal: Rgb
+    preview: Rgb
+
+
+_LIGHT = Palette(
+    floor=(236, 238, 240),
+    free=(250, 251, 252, 255),
+    occupied=(74, 82, 92, 255),
+    unknown=(222, 226, 230, 255),
+    unknown_line=(212, 217, 222, 255),
+    wall=(112, 121, 132),
+    obstacle=(222, 126, 42, 150),
+    path=(28, 110, 220),
+    trail=(120, 134, 150),
+    scan=(10, 132, 130),
+    body=(58, 66, 76),
+    front=(28, 110, 220),
+    lidar=(24, 28, 33),
+    footprint=(58, 66, 76),
+    goal=(28, 110, 220),
+    preview=(92, 150, 232),
+)
+
+_DARK = Palette(
+    floor=(23, 27, 32),
+    free=(43, 49, 57, 255),
+    occupied=(150, 160, 172, 255),
+    unknown=(30, 35, 41, 255),
+    unknown_line=(37, 43, 50, 255),
+    wall=(150, 160, 172),
+    obstacle=(240, 160, 80, 140),
+    path=(96, 165, 250),
+    trail=(112, 124, 140),
+    scan=(72, 209, 204),
+    body=(206, 213, 222),
+    front=(96, 165, 250),
+    lidar=(86, 94, 106),
+    footprint=(206, 213, 222),
+    goal=(96, 165, 250),
+    preview=(150, 196, 252),
+)
+
+
+def palette(theme: Theme) -> Palette:
+    """The colours of a theme."""
+    return _DARK if theme == "dark" else _LIGHT

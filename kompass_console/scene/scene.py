@@ -1,0 +1,134 @@
+"""All pages' scenes: converts on a thread of its own, draws on viser's loop, newest wins."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+
+import viser
+
+from kompass_console.api.models import View
+from kompass_console.picking import floor_point
+from kompass_console.scene.drawings import Converter, Drawings
+from kompass_console.scene.page_scene import Memory, PageScene
+from kompass_console.scene.preview_layer import Preview
+from kompass_console.viser_hub import ViserHub
+from kompass_console.world import World
+
+_PERIOD = 0.05  # s between two rounds while somebody watches
+_IDLE_PERIOD = 0.2
+_MOST_MEMORIES = 200
+
+_logger = logging.getLogger(__name__)
+
+
+class PageNotConnected(LookupError):
+    """The view exists, but its scene has no connection (yet, or any more)."""
+
+
+class Scene:
+    """Draws the world on every connected page. `find_view` maps a view's id to its settings."""
+
+    def __init__(self, world: World, find_view: Callable[[str], View | None]) -> None:
+        self._find_view = find_view
+        self._drawings = Drawings()
+        self._converter = Converter(world, self._drawings)
+        self._pages: dict[str, PageScene] = {}
+        self._memories: dict[str, Memory] = {}
+        self._ending = threading.Event()
+        self._drawn = threading.Event()
+        self._drawn.set()
+        self.hub = ViserHub(self._connected, self._disconnected)
+        self._thread = threading.Thread(target=self._work, name="scene", daemon=True)
+        self._thread.start()
+
+    @property
+    def pages(self) -> int:
+        """Number of connected scenes."""
+        return len(self._pages)
+
+    def stop(self) -> None:
+        """End the scene's thread and viser's."""
+        self._ending.set()
+        self._drawn.set()
+        self._thread.join(2.0)
+        self.hub.stop()
+
+    def apply(self, view: View) -> None:
+        """Bring a page to a view's settings, soon."""
+
+        def change() -> None:
+            page = self._pages.get(view.id)
+            if page is not None:
+                page.apply(view, self._drawings)
+
+        self.hub.post(change)
+
+    def preview(self, view_id: str, preview: Preview | None) -> None:
+        """Show or clear the goal a page considers, soon."""
+
+        def change() -> None:
+            page = self._pages.get(view_id)
+            if page is not None:
+                page.preview(preview)
+
+        self.hub.post(change)
+
+    async def pick(
+        self, view_id: str, points: list[tuple[float, float]]
+    ) -> list[tuple[float, float] | None]:
+        """Floor points (map frame, m) under points (u, v) of a page's picture; None above the
+        horizon.
+
+        Raises PageNotConnected when that page's scene is not connected.
+        """
+
+        def find() -> list[tuple[float, float] | None]:
+            page = self._pages.get(view_id)
+            if page is None:
+                raise PageNotConnected(view_id)
+            camera = page.camera
+            floor = [floor_point(camera, u, v) for u, v in points]
+            return [None if point is None else page.to_map(point) for point in floor]
+
+        return await self.hub.run(find)
+
+    def _connected(self, view_id: str, client: viser.ClientHandle) -> None:
+        view = self._find_view(view_id)
+        if view is None:
+            return
+        self._pages[view_id] = PageScene(
+            client, view, self._drawings, self._memories.pop(view_id, None)
+        )
+
+    def _disconnected(self, view_id: str, client: viser.ClientHandle) -> None:
+        page = self._pages.get(view_id)
+        if page is None or page.client is not client:
+            return  # the page has already connected again
+        self._memories[view_id] = page.memory
+        while len(self._memories) > _MOST_MEMORIES:
+            del self._memories[next(iter(self._memories))]
+        del self._pages[view_id]
+
+    def _work(self) -> None:
+        while not self._ending.wait(_PERIOD if self._pages else _IDLE_PERIOD):
+            if not self._pages:
+                self._converter.remember()
+                continue
+            try:
+                self._converter.convert()
+            except Exception:
+                # One thing that cannot be drawn must not freeze all the others.
+                _logger.exception("a layer of the scene could not be converted")
+            self._drawn.clear()
+            self.hub.post(self._draw)
+            # Not a queue of drawings: the next round begins when this one has been handed over.
+            self._drawn.wait(1.0)
+
+    def _draw(self) -> None:
+        try:
+            for page in self._pages.values():
+                page.draw(self._drawings)
+        finally:
+            self._drawn.set()

@@ -1,0 +1,71 @@
+"""viser's own client page, made part of ours: quiet, themed, and never silently frozen."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+
+import viser
+
+# viser's client unpacks a WebAssembly decoder and its program from the page itself.
+SCENE_POLICY = (
+    "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' blob:; "
+    "style-src 'unsafe-inline'; img-src 'self' data: blob:; font-src data:; worker-src blob:; "
+    "connect-src 'self' data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+)
+
+FLOOR_LIGHT = "#eceef0"
+FLOOR_DARK = "#171b20"
+
+# The panel would show a scene tree, an editable server address and a save button; notices and
+# the connection badge are the page's business. The canvas is transparent where nothing is drawn.
+_STYLE = f"""
+[data-testid="floating-panel"], [data-testid="control-panel"],
+.mantine-Notifications-root, .mantine-Modal-root {{ display: none !important; }}
+html, body {{ background: {FLOOR_LIGHT}; }}
+canvas {{ background: {FLOOR_LIGHT}; }}
+html[data-mantine-color-scheme="dark"], html[data-mantine-color-scheme="dark"] body,
+html[data-mantine-color-scheme="dark"] canvas {{ background: {FLOOR_DARK}; }}
+"""
+
+# hasFocus: viser connects again only while its document has the focus; inside a frame it hardly
+# ever has, and a dropped scene would stay frozen. fixedDpr: it lowers its resolution for good
+# when a frame is slow, and text and walls blur; sharp pixels up to twice the CSS size are kept.
+# Keys pressed while the scene has the focus (Space is STOP) belong to the page around it, and
+# viser's own shortcuts (a command palette) are kept from it.
+_SCRIPT = """
+Document.prototype.hasFocus = function () { return true; };
+(function () {
+  var query = new URLSearchParams(location.search);
+  query.set("fixedDpr", String(Math.min(window.devicePixelRatio || 1, 2)));
+  history.replaceState(null, "", "?" + query.toString());
+  window.addEventListener("keydown", function (event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) event.stopImmediatePropagation();
+    else if (!event.repeat)
+      parent.postMessage({ kompass: "key", key: event.key }, location.origin);
+  }, true);
+  var watch = new MutationObserver(function () {
+    if (!document.querySelector("canvas")) return;
+    watch.disconnect();
+    requestAnimationFrame(function () {
+      parent.postMessage({ kompass: "ready" }, location.origin);
+    });
+  });
+  watch.observe(document, { childList: true, subtree: true });
+})();
+"""
+
+
+@functools.cache
+def scene_page() -> bytes:
+    """The page served at /scene/{id}/.
+
+    Raises RuntimeError when the installed viser's client page has another form.
+    """
+    file = Path(viser.__file__).parent / "client" / "build" / "index.html"
+    html = file.read_text(encoding="utf-8")
+    head = "<head>"
+    if html.count(head) != 1:
+        raise RuntimeError(f"{file} has no single <head>; install viser 1.1.1 again")
+    ours = f"{head}<script>{_SCRIPT}</script><style>{_STYLE}</style>"
+    return html.replace(head, ours, 1).encode()

@@ -1,0 +1,113 @@
+"""Runs a console on a socket until it is told to stop."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import signal
+import socket
+import threading
+from collections.abc import Iterator
+
+import uvicorn
+from fastapi import FastAPI
+
+from kompass_console.app import create_app
+from kompass_console.audit import AuditTrail
+from kompass_console.auth import Authenticator, LoginLimiter
+from kompass_console.console import Console
+from kompass_console.link.link import RosLink
+from kompass_console.scene.scene import Scene
+from kompass_console.settings import ConsoleSettings
+from kompass_console.state_feed import StateFeed
+from kompass_console.views import ViewRegistry
+from kompass_console.world import World
+
+_logger = logging.getLogger(__name__)
+
+# Unsent bytes the kernel may hold per connection. More would be a queue of old pictures in front
+# of a slow tablet; what waits here instead is replaced by what is newer.
+_NOT_SENT_LOW_WATER = 16_384
+
+
+def run_console(
+    sock: socket.socket, settings: ConsoleSettings, *, stop: threading.Event | None = None
+) -> None:
+    """Serve the console on a bound TCP socket until SIGTERM, SIGINT or `stop`.
+
+    Call it in a process of its own (forked before rclpy.init) or in the main process. It returns
+    within a second of being told to; nobody is waited for who still has the page open.
+
+    Raises RuntimeError when the installed viser is another version than the one it drives.
+    """
+    sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _NOT_SENT_LOW_WATER)
+    with running_console(settings) as console:
+        asyncio.run(_serve(sock, create_app(console), stop))
+
+
+@contextlib.contextmanager
+def running_console(settings: ConsoleSettings) -> Iterator[Console]:
+    """A console's ROS link and scene, without its web server."""
+    world = World()
+    feed = StateFeed()
+    views = ViewRegistry(settings.theme)
+    with contextlib.ExitStack() as closing:
+        scene = Scene(world, views.get)
+        closing.callback(scene.stop)
+        link = RosLink(settings, world, feed.changed)
+        closing.callback(link.stop)
+        yield Console(
+            settings=settings,
+            auth=Authenticator(settings.access_tokens),
+            limiter=LoginLimiter(),
+            audit=AuditTrail(settings.audit_file),
+            world=world,
+            link=link,
+            views=views,
+            scene=scene,
+            feed=feed,
+        )
+
+
+async def _serve(sock: socket.socket, app: FastAPI, stop: threading.Event | None) -> None:
+    config = uvicorn.Config(
+        app,
+        log_level="warning",
+        access_log=False,
+        ws="websockets-sansio",
+        ws_per_message_deflate=False,  # costs time, and pictures are compressed already
+        ws_ping_interval=5.0,
+        ws_ping_timeout=10.0,
+        server_header=False,
+        timeout_graceful_shutdown=0,
+        lifespan="on",
+    )
+    server = _Server(config)
+    loop = asyncio.get_running_loop()
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGTERM, signal.SIGINT):
+            loop.add_signal_handler(number, server.end)
+    watching = None if stop is None else asyncio.create_task(_watch(stop, server))
+    try:
+        await server.serve(sockets=[sock])
+    finally:
+        if watching is not None:
+            watching.cancel()
+
+
+class _Server(uvicorn.Server):
+    """uvicorn that leaves signals to whoever started it."""
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        yield
+
+    def end(self) -> None:
+        self.should_exit = True
+
+
+async def _watch(stop: threading.Event, server: _Server) -> None:
+    while not stop.is_set():
+        await asyncio.sleep(0.05)
+    server.end()

@@ -1,0 +1,59 @@
+"""What the console is told by whoever starts it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from kompass_console.roles import Role
+
+Theme = Literal["light", "dark"]
+
+_SHORTEST_TOKEN = 16
+
+
+class TopicOverrides(BaseModel):
+    """Topic names to read instead of those found on the ROS graph (None: look for one)."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    odometry: str | None = None
+    scan: str | None = None
+    map: str | None = None
+    local_map: str | None = None
+    plan: str | None = None
+
+
+class ConsoleSettings(BaseModel):
+    """Settings of one console; unknown names are errors.
+
+    `access_tokens` maps each role that may log in to its secret. `allow_hosts` adds names a
+    browser may use in the address bar besides loopback names and literal addresses. `audit_file`
+    receives one line of JSON per write. `domain_id` None means the environment's ROS_DOMAIN_ID.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    robot_name: str = "robot"
+    access_tokens: dict[Role, str] = Field(min_length=1)
+    theme: Theme = "light"
+    topics: TopicOverrides = TopicOverrides()
+    allow_hosts: tuple[str, ...] = ()
+    audit_file: Path | None = None
+    domain_id: int | None = Field(default=None, ge=0, le=232)
+    static_dir: Path = Path(__file__).parent / "static"
+
+    @field_validator("access_tokens")
+    @classmethod
+    def _tokens_are_secrets(cls, tokens: dict[Role, str]) -> dict[Role, str]:
+        for role, token in tokens.items():
+            if len(token) < _SHORTEST_TOKEN:
+                raise ValueError(
+                    f"access_tokens[{role}] has {len(token)} characters; "
+                    f"use at least {_SHORTEST_TOKEN}, for example secrets.token_urlsafe(24)"
+                )
+        if len(set(tokens.values())) != len(tokens):
+            raise ValueError("access_tokens gives two roles the same token; give each its own")
+        return tokens

@@ -1,0 +1,171 @@
+"""The newest of everything the robot said: written by the ROS link, read by scene and API.
+
+Nothing here queues. A reader that comes late finds the newest value and how old it is.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, NamedTuple, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+T = TypeVar("T")
+
+
+class Stamped(NamedTuple, Generic[T]):
+    """A value, when it was received (monotonic s), and how many came before it."""
+
+    value: T
+    received: float
+    version: int
+
+    def age(self, now: float | None = None) -> float:
+        """Seconds since it was received."""
+        return max(0.0, (time.monotonic() if now is None else now) - self.received)
+
+
+class Latest(Generic[T]):
+    """A slot for one value; one writer, any number of readers, no lock.
+
+    The slot is replaced as a whole, so a reader sees either the old or the new triple.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
+        self._now = now
+        self._stamped: Stamped[T] | None = None
+        self._count = 0
+
+    def set(self, value: T) -> None:
+        self._count += 1
+        self._stamped = Stamped(value, self._now(), self._count)
+
+    def clear(self) -> None:
+        """Forget the value: its source is another one now."""
+        self._stamped = None
+
+    def get(self) -> Stamped[T] | None:
+        return self._stamped
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Planar pose: m, m, rad."""
+
+    x: float
+    y: float
+    yaw: float
+
+    def compose(self, local: Pose) -> Pose:
+        """The pose, in this pose's parent frame, of something at `local` in this frame."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose(
+            self.x + c * local.x - s * local.y,
+            self.y + s * local.x + c * local.y,
+            wrap(self.yaw + local.yaw),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Odometry: pose in the map frame, twist in the robot's (m/s, rad/s), stamp (ROS s)."""
+
+    pose: Pose
+    v: float
+    w: float
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Occupancy grid: cells int8 (H, W), -1 unknown, 0..100 occupied; row 0 at the origin's y.
+
+    `resolution` in m per cell, `origin` the pose of the corner of cell (0, 0) in the map frame.
+    """
+
+    cells: npt.NDArray[np.int8]
+    resolution: float
+    origin: Pose
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height in m."""
+        height, width = self.cells.shape
+        return width * self.resolution, height * self.resolution
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """Laser scan: ranges (N,) in m (not finite: no return), first angle and step in rad, stamp
+    (ROS s) and the frame it is measured in."""
+
+    ranges: npt.NDArray[np.float32]
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    stamp: float
+    frame: str
+
+
+@dataclass(frozen=True, slots=True)
+class GoalMark:
+    """Where the robot is sent, m and rad; `yaw` None when any heading will do."""
+
+    x: float
+    y: float
+    yaw: float | None
+    active: bool
+
+
+class PoseHistory:
+    """Poses of the last seconds by stamp, so that a scan is drawn from where it was taken."""
+
+    def __init__(self, length: int = 150) -> None:
+        self._samples: deque[tuple[float, Pose]] = deque(maxlen=length)
+
+    def add(self, stamp: float, pose: Pose) -> None:
+        if self._samples and stamp <= self._samples[-1][0]:
+            self._samples.clear()  # the clock was set back: nothing older is comparable
+        self._samples.append((stamp, pose))
+
+    def at(self, stamp: float) -> Pose | None:
+        """Pose at `stamp`, interpolated; the nearest end outside the history; None when empty."""
+        samples = list(self._samples)
+        if not samples:
+            return None
+        for (t0, before), (t1, after) in itertools.pairwise(samples):
+            if t0 <= stamp <= t1:
+                f = (stamp - t0) / (t1 - t0)
+                return Pose(
+                    before.x + f * (after.x - before.x),
+                    before.y + f * (after.y - before.y),
+                    wrap(before.yaw + f * wrap(after.yaw - before.yaw)),
+                )
+        return samples[0][1] if stamp < samples[0][0] else samples[-1][1]
+
+
+class World:
+    """One slot per thing the console reads."""
+
+    def __init__(self) -> None:
+        self.motion: Latest[Motion] = Latest()
+        self.history = PoseHistory()
+        self.scan: Latest[Scan] = Latest()
+        self.scan_mount: dict[str, Pose] = {}
+        self.map: Latest[Grid] = Latest()
+        self.local_map: Latest[Grid] = Latest()
+        self.path: Latest[npt.NDArray[np.float64]] = Latest()
+        self.footprint: Latest[npt.NDArray[np.float64]] = Latest()
+        self.goal: Latest[GoalMark | None] = Latest()
+
+
+def wrap(angle: float) -> float:
+    """Angle in rad brought into (-pi, pi]."""
+    return math.pi - (math.pi - angle) % (2.0 * math.pi)
