@@ -5,6 +5,7 @@ import type { Session } from "./api/types";
 import { ConsolePage } from "./frame/ConsolePage";
 import { LoginPage } from "./session/LoginPage";
 import { SessionContext } from "./session/SessionContext";
+import { takeToken } from "./session/token";
 
 type Gate =
   | { at: "opening" }
@@ -35,6 +36,13 @@ export function App({ token }: { token: string | null }) {
   const [gate, setGate] = useState<Gate>({ at: "opening" });
   useEffect(() => {
     void enter(token).then(setGate);
+    // The printed address pasted into this very tab changes the fragment only: no page load.
+    const onHash = () => {
+      const pasted = takeToken();
+      if (pasted !== null) void enter(pasted).then(setGate);
+    };
+    window.addEventListener("hashchange", onHash);
+    return () => window.removeEventListener("hashchange", onHash);
   }, [token]);
 
   const onLogin = useCallback((session: Session) => setGate({ at: "inside", session }), []);

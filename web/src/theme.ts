@@ -14,10 +14,24 @@ const blue: MantineColorsTuple = [
   "#113c7d",
 ];
 
+/** Mantine's dark greys, in the slate of the page (styles.css). */
+const slate: MantineColorsTuple = [
+  "#e6eaee",
+  "#c3cbd3",
+  "#a3aeb9",
+  "#7d8994",
+  "#4a5560",
+  "#333c45",
+  "#272e35",
+  "#1e2429",
+  "#171c21",
+  "#14181c",
+];
+
 export const theme = createTheme({
   primaryColor: "kompass",
   primaryShade: { light: 7, dark: 7 },
-  colors: { kompass: blue },
+  colors: { kompass: blue, dark: slate },
   fontFamily: 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif',
   fontFamilyMonospace: 'ui-monospace, "SF Mono", Menlo, Consolas, "DejaVu Sans Mono", monospace',
   fontSizes: { xs: "0.8125rem", sm: "0.875rem", md: "0.875rem", lg: "1rem", xl: "1.125rem" },

@@ -65,7 +65,8 @@ function SimulationRate() {
       data-stale={stale || undefined}
       title="Simulated seconds per second"
     >
-      <span className={classes.simWord}>Simulation </span>
+      <span className={classes.simLong}>Simulation </span>
+      <span className={classes.simShort}>Sim </span>
       {stale ? "silent" : `${simulation.rate.toFixed(2)}×`}
     </span>
   );

@@ -26,8 +26,8 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
     if (card.current === null || !(parent instanceof HTMLElement)) return;
     const box = parent.getBoundingClientRect();
     const size = { width: card.current.offsetWidth, height: card.current.offsetHeight };
-    const at = anchor ?? { x: box.left + box.width / 2, y: box.top + box.height / 3 };
-    const { x, y } = placeCard(at, size, box);
+    const middle = { x: box.left + box.width / 2, y: box.top + box.height / 3 };
+    const { x, y } = placeCard(anchor?.at ?? middle, size, box, anchor?.side);
     setPlace({ x: x - box.left, y: y - box.top });
   }, [anchor, phase, check, error, stopped]);
 
@@ -70,6 +70,7 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
           <Button
             size="md"
             className={classes.wide}
+            px="xs"
             onClick={tool.goNearest}
             loading={phase === "sending"}
             disabled={stopped}

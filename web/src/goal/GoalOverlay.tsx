@@ -39,7 +39,7 @@ export function GoalOverlay({ tool, view }: { tool: GoalTool; view: string }) {
     setSettled({ ...stroke, end });
     tool.check(
       { view, start: toScene(stroke.start, box), end: drag ? toScene(end, box) : null },
-      drag ? end : stroke.start,
+      { at: drag ? end : stroke.start, side: drag && end.y < stroke.start.y ? "above" : "below" },
     );
   };
 

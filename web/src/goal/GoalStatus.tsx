@@ -30,6 +30,7 @@ export function GoalStatus() {
       data-testid="goal-status"
       data-phase={goal.phase}
       data-tone={line.tone}
+      data-under-way={isUnderWay(goal) || undefined}
       data-stale={frozen || undefined}
       aria-label="Goal"
     >
@@ -49,7 +50,13 @@ export function GoalStatus() {
       </div>
       {isUnderWay(goal) ? (
         session.role !== "viewer" && (
-          <Button size="sm" variant="default" onClick={cancel} data-testid="goal-cancel-sent">
+          <Button
+            size="md"
+            variant="default"
+            className={classes.cancel}
+            onClick={cancel}
+            data-testid="goal-cancel-sent"
+          >
             Cancel goal
           </Button>
         )

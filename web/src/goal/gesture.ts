@@ -41,12 +41,13 @@ const GAP = 16;
 
 /**
  * Where a card of `card` size goes so that it is beside the pointer but inside the viewport:
- * below it, else above it (a hand covers what is below a finger, but an edge covers more).
+ * on the wanted side of it, else on the other one.
  */
 export function placeCard(
   anchor: Px,
   card: { width: number; height: number },
   viewport: Box,
+  side: "above" | "below" = "below",
   margin = 8,
 ): Px {
   const right = viewport.left + viewport.width;
@@ -58,11 +59,12 @@ export function placeCard(
   );
   const below = anchor.y + GAP;
   const above = anchor.y - GAP - card.height;
-  const y =
-    below + card.height <= bottom - margin
-      ? below
-      : clamp(above, viewport.top + margin, Math.max(viewport.top + margin, bottom - card.height));
-  return { x, y };
+  const top = viewport.top + margin;
+  const lowest = Math.max(top, bottom - margin - card.height);
+  const first = side === "below" ? below : above;
+  const second = side === "below" ? above : below;
+  const fits = (at: number) => at >= top && at <= lowest;
+  return { x, y: fits(first) ? first : clamp(second, top, lowest) };
 }
 
 function clamp(value: number, low: number, high: number): number {

@@ -4,10 +4,16 @@ import { ApiError, asApiError } from "../api/errors";
 import type { GoalCheck, GoalPick, GoalPoint } from "../api/types";
 import type { Px } from "./gesture";
 
+/** Where the pointer was let go (page pixels), and which side of it the drawn arrow leaves free. */
+export interface Anchor {
+  at: Px;
+  side: "above" | "below";
+}
+
 /** A goal that is being prepared: not sent, or its sending was refused. */
 export interface Draft {
-  /** Where the hand is, in page pixels; null when the coordinates were typed. */
-  anchor: Px | null;
+  /** Where the hand is; null when the coordinates were typed. */
+  anchor: Anchor | null;
   phase: "checking" | "checked" | "sending";
   check: GoalCheck | null;
   error: ApiError | null;
@@ -19,7 +25,7 @@ export interface GoalTool {
   draft: Draft | null;
   toggle: () => void;
   type: (open: boolean) => void;
-  check: (goal: GoalPick | GoalPoint, anchor: Px | null) => void;
+  check: (goal: GoalPick | GoalPoint, anchor: Anchor | null) => void;
   /** Sends the checked goal. */
   go: () => void;
   /** Sends the nearest reachable point instead. */
@@ -49,7 +55,7 @@ export function useGoalTool(viewId: string | null): GoalTool {
     }
   }, [viewId]);
 
-  const check = useCallback((goal: GoalPick | GoalPoint, anchor: Px | null) => {
+  const check = useCallback((goal: GoalPick | GoalPoint, anchor: Anchor | null) => {
     asking.current?.abort();
     const mine = new AbortController();
     asking.current = mine;

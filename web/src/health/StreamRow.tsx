@@ -1,17 +1,17 @@
 import type { Stream } from "../api/types";
 import { ageText } from "../format";
-import { type Level, streamStale } from "../state/overall";
+import { type Level, streamLevel, streamStale } from "../state/overall";
 import classes from "./Health.module.css";
 import { HealthRow } from "./HealthRow";
 
 export function StreamRow({ stream, elapsed }: { stream: Stream; elapsed: number }) {
   const stale = streamStale(stream, elapsed);
-  const level: Level = stream.age === null ? "unknown" : stale ? "degraded" : "healthy";
+  const level = streamLevel(stream, elapsed);
   return (
     <HealthRow
       level={level}
       label={stream.label}
-      word={stream.age === null ? "Not received" : stale ? "Late" : ""}
+      word={streamWord(stream, level)}
       age={stream.age === null ? "–" : ageText(stream.age + elapsed)}
       stale={stale}
       testId={`stream-${stream.key}`}
@@ -28,4 +28,10 @@ export function StreamRow({ stream, elapsed }: { stream: Stream; elapsed: number
       </dl>
     </HealthRow>
   );
+}
+
+function streamWord(stream: Stream, level: Level): string {
+  // No path is the normal state of a robot without a goal.
+  if (stream.age === null) return stream.key === "path" ? "None yet" : "Not received";
+  return { healthy: "", degraded: "Late", failed: "Late", unknown: "Unknown" }[level];
 }

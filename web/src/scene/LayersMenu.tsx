@@ -1,4 +1,5 @@
 import { Menu, UnstyledButton } from "@mantine/core";
+import { useMediaQuery } from "@mantine/hooks";
 import { IconCheck, IconStack2 } from "@tabler/icons-react";
 import type { LayerKey } from "../api/types";
 import type { ViewHandle } from "./useView";
@@ -23,11 +24,12 @@ interface Props {
 /** Which parts of the scene are drawn; stays open while several are switched. */
 export function LayersMenu({ scene, open, onOpen, className }: Props) {
   const { view, toggleLayer } = scene;
+  const phone = useMediaQuery("(max-width: 560px)", false, { getInitialValueInEffect: false });
   return (
     <Menu
       opened={open}
       onChange={onOpen}
-      position="right-start"
+      position={phone ? "bottom-start" : "right-start"}
       closeOnItemClick={false}
       width={200}
     >

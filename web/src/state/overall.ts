@@ -41,6 +41,13 @@ export function streamStale(stream: Stream, elapsed: number): boolean {
   return stream.deadline !== null && stream.age + elapsed > stream.deadline;
 }
 
+/** While the view is frozen nothing is known about a stream, not even that it is late. */
+export function streamLevel(stream: Stream, elapsed: number): Level {
+  if (stream.age === null) return stream.key === "path" ? "healthy" : "unknown";
+  if (elapsed > FROZEN_S) return "unknown";
+  return streamStale(stream, elapsed) ? "degraded" : "healthy";
+}
+
 export interface Overall {
   level: Level;
   text: string;

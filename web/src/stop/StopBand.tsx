@@ -60,7 +60,7 @@ export function StopBand() {
             ? `${refusal.title} ${refusal.remedy}`
             : session.role === "viewer"
               ? "An operator can release it."
-              : "The robot stays where it is until a person releases it. Its goal is gone."}
+              : "The robot stays where it is until a person releases it; then send it a new goal."}
         </Band>
       )}
     </>
