@@ -296,10 +296,10 @@ class Component:
         self.publish_status()
 
     def on_deactivate(self) -> None:
+        self.custom_on_deactivate()
         for timer in list(self.node.timers):
             self.node.destroy_timer(timer)
         self._timer = None
-        self.custom_on_deactivate()
         for sources in self._inputs.values():
             for source in sources:
                 source.close(self.node)
@@ -331,7 +331,7 @@ class Component:
         """Before the first step."""
 
     def custom_on_deactivate(self) -> None:
-        """After the last step."""
+        """After the last step; timers and inputs are still there."""
 
     def custom_on_cleanup(self) -> None:
         """Give back what :meth:`custom_on_configure` took."""
