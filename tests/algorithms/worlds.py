@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -63,9 +64,11 @@ def brute_force_distance(occupied: NDArray[np.bool_], resolution: float, points:
 def polyline(*corners: tuple[float, float], spacing: float = 0.1) -> Floats:
     """Poses (N, 3) along straight legs; the last yaw is that of the last leg."""
     points = [np.array(corners[0], dtype=np.float64)[None]]
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
+    for a, b in pairwise(corners):
         n = max(1, round(math.dist(a, b) / spacing))
-        points.append(np.array(a) + (np.array(b) - np.array(a)) * (np.arange(1, n + 1) / n)[:, None])
+        points.append(
+            np.array(a) + (np.array(b) - np.array(a)) * (np.arange(1, n + 1) / n)[:, None]
+        )
     return with_yaw(np.concatenate(points))
 
 
