@@ -19,5 +19,5 @@ export default defineConfig({
       "/scene": { target: CONSOLE, ws: true },
     },
   },
-  test: { environment: "jsdom", restoreMocks: true },
+  test: { environment: "jsdom", pool: "vmThreads", restoreMocks: true },
 });

@@ -4,6 +4,66 @@
  */
 
 export interface paths {
+    "/api/goals": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Send
+         * @description Send the robot there, after checking the goal again.
+         */
+        post: operations["send"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/goals/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel
+         * @description Cancel the goal that runs; watch the state for the outcome.
+         */
+        post: operations["cancel"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/goals/check": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Check
+         * @description Would this goal be accepted? Nothing moves. The answer is drawn in the view.
+         */
+        post: operations["check"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/login": {
         parameters: {
             query?: never;
@@ -13,23 +73,11 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        post: operations["login"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/session": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get: operations["session"];
-        put?: never;
-        post?: never;
+        /**
+         * Log In
+         * @description Exchange a role's token for a session cookie.
+         */
+        post: operations["log_in"];
         delete?: never;
         options?: never;
         head?: never;
@@ -45,7 +93,71 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        post: operations["logout"];
+        /**
+         * Log Out
+         * @description End this session; its cookie is refused from now on.
+         */
+        post: operations["log_out"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/session": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Current Session
+         * @description Who is logged in.
+         */
+        get: operations["current_session"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/stop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Stop
+         * @description Latch STOP in the drive manager. That the robot stands still is told by the state.
+         */
+        post: operations["stop"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/stop/release": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Release
+         * @description Let the robot move again.
+         */
+        post: operations["release"];
         delete?: never;
         options?: never;
         head?: never;
@@ -61,6 +173,10 @@ export interface paths {
         };
         get?: never;
         put?: never;
+        /**
+         * Create View
+         * @description A new view, in the console's theme.
+         */
         post: operations["create_view"];
         delete?: never;
         options?: never;
@@ -81,7 +197,11 @@ export interface paths {
         delete?: never;
         options?: never;
         head?: never;
-        patch: operations["patch_view"];
+        /**
+         * Change View
+         * @description Change how a view is shown.
+         */
+        patch: operations["change_view"];
         trace?: never;
     };
     "/api/views/{view_id}/preview": {
@@ -94,87 +214,11 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        delete: operations["drop_preview"];
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/goals/check": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["check_goal"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/goals": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["send_goal"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/goals/cancel": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["cancel_goal"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/stop": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["stop"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/stop/release": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["release_stop"];
-        delete?: never;
+        /**
+         * Clear Preview
+         * @description Take the preview of a goal away from a view.
+         */
+        delete: operations["clear_preview"];
         options?: never;
         head?: never;
         patch?: never;
@@ -184,178 +228,488 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
-        Session: {
-            user: string;
-            /** @enum {string} */
-            role: "viewer" | "operator" | "engineer";
-        };
-        Login: {
-            token: string;
-            user?: string | null;
-        };
-        Layers: {
-            map: boolean;
-            local_map: boolean;
-            path: boolean;
-            scan: boolean;
-            robot: boolean;
-            goal: boolean;
-            trail: boolean;
-        };
-        LayersPatch: {
-            map?: boolean | null;
-            local_map?: boolean | null;
-            path?: boolean | null;
-            scan?: boolean | null;
-            robot?: boolean | null;
-            goal?: boolean | null;
-            trail?: boolean | null;
-        };
-        View: {
-            id: string;
-            follow: boolean;
-            top: boolean;
-            layers: components["schemas"]["Layers"];
-            /** @enum {string} */
-            theme: "light" | "dark";
-        };
-        ViewPatch: {
-            follow?: boolean | null;
-            top?: boolean | null;
-            layers?: components["schemas"]["LayersPatch"] | null;
-            theme?: ("light" | "dark") | null;
-        };
-        Robot: {
-            name: string;
-            radius: number | null;
-        };
-        Pose: {
-            x: number;
-            y: number;
-            yaw: number;
-            v: number;
-            w: number;
+        /**
+         * ComponentInfo
+         * @description Health of one component as it says itself, or `silent` when it has stopped saying.
+         */
+        ComponentInfo: {
+            /** Age */
             age: number;
-        };
-        Stream: {
-            /** @enum {string} */
-            key: "odometry" | "scan" | "map" | "local_map" | "path";
+            /** Label */
             label: string;
-            topic: string | null;
-            age: number | null;
-            deadline: number | null;
-            stale: boolean;
-        };
-        Component: {
-            name: string;
-            label: string;
-            /** @enum {string} */
-            status: "healthy" | "algorithm_failure" | "component_failure" | "system_failure" | "general_failure" | "silent";
+            /** Message */
             message: string;
+            /** Name */
+            name: string;
+            /** Sources */
             sources: string[];
-            age: number;
+            /**
+             * Status
+             * @enum {string}
+             */
+            status: "healthy" | "algorithm_failure" | "component_failure" | "system_failure" | "general_failure" | "silent";
+            /** Topic */
             topic: string;
         };
-        Drive: {
+        /**
+         * DriveInfo
+         * @description The last gate before the wheels: STOP, measured standstill, and what limits the speed.
+         */
+        DriveInfo: {
+            /** Age */
+            age: number;
+            /** Available */
             available: boolean;
-            stopped: boolean;
-            standstill: boolean;
-            stopped_by: string;
-            reason: string;
+            /** Limited By */
             limited_by: string;
+            /** Reason */
+            reason: string;
+            /** Speed Factor */
             speed_factor: number;
-            age: number;
+            /** Standstill */
+            standstill: boolean;
+            /** Stopped */
+            stopped: boolean;
+            /** Stopped By */
+            stopped_by: string;
         };
-        Goal: {
-            id: string;
-            /** @enum {string} */
-            phase: "sent" | "accepted" | "driving" | "arrived" | "failed" | "canceled";
-            x: number;
-            y: number;
-            yaw: number | null;
-            sent_by: string;
+        /**
+         * ErrorAnswer
+         * @description Body of every answer that is not a success.
+         */
+        ErrorAnswer: {
+            detail: components["schemas"]["ErrorDetail"];
+        };
+        /**
+         * ErrorDetail
+         * @description What went wrong and why, and what to do; each one sentence.
+         */
+        ErrorDetail: {
+            /** Remedy */
+            remedy: string;
+            /** Title */
+            title: string;
+        };
+        /**
+         * GestureCheck
+         * @description A press-drag-release on a view: fractions of the scene's width and height, from the top
+         *     left. Without `end` it is a tap, and the goal has no heading.
+         */
+        GestureCheck: {
+            /** End */
+            end?: [
+                number,
+                number
+            ] | null;
+            /** Start */
+            start: [
+                number,
+                number
+            ];
+            /** View */
+            view: string;
+        };
+        /**
+         * GoalCheck
+         * @description Whether the robot can go there, how far (m) and how long (s), or why not and the nearest
+         *     point where it could.
+         */
+        GoalCheck: {
+            /** Duration */
+            duration?: number | null;
+            /**
+             * Heading Used
+             * @default false
+             */
+            heading_used: boolean;
+            /** Length */
+            length?: number | null;
+            /** Message */
             message: string;
+            nearest?: components["schemas"]["PointXY"] | null;
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+            /** Ok */
+            ok: boolean;
+            /**
+             * Reason
+             * @enum {string}
+             */
+            reason: "" | "no_map" | "outside_map" | "occupied" | "too_close" | "unreachable" | "no_pose" | "start_blocked" | "no_path" | "above_horizon" | "no_planner" | "nobody_listens";
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Yaw */
+            yaw: number | null;
+        };
+        /**
+         * GoalInfo
+         * @description The goal being followed: distance left (m), time left (s), miss at arrival (m).
+         */
+        GoalInfo: {
+            /** Distance Left */
             distance_left: number | null;
-            eta: number | null;
-            error: number | null;
+            /** Elapsed */
             elapsed: number;
+            /** Error */
+            error: number | null;
+            /** Eta */
+            eta: number | null;
+            /** Id */
+            id: string;
+            /** Message */
+            message: string;
+            /**
+             * Phase
+             * @enum {string}
+             */
+            phase: "sent" | "accepted" | "driving" | "arrived" | "failed" | "canceled";
+            /** Sent By */
+            sent_by: string;
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Yaw */
+            yaw: number | null;
         };
-        Simulation: {
-            rate: number;
-            age: number;
+        /**
+         * GoalRequest
+         * @description A goal in the map frame, m and rad. `view` is the one to draw the preview in.
+         */
+        GoalRequest: {
+            /** View */
+            view?: string | null;
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Yaw */
+            yaw?: number | null;
         };
-        Ros: {
-            domain_id: number;
-            middleware: string;
+        /**
+         * GoalSent
+         * @description A goal that was published, and on which topic.
+         */
+        GoalSent: {
+            /** Heading Used */
+            heading_used: boolean;
+            /** Id */
+            id: string;
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+            /**
+             * Topic
+             * @enum {string}
+             */
+            topic: "/goal_pose" | "/clicked_point";
         };
-        State: {
-            /** @constant */
-            type: "state";
-            seq: number;
-            time: number;
-            robot: components["schemas"]["Robot"];
-            pose: components["schemas"]["Pose"] | null;
-            streams: components["schemas"]["Stream"][];
-            components: components["schemas"]["Component"][];
-            drive: components["schemas"]["Drive"] | null;
-            goal: components["schemas"]["Goal"] | null;
-            simulation: components["schemas"]["Simulation"] | null;
-            ros: components["schemas"]["Ros"];
-            viewers: number;
-        };
+        /**
+         * Hello
+         * @description First message of the state websocket.
+         */
         Hello: {
-            /** @constant */
+            session: components["schemas"]["SessionInfo"];
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
             type: "hello";
-            session: components["schemas"]["Session"];
+            /** Version */
             version: string;
         };
-        Pong: {
-            /** @constant */
-            type: "pong";
+        /**
+         * Layers
+         * @description Which layers of the scene are drawn.
+         */
+        Layers: {
+            /**
+             * Goal
+             * @default true
+             */
+            goal: boolean;
+            /**
+             * Local Map
+             * @default true
+             */
+            local_map: boolean;
+            /**
+             * Map
+             * @default true
+             */
+            map: boolean;
+            /**
+             * Path
+             * @default true
+             */
+            path: boolean;
+            /**
+             * Robot
+             * @default true
+             */
+            robot: boolean;
+            /**
+             * Scan
+             * @default true
+             */
+            scan: boolean;
+            /**
+             * Trail
+             * @default true
+             */
+            trail: boolean;
+        };
+        /**
+         * LayersPatch
+         * @description Layers to switch; those left out stay as they are.
+         */
+        LayersPatch: {
+            /** Goal */
+            goal?: boolean | null;
+            /** Local Map */
+            local_map?: boolean | null;
+            /** Map */
+            map?: boolean | null;
+            /** Path */
+            path?: boolean | null;
+            /** Robot */
+            robot?: boolean | null;
+            /** Scan */
+            scan?: boolean | null;
+            /** Trail */
+            trail?: boolean | null;
+        };
+        /**
+         * Login
+         * @description A role's token, and the name to show for who uses it.
+         */
+        Login: {
+            /** Token */
+            token: string;
+            /** User */
+            user?: string | null;
+        };
+        /**
+         * Ping
+         * @description What the page may send on the state websocket; answered by Pong with the same `t`.
+         */
+        Ping: {
+            /** T */
             t: number;
+            /**
+             * Type
+             * @default ping
+             * @constant
+             */
+            type: "ping";
         };
-        Point: {
+        /**
+         * PointXY
+         * @description A point of the floor in the map frame, m.
+         */
+        PointXY: {
+            /** X */
             x: number;
+            /** Y */
             y: number;
         };
-        GoalPick: {
-            view: string;
-            start: number[];
-            end?: number[] | null;
+        /**
+         * Pong
+         * @description Answer to Ping.
+         */
+        Pong: {
+            /** T */
+            t: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "pong";
         };
-        GoalPoint: {
+        /**
+         * PoseInfo
+         * @description Measured pose in the map frame (m, rad) and twist (m/s, rad/s), with its age in s.
+         */
+        PoseInfo: {
+            /** Age */
+            age: number;
+            /** V */
+            v: number;
+            /** W */
+            w: number;
+            /** X */
             x: number;
+            /** Y */
             y: number;
-            yaw?: number | null;
-            view?: string | null;
+            /** Yaw */
+            yaw: number;
         };
-        GoalCheck: {
-            ok: boolean;
-            x: number;
-            y: number;
-            yaw: number | null;
-            /** @enum {string} */
-            reason: "" | "no_map" | "outside_map" | "occupied" | "too_close" | "unreachable" | "no_pose" | "start_blocked" | "no_path" | "above_horizon" | "no_planner" | "nobody_listens";
-            message: string;
-            nearest: components["schemas"]["Point"] | null;
-            length: number | null;
-            duration: number | null;
-            heading_used: boolean;
-            note: string;
+        /**
+         * RobotInfo
+         * @description The robot's name and the radius (m) of the circle around its footprint.
+         */
+        RobotInfo: {
+            /** Name */
+            name: string;
+            /** Radius */
+            radius: number | null;
         };
-        GoalSent: {
-            id: string;
-            /** @enum {string} */
-            topic: "/goal_pose" | "/clicked_point";
-            heading_used: boolean;
-            note: string;
+        /**
+         * Role
+         * @description viewer watches and may always STOP; operator drives; engineer also edits.
+         * @enum {string}
+         */
+        Role: "viewer" | "operator" | "engineer";
+        /**
+         * RosInfo
+         * @description Where on DDS the console listens.
+         */
+        RosInfo: {
+            /** Domain Id */
+            domain_id: number;
+            /** Middleware */
+            middleware: string;
         };
-        StopRequest: {
-            reason?: string | null;
+        /**
+         * SessionInfo
+         * @description Who is logged in.
+         */
+        SessionInfo: {
+            role: components["schemas"]["Role"];
+            /** User */
+            user: string;
         };
+        /**
+         * SimulationInfo
+         * @description Simulated seconds per real second.
+         */
+        SimulationInfo: {
+            /** Age */
+            age: number;
+            /** Rate */
+            rate: number;
+        };
+        /**
+         * State
+         * @description Everything the page shows in numbers and words, at one moment (`time`, epoch s).
+         */
+        State: {
+            /** Components */
+            components: components["schemas"]["ComponentInfo"][];
+            drive: components["schemas"]["DriveInfo"] | null;
+            goal: components["schemas"]["GoalInfo"] | null;
+            pose: components["schemas"]["PoseInfo"] | null;
+            robot: components["schemas"]["RobotInfo"];
+            ros: components["schemas"]["RosInfo"];
+            /** Seq */
+            seq: number;
+            simulation: components["schemas"]["SimulationInfo"] | null;
+            /** Streams */
+            streams: components["schemas"]["StreamInfo"][];
+            /** Time */
+            time: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "state";
+            /** Viewers */
+            viewers: number;
+        };
+        /**
+         * StateMessage
+         * @description Any message the server sends on `/api/state`.
+         */
+        StateMessage: {
+            /** Message */
+            message: components["schemas"]["Hello"] | components["schemas"]["State"] | components["schemas"]["Pong"];
+        };
+        /**
+         * StopAnswer
+         * @description What the drive manager answered. Standstill is not promised here: watch `State.drive`.
+         */
         StopAnswer: {
+            /** Accepted */
             accepted: boolean;
+            /** Message */
             message: string;
+        };
+        /**
+         * StopRequest
+         * @description Why STOP was pressed; may be empty.
+         */
+        StopRequest: {
+            /**
+             * Reason
+             * @default
+             */
+            reason: string;
+        };
+        /**
+         * StreamInfo
+         * @description One thing the console reads: from which topic, how old, and whether that is too old.
+         */
+        StreamInfo: {
+            /** Age */
+            age: number | null;
+            /** Deadline */
+            deadline: number | null;
+            /**
+             * Key
+             * @enum {string}
+             */
+            key: "odometry" | "scan" | "map" | "local_map" | "path";
+            /** Label */
+            label: string;
+            /** Stale */
+            stale: boolean;
+            /** Topic */
+            topic: string | null;
+        };
+        /**
+         * View
+         * @description One page's scene and how it is shown.
+         */
+        View: {
+            /**
+             * Follow
+             * @default false
+             */
+            follow: boolean;
+            /** Id */
+            id: string;
+            layers?: components["schemas"]["Layers"];
+            /**
+             * Theme
+             * @default light
+             * @enum {string}
+             */
+            theme: "light" | "dark";
+            /**
+             * Top
+             * @default false
+             */
+            top: boolean;
+        };
+        /**
+         * ViewPatch
+         * @description Settings of a view to change; those left out stay as they are.
+         */
+        ViewPatch: {
+            /** Follow */
+            follow?: boolean | null;
+            layers?: components["schemas"]["LayersPatch"] | null;
+            /** Theme */
+            theme?: ("light" | "dark") | null;
+            /** Top */
+            top?: boolean | null;
         };
     };
     responses: never;
@@ -366,7 +720,102 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
-    login: {
+    send: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["GoalRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GoalSent"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    cancel: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": unknown;
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    check: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["GestureCheck"] | components["schemas"]["GoalRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GoalCheck"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    log_in: {
         parameters: {
             query?: never;
             header?: never;
@@ -379,18 +828,27 @@ export interface operations {
             };
         };
         responses: {
-            /** @description ok */
+            /** @description Successful Response */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Session"];
+                    "application/json": components["schemas"]["SessionInfo"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
                 };
             };
         };
     };
-    session: {
+    log_out: {
         parameters: {
             query?: never;
             header?: never;
@@ -399,32 +857,112 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description ok */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Session"];
-                };
-            };
-        };
-    };
-    logout: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description ok */
+            /** @description Successful Response */
             204: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    current_session: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionInfo"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    stop: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["StopRequest"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StopAnswer"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    release: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StopAnswer"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
             };
         };
     };
@@ -437,7 +975,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description ok */
+            /** @description Successful Response */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -446,9 +984,18 @@ export interface operations {
                     "application/json": components["schemas"]["View"];
                 };
             };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
         };
     };
-    patch_view: {
+    change_view: {
         parameters: {
             query?: never;
             header?: never;
@@ -463,7 +1010,7 @@ export interface operations {
             };
         };
         responses: {
-            /** @description ok */
+            /** @description Successful Response */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -472,9 +1019,18 @@ export interface operations {
                     "application/json": components["schemas"]["View"];
                 };
             };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
         };
     };
-    drop_preview: {
+    clear_preview: {
         parameters: {
             query?: never;
             header?: never;
@@ -485,121 +1041,20 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description ok */
+            /** @description Successful Response */
             204: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content?: never;
             };
-        };
-    };
-    check_goal: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["GoalPick"] | components["schemas"]["GoalPoint"];
-            };
-        };
-        responses: {
-            /** @description ok */
-            200: {
+            /** @description What and why, and what to do */
+            default: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["GoalCheck"];
-                };
-            };
-        };
-    };
-    send_goal: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["GoalPoint"];
-            };
-        };
-        responses: {
-            /** @description ok */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["GoalSent"];
-                };
-            };
-        };
-    };
-    cancel_goal: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description ok */
-            202: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
-        };
-    };
-    stop: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["StopRequest"];
-            };
-        };
-        responses: {
-            /** @description ok */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["StopAnswer"];
-                };
-            };
-        };
-    };
-    release_stop: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description ok */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["StopAnswer"];
+                    "application/json": components["schemas"]["ErrorAnswer"];
                 };
             };
         };

@@ -3,34 +3,35 @@ import type { components } from "./schema";
 
 type Schemas = components["schemas"];
 
-export type Session = Schemas["Session"];
-export type View = Schemas["View"];
+/**
+ * An answer of the server. Its schema calls every field with a default optional; in an answer the
+ * server sends them all.
+ */
+type Sent<T> = T extends readonly (infer Item)[]
+  ? Sent<Item>[]
+  : T extends object
+    ? { [Key in keyof T]-?: Sent<T[Key]> }
+    : T;
+
+export type Session = Sent<Schemas["SessionInfo"]>;
+export type View = Sent<Schemas["View"]>;
 export type ViewPatch = Schemas["ViewPatch"];
 export type LayerKey = keyof View["layers"];
-export type State = Schemas["State"];
+export type State = Sent<Schemas["State"]>;
 export type Pose = NonNullable<State["pose"]>;
 export type Stream = State["streams"][number];
 export type Component = State["components"][number];
 export type Drive = NonNullable<State["drive"]>;
 export type Goal = NonNullable<State["goal"]>;
-export type GoalCheck = Schemas["GoalCheck"];
-export type GoalSent = Schemas["GoalSent"];
-export type StopAnswer = Schemas["StopAnswer"];
+export type GoalCheck = Sent<Schemas["GoalCheck"]>;
+export type GoalSent = Sent<Schemas["GoalSent"]>;
+export type StopAnswer = Sent<Schemas["StopAnswer"]>;
 
 /** Where a goal was pressed and released, as fractions of the scene (u right, v down). */
-export interface GoalPick {
-  view: string;
-  start: [number, number];
-  end: [number, number] | null;
-}
+export type GoalPick = Schemas["GestureCheck"];
 
 /** A goal in the map frame: metres, and radians counter-clockwise from +x. */
-export interface GoalPoint {
-  x: number;
-  y: number;
-  yaw: number | null;
-  view?: string;
-}
+export type GoalPoint = Schemas["GoalRequest"];
 
 /** What the state socket sends. */
-export type ServerMessage = Schemas["Hello"] | Schemas["Pong"] | State;
+export type ServerMessage = Sent<Schemas["Hello"]> | Sent<Schemas["Pong"]> | State;

@@ -15,6 +15,7 @@ import { useSession } from "../session/SessionContext";
 import { RobotProvider } from "../state/RobotContext";
 import { StopBand } from "../stop/StopBand";
 import { StopProvider } from "../stop/StopContext";
+import { Band } from "./Band";
 import { BottomPanel } from "./BottomPanel";
 import classes from "./ConsolePage.module.css";
 import { HelpPanel } from "./HelpPanel";
@@ -122,6 +123,11 @@ function SceneStack({ handle, goal }: { handle: ViewHandle; goal: GoalTool }) {
         <StopBand />
         <StaleBand />
         <DriveBand />
+        {view !== null && error !== null && (
+          <Band tone="notice" title={error.title} testId="view-error">
+            {error.remedy}
+          </Band>
+        )}
       </div>
     </>
   );

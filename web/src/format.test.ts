@@ -1,0 +1,47 @@
+import { expect, test } from "vitest";
+import { ageText, degreesText, distanceText, durationText, signed, wholeAgeText } from "./format";
+
+test("an age shows a decimal only while it tells something", () => {
+  expect([0, 0.24, 9.94, 9.96, 59.9, 61, 7300].map(ageText)).toEqual([
+    "0.0 s",
+    "0.2 s",
+    "9.9 s",
+    "9 s",
+    "59 s",
+    "1 min",
+    "2 h",
+  ]);
+});
+
+test("a sentence never says that something is zero seconds old", () => {
+  expect(wholeAgeText(0.2)).toBe("1 s");
+  expect(wholeAgeText(2.6)).toBe("3 s");
+  expect(wholeAgeText(125)).toBe("2 min");
+});
+
+test("a distance is in centimetres below a metre and in metres above", () => {
+  expect([0.041, 0.994, 0.996, 4.23, 120.4].map(distanceText)).toEqual([
+    "4 cm",
+    "99 cm",
+    "1.0 m",
+    "4.2 m",
+    "120 m",
+  ]);
+});
+
+test("a duration rounds to seconds and leaves out a rest of zero", () => {
+  expect([20.6, 60, 125.2].map(durationText)).toEqual(["21 s", "1 min", "2 min 5 s"]);
+});
+
+test("a heading stays within half a turn of east", () => {
+  expect(degreesText(Math.PI / 2)).toBe("90°");
+  expect(degreesText(-Math.PI / 2)).toBe("−90°");
+  expect(degreesText(1.5 * Math.PI)).toBe("−90°");
+  expect(degreesText(Math.PI)).toBe("180°");
+  expect(degreesText(-Math.PI)).toBe("180°");
+});
+
+test("there is no negative zero", () => {
+  expect(signed(-0.001, 2)).toBe("0.00");
+  expect(signed(-0.51, 2)).toBe("−0.51");
+});

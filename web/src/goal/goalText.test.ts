@@ -1,0 +1,98 @@
+import { expect, test } from "vitest";
+import type { Drive, Goal, GoalCheck } from "../api/types";
+import { checkText, goalLine, isUnderWay, limitText, placeText } from "./goalText";
+
+const check: GoalCheck = {
+  ok: true,
+  x: 1,
+  y: 2,
+  yaw: null,
+  reason: "",
+  message: "",
+  nearest: null,
+  length: 4.2,
+  duration: 20.7,
+  heading_used: true,
+  note: "",
+};
+const goal: Goal = {
+  id: "a",
+  phase: "driving",
+  x: 1,
+  y: 2,
+  yaw: null,
+  sent_by: "ava",
+  message: "",
+  distance_left: 2.1,
+  eta: 9.2,
+  error: null,
+  elapsed: 3,
+};
+const drive: Drive = {
+  available: true,
+  stopped: false,
+  standstill: false,
+  stopped_by: "",
+  reason: "",
+  limited_by: "",
+  speed_factor: 1,
+  age: 0,
+};
+
+test("a clear goal says how far, how long, and that it is clear", () => {
+  expect(checkText(check)).toBe("4.2 m, about 21 s, clear");
+  expect(checkText({ ...check, length: null, duration: null })).toBe("Clear");
+});
+
+test("a refused goal says why in the planner's words", () => {
+  const refused = { ...check, ok: false, message: "That point is in a wall." };
+  expect(checkText(refused)).toBe("That point is in a wall.");
+});
+
+test("a goal under way says what is left of it", () => {
+  expect(goalLine(goal).text).toBe("2.1 m left, about 9 s");
+  expect(goalLine({ ...goal, eta: null }).text).toBe("2.1 m left");
+  expect(goalLine({ ...goal, distance_left: null }).text).toBe("On the way");
+});
+
+test("an arrival says how far off it is", () => {
+  const line = goalLine({ ...goal, phase: "arrived", error: 0.041 });
+  expect(line).toMatchObject({ tone: "done", text: "Arrived, 4 cm off" });
+});
+
+test("a failed goal says why, and what to do", () => {
+  const line = goalLine({ ...goal, phase: "failed", message: "No path around the obstacle." });
+  expect(line.tone).toBe("problem");
+  expect(line.text).toBe("No path around the obstacle.");
+  expect(line.more).not.toBe("");
+});
+
+test("a goal that nobody accepts becomes a problem after three seconds", () => {
+  expect(goalLine({ ...goal, phase: "sent", elapsed: 1 }).tone).toBe("plain");
+  expect(goalLine({ ...goal, phase: "sent", elapsed: 4 }).tone).toBe("problem");
+});
+
+test("only goals that have not ended are under way", () => {
+  const phases = ["sent", "accepted", "driving", "arrived", "failed", "canceled"] as const;
+  expect(phases.filter((phase) => isUnderWay({ ...goal, phase }))).toEqual([
+    "sent",
+    "accepted",
+    "driving",
+  ]);
+  expect(isUnderWay(null)).toBe(false);
+});
+
+test("a held robot says what holds it, a free one nothing", () => {
+  expect(limitText(drive)).toBeNull();
+  expect(limitText({ ...drive, limited_by: "obstacle", speed_factor: 0.4 })).toBe(
+    "Slowed to 40 %: an obstacle is close",
+  );
+  expect(limitText({ ...drive, limited_by: "scan stale", speed_factor: 0 })).toBe(
+    "Held: the laser scan is late",
+  );
+});
+
+test("a place names its heading only where there is one", () => {
+  expect(placeText(1.5, -0.25, null)).toBe("x 1.50, y −0.25 m");
+  expect(placeText(0, 0, Math.PI / 2)).toBe("x 0.00, y 0.00 m, heading 90°");
+});
