@@ -1,0 +1,81 @@
+"""Every goal comes to an end, and for the right reason."""
+
+import math
+
+import numpy as np
+import pytest
+
+from kompass.components.mission import Mission, Tolerance
+
+STRAIGHT = np.stack([np.linspace(0, 2, 21), np.zeros(21), np.zeros(21)], axis=1)
+
+
+def mission(heading: float = 0.2, distance: float = 0.05) -> Mission:
+    made = Mission((2.0, 0.0, 0.0), Tolerance(distance, heading), patience=10.0)
+    made.planned(STRAIGHT, now=0.0)
+    return made
+
+
+def test_a_robot_that_stands_within_both_tolerances_has_arrived() -> None:
+    assert mission().arrived((1.97, 0.01, 0.1), standing=True, now=1.0)
+
+
+@pytest.mark.parametrize("pose", [(1.9, 0.0, 0.0), (2.0, 0.0, 0.3), (2.0, 0.0, math.pi)])
+def test_a_robot_outside_a_tolerance_has_not_arrived(pose: tuple[float, float, float]) -> None:
+    assert not mission().arrived(pose, standing=True, now=1.0)
+
+
+def test_heading_does_not_matter_when_none_is_asked_for() -> None:
+    assert mission(heading=math.pi).arrived((2.0, 0.0, 3.0), standing=True, now=1.0)
+
+
+def test_a_robot_still_moving_through_the_goal_gets_time_to_settle() -> None:
+    made = mission()
+    assert not made.arrived((2.0, 0.0, 0.0), standing=False, now=1.0)
+    assert not made.arrived((2.0, 0.0, 0.0), standing=False, now=2.0)
+    assert made.arrived((2.0, 0.0, 0.0), standing=False, now=3.0)
+
+
+def test_leaving_the_tolerance_starts_the_settling_anew() -> None:
+    made = mission()
+    made.arrived((2.0, 0.0, 0.0), standing=False, now=1.0)
+    made.arrived((1.5, 0.0, 0.0), standing=False, now=2.0)
+    assert not made.arrived((2.0, 0.0, 0.0), standing=False, now=3.1)
+
+
+def test_distance_left_is_the_length_of_the_path_ahead() -> None:
+    assert mission().distance_left((0.5, 0.3, 0.0)) == pytest.approx(1.5)
+    assert mission().distance_left((2.0, 0.0, 0.0)) == 0.0
+
+
+def test_a_robot_that_comes_no_nearer_is_stuck_after_its_patience() -> None:
+    made = mission()
+    assert not made.stuck((0.5, 0.0, 0.0), now=1.0)
+    assert not made.stuck((0.5, 0.0, 0.0), now=10.9)
+    assert made.stuck((0.5, 0.0, 0.0), now=11.0)
+
+
+def test_slow_progress_is_not_being_stuck() -> None:
+    made = mission()
+    for second in range(60):
+        assert not made.stuck((second * 0.02, 0.0, 0.0), now=float(second))
+
+
+def test_turning_to_the_goals_heading_is_progress() -> None:
+    made = mission()
+    for second in range(30):
+        assert not made.stuck((2.0, 0.0, 3.0 - 0.1 * second), now=float(second))
+
+
+def test_patience_without_a_path_counts_from_the_first_failure() -> None:
+    made = mission()
+    assert not made.unplanned(now=100.0)
+    assert not made.unplanned(now=109.0)
+    assert made.unplanned(now=110.0)
+    made.planned(STRAIGHT, now=111.0)
+    assert not made.unplanned(now=112.0)
+
+
+def test_a_robot_far_from_its_path_has_strayed() -> None:
+    assert mission().strayed((1.0, 0.6, 0.0), limit=0.5)
+    assert not mission().strayed((1.0, 0.4, 0.0), limit=0.5)
