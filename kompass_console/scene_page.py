@@ -23,9 +23,9 @@ _STYLE = f"""
 [data-testid="floating-panel"], [data-testid="control-panel"],
 .mantine-Notifications-root, .mantine-Modal-root {{ display: none !important; }}
 html, body {{ background: {FLOOR_LIGHT}; }}
-canvas {{ background: {FLOOR_LIGHT}; }}
+canvas[data-engine] {{ background: {FLOOR_LIGHT}; }}
 html[data-mantine-color-scheme="dark"], html[data-mantine-color-scheme="dark"] body,
-html[data-mantine-color-scheme="dark"] canvas {{ background: {FLOOR_DARK}; }}
+html[data-mantine-color-scheme="dark"] canvas[data-engine] {{ background: {FLOOR_DARK}; }}
 """
 
 # hasFocus: viser connects again only while its document has the focus; inside a frame it hardly

@@ -29,16 +29,29 @@ def framing(bounds: Bounds, aspect: float, *, top: bool) -> tuple[Vector, Vector
     """
     x0, y0, x1, y1 = bounds
     centre = np.array([(x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0])
-    corners = np.array([[x, y, 0.0] for x in (x0, x1) for y in (y0, y1)]) - centre
+    corners = np.array([[x, y, 0.0] for x in (x0, x1) for y in (y0, y1)])
     away = offset_direction(top=top)
+    distance = _FARTHEST
+    # Seen at an angle the near half of the map is the larger one: aim, centre, and aim again.
+    for _ in range(4):
+        distance = _closest(corners - centre, away, aspect)
+        _, along = _seen(corners - centre, away * distance)
+        centre[1] += (along.max() + along.min()) / 2.0 * distance * 0.8
+    return centre + away * distance, centre
+
+
+def _closest(corners: Vector, away: Vector, aspect: float) -> float:
+    """Least distance (m) in the direction `away` from which all corners (N, 3) are seen."""
+    half = math.tan(FIELD_OF_VIEW / 2.0) * _MARGIN
     near, far = _NEAREST, _FARTHEST
     for _ in range(40):
         middle = math.sqrt(near * far)
-        if _fits(corners, away * middle, aspect):
+        across, along = _seen(corners, away * middle)
+        if np.all(np.abs(across) <= half * aspect) and np.all(np.abs(along) <= half):
             far = middle
         else:
             near = middle
-    return centre + away * far, centre
+    return far
 
 
 def offset_direction(*, top: bool) -> Vector:
@@ -48,14 +61,16 @@ def offset_direction(*, top: bool) -> Vector:
     return np.array([0.0, -math.cos(_PITCH), math.sin(_PITCH)])
 
 
-def _fits(corners: Vector, camera: Vector, aspect: float) -> bool:
+def _seen(corners: Vector, camera: Vector) -> tuple[Vector, Vector]:
+    """Tangents (N,) across and along the picture of points (N, 3), seen from `camera` looking at
+    the origin; infinite behind the camera."""
     forward = -camera / np.linalg.norm(camera)
     right = np.array([1.0, 0.0, 0.0])
     up = np.cross(right, forward)
-    seen = corners - camera
-    depth = seen @ forward
-    if np.any(depth <= 0.0):
-        return False
-    half = math.tan(FIELD_OF_VIEW / 2.0) * _MARGIN
-    across, along = np.abs(seen @ right) / depth, np.abs(seen @ up) / depth
-    return bool(np.all(across <= half * aspect) and np.all(along <= half))
+    rays = corners - camera
+    depth = rays @ forward
+    depth = np.where(depth > 1e-6, depth, np.nan)
+    return (
+        np.nan_to_num(rays @ right / depth, nan=np.inf),
+        np.nan_to_num(rays @ up / depth, nan=np.inf),
+    )

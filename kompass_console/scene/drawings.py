@@ -11,7 +11,6 @@ import numpy.typing as npt
 from kompass_console.scene import local_map_layer, map_layer, path_layer, scan_layer
 from kompass_console.scene.local_map_layer import LocalMapDrawing
 from kompass_console.scene.map_layer import MapDrawing
-from kompass_console.scene.scan_layer import ScanDrawing
 from kompass_console.scene.shapes import Vertices
 from kompass_console.scene.trail_layer import Trail
 from kompass_console.world import GoalMark, Pose, Scan, World
@@ -21,7 +20,7 @@ LayerKey = str
 # Seconds between two conversions of a layer, at least.
 _PERIODS: dict[LayerKey, float] = {
     "map": 1.0,
-    "local_map": 0.1,
+    "local_map": 0.2,
     "path": 0.2,
     "scan": 0.1,
     "trail": 0.5,
@@ -41,7 +40,7 @@ class Drawings:
     map: MapDrawing | None = None
     local_map: LocalMapDrawing | None = None
     path: Vertices | None = None
-    scan: ScanDrawing | None = None
+    scan: Vertices | None = None
     trail: Vertices | None = None
     footprint: npt.NDArray[np.float64] | None = None
     robot: Pose | None = None

@@ -9,19 +9,19 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
+from kompass_console.scene.cells import OCCUPIED_FROM, blocks, rectangles
 from kompass_console.scene.palette import palette
 from kompass_console.scene.png import encode_palette
 from kompass_console.settings import Theme
 from kompass_console.world import Grid, Pose
 
 _UNKNOWN, _HATCH, _FREE, _OCCUPIED = 0, 1, 2, 3
-_OCCUPIED_FROM = 65  # of 100, as map_server and RViz draw it
 
 _TILE = 1024  # px; the smallest texture limit still met on tablets is 4096
 _SHARP = 2048  # px; small maps are magnified up to this, or their cells blur into each other
 _HATCH_PITCH = 12  # px between the hatching lines of unknown space
 
-_WALL_HEIGHT = 0.08  # m; low, so that a point on a wall's top is near the point on the floor
+WALL_HEIGHT = 0.08  # m; low, so that a point on a wall's top is near the point on the floor
 _MOST_WALLS = 30_000  # boxes; a map with more keeps its floor only
 
 _Bytes = npt.NDArray[np.uint8]
@@ -71,7 +71,10 @@ def convert(grid: Grid) -> MapDrawing:
                     classes=_hatched(magnified, row * factor, column * factor),
                 )
             )
-    vertices, faces = walls(classes == _OCCUPIED, grid.resolution)
+    boxes = rectangles(classes == _OCCUPIED)
+    if len(boxes) > _MOST_WALLS:
+        boxes = boxes[:0]
+    vertices, faces = blocks(boxes * grid.resolution, 0.0, WALL_HEIGHT)
     images = {theme: tuple(_encoded(t.classes, theme) for t in tiles) for theme in _THEMES}
     return MapDrawing(
         grid.origin, tuple(tiles), vertices, faces, known_bounds(grid, classes), images
@@ -85,57 +88,8 @@ def classify(cells: npt.NDArray[np.int8]) -> _Bytes:
     """Class of every cell: unknown, free or occupied (what is in between counts as free)."""
     classes = np.full(cells.shape, _FREE, dtype=np.uint8)
     classes[cells < 0] = _UNKNOWN
-    classes[cells >= _OCCUPIED_FROM] = _OCCUPIED
+    classes[cells >= OCCUPIED_FROM] = _OCCUPIED
     return classes
-
-
-def walls(
-    occupied: npt.NDArray[np.bool_], resolution: float
-) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32]]:
-    """Mesh of low boxes over the occupied cells: vertices (V, 3) in m, triangles (F, 3).
-
-    Cells are merged into rectangles, along rows first and then down equal runs, so a wall is a
-    few boxes and not hundreds. Empty when there would be more boxes than a tablet draws well.
-    """
-    boxes = rectangles(occupied)
-    if not 0 < len(boxes) <= _MOST_WALLS:
-        return np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32)
-    r0, c0, r1, c1 = (boxes * resolution).T
-    corners = np.stack(
-        [
-            np.stack([x, y, np.full_like(x, z)], axis=1)
-            for z in (0.0, _WALL_HEIGHT)
-            for x, y in ((c0, r0), (c1, r0), (c1, r1), (c0, r1))
-        ],
-        axis=1,
-    )  # (N, 8, 3): the four lower corners counter-clockwise, then the four upper ones
-    quads = np.array([[4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
-    # Each side has its own vertices, or shading would round the edges off.
-    vertices = corners[:, quads].reshape(-1, 3).astype(np.float32)
-    first = np.arange(len(vertices) // 4, dtype=np.uint32)[:, None] * 4
-    halves = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
-    faces = np.concatenate([first + halves[0], first + halves[1]])
-    return vertices, faces
-
-
-def rectangles(occupied: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
-    """Rectangles (N, 4) of (row, column, end row, end column) that cover the true cells once."""
-    padded = np.zeros((occupied.shape[0], occupied.shape[1] + 2), dtype=np.int8)
-    padded[:, 1:-1] = occupied
-    change = np.diff(padded, axis=1)
-    rows, starts = np.nonzero(change == 1)
-    ends = np.nonzero(change == -1)[1]
-    open_runs: dict[tuple[int, int], list[int]] = {}
-    done: list[list[int]] = []
-    for row, start, end in zip(rows.tolist(), starts.tolist(), ends.tolist(), strict=True):
-        run = open_runs.get((start, end))
-        if run is not None and run[2] == row:
-            run[2] = row + 1
-        else:
-            run = [row, start, row + 1, end]
-            open_runs[start, end] = run
-            done.append(run)
-    return np.array(done, dtype=np.int64).reshape(-1, 4)
 
 
 def known_bounds(grid: Grid, classes: _Bytes) -> tuple[float, float, float, float]:

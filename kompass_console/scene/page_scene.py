@@ -66,8 +66,7 @@ class PageScene:
         if memory is not None and resumed:
             self._shift = memory.shift.copy()
         self._world = self._scene.add_frame(_WORLD, show_axes=False, position=self._world_position)
-        self._scene.configure_default_lights(enabled=True, cast_shadow=False)
-        self._scene.configure_environment_map(None)
+        self._light()
         self._build()
         self._show()
         if resumed:
@@ -122,12 +121,12 @@ class PageScene:
                 self._scan.draw(drawings.scan)
             if self._changed("path", counts) and drawings.path is not None:
                 self._path.draw(drawings.path)
+            if self._changed("local_map", counts) and drawings.local_map is not None:
+                self._local_map.draw(drawings.local_map)
             if self._changed("goal", counts):
                 self._goal.draw(drawings.goal)
             if self._changed("trail", counts) and drawings.trail is not None:
                 self._trail.draw(drawings.trail)
-        if self._changed("local_map", counts) and drawings.local_map is not None:
-            self._local_map.draw(drawings.local_map)
         if self._changed("map", counts) and drawings.map is not None:
             self._map.draw(drawings.map)
             first = self._bounds is None
@@ -157,6 +156,15 @@ class PageScene:
         self._goal = GoalNodes(self._scene, f"{_WORLD}/goal", colours.goal)
         self._preview_nodes = PreviewNodes(self._scene, _WORLD, theme)
         self._preview_nodes.draw(self._preview)
+
+    def _light(self) -> None:
+        """Even light from above, and a little more from the north-west to tell sides apart."""
+        self._scene.configure_default_lights(enabled=False)
+        self._scene.configure_environment_map(None)
+        self._scene.add_light_ambient("/light/all", intensity=2.2)
+        self._scene.add_light_directional(
+            "/light/side", intensity=1.3, position=(-6.0, -9.0, 14.0), cast_shadow=False
+        )
 
     def _changed(self, layer: LayerKey, counts: dict[LayerKey, int]) -> bool:
         # A hidden layer is not sent; it is brought up to date when it is shown again.

@@ -23,7 +23,7 @@ class Palette:
     unknown: Rgba
     unknown_line: Rgba
     wall: Rgb
-    obstacle: Rgba
+    obstacle: Rgb
     path: Rgb
     trail: Rgb
     scan: Rgb
@@ -42,11 +42,11 @@ _LIGHT = Palette(
     unknown=(222, 226, 230, 255),
     unknown_line=(212, 217, 222, 255),
     wall=(112, 121, 132),
-    obstacle=(222, 126, 42, 150),
+    obstacle=(226, 122, 36),
     path=(28, 110, 220),
     trail=(120, 134, 150),
     scan=(10, 132, 130),
-    body=(58, 66, 76),
+    body=(84, 95, 108),
     front=(28, 110, 220),
     lidar=(24, 28, 33),
     footprint=(58, 66, 76),
@@ -60,13 +60,13 @@ _DARK = Palette(
     occupied=(150, 160, 172, 255),
     unknown=(30, 35, 41, 255),
     unknown_line=(37, 43, 50, 255),
-    wall=(150, 160, 172),
-    obstacle=(240, 160, 80, 140),
+    wall=(128, 138, 150),
+    obstacle=(240, 156, 72),
     path=(96, 165, 250),
     trail=(112, 124, 140),
     scan=(72, 209, 204),
     body=(206, 213, 222),
-    front=(96, 165, 250),
+    front=(32, 104, 204),
     lidar=(86, 94, 106),
     footprint=(206, 213, 222),
     goal=(96, 165, 250),

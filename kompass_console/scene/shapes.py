@@ -7,6 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from kompass_console.world import Pose
+
 Vertices = npt.NDArray[np.float32]
 Faces = npt.NDArray[np.uint32]
 
@@ -52,3 +54,11 @@ def flat_arrow(length: float, width: float, z: float) -> tuple[Vertices, Faces]:
     vertices = np.array([(x, y, z) for x, y in outline + tip], dtype=np.float32)
     faces = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 7], [7, 5, 6]], dtype=np.uint32)
     return vertices, faces
+
+
+def placed(vertices: Vertices, pose: Pose) -> Vertices:
+    """Vertices (..., 3) moved from a frame into the one its pose is given in."""
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    x, y = vertices[..., 0], vertices[..., 1]
+    moved = np.stack([pose.x + c * x - s * y, pose.y + s * x + c * y, vertices[..., 2]], axis=-1)
+    return moved.astype(np.float32)

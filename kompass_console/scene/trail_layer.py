@@ -53,7 +53,9 @@ def fading(theme: Theme) -> npt.NDArray[np.uint8]:
     floor, trail = np.array(colours.free[:3], float), np.array(colours.trail, float)
     share = np.linspace(0.0, 1.0, _LENGTH)[:, None]
     blend = floor + share * (trail - floor)
-    return np.stack([blend[:-1], blend[1:]], axis=1).astype(np.uint8)
+    # viser takes colours per vertex as linear light, and uniform ones as sRGB.
+    light = 255.0 * (blend / 255.0) ** 2.2
+    return np.stack([light[:-1], light[1:]], axis=1).astype(np.uint8)
 
 
 class TrailNodes:

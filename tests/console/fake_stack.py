@@ -1,0 +1,315 @@
+"""A stand-in for the navigation stack and its robot: the far side of DDS for the console's tests.
+
+It keeps the ROS contract (topics, QoS, services, the PlanPath action) and moves a point along a
+straight line; nothing of it plans or simulates. Run it with `python -m tests.console.fake_stack`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import signal
+import threading
+import time
+
+import numpy as np
+import rclpy
+from automatika_ros_sugar.msg import ComponentStatus
+from geometry_msgs.msg import (
+    Point32,
+    PointStamped,
+    PolygonStamped,
+    PoseStamped,
+    Quaternion,
+    TransformStamped,
+)
+from kompass_interfaces.action import PlanPath
+from kompass_interfaces.msg import DriveState
+from kompass_interfaces.srv import CheckGoal, ReleaseStop, StopRobot
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Float32
+from tf2_msgs.msg import TFMessage
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+RESOLUTION = 0.05
+ORIGIN = (-4.0, -3.0)
+SIZE = (8.0, 6.0)
+PILLARS = [(x, y) for x in (-1.5, 0.0, 1.5) for y in (-1.2, 0.0, 1.2)]
+PILLAR_RADIUS = 0.15
+ROOM = (-3.4, -2.4, 3.4, 2.4)
+SPEED = 0.8
+COMPONENTS = ("planner", "controller", "mapper", "drive_manager")
+
+
+def occupied(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """1 where a pillar or the room's wall is."""
+    x0, y0, x1, y1 = ROOM
+    inside = (x > x0) & (x < x1) & (y > y0) & (y < y1)
+    wall = ~inside & (x > x0 - 0.1) & (x < x1 + 0.1) & (y > y0 - 0.1) & (y < y1 + 0.1)
+    for px, py in PILLARS:
+        wall |= np.hypot(x - px, y - py) < PILLAR_RADIUS
+    return wall
+
+
+def world_map() -> np.ndarray:
+    """Cells int8 (H, W)."""
+    columns = np.arange(int(SIZE[0] / RESOLUTION)) * RESOLUTION + ORIGIN[0] + RESOLUTION / 2
+    rows = np.arange(int(SIZE[1] / RESOLUTION)) * RESOLUTION + ORIGIN[1] + RESOLUTION / 2
+    x, y = np.meshgrid(columns, rows)
+    cells = np.full(x.shape, -1, dtype=np.int8)
+    cells[(x > ROOM[0]) & (x < ROOM[2]) & (y > ROOM[1]) & (y < ROOM[3])] = 0
+    cells[occupied(x, y)] = 100
+    return cells
+
+
+def quaternion(yaw: float) -> Quaternion:
+    return Quaternion(z=math.sin(yaw / 2.0), w=math.cos(yaw / 2.0))
+
+
+class FakeStack:
+    """All of the contract in one node."""
+
+    def __init__(self, *, poses: bool, points: bool, planner: bool, drive: bool) -> None:
+        self.node = rclpy.create_node("planner")
+        self.x, self.y, self.yaw, self.v = -0.75, -0.6, 0.4, 0.0
+        self.stopped_by = ""
+        self.reason = ""
+        self.stopped = False
+        self.failing = False
+        self.lock = threading.Lock()
+        self.cells = world_map()
+        group = ReentrantCallbackGroup()
+        node = self.node
+        self.map = node.create_publisher(OccupancyGrid, "/map", LATCHED)
+        self.odometry = node.create_publisher(Odometry, "/odometry/filtered", 10)
+        self.scan = node.create_publisher(LaserScan, "/scan", SENSOR)
+        self.local_map = node.create_publisher(OccupancyGrid, "/local_map/occupancy_layer", 1)
+        self.plan = node.create_publisher(Path, "/plan", LATCHED)
+        self.footprint = node.create_publisher(PolygonStamped, "/footprint", LATCHED)
+        self.static = node.create_publisher(TFMessage, "/tf_static", LATCHED)
+        self.rate = node.create_publisher(Float32, "/simulator/rate", 10)
+        self.statuses = {
+            name: [
+                node.create_publisher(ComponentStatus, f"/{name}{twin}", LATCHED)
+                for twin in ("/status", "_status")
+            ]
+            for name in COMPONENTS
+        }
+        self.latch()
+        node.create_timer(0.02, self.move, callback_group=group)
+        node.create_timer(0.1, self.sense, callback_group=group)
+        node.create_timer(0.2, self.report, callback_group=group)
+        if drive:
+            self.drive = node.create_publisher(DriveState, "/drive_state", LATCHED)
+            node.create_service(StopRobot, "/drive_manager/stop", self.stop)
+            node.create_service(ReleaseStop, "/drive_manager/release_stop", self.release)
+        else:
+            self.drive = None
+        if planner:
+            node.create_service(
+                CheckGoal, "/planner/check_goal", self.check_goal, callback_group=group
+            )
+            self.server = ActionServer(
+                node,
+                PlanPath,
+                "/planner/plan_path",
+                self.execute,
+                goal_callback=lambda _: GoalResponse.ACCEPT,
+                cancel_callback=lambda _: CancelResponse.ACCEPT,
+                callback_group=group,
+            )
+            self.own = rclpy.action.ActionClient(node, PlanPath, "/planner/plan_path")
+        if poses:
+            node.create_subscription(
+                PoseStamped, "/goal_pose", lambda m: self.take(m.pose), 10, callback_group=group
+            )
+        if points:
+            node.create_subscription(
+                PointStamped, "/clicked_point", self.take_point, 10, callback_group=group
+            )
+
+    def latch(self) -> None:
+        grid = OccupancyGrid()
+        grid.header.frame_id = "map"
+        grid.info.resolution = RESOLUTION
+        grid.info.height, grid.info.width = self.cells.shape
+        grid.info.origin.position.x, grid.info.origin.position.y = ORIGIN
+        grid.data = self.cells.ravel().tolist()
+        self.map.publish(grid)
+        ring = PolygonStamped()
+        ring.header.frame_id = "base_link"
+        ring.polygon.points = [
+            Point32(x=0.105 * math.cos(a), y=0.105 * math.sin(a))
+            for a in np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
+        ]
+        self.footprint.publish(ring)
+        mount = TransformStamped()
+        mount.header.frame_id, mount.child_frame_id = "base_link", "LDS-01"
+        mount.transform.translation.x, mount.transform.rotation.w = -0.032, 1.0
+        self.static.publish(TFMessage(transforms=[mount]))
+
+    def move(self) -> None:
+        message = Odometry()
+        message.header.stamp = self.node.get_clock().now().to_msg()
+        message.header.frame_id, message.child_frame_id = "map", "base_link"
+        message.pose.pose.position.x, message.pose.pose.position.y = self.x, self.y
+        message.pose.pose.orientation = quaternion(self.yaw)
+        message.twist.twist.linear.x = self.v
+        self.odometry.publish(message)
+
+    def sense(self) -> None:
+        angles = np.arange(360) * math.pi / 180.0
+        steps = np.arange(0.12, 3.5, 0.02)
+        reach_x = self.x + np.cos(self.yaw + angles)[:, None] * steps
+        reach_y = self.y + np.sin(self.yaw + angles)[:, None] * steps
+        hit = occupied(reach_x, reach_y)
+        ranges = np.where(hit.any(axis=1), steps[hit.argmax(axis=1)], np.inf)
+        scan = LaserScan(angle_min=0.0, angle_increment=math.pi / 180.0)
+        scan.header.stamp = self.node.get_clock().now().to_msg()
+        scan.header.frame_id = "LDS-01"
+        scan.range_min, scan.range_max = 0.12, 3.5
+        scan.ranges = ranges.tolist()
+        self.scan.publish(scan)
+        self.local_map.publish(self.local_grid())
+
+    def local_grid(self) -> OccupancyGrid:
+        size, half = 60, 1.5
+        at = (np.arange(size) + 0.5) * RESOLUTION - half
+        forward, left = np.meshgrid(at, at)
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        cells = occupied(self.x + c * forward - s * left, self.y + s * forward + c * left)
+        grid = OccupancyGrid()
+        grid.header.frame_id = "map"
+        grid.info.resolution, grid.info.width, grid.info.height = RESOLUTION, size, size
+        grid.info.origin.position.x = self.x - c * half + s * half
+        grid.info.origin.position.y = self.y - s * half - c * half
+        grid.info.origin.orientation = quaternion(self.yaw)
+        grid.data = np.where(cells, 100, 0).astype(np.int8).ravel().tolist()
+        return grid
+
+    def report(self) -> None:
+        self.rate.publish(Float32(data=1.0))
+        for publishers in self.statuses.values():
+            for publisher in publishers:
+                publisher.publish(ComponentStatus(status=0))
+        self.say_drive()
+
+    def say_drive(self) -> None:
+        if self.drive is None:
+            return
+        state = DriveState(stopped=self.stopped, standstill=self.v == 0.0, speed_factor=1.0)
+        state.stopped_by, state.reason = self.stopped_by, self.reason
+        state.limited_by = "stop" if self.stopped else ""
+        self.drive.publish(state)
+
+    def stop(self, request: StopRobot.Request, response: StopRobot.Response) -> object:
+        self.stopped, self.stopped_by, self.reason = True, request.operator_name, request.reason
+        self.v = 0.0
+        self.say_drive()
+        response.success, response.message = True, "stopped"
+        return response
+
+    def release(self, _: ReleaseStop.Request, response: ReleaseStop.Response) -> object:
+        self.stopped, self.stopped_by, self.reason = False, "", ""
+        self.say_drive()
+        response.success, response.message = True, "released"
+        return response
+
+    def path_to(self, x: float, y: float) -> Path:
+        path = Path()
+        path.header.frame_id = "map"
+        for f in np.linspace(0.0, 1.0, 40):
+            pose = PoseStamped()
+            bow = 0.35 * math.sin(math.pi * f)
+            pose.pose.position.x = self.x + f * (x - self.x)
+            pose.pose.position.y = self.y + f * (y - self.y) + bow
+            path.poses.append(pose)
+        return path
+
+    def check_goal(self, request: CheckGoal.Request, response: CheckGoal.Response) -> object:
+        x, y = request.goal.position.x, request.goal.position.y
+        inside = ROOM[0] < x < ROOM[2] and ROOM[1] < y < ROOM[3]
+        if not inside:
+            response.reason, response.message = 2, "This point is outside the map."
+            response.has_nearest = True
+            response.nearest.x = min(max(x, ROOM[0] + 0.2), ROOM[2] - 0.2)
+            response.nearest.y = min(max(y, ROOM[1] + 0.2), ROOM[3] - 0.2)
+        elif bool(occupied(np.array([x]), np.array([y]))[0]):
+            response.reason, response.message = 3, "This point is inside an obstacle."
+        else:
+            response.reachable = True
+            response.preview = self.path_to(x, y)
+            response.length = math.hypot(x - self.x, y - self.y)
+            response.duration = response.length / SPEED
+        return response
+
+    def take_point(self, message: PointStamped) -> None:
+        pose = PoseStamped().pose
+        pose.position.x, pose.position.y = message.point.x, message.point.y
+        self.take(pose)
+
+    def take(self, pose: object) -> None:
+        self.own.send_goal_async(PlanPath.Goal(goal=pose))
+
+    def execute(self, handle: object) -> PlanPath.Result:
+        goal = handle.request.goal.position
+        result = PlanPath.Result()
+        if self.stopped:
+            handle.abort()
+            result.outcome, result.message = 3, "The robot is stopped; release STOP first."
+            return result
+        self.plan.publish(self.path_to(goal.x, goal.y))
+        while rclpy.ok():
+            left = math.hypot(goal.x - self.x, goal.y - self.y)
+            if handle.is_cancel_requested:
+                handle.canceled()
+                result.outcome, result.message = 5, "Canceled by the operator."
+                break
+            if self.stopped:
+                handle.abort()
+                result.outcome, result.message = 3, f"Stopped by {self.stopped_by}."
+                break
+            if left < 0.02:
+                result.reached_end, result.message = True, "Arrived."
+                handle.succeed()
+                break
+            self.yaw = math.atan2(goal.y - self.y, goal.x - self.x)
+            step = min(left, SPEED * 0.05)
+            self.v = SPEED
+            self.x += step * math.cos(self.yaw)
+            self.y += step * math.sin(self.yaw)
+            feedback = PlanPath.Feedback(distance_left=left)
+            handle.publish_feedback(feedback)
+            time.sleep(0.05)
+        self.v = 0.0
+        self.plan.publish(Path())
+        return result
+
+
+def main() -> None:
+    """Run until SIGTERM."""
+    parser = argparse.ArgumentParser()
+    for name in ("poses", "points", "planner", "drive"):
+        parser.add_argument(f"--no-{name}", dest=name, action="store_false")
+    rclpy.init()
+    stack = FakeStack(**vars(parser.parse_args()))
+    executor = MultiThreadedExecutor(4)
+    executor.add_node(stack.node)
+    ending = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: ending.set())
+    threading.Thread(target=executor.spin, daemon=True).start()
+    ending.wait()
+    executor.shutdown(0.5)
+    rclpy.shutdown()
+
+
+if __name__ == "__main__":
+    main()
