@@ -31,10 +31,10 @@ TOLERANCE = 1e-5
 class DistanceField:
     """Distance from any world point to the nearest obstacle cell's edge [m].
 
-    Never overstates (it understates by less than a quarter of a cell), and is 0 inside obstacles
-    and outside the map. With ``unknown_is_obstacle`` unexplored cells, and what lies beyond the
-    map's border, count as obstacles; without it they do not, and a map with no obstacle at all
-    is as far from one everywhere as the map is wide.
+    Never overstates (it understates by less than a third of a cell, in notches), and is 0 inside
+    obstacles and outside the map. With ``unknown_is_obstacle`` unexplored cells, and what lies
+    beyond the map's border, count as obstacles; without it they do not, and a map with no
+    obstacle at all is as far from one everywhere as the map is wide.
     """
 
     def __init__(self, grid: Grid, unknown_is_obstacle: bool = True) -> None:

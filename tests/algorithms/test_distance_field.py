@@ -24,7 +24,7 @@ def test_it_never_overstates_and_hardly_understates(cells: np.ndarray, seed: int
     true = brute_force_distance(cells > 0, 0.1, points)
     measured = field.at(points)
     assert (measured <= true + 1e-6).all()
-    assert (measured >= true - 0.025).all()
+    assert (measured >= true - 0.034).all()
 
 
 def test_distances_to_a_cell_s_edge_are_exact_at_cells_centres() -> None:

@@ -1,0 +1,266 @@
+"""The dynamic window approach: of the velocities within reach, the one whose near future is best.
+
+D. Fox, W. Burgard, S. Thrun, "The Dynamic Window Approach to Collision Avoidance", IEEE Robotics
+and Automation Magazine, 1997.
+
+All rollouts are one array, and so is what they are judged by: two distance fields on one small
+grid around the robot, one of the obstacles and one of the path ahead. A collision check and a
+distance to the path are then look-ups.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import distance_transform_edt
+
+from kompass.algorithms.following.command import FollowStep
+from kompass.algorithms.following.follower import FollowerParams, PathFollower, Situation
+from kompass.algorithms.following.limits import stopping_distance, stopping_speed
+from kompass.algorithms.geometry import Floats, inverse, transform_points, wrap_angle
+
+# What must be free beyond the braking distance of a velocity for it to be admissible [m].
+_BEYOND_BRAKING = 0.1
+# How much free way makes a direction worth turning to [m].
+_OPEN_AHEAD = 0.3
+
+
+class NoCommand(Exception):
+    """No direction is free of obstacles: the robot must stop, and wait or be freed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DWAParams(FollowerParams):
+    """What is sampled and how it is judged.
+
+    Attributes:
+        prediction_time: How far the rollouts look ahead [s].
+        time_step: Between two looked-at places of a rollout [s].
+        linear_samples: Velocities tried.
+        angular_samples: Turning rates tried for each.
+        clearance: What rollouts keep between the body and obstacles [m].
+        resolution: Of the grid around the robot [m].
+        path_weight: On the mean distance from the path, per metre.
+        goal_weight: On the distance left to the point ahead on the path, per metre.
+        obstacle_weight: On nearness to obstacles, 0 from ``obstacle_range`` on, 1 at contact.
+        obstacle_range: [m]
+        smoothness_weight: On the change of command, as a share of the largest velocities.
+    """
+
+    prediction_time: float = 1.6
+    time_step: float = 0.1
+    linear_samples: int = 12
+    angular_samples: int = 31
+    clearance: float = 0.02
+    resolution: float = 0.04
+    path_weight: float = 3.0
+    goal_weight: float = 3.0
+    obstacle_weight: float = 0.1
+    obstacle_range: float = 0.3
+    smoothness_weight: float = 0.05
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("prediction_time", "time_step", "resolution", "obstacle_range"):
+            if getattr(self, name) == 0:
+                raise ValueError(f"{name}: 0; give a number above 0")
+        for name in ("linear_samples", "angular_samples"):
+            if getattr(self, name) < 2:
+                raise ValueError(f"{name}: {getattr(self, name)}; give 2 or more")
+
+
+class DWA(PathFollower):
+    """Follows a path and goes round what stands beside or partly on it.
+
+    It looks a second or two ahead and has no memory: before something that fills the way to both
+    sides alike it stops without touching, and a new path from the planner is what helps.
+
+    Args:
+        config: See :class:`DWAParams`.
+        robot_radius: Of the circle around the footprint [m].
+        max_v, max_omega, acc, decel, omega_acc: As of every follower.
+    """
+
+    def __init__(
+        self,
+        config: DWAParams | None = None,
+        *,
+        robot_radius: float,
+        max_v: float,
+        max_omega: float,
+        acc: float,
+        decel: float,
+        omega_acc: float,
+    ) -> None:
+        self.config = config or DWAParams()
+        super().__init__(
+            self.config,
+            max_v=max_v,
+            max_omega=max_omega,
+            acc=acc,
+            decel=decel,
+            omega_acc=omega_acc,
+        )
+        if not (math.isfinite(robot_radius) and robot_radius > 0):
+            raise ValueError(f"robot_radius: {robot_radius} m; give a finite number above 0")
+        self.robot_radius = robot_radius
+        self._points: Floats = np.empty((0, 2))
+        reach = max_v * self.config.prediction_time + robot_radius + self.config.obstacle_range
+        self._half = math.ceil((reach + 0.2) / self.config.resolution)
+
+    def step(
+        self, pose: ArrayLike, v: float, omega: float, dt: float, points: ArrayLike = ()
+    ) -> FollowStep:
+        """As :meth:`PathFollower.step`, with obstacles ``points`` (N, 2) in the base frame [m].
+
+        Raises:
+            NoCommand: Every velocity within reach meets an obstacle.
+        """
+        self._points = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+        return super().step(pose, v, omega, dt)
+
+    def _curvature(self, situation: Situation) -> float:
+        raise AssertionError("DWA chooses velocities, not a curvature")
+
+    def _drive(self, situation: Situation) -> tuple[float, float]:
+        config = self.config
+        v, omega = self._window(situation)
+        steps = max(2, round(config.prediction_time / config.time_step))
+        times = config.time_step * np.arange(1, steps + 1)
+        # Exact positions on the arc of a constant twist; sinc keeps straight ones finite.
+        half_turn = 0.5 * omega[:, None] * times
+        chord = v[:, None] * times * np.sinc(half_turn / math.pi)
+        x, y = chord * np.cos(half_turn), chord * np.sin(half_turn)
+
+        obstacles, path = self._fields(situation)
+        distance = self._look_up(obstacles, x, y)
+        # As in the original, what counts is that the robot can stop before it hits something: a
+        # rollout is checked as far as its braking distance and a little, not to its end.
+        travelled = v[:, None] * times
+        braking = stopping_distance(1.0, self._linear.max_decel, 0.0) * v * v + v * situation.dt
+        counts = travelled <= (braking + _BEYOND_BRAKING)[:, None]
+        counts[:, 0] = True
+        admissible = self._admissible(obstacles, distance, travelled, counts)
+        if not admissible.any():
+            return 0.0, self._turn_to_open(obstacles, situation)
+        nearest = np.where(counts, distance, np.inf).min(axis=1)
+        aim = self._aim(situation)
+        left = np.hypot(x[:, -1] - aim[0], y[:, -1] - aim[1])
+        nearness = np.clip(1.0 - (nearest - self.robot_radius) / config.obstacle_range, 0.0, 1.0)
+        change = np.abs(v - situation.speed) / self._linear.max_vel + np.abs(
+            omega - situation.turn_rate
+        ) / (2.0 * self._angular.max_vel)
+        cost = (
+            config.path_weight * self._look_up(path, x, y).mean(axis=1)
+            + config.goal_weight * left
+            + config.obstacle_weight * nearness
+            + config.smoothness_weight * change
+        )
+        best = int(np.argmin(np.where(admissible, cost, np.inf)))
+        return float(v[best]), float(omega[best])
+
+    def _admissible(
+        self, obstacles: Floats, distance: Floats, travelled: Floats, counts: NDArray[np.bool_]
+    ) -> NDArray[np.bool_]:
+        """Which rollouts (N, T) keep their distance; for a robot too close, which ones leave."""
+        required = self.robot_radius + self.config.clearance
+        here = float(obstacles[self._half, self._half])
+        if here >= required:
+            keeps: NDArray[np.bool_] = np.all((distance >= required) | ~counts, axis=1)
+            return keeps
+        outward = distance >= np.minimum(here + 0.3 * travelled, required)
+        leaves: NDArray[np.bool_] = np.all(outward | ~counts, axis=1)
+        return leaves
+
+    def _turn_to_open(self, obstacles: Floats, situation: Situation) -> float:
+        """The turning rate towards the open direction that is nearest to the way to the aim."""
+        aim = self._aim(situation)
+        directions = np.linspace(-math.pi, math.pi, 48, endpoint=False)
+        ahead = np.linspace(0.05, _OPEN_AHEAD, 6)
+        distance = self._look_up(
+            obstacles, np.cos(directions)[:, None] * ahead, np.sin(directions)[:, None] * ahead
+        )
+        counts = np.ones(distance.shape, dtype=bool)
+        travelled = np.broadcast_to(ahead, distance.shape)
+        is_open = self._admissible(obstacles, distance, travelled, counts)
+        if not is_open.any():
+            raise NoCommand(
+                f"No direction keeps {self.robot_radius + self.config.clearance:.2f} m from the "
+                f"obstacles; the nearest is at {float(obstacles[self._half, self._half]):.2f} m."
+            )
+        wanted = math.atan2(aim[1], aim[0])
+        # What was turned towards so far stays cheaper, or two equal ways would be dithered between.
+        off = np.abs(wrap_angle(directions - wanted)) + 0.5 * (
+            directions * situation.turn_rate < 0.0
+        )
+        turn = float(directions[is_open][int(np.argmin(off[is_open]))])
+        rate = stopping_speed(abs(turn), 0.5 * self._angular.max_decel, 1.5 * situation.dt)
+        rate = min(self._angular.max_vel, max(rate, self.config.min_turn_rate))
+        return math.copysign(rate, turn)
+
+    def _look_up(self, values: Floats, x: Floats, y: Floats) -> Floats:
+        """A field's values at base-frame places of any shape, interpolated between cells."""
+        last = 2 * self._half - 1
+        u = np.clip(x / self.config.resolution + self._half, 0.0, last + 1.0)
+        v = np.clip(y / self.config.resolution + self._half, 0.0, last + 1.0)
+        col = np.minimum(u.astype(np.int64), last)
+        row = np.minimum(v.astype(np.int64), last)
+        u, v = u - col, v - row
+        flat, stride = values.ravel(), values.shape[1]
+        i = row * stride + col
+        low = flat[i] * (1.0 - u) + flat[i + 1] * u
+        high = flat[i + stride] * (1.0 - u) + flat[i + stride + 1] * u
+        out: Floats = low * (1.0 - v) + high * v
+        return out
+
+    def _window(self, situation: Situation) -> tuple[Floats, Floats]:
+        """The pairs (N,), (N,) of velocity and turning rate that can be reached in one period."""
+        config = self.config
+        low, high = self._linear.reachable(situation.speed, situation.dt)
+        high = max(min(high, situation.allowed_speed), low, 0.0)
+        # Standing still leads nowhere, and is what follows when nothing else is admissible.
+        low = min(max(low, config.min_speed), high)
+        left, right = self._angular.reachable(situation.turn_rate, situation.dt)
+        v = np.linspace(low, high, config.linear_samples)
+        omega = np.linspace(left, right, config.angular_samples)
+        if left < 0.0 < right:
+            omega = np.append(omega, 0.0)
+        grid_v, grid_omega = np.meshgrid(v, omega)
+        return grid_v.ravel(), grid_omega.ravel()
+
+    def _aim(self, situation: Situation) -> tuple[float, float]:
+        """Where the robot should be after the prediction time, in the base frame."""
+        tracker = situation.tracker
+        if situation.homing:
+            target = tracker.goal
+        else:
+            reach = situation.allowed_speed * self.config.prediction_time
+            target = tracker.point_at(tracker.progress + max(reach, 0.1))
+        x, y = transform_points(inverse((situation.x, situation.y, situation.yaw)), [target])[0]
+        return float(x), float(y)
+
+    def _fields(self, situation: Situation) -> tuple[Floats, Floats]:
+        """Distances from obstacles and from the path ahead [m], (n, n) around the robot."""
+        config = self.config
+        n = 2 * self._half + 1
+        tracker = situation.tracker
+        window = self._half * config.resolution * 1.5
+        along = np.arange(tracker.progress, tracker.progress + window, config.resolution / 2.0)
+        path = np.array([tracker.point_at(float(s)) for s in along])
+        path = transform_points(inverse((situation.x, situation.y, situation.yaw)), path)
+        out = []
+        for points in (self._points, path):
+            cells = np.ones((n, n), dtype=bool)
+            near = points[(np.abs(points) < self._half * config.resolution).all(axis=1)]
+            if not len(near):
+                out.append(np.full((n, n), n * config.resolution))
+                continue
+            index = np.rint(near / config.resolution).astype(np.int64) + self._half
+            cells[index[:, 1], index[:, 0]] = False
+            out.append(distance_transform_edt(cells) * config.resolution)
+        # A point may lie anywhere in its cell: count from the cell's corner.
+        obstacles = np.maximum(out[0] - config.resolution * math.sqrt(0.5), 0.0)
+        return obstacles, out[1]
