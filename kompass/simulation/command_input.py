@@ -12,6 +12,10 @@ from rclpy.subscription import Subscription
 TOPIC = "/cmd_vel"
 _TYPES = {"geometry_msgs/msg/TwistStamped": TwistStamped, "geometry_msgs/msg/Twist": Twist}
 
+# With publishers of both types about, one that is silent this long gives way to the other. A
+# publisher whose process was killed stays on the graph for a while; it must not hold the robot.
+SILENCE = 1.0  # s
+
 
 class CommandInput:
     """Subscribes to `/cmd_vel` with the type of its publishers.
@@ -31,26 +35,43 @@ class CommandInput:
         """
         self._node = node
         self._drive = drive
-        self._mixed = False
         self._type: type[Twist] | type[TwistStamped] = TwistStamped
-        self._subscription = self._subscribe()
+        self._subscription: Subscription | None = self._subscribe()
+        self._heard = False
+        self._quiet_since = 0.0
+        self._mixed = False
 
-    def follow_publishers(self) -> None:
-        """Change over to the publishers' type when they have another one."""
+    def follow_publishers(self, now: float) -> None:
+        """Change over to the publishers' type when they have another one.
+
+        Args:
+            now: Monotonic seconds.
+        """
+        if self._subscription is None:
+            self._subscription = self._subscribe()
+            self._quiet_since = now
+            return
+        if self._heard:
+            self._heard = False
+            self._quiet_since = now
         names = {info.topic_type for info in self._node.get_publishers_info_by_topic(TOPIC)}
-        offered = [_TYPES[name] for name in sorted(names) if name in _TYPES]
-        mixed = len(offered) > 1
+        offered = [kind for name, kind in _TYPES.items() if name in names]
+        mixed = len(offered) == len(_TYPES)
         if mixed and not self._mixed:
             self._node.get_logger().warning(
-                f"{TOPIC} is published as Twist and as TwistStamped at once; only "
-                f"{self._type.__name__} is obeyed. Make all publishers use one type."
+                f"{TOPIC} is published as Twist and as TwistStamped at once; only one of them is "
+                "obeyed at a time. Make all publishers use one type."
             )
         self._mixed = mixed
-        if offered and self._type not in offered:
-            self._type = offered[0]
+        given_up = mixed and now - self._quiet_since > SILENCE
+        others = [kind for kind in offered if kind is not self._type]
+        if others and (given_up or self._type not in offered):
+            self._type = others[0]
+            self._node.get_logger().info(f"{TOPIC} is read as {self._type.__name__} from now on")
+            # The executor lets go of the old reader only after this call, and until then the
+            # participant refuses the new type: the next call subscribes.
             self._node.destroy_subscription(self._subscription)
-            self._subscription = self._subscribe()
-            self._node.get_logger().info(f"{TOPIC} is read as {self._type.__name__}")
+            self._subscription = None
 
     def _subscribe(self) -> Subscription:
         return self._node.create_subscription(
@@ -58,6 +79,7 @@ class CommandInput:
         )
 
     def _on_command(self, message: Twist | TwistStamped) -> None:
+        self._heard = True
         twist = message.twist if isinstance(message, TwistStamped) else message
         try:
             self._drive(twist.linear.x, twist.angular.z)

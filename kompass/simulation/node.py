@@ -104,7 +104,7 @@ class _Loop:
         if self._ticks % SCAN_PERIODS == 0:
             self._broadcast.scan(SCAN_PERIODS * PERIOD)
         if self._ticks % GRAPH_PERIODS == 0:
-            self._commands.follow_publishers()
+            self._commands.follow_publishers(now)
         if self._ticks % REPORT_PERIODS == 0:
             self._report(now)
 

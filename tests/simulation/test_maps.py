@@ -75,5 +75,5 @@ def test_walls_seen_by_the_lidar_are_on_the_map(name: str) -> None:
 
 @pytest.mark.parametrize("resolution", [0.0, -0.05, float("nan")])
 def test_impossible_resolution_is_refused(resolution: float) -> None:
-    with pytest.raises(ValueError, match="resolution is .*; give a finite length above 0"):
+    with pytest.raises(ValueError, match=r"resolution is .*; give a finite length above 0"):
         rasterize(world("hexagon"), resolution)

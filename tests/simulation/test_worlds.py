@@ -1,5 +1,6 @@
 """A world is found by name, and one that nobody could drive in is refused."""
 
+import itertools
 import math
 from typing import Any
 
@@ -46,7 +47,7 @@ def test_outer_wall_has_no_gap(name: str) -> None:
     place = world(name)
     corners = np.array([*place.floor, place.floor[0]])
     share = np.linspace(0.0, 1.0, 2000)[:, None]
-    for start, end in zip(corners, corners[1:], strict=False):
+    for start, end in itertools.pairwise(corners):
         # Just outside the floor, all along this side and round its corners.
         along = start + share * (end - start)
         normal = np.array([end[1] - start[1], start[0] - end[0]]) / math.dist(start, end)
