@@ -58,6 +58,9 @@ test("a goal under way says what is left of it", () => {
 test("an arrival says how far off it is", () => {
   const line = goalLine({ ...goal, phase: "arrived", error: 0.041 });
   expect(line).toMatchObject({ tone: "done", text: "Arrived, 4 cm off" });
+  expect(goalLine({ ...goal, phase: "arrived", error: 0.002 }).text).toBe(
+    "Arrived, less than 1 cm off",
+  );
 });
 
 test("a failed goal says why, and what to do", () => {

@@ -44,10 +44,7 @@ export function goalLine(goal: Goal): GoalLine {
     case "driving":
       return line("plain", remaining(goal));
     case "arrived":
-      return line(
-        "done",
-        goal.error === null ? "Arrived" : `Arrived, ${distanceText(goal.error)} off`,
-      );
+      return line("done", goal.error === null ? "Arrived" : `Arrived, ${offText(goal.error)} off`);
     case "failed":
       return line(
         "problem",
@@ -57,6 +54,10 @@ export function goalLine(goal: Goal): GoalLine {
     case "canceled":
       return line("plain", "Goal cancelled", goal.message);
   }
+}
+
+function offText(error: number): string {
+  return Math.abs(error) < 0.005 ? "less than 1 cm" : distanceText(error);
 }
 
 function remaining(goal: Goal): string {
