@@ -23,4 +23,6 @@ for step in (["ci", "--no-audit", "--no-fund", "--loglevel=error"], ["run", "--s
             f"{result.returncode}.\n{result.stdout}\n{result.stderr}"
         )
 if not (page / "index.html").is_file():
-    raise SystemExit(f"The page was built, but {page / 'index.html'} is missing; see web/vite.config.ts")
+    raise SystemExit(
+        f"The page was built, but {page / 'index.html'} is missing; see web/vite.config.ts"
+    )

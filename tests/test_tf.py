@@ -49,7 +49,7 @@ def test_nothing_is_extrapolated(stamp: float) -> None:
     buffer = TransformBuffer()
     buffer.add("odom", "base", 1.0, planar(0, 0, 0))
     buffer.add("odom", "base", 2.0, planar(1, 0, 0))
-    with pytest.raises(TransformError, match="known from 1.000 s to 2.000 s"):
+    with pytest.raises(TransformError, match=r"known from 1\.000 s to 2\.000 s"):
         buffer.lookup("odom", "base", stamp)
 
 
@@ -82,7 +82,9 @@ angles = st.floats(-math.pi, math.pi)
 
 
 @given(angles, angles, st.floats(0, 1))
-def test_interpolated_rotations_turn_the_short_way(first: float, second: float, share: float) -> None:
+def test_interpolated_rotations_turn_the_short_way(
+    first: float, second: float, share: float
+) -> None:
     between = interpolate(planar(0, 0, first), planar(0, 0, second), share)
     difference = math.remainder(second - first, 2 * math.pi)
     if abs(abs(difference) - math.pi) < 1e-3:

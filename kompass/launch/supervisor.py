@@ -117,6 +117,7 @@ class Supervisor:
             inherited += [child.pidfd, child.reports]
         child = fork(spec, inherited)
         self._children[child.pid] = child
+        log.info("%s is process %d", spec.name, child.pid)
         self._selector.register(child.reports, selectors.EVENT_READ, child)
         self._selector.register(child.pidfd, selectors.EVENT_READ, child)
 

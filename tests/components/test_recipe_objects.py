@@ -43,7 +43,7 @@ def test_one_components_topics_do_not_leak_into_the_next() -> None:
 
 
 def test_an_unknown_input_lists_the_known_ones() -> None:
-    with pytest.raises(ValueError, match="'scan' is not an input; known are .*sensor_data"):
+    with pytest.raises(ValueError, match=r"'scan' is not an input; known are .*sensor_data"):
         LocalMapper().inputs(scan=Topic(name="/scan", msg_type="LaserScan"))
 
 
@@ -177,7 +177,7 @@ def test_the_launcher_gives_the_robot_and_topics_to_all() -> None:
 def test_an_input_that_no_component_has_is_refused() -> None:
     launcher = Launcher()
     launcher.kompass(components=[Planner()])
-    with pytest.raises(ValueError, match="no component has 'locaton'; known are .*location"):
+    with pytest.raises(ValueError, match=r"no component has 'locaton'; known are .*location"):
         launcher.inputs(locaton=Topic(name="/o", msg_type="Odometry"))
 
 

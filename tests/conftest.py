@@ -1,0 +1,28 @@
+"""Every run of the tests has ROS domains of its own, and leaves no process behind."""
+
+import os
+import uuid
+from collections.abc import Iterator
+
+import pytest
+
+from tests.support.domains import next_domain
+from tests.support.processes import ended, marked
+
+# Inherited by everything that a test starts, so that orphans can be told from strangers.
+MARK = f"KOMPASS_TEST_RUN={uuid.uuid4().hex}"
+
+
+def pytest_configure() -> None:
+    key, _, value = MARK.partition("=")
+    os.environ[key] = value
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    os.environ["ROS_DOMAIN_ID"] = str(next_domain())
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_orphans() -> Iterator[None]:
+    """A module that leaves a process behind has failed."""
+    yield
+    left = ended(lambda: marked(MARK), timeout=5.0)
+    assert not left, f"processes left behind: {left}"

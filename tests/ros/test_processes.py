@@ -1,0 +1,165 @@
+"""Processes live and die as an operator expects: nothing is lost, nothing is left behind."""
+
+import os
+import signal
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+
+from tests.support.processes import children, wait_until
+from tests.support.robot import Robot
+from tests.support.stack import RECIPE, TOKEN, Stack
+
+pytestmark = pytest.mark.ros
+
+
+@pytest.fixture
+def stack() -> Iterator[Stack]:
+    running = Stack.simulated()
+    try:
+        yield running
+    finally:
+        running.close()
+
+
+@pytest.fixture
+def robot(stack: Stack) -> Iterator[Robot]:
+    client = Robot(stack.domain)
+    try:
+        client.ready()
+        yield client
+    finally:
+        client.close()
+
+
+def alive(pid: int) -> bool:
+    return Path(f"/proc/{pid}").exists()
+
+
+def answers(url: str) -> bool:
+    try:
+        return httpx.get(url, timeout=1.0).status_code == 200
+    except httpx.HTTPError:
+        return False
+
+
+def test_ctrl_c_ends_all_processes_within_three_seconds(stack: Stack) -> None:
+    wait_until(lambda: answers(stack.url), 20, "the page")
+    pids = [stack.process.pid, *children(stack.process.pid)]
+    assert len(pids) >= 8
+    began = time.monotonic()
+    stack.interrupt()
+    assert stack.process.wait(5) == 0, stack.output
+    assert time.monotonic() - began < 3.0
+    assert not [pid for pid in pids if alive(pid)]
+    assert "killed" not in stack.output
+
+
+def test_children_do_not_outlive_a_killed_supervisor(stack: Stack) -> None:
+    pids = list(children(stack.process.pid))
+    os.kill(stack.process.pid, signal.SIGKILL)
+    wait_until(lambda: not [pid for pid in pids if alive(pid)], 5, "the end of all children")
+
+
+def test_a_killed_console_does_not_stop_the_robot_and_comes_back(
+    stack: Stack, robot: Robot
+) -> None:
+    wait_until(lambda: answers(stack.url), 20, "the page")
+    handle = robot.send_goal(0.5, 0.5)
+    wait_until(lambda: robot.speed > 0.1, 10, "motion")
+    os.kill(stack.pid_of("console"), signal.SIGKILL)
+    wait_until(lambda: answers(stack.url), 20, "the page again")
+    attached = Stack("attach", "--no-browser", "--port", "0", domain=stack.domain)
+    try:
+        wait_until(lambda: answers(attached.url), 20, "the attached page")
+        login = httpx.post(
+            f"{attached.url}/api/login", json={"token": TOKEN}, headers={"Origin": attached.url}
+        )
+        assert login.status_code == 200
+    finally:
+        assert attached.close() == 0
+    assert robot.result(handle).status == 4
+
+
+def test_stop_survives_the_death_of_the_drive_manager(stack: Stack, robot: Robot) -> None:
+    robot.stop()
+    os.kill(stack.pid_of("drive_manager"), signal.SIGKILL)
+    stack.wait_for_line("drive_manager killed by SIGKILL", 5)
+    robot.newest.pop("/drive_state", None)
+    wait_until(lambda: "/drive_state" in robot.newest, 15, "a drive manager again")
+    assert robot.newest["/drive_state"].stopped
+    assert robot.newest["/drive_state"].stopped_by == "tester"
+
+
+def test_a_dead_drive_manager_halts_the_robot(stack: Stack, robot: Robot) -> None:
+    robot.send_goal(0.5, 0.5)
+    wait_until(lambda: robot.speed > 0.1, 10, "motion")
+    os.kill(stack.pid_of("drive_manager"), signal.SIGSTOP)
+    try:
+        wait_until(lambda: robot.speed < 0.01, 2, "a halt")
+    finally:
+        os.kill(stack.pid_of("drive_manager"), signal.SIGCONT)
+
+
+def test_a_second_stack_on_the_domain_is_refused(stack: Stack) -> None:
+    second = Stack("run", str(RECIPE), "--no-browser", "--port", "0", domain=stack.domain)
+    assert second.close(timeout=20) == 1
+    assert "another stack already runs" in second.output
+    assert "Traceback" not in second.output
+    assert stack.process.poll() is None
+
+
+def one_line(stack: Stack) -> str:
+    """The only thing that a command which could not run may say, after its addresses."""
+    said = [line for line in stack.output.splitlines() if line and "http://" not in line]
+    assert len(said) == 1, stack.output
+    return said[0]
+
+
+def test_a_port_in_use_is_told_in_one_line() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        refused = Stack("demo", "--no-browser", "--port", port)
+        assert refused.close(timeout=20) == 2
+    assert f"port {port}" in one_line(refused)
+    assert "--port" in one_line(refused)
+
+
+def test_a_missing_recipe_is_told_in_one_line() -> None:
+    refused = Stack("run", "nowhere.py", "--no-browser", "--port", "0")
+    assert refused.close(timeout=20) == 2
+    assert "nowhere.py" in one_line(refused)
+
+
+def test_an_error_in_a_recipe_names_file_and_line(tmp_path: Path) -> None:
+    recipe = tmp_path / "mine.py"
+    recipe.write_text("import numpy\n\nraise ValueError('two\\nlines')\n")
+    refused = Stack("run", str(recipe), "--no-browser", "--port", "0")
+    assert refused.close(timeout=20) == 3
+    assert "mine.py:3: ValueError: two lines" in one_line(refused)
+
+
+def test_another_middleware_is_told_in_one_line() -> None:
+    refused = Stack(
+        "run", str(RECIPE), "--no-browser", "--port", "0", RMW_IMPLEMENTATION="rmw_other_cpp"
+    )
+    assert refused.close(timeout=20) == 1
+    assert "RMW_IMPLEMENTATION=rmw_other_cpp" in one_line(refused)
+
+
+def test_an_unknown_world_lists_the_known_ones() -> None:
+    refused = Stack("run", str(RECIPE), "--sim", "atlantis", "--no-browser", "--port", "0")
+    assert refused.close(timeout=20) == 2
+    assert "hexagon" in one_line(refused)
+
+
+def test_a_short_token_is_refused() -> None:
+    refused = Stack("demo", "--no-browser", "--port", "0", "--token", "short")
+    assert refused.close(timeout=20) == 2
+    assert "--token" in one_line(refused)

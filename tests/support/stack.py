@@ -1,0 +1,91 @@
+"""A whole stack as a user starts it: the command line, in a process group of its own."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+from tests.support.domains import next_domain
+from tests.support.processes import wait_until
+
+TOKEN = "operator-token-for-tests"
+RECIPE = Path(__file__).parents[2] / "recipes" / "01_point_navigation.py"
+
+
+class Stack:
+    """``kompass-console ARGUMENTS``, with its output at hand."""
+
+    def __init__(self, *arguments: str, domain: int | None = None, **environment: str) -> None:
+        self.domain = next_domain() if domain is None else domain
+        command = [str(Path(sys.executable).with_name("kompass-console")), *arguments]
+        self.process = subprocess.Popen(
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+            env={
+                **os.environ,
+                "PYTHONUNBUFFERED": "1",
+                "KOMPASS_CONSOLE_TOKEN": TOKEN,
+                **environment,
+                "ROS_DOMAIN_ID": str(self.domain),
+            },
+        )
+        self.output = ""
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    @classmethod
+    def simulated(cls, *arguments: str, recipe: Path = RECIPE, **environment: str) -> "Stack":
+        """A recipe with the embedded robot, ready to drive."""
+        stack = cls(
+            "run", str(recipe), "--sim", "--no-browser", "--port", "0", *arguments, **environment
+        )
+        stack.wait_for_line("all components active", 20)
+        return stack
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.output += line
+
+    def wait_for_line(self, text: str, timeout: float) -> None:
+        """Wait until the output holds ``text``."""
+        wait_until(
+            lambda: text in self.output or self.process.poll() is not None,
+            timeout,
+            f"'{text}' in:\n{self.output}",
+        )
+        assert text in self.output, f"ended with {self.process.returncode}:\n{self.output}"
+
+    @property
+    def url(self) -> str:
+        """Address of the console, without the token."""
+        self.wait_for_line("Console:", 10)
+        found = re.search(r"Console:\s+(http://[^/]+)/", self.output)
+        assert found
+        return found[1]
+
+    def pid_of(self, name: str) -> int:
+        """Process id of a child, by the name that the supervisor gave it."""
+        found = re.findall(rf"{name} is process (\d+)", self.output)
+        assert found, self.output
+        return int(found[-1])
+
+    def interrupt(self) -> None:
+        """Ctrl-C: the signal reaches the whole group, as a terminal sends it."""
+        os.killpg(self.process.pid, signal.SIGINT)
+
+    def close(self, timeout: float = 10.0) -> int:
+        """Ctrl-C and wait; the exit code."""
+        if self.process.poll() is None:
+            self.interrupt()
+        code = self.process.wait(timeout)
+        self._reader.join(2.0)
+        if self.process.stdout is not None:
+            self.process.stdout.close()
+        return code
