@@ -324,3 +324,12 @@ def test_a_map_turned_and_shifted_is_planned_on_as_well() -> None:
 def test_an_argument_out_of_range_is_refused_by_name(bad: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(bad))):
         GlobalPlanner(empty(1.0), **{"robot_radius": 0.1, **bad})
+
+
+@pytest.mark.parametrize("points_per_meter", [1.5, 3, 10, 40])
+def test_however_few_poses_the_chords_between_them_cut_no_corner(points_per_meter: float) -> None:
+    planner = GlobalPlanner(walls(), robot_radius=0.1, points_per_meter=points_per_meter)
+    plan = planner.plan((5, 1, 0), (5, 9, None))
+    legs = plan.poses[:, :2]
+    assert planner.field.segments_clear(legs[:-1], legs[1:], planner.required).all()
+    assert np.hypot(*np.diff(legs, axis=0).T).max() <= 1.0 / points_per_meter + 1e-9

@@ -236,7 +236,7 @@ class GlobalPlanner:
             band = spread(points, self._spacing)
         even = resample(band, self._spacing)
         clear = self.field.segments_clear(even[:-1], even[1:], self.required)
-        return even if clear.all() else band
+        return even if clear.all() else spread(band, self._spacing)
 
     def _leave(self, here: Floats, points: Floats) -> Floats:
         """Prepend the straight way out of the clearance zone, to as late a pose as allowed."""
