@@ -9,9 +9,11 @@ from typing import Annotated
 
 import typer
 
-from kompass_console.stack import DEFAULT_WORLD, Console, Problem, run_attached, run_recipe
+from kompass_console.problem import Problem
 
-LOCAL = ("127.0.0.1", "localhost", "::1")
+# What each command needs is imported when it runs: help answers at once, and Ctrl-C during the
+# imports finds somebody who knows what it means.
+DEFAULT_WORLD = "hexagon"
 EXIT_CODES = """
 Exit codes: 0 ended by Ctrl-C or by itself, 1 the stack could not start or run, 2 something in
 the command is wrong (a missing file, a port in use), 3 the recipe has an error.
@@ -69,6 +71,8 @@ def run(
     if not recipe.is_file():
         raise Problem(2, f"there is no recipe {recipe}; give the path of a Python file")
     _choose_domain(domain_id, alone=sim is not None)
+    from kompass_console.stack import Console, run_recipe
+
     console = Console(host, port, not no_browser, name or _robot_name(sim), token)
     run_recipe(recipe, console, sim)
 
@@ -84,9 +88,10 @@ def demo(
     token: Token = None,
 ) -> None:
     """Try it: an embedded robot, the navigation stack and the console."""
-    from kompass.share import recipe_path
-
     _choose_domain(domain_id, alone=True)
+    from kompass.share import recipe_path
+    from kompass_console.stack import Console, run_recipe
+
     console = Console(host, port, not no_browser, name or _robot_name(world), token)
     run_recipe(recipe_path("01_point_navigation.py"), console, world)
 
@@ -102,15 +107,26 @@ def attach(
 ) -> None:
     """Show a stack that something else started, on this machine or another of the ROS domain."""
     _choose_domain(domain_id, alone=False)
+    from kompass_console.stack import Console, run_attached
+
     run_attached(Console(host, port, not no_browser, name or _robot_name(None), token))
 
 
 def _choose_domain(domain_id: int | None, *, alone: bool) -> None:
-    """Set what rclpy reads from the environment; a robot of our own stays on this machine."""
+    """Set what rclpy reads from the environment; a robot of our own stays on this machine.
+
+    Comes before rclpy is imported: with a middleware it does not find it ends the process.
+    """
+    from kompass.launch.environment import EnvironmentProblem, check_environment
+
     if domain_id is not None:
         os.environ["ROS_DOMAIN_ID"] = str(domain_id)
     if alone:
         os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    try:
+        check_environment()
+    except EnvironmentProblem as error:
+        raise Problem(1, str(error)) from None
 
 
 def _robot_name(world: str | None) -> str:
@@ -141,3 +157,5 @@ def main() -> None:
     except Problem as problem:
         typer.echo(f"kompass-console: {problem}", err=True)
         raise SystemExit(problem.code) from None
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None

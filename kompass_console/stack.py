@@ -19,19 +19,10 @@ from pydantic import ValidationError
 
 from kompass.launch.claim import AlreadyRunning
 from kompass.launch.companions import add_companion
-from kompass.launch.environment import EnvironmentProblem, check_environment
+from kompass.launch.environment import EnvironmentProblem
 from kompass.launch.process import ProcessSpec, Report
 from kompass.launch.supervisor import StartupError
-
-DEFAULT_WORLD = "hexagon"
-
-
-class Problem(Exception):
-    """Something to tell in one line, and the exit code."""
-
-    def __init__(self, code: int, text: str) -> None:
-        super().__init__(text)
-        self.code = code
+from kompass_console.problem import Problem
 
 
 @dataclass
@@ -170,10 +161,6 @@ def _add_robot(world_name: str) -> None:
 
 def run_attached(console: Console) -> None:
     """Serve the console alone, in this process, until Ctrl-C."""
-    try:
-        check_environment()
-    except EnvironmentProblem as error:
-        raise Problem(1, str(error)) from None
     console.announce()
     signal.signal(signal.SIGINT, lambda *_: signal.raise_signal(signal.SIGTERM))
     console.serve()

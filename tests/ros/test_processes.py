@@ -107,7 +107,7 @@ def test_a_dead_drive_manager_halts_the_robot(stack: Stack, robot: Robot) -> Non
 
 def test_a_second_stack_on_the_domain_is_refused(stack: Stack) -> None:
     second = Stack("run", str(RECIPE), "--no-browser", "--port", "0", domain=stack.domain)
-    assert second.close(timeout=20) == 1
+    assert second.wait() == 1
     assert "another stack already runs" in second.output
     assert "Traceback" not in second.output
     assert stack.process.poll() is None
@@ -126,14 +126,14 @@ def test_a_port_in_use_is_told_in_one_line() -> None:
         taken.listen()
         port = str(taken.getsockname()[1])
         refused = Stack("demo", "--no-browser", "--port", port)
-        assert refused.close(timeout=20) == 2
+        assert refused.wait() == 2
     assert f"port {port}" in one_line(refused)
     assert "--port" in one_line(refused)
 
 
 def test_a_missing_recipe_is_told_in_one_line() -> None:
     refused = Stack("run", "nowhere.py", "--no-browser", "--port", "0")
-    assert refused.close(timeout=20) == 2
+    assert refused.wait() == 2
     assert "nowhere.py" in one_line(refused)
 
 
@@ -141,7 +141,7 @@ def test_an_error_in_a_recipe_names_file_and_line(tmp_path: Path) -> None:
     recipe = tmp_path / "mine.py"
     recipe.write_text("import numpy\n\nraise ValueError('two\\nlines')\n")
     refused = Stack("run", str(recipe), "--no-browser", "--port", "0")
-    assert refused.close(timeout=20) == 3
+    assert refused.wait() == 3
     assert "mine.py:3: ValueError: two lines" in one_line(refused)
 
 
@@ -149,17 +149,17 @@ def test_another_middleware_is_told_in_one_line() -> None:
     refused = Stack(
         "run", str(RECIPE), "--no-browser", "--port", "0", RMW_IMPLEMENTATION="rmw_other_cpp"
     )
-    assert refused.close(timeout=20) == 1
+    assert refused.wait() == 1
     assert "RMW_IMPLEMENTATION=rmw_other_cpp" in one_line(refused)
 
 
 def test_an_unknown_world_lists_the_known_ones() -> None:
     refused = Stack("run", str(RECIPE), "--sim", "atlantis", "--no-browser", "--port", "0")
-    assert refused.close(timeout=20) == 2
+    assert refused.wait() == 2
     assert "hexagon" in one_line(refused)
 
 
 def test_a_short_token_is_refused() -> None:
     refused = Stack("demo", "--no-browser", "--port", "0", "--token", "short")
-    assert refused.close(timeout=20) == 2
+    assert refused.wait() == 2
     assert "--token" in one_line(refused)

@@ -80,10 +80,14 @@ class Stack:
         """Ctrl-C: the signal reaches the whole group, as a terminal sends it."""
         os.killpg(self.process.pid, signal.SIGINT)
 
-    def close(self, timeout: float = 10.0) -> int:
+    def close(self) -> int:
         """Ctrl-C and wait; the exit code."""
         if self.process.poll() is None:
             self.interrupt()
+        return self.wait(10.0)
+
+    def wait(self, timeout: float = 20.0) -> int:
+        """Wait for it to end by itself; the exit code."""
         code = self.process.wait(timeout)
         self._reader.join(2.0)
         if self.process.stdout is not None:
