@@ -118,7 +118,7 @@ def test_hard_stop_does_not_nod() -> None:
             robot.command(0.0, 0.0)
             robot.step(PERIOD)
             x, y, _, _ = robot.imu().orientation
-            assert 2 * math.hypot(x, y) < math.radians(1.0)
+            assert 2 * math.hypot(x, y) < math.radians(0.2)
 
 
 def test_pillar_stops_it_and_counts_once_per_touch() -> None:

@@ -305,6 +305,25 @@ def test_command_that_is_no_number_is_ignored(observer: Observer) -> None:
         observer.until(driving, "the next good command to be obeyed")
 
 
+def test_touching_the_wall_is_announced_at_once(observer: Observer) -> None:
+    from geometry_msgs.msg import Twist
+    from rclpy.qos import QoSProfile
+
+    before = observer.newest["/simulator/contacts"].data
+    with ros_node("driver") as (driver, _):
+        publisher = driver.create_publisher(Twist, "/cmd_vel", QoSProfile(depth=10))
+        command = Twist()
+        command.linear.x = -0.3
+
+        def touched() -> bool:
+            publisher.publish(command)
+            return bool(observer.newest["/simulator/contacts"].data > before)
+
+        observer.until(touched, "a contact")
+    # The wall behind the start, where the shell of 0.10 m meets it at y = -0.5 m.
+    assert observer.position[0] == pytest.approx(-2.37, abs=0.03)
+
+
 def test_unknown_world_is_one_clear_line() -> None:
     result = subprocess.run(
         [sys.executable, "-m", "kompass.simulation", "moon"],
