@@ -26,7 +26,7 @@ IMU_HEIGHT = 0.07
 # That shifts the weight by less than the centre of mass lies behind the axle, so it never nods.
 WHEEL_TORQUE = 0.04
 WHEEL_GAIN = 0.05  # N·m per rad/s of speed error
-_MASS_CENTER = (-0.0005, 0.0, 0.06)
+_MASS_CENTER = (-0.02, 0.0, 0.06)
 _CASTER_OFFSET = 0.075
 _CASTER_RADIUS = 0.012
 _FRONT_CASTER_GAP = 0.001  # the front caster only catches a nod
