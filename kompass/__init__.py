@@ -3,6 +3,10 @@
 import os
 import sys
 
+from kompass.middleware import prepare_middleware
+
+prepare_middleware()
+
 # Numeric libraries start a thread pool at import otherwise; the supervisor forks, and a fork
 # must find one thread only.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -118,11 +118,13 @@ def _choose_domain(domain_id: int | None, *, alone: bool) -> None:
     Comes before rclpy is imported: with a middleware it does not find it ends the process.
     """
     from kompass.launch.environment import EnvironmentProblem, check_environment
+    from kompass.middleware import RANGE, prepare_middleware
 
     if domain_id is not None:
         os.environ["ROS_DOMAIN_ID"] = str(domain_id)
     if alone:
-        os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        os.environ.setdefault(RANGE, "LOCALHOST")
+        prepare_middleware()
     try:
         check_environment()
     except EnvironmentProblem as error:
