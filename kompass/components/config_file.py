@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
         When the file is missing, of another kind, or not well formed.
     """
     path = Path(path)
-    readers = {
+    readers: dict[str, Callable[[str], Any]] = {
         ".yaml": yaml.safe_load,
         ".yml": yaml.safe_load,
         ".json": json.loads,

@@ -18,6 +18,10 @@ from kompass.components.located import Located
 from kompass.components.topic import LATCHED, AllowedTopics, Topic
 from kompass.control import ControllersID
 
+# Facing farther off than this the robot turns first: swinging in while driving would take it off
+# the path by more than the clearance that the path keeps.
+TURN_IN_PLACE = 0.4  # rad
+
 
 class Controller(Located):
     """Turns ``plan`` and ``location`` into commands; stops when its inputs stop.
@@ -58,7 +62,7 @@ class Controller(Located):
 
     @algorithm.setter
     def algorithm(self, value: ControllersID | str) -> None:
-        self.config.algorithm = value
+        self.config.algorithm = value  # type: ignore[assignment]  # validated and converted
 
     def init_variables(self) -> None:
         self._follower = self._make_follower()
@@ -67,6 +71,7 @@ class Controller(Located):
     def _make_follower(self) -> PathFollower:
         limits = velocity_limits(self.config.robot)
         common = {
+            "turn_in_place_angle": TURN_IN_PLACE,
             "goal_tolerance": self.config.goal_dist_tolerance,
             "heading_tolerance": self.config.goal_orientation_tolerance,
         }

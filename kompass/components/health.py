@@ -26,7 +26,7 @@ class Health:
     @property
     def is_healthy(self) -> bool:
         """True unless a failure is set."""
-        return self.level == ComponentStatus.STATUS_HEALTHY
+        return bool(self.level == ComponentStatus.STATUS_HEALTHY)
 
     def set_healthy(self) -> None:
         """Clear the failure and its sources."""

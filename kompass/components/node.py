@@ -16,7 +16,7 @@ class Transitions(Protocol):
     def on_transition_error(self, transition: str, error: Exception) -> None: ...
 
 
-class ComponentNode(LifecycleNode):
+class ComponentNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     """A lifecycle node; an exception in a transition is reported and leaves the node alive."""
 
     def __init__(self, name: str, component: Transitions, namespace: str = "") -> None:

@@ -30,7 +30,7 @@ def claim(names: list[str], namespace: str = "") -> list[int]:
     folder = Path(os.environ.get("XDG_RUNTIME_DIR") or tempfile.gettempdir())
     folder = folder / f"kompass-{os.getuid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
-    held = []
+    held: list[int] = []
     for name in names:
         full = f"{namespace.strip('/')}.{name}".strip(".")
         path = folder / f"domain-{domain}.{full}.lock"
