@@ -1,4 +1,4 @@
-"""May the robot be sent there? The planner is asked; without one, the map is looked at."""
+"""May the robot be sent there? The planner is asked; for another stack, the map is looked at."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ async def check_goal(link: RosLink, world: World, x: float, y: float, yaw: float
             duration=answer.duration if answer.reachable else None,
         )
         preview = answer.preview
-    elif topic is None:
+    elif topic is None or link.kompass_runs:
         check = _refusal("no_planner", x, y, yaw)
     else:
         reason = look_at_map(world, x, y)

@@ -80,7 +80,7 @@ async def _serve(sock: socket.socket, app: FastAPI, stop: threading.Event | None
         ws_ping_interval=5.0,
         ws_ping_timeout=10.0,
         server_header=False,
-        timeout_graceful_shutdown=0,
+        timeout_graceful_shutdown=1,  # s; pages are told, and not waited for any longer
         lifespan="on",
     )
     server = _Server(config)

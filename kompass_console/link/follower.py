@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +26,7 @@ ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)  # ac
 _UNANSWERED_AFTER = 4.0  # s
 _ARRIVED_WITHIN = 0.15  # m, where no action says that the robot has arrived
 _HEARD_WITHIN = 3.0  # s between a goal message of another program and the action goal it causes
+_CLOCKS_AGREE = 0.2  # s between this machine and the planner's
 _SAME_TIME = 1.0  # s between a goal and its path, when a console attaches to a driving robot
 _SLOWEST = 0.05  # m/s, for the time left
 _ENDED: dict[int, GoalPhase] = {SUCCEEDED: "arrived", CANCELED: "canceled", ABORTED: "failed"}
@@ -54,10 +56,18 @@ class _Goal:
     ended: float | None = None
     path_seen: int = 0
     known_place: bool = True
+    sent_stamp: float = math.inf
 
     @property
     def over(self) -> bool:
         return self.phase in _OVER
+
+
+class ActionStatus(NamedTuple):
+    """Status of an action goal, and the ROS time (s) at which its server accepted it."""
+
+    status: int
+    accepted: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,9 +116,10 @@ class GoalFollower:
         *,
         by: str,
         speed: float | None,
+        stamp: float,
     ) -> None:
-        """A goal of this console is about to be published; `speed` (m/s) is what its check
-        expected on average."""
+        """A goal of this console is about to be published at ROS time `stamp` (s); `speed` (m/s)
+        is what its check expected on average."""
         with self._lock:
             path = self._world.path.get()
             self._goal = _Goal(
@@ -121,6 +132,7 @@ class GoalFollower:
                 message="Sent; waiting for the planner.",
                 speed=speed,
                 path_seen=0 if path is None else path.version,
+                sent_stamp=stamp,
             )
             self._mark()
         self._changed()
@@ -130,14 +142,14 @@ class GoalFollower:
         with self._lock:
             self._heard = _Heard(x, y, yaw, self._now())
 
-    def statuses(self, action: str, goals: Mapping[str, int]) -> list[str]:
-        """The action server's list of goals: uuid (hex) -> status. Returns the uuids to ask the
-        result of."""
+    def statuses(self, action: str, goals: Mapping[str, ActionStatus]) -> list[str]:
+        """The action server's list of goals, by uuid (hex). Returns the uuids to ask the result
+        of."""
         ask = []
         with self._lock:
             seen, self._seen[action] = self._seen.get(action, set()), set(goals)
-            for uuid, status in goals.items():
-                if uuid not in seen and status not in _ENDED:
+            for uuid, (status, accepted) in goals.items():
+                if uuid not in seen and (status not in _ENDED or self._is_ours(accepted)):
                     self._adopt(action, uuid)
                     ask.append(uuid)
                 if self._goal is not None and self._goal.uuid == uuid:
@@ -182,8 +194,11 @@ class GoalFollower:
                 self._end(goal, "failed", "No planner took the goal. Check that it is running.")
             elif not goal.uuid and goal.phase == "driving" and motion is not None:
                 miss = _distance(motion.value, goal)
-                if miss < _ARRIVED_WITHIN and abs(motion.value.v) < 0.01:
+                standing = abs(motion.value.v) < 0.01
+                if standing and miss < _ARRIVED_WITHIN:
                     self._end(goal, "arrived", _MESSAGES["arrived"])
+                elif standing and self._path_of(goal) is None:
+                    self._end(goal, "failed", "The planner took the path back.")
 
     def target(self) -> tuple[str, str] | None:
         """Action name and uuid of the goal that runs; empty strings while it has none yet; None
@@ -227,13 +242,20 @@ class GoalFollower:
     def _adopt(self, action: str, uuid: str) -> None:
         """An action goal has appeared: ours, or another program's."""
         goal = self._goal
-        if goal is None or goal.over or goal.uuid or goal.phase != "sent":
+        if goal is None or goal.over or goal.uuid:
             goal = self._foreign(uuid)
             self._goal = goal
         goal.action, goal.uuid = action, uuid
         goal.phase = "accepted"
         goal.message = "The planner has accepted the goal."
         self._mark()
+
+    def _is_ours(self, accepted: float) -> bool:
+        """Whether an ended goal is the one we wait for: it may have been over before the console
+        had found the action that took it."""
+        goal = self._goal
+        waiting = goal is not None and not goal.over and not goal.uuid
+        return waiting and goal is not None and accepted > goal.sent_stamp - _CLOCKS_AGREE
 
     def _foreign(self, uuid: str) -> _Goal:
         path = self._world.path.get()

@@ -16,9 +16,9 @@ from kompass_interfaces.action import PlanPath
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from kompass_console.link.convert import yaw_of
+from kompass_console.link.convert import seconds, yaw_of
 from kompass_console.link.discovery import Graph, action_names
-from kompass_console.link.follower import Ending, GoalFollower
+from kompass_console.link.follower import ActionStatus, Ending, GoalFollower
 from kompass_console.link.reader import Reader
 from kompass_console.link.services import NoAnswer, ServicePool
 from kompass_console.world import World
@@ -60,11 +60,16 @@ class Goals:
         self._points = node.create_publisher(PointStamped, POINT_TOPIC, QoSProfile(depth=10))
         node.create_subscription(PoseStamped, POSE_TOPIC, self._heard_pose, QoSProfile(depth=10))
         node.create_subscription(PointStamped, POINT_TOPIC, self._heard_point, QoSProfile(depth=10))
-        self._status: dict[str, Reader[dict[str, int]]] = {}
+        self._status: dict[str, Reader[dict[str, ActionStatus]]] = {}
         self._feedback: dict[str, Reader[tuple[str, float]]] = {}
         self._results: dict[str, Any] = {}
         self._unasked: list[tuple[str, str]] = []
         self._cancels = ServicePool(node, CancelGoal, "action_msgs/srv/CancelGoal")
+
+    @property
+    def action_there(self) -> bool:
+        """Whether a PlanPath action is on the graph."""
+        return bool(self._status)
 
     def listeners(self) -> Listeners:
         """Looks at the graph; cheap, any thread."""
@@ -89,7 +94,7 @@ class Goals:
     def tick(self) -> None:
         """Let time pass for the goal that is followed."""
         self._ask_results()
-        self.follower.tick(action_there=bool(self._status))
+        self.follower.tick(action_there=self.action_there)
 
     def send(
         self,
@@ -104,8 +109,8 @@ class Goals:
         """Publish a goal (m, rad, map frame) and follow it; returns its id. Any thread."""
         goal_id = secrets.token_hex(8)
         used = yaw if topic == POSE_TOPIC else None
-        self.follower.sent(goal_id, x, y, used, by=by, speed=speed)
         stamp = self._node.get_clock().now().to_msg()
+        self.follower.sent(goal_id, x, y, used, by=by, speed=speed, stamp=seconds(stamp))
         if topic == POINT_TOPIC:
             point = PointStamped()
             point.header.frame_id, point.header.stamp = _FRAME, stamp
@@ -163,7 +168,7 @@ class Goals:
             PlanPath.Impl.GetResultService, f"{action}/_action/get_result"
         )
 
-        def statuses(goals: dict[str, int]) -> None:
+        def statuses(goals: dict[str, ActionStatus]) -> None:
             self._unasked += [(action, uuid) for uuid in self.follower.statuses(action, goals)]
             self._ask_results()
 
@@ -210,9 +215,11 @@ def pose_message(x: float, y: float, yaw: float) -> Any:
     return pose
 
 
-def _statuses_of(message: Any) -> dict[str, int]:
+def _statuses_of(message: Any) -> dict[str, ActionStatus]:
     return {
-        bytes(status.goal_info.goal_id.uuid).hex(): int(status.status)
+        bytes(status.goal_info.goal_id.uuid).hex(): ActionStatus(
+            int(status.status), seconds(status.goal_info.stamp)
+        )
         for status in message.status_list
     }
 

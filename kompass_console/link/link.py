@@ -29,7 +29,7 @@ NODE_NAME = "kompass_console"
 CHECK_TIMEOUT = 2.0  # s
 CANCEL_TIMEOUT = 2.0  # s
 
-_LOOK_AROUND = 0.5  # s between two looks at the graph
+_LOOK_AROUND = 0.25  # s between two looks at the graph
 _TICK = 0.1  # s
 
 _logger = logging.getLogger(__name__)
@@ -91,6 +91,12 @@ class RosLink:
         """Whether some planner answers goal checks."""
         return bool(self._checks.names)
 
+    @property
+    def kompass_runs(self) -> bool:
+        """Whether components of ours are there, whose planner has to be asked before a goal is
+        sent. Not so where the console is attached to another navigation stack."""
+        return bool(self.components.infos()) or self.goals.action_there
+
     async def check_goal(self, x: float, y: float, yaw: float | None) -> CheckAnswer:
         """Ask the planner about a goal (m, rad, map frame).
 
@@ -131,7 +137,9 @@ class RosLink:
     def _look_around(self) -> None:
         topics = dict(self._node.get_topic_names_and_types())
         published = {n: t for n, t in topics.items() if self._node.count_publishers(n) > 0}
-        services = dict(self._node.get_service_names_and_types())
+        # A client makes a service's name appear as well, this console's own for one.
+        named = dict(self._node.get_service_names_and_types())
+        services = {n: t for n, t in named.items() if self._node.count_services(n) > 0}
         self.streams.refresh(published)
         self.components.refresh(published)
         self.drive.refresh(published, services)

@@ -76,14 +76,26 @@ def quaternion(yaw: float) -> Quaternion:
 class FakeStack:
     """All of the contract in one node."""
 
-    def __init__(self, *, poses: bool, points: bool, planner: bool, drive: bool) -> None:
+    def __init__(
+        self,
+        *,
+        poses: bool,
+        points: bool,
+        planner: bool,
+        drive: bool,
+        action: bool,
+        statuses: bool,
+        slow_checks: float,
+        failing: str,
+    ) -> None:
         self.node = rclpy.create_node("planner")
         self.x, self.y, self.yaw, self.v = -0.75, -0.6, 0.4, 0.0
         self.stopped_by = ""
         self.reason = ""
         self.stopped = False
-        self.failing = False
-        self.lock = threading.Lock()
+        self.ending = threading.Event()
+        self.slow_checks = slow_checks
+        self.failing = failing
         self.cells = world_map()
         group = ReentrantCallbackGroup()
         node = self.node
@@ -100,7 +112,7 @@ class FakeStack:
                 node.create_publisher(ComponentStatus, f"/{name}{twin}", LATCHED)
                 for twin in ("/status", "_status")
             ]
-            for name in COMPONENTS
+            for name in (COMPONENTS if statuses else ())
         }
         self.latch()
         node.create_timer(0.02, self.move, callback_group=group)
@@ -116,6 +128,8 @@ class FakeStack:
             node.create_service(
                 CheckGoal, "/planner/check_goal", self.check_goal, callback_group=group
             )
+        self.own = None
+        if action:
             self.server = ActionServer(
                 node,
                 PlanPath,
@@ -196,9 +210,13 @@ class FakeStack:
 
     def report(self) -> None:
         self.rate.publish(Float32(data=1.0))
-        for publishers in self.statuses.values():
+        for name, publishers in self.statuses.items():
+            status = ComponentStatus()
+            if name == self.failing:
+                status.status, status.msg = 3, "No scan for 2 s."
+                status.src_topics = ["/scan"]
             for publisher in publishers:
-                publisher.publish(ComponentStatus(status=0))
+                publisher.publish(status)
         self.say_drive()
 
     def say_drive(self) -> None:
@@ -234,6 +252,7 @@ class FakeStack:
         return path
 
     def check_goal(self, request: CheckGoal.Request, response: CheckGoal.Response) -> object:
+        time.sleep(self.slow_checks)
         x, y = request.goal.position.x, request.goal.position.y
         inside = ROOM[0] < x < ROOM[2] and ROOM[1] < y < ROOM[3]
         if not inside:
@@ -256,7 +275,8 @@ class FakeStack:
         self.take(pose)
 
     def take(self, pose: object) -> None:
-        self.own.send_goal_async(PlanPath.Goal(goal=pose))
+        if self.own is not None:
+            self.own.send_goal_async(PlanPath.Goal(goal=pose))
 
     def execute(self, handle: object) -> PlanPath.Result:
         goal = handle.request.goal.position
@@ -266,7 +286,7 @@ class FakeStack:
             result.outcome, result.message = 3, "The robot is stopped; release STOP first."
             return result
         self.plan.publish(self.path_to(goal.x, goal.y))
-        while rclpy.ok():
+        while not self.ending.is_set():
             left = math.hypot(goal.x - self.x, goal.y - self.y)
             if handle.is_cancel_requested:
                 handle.canceled()
@@ -288,6 +308,8 @@ class FakeStack:
             feedback = PlanPath.Feedback(distance_left=left)
             handle.publish_feedback(feedback)
             time.sleep(0.05)
+        else:
+            handle.abort()
         self.v = 0.0
         self.plan.publish(Path())
         return result
@@ -296,18 +318,23 @@ class FakeStack:
 def main() -> None:
     """Run until SIGTERM."""
     parser = argparse.ArgumentParser()
-    for name in ("poses", "points", "planner", "drive"):
+    for name in ("poses", "points", "planner", "drive", "action", "statuses"):
         parser.add_argument(f"--no-{name}", dest=name, action="store_false")
+    parser.add_argument("--slow-checks", type=float, default=0.0)
+    parser.add_argument("--failing", default="")
     rclpy.init()
     stack = FakeStack(**vars(parser.parse_args()))
-    executor = MultiThreadedExecutor(4)
+    executor = MultiThreadedExecutor(16)  # more than checks that wait at once
     executor.add_node(stack.node)
-    ending = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: ending.set())
-    threading.Thread(target=executor.spin, daemon=True).start()
-    ending.wait()
-    executor.shutdown(0.5)
+        signal.signal(number, lambda *_: stack.ending.set())
+    spinning = threading.Thread(target=executor.spin)
+    spinning.start()
+    stack.ending.wait()
+    # Leave in this order, or the graph shows the node for another 20 s.
+    executor.shutdown(2.0)
+    spinning.join(2.0)
+    stack.node.destroy_node()
     rclpy.shutdown()
 
 

@@ -1,0 +1,106 @@
+"""A real console on a real socket, in this process; a stack for it to talk to, when asked."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx
+import pytest
+
+from kompass_console.roles import Role
+from kompass_console.server import run_console
+from kompass_console.settings import ConsoleSettings
+from tests.support.processes import wait_until
+
+TOKENS = {
+    Role.VIEWER: "viewer-token-for-tests",
+    Role.OPERATOR: "operator-token-for-tests",
+    Role.ENGINEER: "engineer-token-for-tests",
+}
+
+
+@dataclass
+class Served:
+    """A running console: its address, and clients that talk to it as a page would."""
+
+    port: int
+    audit_file: Path
+
+    @property
+    def origin(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    @contextlib.contextmanager
+    def client(self, role: Role | None = None, user: str | None = None) -> Iterator[httpx.Client]:
+        """An HTTP client with the page's Origin, logged in when a role is given."""
+        headers = {"Origin": self.origin}
+        with httpx.Client(base_url=self.origin, headers=headers, timeout=10.0) as client:
+            if role is not None:
+                answer = client.post("/api/login", json={"token": TOKENS[role], "user": user})
+                assert answer.status_code == 200, answer.text
+            yield client
+
+
+def cookie_of(client: httpx.Client) -> str:
+    """The Cookie header of a client."""
+    return "; ".join(f"{name}={value}" for name, value in client.cookies.items())
+
+
+@contextlib.contextmanager
+def serving(audit_file: Path, domain_id: int) -> Iterator[Served]:
+    """Serve a console for as long as the block lasts."""
+    listening = socket.create_server(("127.0.0.1", 0))
+    settings = ConsoleSettings(
+        robot_name="test robot", access_tokens=TOKENS, audit_file=audit_file, domain_id=domain_id
+    )
+    stop = threading.Event()
+    thread = threading.Thread(target=run_console, args=(listening, settings), kwargs={"stop": stop})
+    thread.start()
+    served = Served(listening.getsockname()[1], audit_file)
+    try:
+        with served.client() as client:
+            wait_until(lambda: _answers(client), 20.0, "the console answers")
+        yield served
+    finally:
+        stop.set()
+        thread.join(10.0)
+        assert not thread.is_alive(), "the console did not end"
+
+
+def _answers(client: httpx.Client) -> bool:
+    try:
+        return client.get("/api/session").status_code == 401
+    except httpx.TransportError:
+        return False
+
+
+@pytest.fixture(scope="module")
+def domain() -> int:
+    """This run's ROS domain."""
+    return int(os.environ["ROS_DOMAIN_ID"])
+
+
+@pytest.fixture(scope="module")
+def console(tmp_path_factory: pytest.TempPathFactory, domain: int) -> Iterator[Served]:
+    """A console; it hears whatever the module lets run in its domain."""
+    with serving(tmp_path_factory.mktemp("console") / "audit.jsonl", domain) as served:
+        yield served
+
+
+@contextlib.contextmanager
+def running_stack(*options: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A fake stack; `running_stack("--no-poses")` leaves something out."""
+    command = [sys.executable, "-m", "tests.console.fake_stack", *options]
+    with subprocess.Popen(command) as process:
+        try:
+            yield process
+        finally:
+            process.terminate()

@@ -1,0 +1,99 @@
+"""Speaks viser's protocol as a page does, without a browser: sends cameras, keeps what is drawn."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import msgspec
+import numpy as np
+import viser.transforms as tf
+import zstandard
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import ClientConnection, connect
+
+
+class SceneClient:
+    """One page's scene: messages by type, and nodes by name with their last position."""
+
+    def __init__(self, port: int, view_id: str, cookie: str) -> None:
+        origin = f"http://127.0.0.1:{port}"
+        self.socket: ClientConnection = connect(
+            f"ws://127.0.0.1:{port}/scene/{view_id}",
+            origin=origin,
+            additional_headers={"Cookie": cookie},
+            subprotocols=["viser-v1.1.1"],
+            compression=None,
+        )
+        self.nodes: set[str] = set()
+        self.positions: dict[str, tuple[float, ...]] = {}
+        self.visible: dict[str, bool] = {}
+        self.updates: dict[str, dict[str, Any]] = {}
+        self.camera: dict[str, tuple[float, ...]] = {}
+        self.dark = False
+        self.messages = 0
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+
+    def look(
+        self,
+        position: tuple[float, float, float] = (3.0, 3.0, 3.0),
+        look_at: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Report a camera, as viser's client does on connecting and on every move."""
+        z = np.array(look_at) - np.array(position)
+        z /= np.linalg.norm(z)
+        x = np.cross(z, [0.0, 0.0, 1.0])
+        x /= np.linalg.norm(x)
+        rotation = np.column_stack([x, np.cross(z, x), z])
+        self.send(
+            type="ViewerCameraMessage",
+            wxyz=tf.SO3.from_matrix(rotation).wxyz.tolist(),
+            position=position,
+            image_height=600,
+            image_width=900,
+            fov=0.7,
+            near=0.01,
+            far=1000.0,
+            look_at=look_at,
+            up_direction=(0.0, 0.0, 1.0),
+        )
+
+    def send(self, **message: object) -> None:
+        self.socket.send(msgspec.msgpack.encode(message))
+
+    def close(self) -> None:
+        self.socket.close()
+        self._thread.join(5.0)
+
+    def _read(self) -> None:
+        unpacker = zstandard.ZstdDecompressor()
+        try:
+            for frame in self.socket:
+                assert isinstance(frame, bytes)
+                packed = int.from_bytes(frame[8:16], "little")
+                window = msgspec.msgpack.decode(unpacker.decompress(frame[16 : 16 + packed]))
+                for message in window["messages"]:
+                    self._keep(message)
+                self.messages += 1
+        except ConnectionClosed:
+            return
+
+    def _keep(self, message: dict[str, Any]) -> None:
+        kind, name = message["type"], message.get("name", "")
+        if kind == "SetPositionMessage":
+            self.positions[name] = tuple(message["position"])
+        elif kind == "SetSceneNodeVisibilityMessage":
+            self.visible[name] = message["visible"]
+        elif kind == "SceneNodeUpdateMessage":
+            self.updates.setdefault(name, {}).update(message["updates"])
+        elif kind == "RemoveSceneNodeMessage":
+            self.nodes.discard(name)
+        elif kind == "ThemeConfigurationMessage":
+            self.dark = message["dark_mode"]
+        elif kind.startswith("SetCamera") and not message.get("initial"):
+            value = message.get("position", message.get("look_at"))
+            if value is not None:
+                self.camera[kind] = tuple(value)
+        elif "props" in message:
+            self.nodes.add(name)

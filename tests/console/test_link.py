@@ -1,0 +1,324 @@
+"""The console on a real graph: what it tells pages about the robot, and what it asks of it."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from kompass_console.roles import Role
+from tests.console.conftest import Served, cookie_of, running_stack, serving
+from tests.support.processes import wait_until
+
+pytestmark = pytest.mark.ros
+
+State = dict[str, Any]
+
+
+@contextmanager
+def listening(console: Served, client: httpx.Client) -> Iterator[ClientConnection]:
+    """The state websocket of a logged-in page, after its hello."""
+    with connect(
+        f"ws://127.0.0.1:{console.port}/api/state",
+        origin=console.origin,
+        additional_headers={"Cookie": cookie_of(client)},
+        close_timeout=1.0,
+    ) as socket:
+        assert json.loads(socket.recv(timeout=2.0))["type"] == "hello"
+        yield socket
+
+
+def until(socket: ClientConnection, good: Callable[[State], object], timeout: float = 8.0) -> State:
+    """The first state for which `good` holds."""
+    deadline = time.monotonic() + timeout
+    state: State = {}
+    while time.monotonic() < deadline:
+        state = json.loads(socket.recv(timeout=2.0))
+        if state["type"] == "state" and good(state):
+            return state
+    raise AssertionError(f"not within {timeout} s; the last state was {state}")
+
+
+def complete(state: State) -> bool:
+    """Everything of the stack has been found and heard."""
+    streams = {s["key"]: s for s in state["streams"]}
+    return (
+        all(not streams[key]["stale"] for key in ("odometry", "scan", "map", "local_map"))
+        and len(state["components"]) == 4
+        and state["drive"] is not None
+        and state["robot"]["radius"] is not None
+        and state["simulation"] is not None
+    )
+
+
+@pytest.fixture(scope="module")
+def client(console: Served) -> Iterator[httpx.Client]:
+    with console.client(Role.OPERATOR, user="ava") as client:
+        yield client
+
+
+@pytest.fixture
+def socket(console: Served, client: httpx.Client) -> Iterator[ClientConnection]:
+    with listening(console, client) as socket:
+        yield socket
+
+
+@pytest.fixture
+def stack(socket: ClientConnection, client: httpx.Client) -> Iterator[None]:
+    """A complete stack, found by the console."""
+    with running_stack():
+        until(socket, complete)
+        ready(client)
+        yield
+
+
+def ready(client: httpx.Client) -> None:
+    """Wait until goals can be sent; the stack of the test before may still be leaving."""
+    wait_until(
+        lambda: client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()["ok"],
+        8.0,
+        "a goal is accepted",
+    )
+
+
+def test_nobody_hears_the_state_without_login(console: Served) -> None:
+    with pytest.raises(InvalidStatus):
+        connect(f"ws://127.0.0.1:{console.port}/api/state", origin=console.origin)
+
+
+def test_a_state_comes_though_there_is_no_robot(socket: ClientConnection) -> None:
+    state = until(socket, lambda _: True)
+    assert state["pose"] is None or state["pose"]["age"] > 0.0
+    assert {s["label"] for s in state["streams"]} >= {"Position", "Laser scan", "Map"}
+    assert state["viewers"] == 1
+
+
+def test_the_state_tells_all_of_the_robot(socket: ClientConnection, stack: None) -> None:
+    state = until(socket, complete)
+    assert state["robot"]["name"] == "test robot"
+    assert state["robot"]["radius"] == pytest.approx(0.105, abs=1e-6)
+    assert state["pose"]["x"] == pytest.approx(-0.75)
+    assert state["pose"]["age"] < 0.2
+    labels = {c["name"]: (c["label"], c["status"]) for c in state["components"]}
+    assert labels["drive_manager"] == ("Drive", "healthy")
+    assert state["drive"]["standstill"]
+
+
+def test_a_ping_is_answered_and_noise_is_not(socket: ClientConnection) -> None:
+    socket.send("noise")
+    socket.send(json.dumps({"type": "ping", "t": 12.5}))
+    deadline = time.monotonic() + 2.0
+    while (answer := json.loads(socket.recv(timeout=2.0)))["type"] != "pong":
+        assert time.monotonic() < deadline
+    assert answer == {"type": "pong", "t": 12.5}
+
+
+def test_states_come_ten_times_a_second_at_most(socket: ClientConnection, stack: None) -> None:
+    first = until(socket, lambda _: True)
+    last = until(socket, lambda s: s["time"] > first["time"] + 1.5)
+    rate = (last["seq"] - first["seq"]) / (last["time"] - first["time"])
+    assert 2.0 <= rate <= 12.0
+
+
+def test_a_goal_is_followed_until_it_arrives(
+    socket: ClientConnection, client: httpx.Client, stack: None
+) -> None:
+    sent = client.post("/api/goals", json={"x": 0.3, "y": -0.6, "yaw": 1.0}).json()
+    assert (sent["topic"], sent["heading_used"]) == ("/goal_pose", True)
+    state = until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
+    assert state["goal"]["id"] == sent["id"]
+    assert state["goal"]["sent_by"] == "ava"
+    assert state["goal"]["distance_left"] > 0.0
+    assert state["goal"]["eta"] > 0.0
+    state = until(socket, lambda s: s["goal"]["phase"] == "arrived" and s["goal"]["message"])
+    state = until(socket, lambda s: s["goal"]["message"] == "Arrived.")
+    assert state["goal"]["error"] < 0.05
+    assert (state["goal"]["x"], state["goal"]["y"]) == (0.3, -0.6)
+
+
+def test_a_canceled_goal_is_told_so(
+    socket: ClientConnection, client: httpx.Client, stack: None
+) -> None:
+    client.post("/api/goals", json={"x": 3.0, "y": 2.0})
+    until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
+    assert client.post("/api/goals/cancel").status_code == 202
+    until(socket, lambda s: s["goal"]["phase"] == "canceled" and "operator" in s["goal"]["message"])
+
+
+def test_a_goal_that_cannot_be_reached_is_not_sent(
+    socket: ClientConnection, client: httpx.Client, stack: None
+) -> None:
+    answer = client.post("/api/goals/check", json={"x": 30.0, "y": 0.0}).json()
+    assert (answer["ok"], answer["reason"]) == (False, "outside_map")
+    assert answer["nearest"] == {"x": pytest.approx(3.2), "y": pytest.approx(0.0)}
+    before = until(socket, lambda _: True)["goal"]
+    refused = client.post("/api/goals", json={"x": 30.0, "y": 0.0})
+    assert refused.status_code == 409
+    assert refused.json()["detail"]["title"] == answer["message"]
+    assert until(socket, lambda _: True)["goal"] == before
+
+
+def test_stop_ends_the_drive_and_stays_until_released(
+    socket: ClientConnection, client: httpx.Client, stack: None
+) -> None:
+    client.post("/api/goals", json={"x": 3.0, "y": 2.0})
+    until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
+    assert client.post("/api/stop", json={"reason": "test"}).json()["accepted"]
+    state = until(socket, lambda s: s["drive"]["stopped"] and s["drive"]["standstill"])
+    assert (state["drive"]["stopped_by"], state["drive"]["reason"]) == ("ava", "test")
+    until(socket, lambda s: s["goal"]["phase"] == "failed" and "Stopped" in s["goal"]["message"])
+    check = client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()
+    assert "release STOP" in check["note"]
+    assert client.post("/api/goals", json={"x": 0.6, "y": 0.6}).status_code == 409
+    assert client.post("/api/stop/release").json()["accepted"]
+    until(socket, lambda s: not s["drive"]["stopped"])
+    assert client.post("/api/goals", json={"x": 0.6, "y": 0.6}).status_code == 200
+
+
+def test_stop_waits_for_nothing_else(console: Served, socket: ClientConnection) -> None:
+    with running_stack("--slow-checks", "1.5"), console.client(Role.VIEWER) as client:
+        until(socket, complete)
+        wait_until(
+            lambda: client.post("/api/stop", json={}).status_code == 200, 5.0, "the drive manager"
+        )
+        checks = [threading.Thread(target=_check, args=(console,)) for _ in range(6)]
+        for check in checks:
+            check.start()
+        # A press every 50 ms while checks are waiting: each is answered on its own.
+        slowest = 0.0
+        while any(check.is_alive() for check in checks):
+            pressed = time.monotonic()
+            assert client.post("/api/stop", json={}).json()["accepted"]
+            slowest = max(slowest, time.monotonic() - pressed)
+            checks[0].join(0.05)
+        assert slowest < 0.5
+        client.post("/api/stop/release")
+
+
+def _check(console: Served) -> None:
+    with console.client(Role.OPERATOR) as client:
+        client.post("/api/goals/check", json={"x": 0.6, "y": 0.6})
+
+
+def test_a_planner_that_does_not_answer_is_said_not_to(
+    client: httpx.Client, socket: ClientConnection
+) -> None:
+    with running_stack("--slow-checks", "3"):
+        until(socket, complete)
+        answer = client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()
+    assert (answer["ok"], answer["reason"]) == (False, "no_planner")
+
+
+def test_a_program_that_takes_points_gets_points(
+    socket: ClientConnection, client: httpx.Client
+) -> None:
+    with running_stack("--no-poses"):
+        until(socket, complete)
+        ready(client)
+        body = {"x": -0.4, "y": -0.6, "yaw": 1.0}
+        check = client.post("/api/goals/check", json=body).json()
+        assert not check["heading_used"]
+        assert "heading is not used" in check["note"]
+        assert client.post("/api/goals", json=body).json()["topic"] == "/clicked_point"
+        state = until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "arrived")
+        assert state["goal"]["yaw"] is None
+
+
+def test_a_program_that_takes_no_goals_is_said_not_to(
+    socket: ClientConnection, client: httpx.Client
+) -> None:
+    with running_stack("--no-poses", "--no-points"):
+        until(socket, complete)
+        wait_until(
+            lambda: (
+                client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()["reason"]
+                == "nobody_listens"
+            ),
+            5.0,
+            "nobody listens",
+        )
+
+
+def test_without_its_planner_a_goal_is_not_waved_through(
+    socket: ClientConnection, client: httpx.Client
+) -> None:
+    with running_stack("--no-planner", "--no-action"):
+        until(socket, complete)
+        answer = client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()
+        assert (answer["ok"], answer["reason"]) == (False, "no_planner")
+
+
+def test_on_another_stack_the_map_is_looked_at(tmp_path: Path, domain: int) -> None:
+    foreign = ("--no-planner", "--no-action", "--no-statuses", "--no-drive")
+    with (
+        serving(tmp_path / "audit.jsonl", domain) as console,
+        console.client(Role.OPERATOR) as client,
+        running_stack(*foreign),
+    ):
+        ready(client)
+        free = client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()
+        assert "only the map" in free["note"]
+        wall = client.post("/api/goals/check", json={"x": 1.5, "y": 1.2}).json()
+        assert (wall["ok"], wall["reason"]) == (False, "occupied")
+        away = client.post("/api/goals/check", json={"x": 90.0, "y": 1.2}).json()
+        assert (away["ok"], away["reason"]) == (False, "outside_map")
+
+
+def test_without_a_drive_manager_stop_says_so_at_once(
+    socket: ClientConnection, client: httpx.Client
+) -> None:
+    with running_stack("--no-drive"):
+        until(socket, lambda s: s["pose"] and s["pose"]["age"] < 0.2)
+        wait_until(lambda: client.post("/api/stop", json={}).status_code == 503, 5.0, "no answer")
+        pressed = time.monotonic()
+        answer = client.post("/api/stop", json={})
+        assert time.monotonic() - pressed < 1.5
+    assert "emergency stop" in answer.json()["detail"]["remedy"]
+
+
+def test_a_failing_component_is_told_with_its_reason(socket: ClientConnection) -> None:
+    with running_stack("--failing", "mapper"):
+        state = until(
+            socket,
+            lambda s: any(c["status"] == "system_failure" for c in s["components"]),
+        )
+    mapper = next(c for c in state["components"] if c["name"] == "mapper")
+    assert (mapper["message"], mapper["sources"]) == ("No scan for 2 s.", ["/scan"])
+
+
+def test_silence_is_told_as_silence(socket: ClientConnection) -> None:
+    with running_stack():
+        until(socket, complete)
+    state = until(socket, lambda s: all(c["status"] == "silent" for c in s["components"]))
+    streams = {s["key"]: s for s in state["streams"]}
+    assert streams["odometry"]["stale"]
+    assert not state["drive"]["available"]
+    assert state["pose"]["age"] > 0.5
+
+
+def test_a_console_that_comes_later_finds_the_goal_that_runs(
+    console: Served, tmp_path: Path, domain: int, socket: ClientConnection, client: httpx.Client
+) -> None:
+    with running_stack():
+        until(socket, complete)
+        ready(client)
+        client.post("/api/goals", json={"x": 3.0, "y": 2.0})
+        until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
+        with (
+            serving(tmp_path / "second.jsonl", domain) as second,
+            second.client(Role.OPERATOR) as late,
+            listening(second, late) as heard,
+        ):
+            state = until(heard, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
+            assert state["goal"]["sent_by"] == "another program"
+            state = until(heard, lambda s: s["goal"]["phase"] == "arrived")
+            assert (state["goal"]["x"], state["goal"]["y"]) == pytest.approx((3.0, 2.0), abs=0.01)
