@@ -29,7 +29,6 @@ class Palette:
     scan: Rgb
     body: Rgb
     front: Rgb
-    lidar: Rgb
     footprint: Rgb
     goal: Rgb
     preview: Rgb
@@ -46,9 +45,8 @@ _LIGHT = Palette(
     path=(28, 110, 220),
     trail=(120, 134, 150),
     scan=(10, 132, 130),
-    body=(84, 95, 108),
-    front=(28, 110, 220),
-    lidar=(24, 28, 33),
+    body=(40, 48, 58),
+    front=(255, 255, 255),
     footprint=(58, 66, 76),
     goal=(28, 110, 220),
     preview=(92, 150, 232),
@@ -65,9 +63,8 @@ _DARK = Palette(
     path=(96, 165, 250),
     trail=(112, 124, 140),
     scan=(72, 209, 204),
-    body=(206, 213, 222),
-    front=(32, 104, 204),
-    lidar=(86, 94, 106),
+    body=(226, 231, 237),
+    front=(20, 24, 29),
     footprint=(206, 213, 222),
     goal=(96, 165, 250),
     preview=(150, 196, 252),

@@ -42,7 +42,7 @@ class RobotNodes:
         size = float(np.linalg.norm(ring, axis=1).max())
         colours = self._palette
         body = circle(size * 0.86, 48)
-        arrow = size * np.array([[0.74, 0.0], [-0.42, 0.5], [-0.2, 0.0], [-0.42, -0.5]])
+        arrow = size * np.array([[0.78, 0.0], [-0.5, 0.58], [-0.24, 0.0], [-0.5, -0.58]])
         self._mesh("body", *prism(body, size * 0.15, size * 0.75), colours.body)
         # The chevron is not convex, so it is two halves; both lie on top of the body.
         for side, points in (("left", arrow[[0, 1, 2]]), ("right", arrow[[0, 2, 3]])):
