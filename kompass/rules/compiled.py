@@ -1,0 +1,357 @@
+"""A table made ready to run: every leaf once, indexed by topic, and what hangs on it.
+
+Leaves that are equal in two rules are one leaf; signals that are equal are read once per message.
+The verdict of each leaf is kept, and a message re-judges only the leaves that its values can have
+changed; only rules that hang on a changed verdict, or that are true and want every message, are
+looked at (compare the alpha network of Forgy, "Rete", Artificial Intelligence 19, 1982).
+"""
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from kompass.rules.actions import topics_in
+from kompass.rules.conditions import (
+    Absent,
+    CallableCondition,
+    Changed,
+    Compare,
+    Condition,
+    Leaf,
+    Rate,
+    Received,
+    TreePath,
+    leaves,
+    timeout_of,
+    topic_of,
+)
+from kompass.rules.describe import describe
+from kompass.rules.events import Queued
+from kompass.rules.judges import Evaluate, Judge, judge_of, tree_of
+from kompass.rules.leaf_index import LeafIndex
+from kompass.rules.signals import reader
+from kompass.rules.table import Rule, Table, rule_hash, table_hash
+from kompass.rules.values import MISSING
+
+
+@dataclass(slots=True)
+class LeafPlan:
+    """One distinct leaf of the table."""
+
+    index: int
+    key: str
+    condition: Leaf
+    topic: int
+    probe: int  # -1 for a leaf that reads no value
+    text: str
+    judge: Judge
+    rules: tuple[int, ...] = ()  # enabled rules to look at when its verdict changes
+    timer: int = -1  # of its silence or its rate
+
+
+@dataclass(slots=True)
+class Probe:
+    """One value read from the messages of a topic, and the leaves that look at it."""
+
+    index: int
+    key: str
+    topic: int
+    read: Callable[[Any], Any]
+    compares: list[int] = field(default_factory=list)
+    changes: list[int] = field(default_factory=list)
+    receipts: list[int] = field(default_factory=list)
+    watched: bool = False  # whether a leaf asks when it last had a value
+    candidates: LeafIndex = field(default_factory=lambda: LeafIndex(()))
+
+
+@dataclass(slots=True)
+class Timer:
+    """Something about a topic that time alone can change.
+
+    ``stale``: the values of ``leaves`` have grown older than ``seconds``. ``absent``: silence has
+    lasted ``seconds``. ``rate``: fewer (or no longer fewer) than ``need`` messages lie within
+    ``seconds``.
+    """
+
+    index: int
+    key: str
+    kind: str
+    topic: int
+    seconds: float
+    leaves: list[int] = field(default_factory=list)
+    probe: int = -1
+    need: int = 0
+    above: bool = False
+    from_start: bool = False
+
+
+@dataclass(slots=True)
+class TopicPlan:
+    """All that a message of one topic concerns."""
+
+    index: int
+    name: str
+    probes: list[Probe] = field(default_factory=list)
+    timers: list[int] = field(default_factory=list)
+    pulses: bool = False  # whether a leaf is true only while a message is handled
+    history: int = 0  # receive times to remember, for rates
+    rules: list[int] = field(default_factory=list)  # enabled, with the topic in their condition
+    always: list[int] = field(default_factory=list)  # rules that a message of it can re-arm
+    callable: bool = False
+
+
+@dataclass(slots=True)
+class RulePlan:
+    """One rule, compiled."""
+
+    index: int
+    rule: Rule
+    hash: str
+    evaluate: Evaluate
+    possible: Evaluate  # the verdict if every pulse were on
+    clear: Evaluate | None
+    leaves: tuple[tuple[TreePath, int], ...]
+    clear_leaves: tuple[tuple[TreePath, int], ...]
+    topics: tuple[int, ...]
+    message_topics: tuple[int, ...]
+    pulses: bool
+    changes: tuple[int, ...]  # leaves that tell a change, for trigger 'change'
+    timed: bool
+    # Fields of the event, unpacked for speed.
+    trigger: str
+    hold: float
+    cooldown: float
+    queue: int
+    listening: bool  # whether it wants every message while it is true
+
+
+@dataclass(slots=True)
+class CompiledTable:
+    """A table ready for :func:`kompass.rules.engine.step`; not to be changed."""
+
+    table: Table
+    hash: str
+    rules: list[RulePlan]
+    leaves: list[LeafPlan]
+    probes: list[Probe]
+    timers: list[Timer]
+    topics: list[TopicPlan]
+    by_topic: dict[str, TopicPlan]
+    by_id: dict[str, RulePlan]
+
+    def topic_types(self) -> dict[str, set[str]]:
+        """Return the message types that the rules expect, by topic; callables are left out."""
+        types: dict[str, set[str]] = {p.name: set() for p in self.topics if not p.callable}
+        for leaf in self.leaves:
+            condition = leaf.condition
+            if isinstance(condition, CallableCondition):
+                continue
+            kind = condition.type if isinstance(condition, Rate) else condition.signal.type
+            if kind:
+                types[topic_of(condition)].add(kind)
+        return types
+
+
+def compile_table(table: Table) -> CompiledTable:
+    """Make a table ready to run; the work is linear in its size."""
+    builder = _Builder()
+    rules = [builder.rule(index, rule) for index, rule in enumerate(table.rules)]
+    return builder.finish(table, rules)
+
+
+def needed(bound: float, window: float, above: bool) -> int:
+    """Return the least number of messages in a window at which the bound is met (or exceeded)."""
+    count = max(1, math.floor(bound * window))
+    while count / window < bound or (above and count / window <= bound):
+        count += 1
+    while count > 1 and _meets(count - 1, bound, window, above):
+        count -= 1
+    return count
+
+
+def _meets(count: int, bound: float, window: float, above: bool) -> bool:
+    return count / window > bound if above else count / window >= bound
+
+
+class _Builder:
+    def __init__(self) -> None:
+        self.topics: list[TopicPlan] = []
+        self.by_name: dict[str, TopicPlan] = {}
+        self.probes: dict[str, Probe] = {}
+        self.plans: list[LeafPlan] = []
+        self.leaf_index: dict[str, int] = {}
+        self.timers: dict[str, Timer] = {}
+        self.rules_of_leaf: list[list[int]] = []
+
+    def topic(self, name: str) -> TopicPlan:
+        plan = self.by_name.get(name)
+        if plan is None:
+            plan = self.by_name[name] = TopicPlan(len(self.topics), name)
+            self.topics.append(plan)
+        return plan
+
+    def leaf(self, condition: Leaf) -> int:
+        key = condition.model_dump_json()
+        known = self.leaf_index.get(key)
+        if known is not None:
+            return known
+        topic = self.topic(topic_of(condition))
+        topic.callable = topic.callable or isinstance(condition, CallableCondition)
+        probe = self._probe(topic, condition)
+        plan = LeafPlan(
+            index=len(self.plans),
+            key=key,
+            condition=condition,
+            topic=topic.index,
+            probe=probe.index if probe else -1,
+            text=describe(condition),
+            judge=_judge(condition),
+        )
+        self.leaf_index[key] = plan.index
+        self.plans.append(plan)
+        self.rules_of_leaf.append([])
+        if probe:
+            _watch(probe, plan)
+        topic.pulses = topic.pulses or isinstance(condition, (Changed, Received))
+        self._timer(topic, plan)
+        return plan.index
+
+    def _probe(self, topic: TopicPlan, condition: Leaf) -> Probe | None:
+        if isinstance(condition, Rate):
+            return None
+        path: tuple[str | int, ...] = ()
+        aggregate: str | None = None
+        if not isinstance(condition, CallableCondition):
+            path, aggregate = condition.signal.path, condition.signal.aggregate
+        if isinstance(condition, Absent) and not path and not aggregate:
+            return None
+        key = f"{topic.name} {path!r} {aggregate}"
+        probe = self.probes.get(key)
+        if probe is None:
+            probe = Probe(len(self.probes), key, topic.index, reader(path, aggregate))
+            self.probes[key] = probe
+            topic.probes.append(probe)
+        return probe
+
+    def _timer(self, topic: TopicPlan, leaf: LeafPlan) -> None:
+        condition = leaf.condition
+        timeout = timeout_of(condition)
+        if timeout is not None:
+            key = f"stale {topic.name} {timeout!r}"
+            timer = self._add_timer(key, "stale", topic, timeout)
+            timer.leaves.append(leaf.index)
+        elif isinstance(condition, Absent):
+            timer = self._add_timer(leaf.key, "absent", topic, condition.seconds)
+            timer.leaves.append(leaf.index)
+            timer.probe, timer.from_start = leaf.probe, condition.from_start
+            leaf.timer = timer.index
+        elif isinstance(condition, Rate):
+            timer = self._add_timer(leaf.key, "rate", topic, condition.window)
+            timer.leaves.append(leaf.index)
+            bound = condition.below if condition.below is not None else condition.above
+            assert bound is not None
+            timer.above = condition.above is not None
+            timer.need = needed(bound, condition.window, timer.above)
+            topic.history = max(topic.history, timer.need)
+            leaf.timer = timer.index
+
+    def _add_timer(self, key: str, kind: str, topic: TopicPlan, seconds: float) -> Timer:
+        timer = self.timers.get(key)
+        if timer is None:
+            timer = Timer(len(self.timers), key, kind, topic.index, seconds)
+            self.timers[key] = timer
+            topic.timers.append(timer.index)
+        return timer
+
+    def rule(self, index: int, rule: Rule) -> RulePlan:
+        event = rule.event
+        tree = [(path, self.leaf(leaf)) for path, leaf in leaves(event.condition)]
+        clear = [] if event.clear is None else self._tree(event.clear)
+        found = [(self.plans[leaf], leaf) for _, leaf in tree]
+        pulses = {leaf for plan, leaf in found if isinstance(plan.condition, (Changed, Received))}
+        topics = _unique(plan.topic for plan, _ in found)
+        if rule.enabled:
+            for _, leaf in (*tree, *clear):
+                if index not in self.rules_of_leaf[leaf]:
+                    self.rules_of_leaf[leaf].append(index)
+            for topic in topics:
+                self.topics[topic].rules.append(index)
+            for plan in (self.plans[leaf] for _, leaf in clear):
+                if isinstance(plan.condition, (Changed, Received)):
+                    self.topics[plan.topic].always.append(index)
+        mentioned = [self.topic(name).index for a in rule.actions for name in topics_in(a)]
+        return RulePlan(
+            index=index,
+            rule=rule,
+            hash=rule_hash(rule),
+            evaluate=tree_of(event.condition, dict(tree)),
+            possible=tree_of(event.condition, {at: -1 if i in pulses else i for at, i in tree}),
+            clear=None if event.clear is None else tree_of(event.clear, dict(clear)),
+            leaves=tuple(tree),
+            clear_leaves=tuple(clear),
+            topics=topics,
+            message_topics=_unique([*topics, *mentioned]),
+            pulses=bool(pulses),
+            changes=self._changes(event.condition) if event.trigger == "change" else (),
+            timed=any(plan.timer >= 0 for plan, _ in found),
+            trigger=event.trigger,
+            hold=event.hold,
+            cooldown=event.cooldown,
+            queue=event.mode.size if isinstance(event.mode, Queued) else 0,
+            listening=event.trigger != "edge" or bool(pulses),
+        )
+
+    def _tree(self, condition: Condition) -> list[tuple[TreePath, int]]:
+        return [(path, self.leaf(leaf)) for path, leaf in leaves(condition)]
+
+    def _changes(self, condition: Condition) -> tuple[int, ...]:
+        found = []
+        for _, leaf in leaves(condition):
+            if isinstance(leaf, (Compare, Changed, Received)):
+                found.append(self.leaf(Changed(signal=leaf.signal)))
+        return _unique(found)
+
+    def finish(self, table: Table, rules: list[RulePlan]) -> CompiledTable:
+        plans = self.plans
+        for plan, hanging in zip(plans, self.rules_of_leaf, strict=True):
+            plan.rules = tuple(hanging)
+        for probe in self.probes.values():
+            probe.candidates = LeafIndex((i, plans[i].condition) for i in probe.compares)
+        names = dict(self.by_name)
+        names.update({f"/{name}": plan for name, plan in self.by_name.items()})
+        return CompiledTable(
+            table=table,
+            hash=table_hash(table),
+            rules=rules,
+            leaves=plans,
+            probes=list(self.probes.values()),
+            timers=list(self.timers.values()),
+            topics=self.topics,
+            by_topic=names,
+            by_id={plan.rule.id: plan for plan in rules},
+        )
+
+
+def _watch(probe: Probe, leaf: LeafPlan) -> None:
+    if isinstance(leaf.condition, Changed):
+        probe.changes.append(leaf.index)
+    elif isinstance(leaf.condition, Received):
+        probe.receipts.append(leaf.index)
+        probe.watched = True
+    elif isinstance(leaf.condition, Absent):
+        probe.watched = True
+    else:
+        probe.compares.append(leaf.index)
+
+
+def _judge(condition: Leaf) -> Judge:
+    if isinstance(condition, Compare):
+        return judge_of(condition)
+    if isinstance(condition, CallableCondition):
+        return lambda value: None if value is MISSING else bool(value)
+    return lambda value: None
+
+
+def _unique(items: Iterable[int]) -> tuple[int, ...]:
+    return tuple(dict.fromkeys(items))

@@ -1,0 +1,109 @@
+"""Rules, the immutable table of them, and the hashes that identify what they do."""
+
+import hashlib
+import json
+from enum import IntEnum
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, model_validator
+
+from kompass.rules.actions import Action
+from kompass.rules.events import Event
+from kompass.rules.model import Model
+
+
+class Severity(IntEnum):
+    """Who wins when two rules want the same component."""
+
+    INFO = 0
+    WARNING = 1
+    ERROR = 2
+    CRITICAL = 3
+
+
+def _severity(value: Any) -> Any:
+    if isinstance(value, str):
+        try:
+            return Severity[value.upper()]
+        except KeyError:
+            names = ", ".join(s.name.lower() for s in Severity)
+            raise ValueError(f"{value!r} is not a severity; known are: {names}") from None
+    return value
+
+
+SeverityField = Annotated[
+    Severity,
+    BeforeValidator(_severity),
+    PlainSerializer(lambda s: s.name.lower(), return_type=str),
+    WithJsonSchema({"enum": [s.name.lower() for s in Severity], "type": "string"}),
+]
+RuleId = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_.-]{0,99}$", examples=["stuck-unblock"])]
+Lane = Literal["safety", "normal"]
+
+
+class Rule(Model):
+    """One event and the actions that answer it.
+
+    Attributes
+    ----------
+    id
+        Stable slug; what the history and the journal know the rule by.
+    severity
+        Which of two rules wins when both want the same component.
+    lane
+        Rules of the safety lane never wait for rules of the normal one.
+    protected
+        Whether editing it away is refused.
+    source
+        Whether it comes from the recipe or was made or changed by a person since.
+    """
+
+    id: RuleId
+    name: str = ""
+    enabled: bool = True
+    event: Event
+    actions: Annotated[tuple[Action, ...], Field(min_length=1)]
+    severity: SeverityField = Severity.WARNING
+    lane: Lane = "normal"
+    protected: bool = False
+    note: str = ""
+    source: Literal["recipe", "edited"] = "edited"
+
+
+class Table(Model):
+    """The rules of a robot, in the order in which they are evaluated."""
+
+    rules: tuple[Rule, ...] = ()
+
+    @model_validator(mode="after")
+    def _ids_are_unique(self) -> Self:
+        seen: dict[str, tuple[int, Rule]] = {}
+        for index, rule in enumerate(self.rules):
+            if rule.id in seen:
+                first, other = seen[rule.id]
+                raise ValueError(
+                    f"rules[{first}] ({other.name or other.id!r}) and rules[{index}] "
+                    f"({rule.name or rule.id!r}) have the same id {rule.id!r}; rename one"
+                )
+            seen[rule.id] = (index, rule)
+        return self
+
+
+# What a rule is called and where it comes from changes nothing of what it does.
+_NOT_SEMANTIC = {"name", "note", "source"}
+
+
+def rule_hash(rule: Rule) -> str:
+    """Return 16 hex digits that differ between rules that behave differently."""
+    data = rule.model_dump(mode="json", exclude=_NOT_SEMANTIC)
+    return _digest(data)
+
+
+def table_hash(table: Table) -> str:
+    """Return 16 hex digits over what the rules do and their order."""
+    return _digest([rule_hash(rule) for rule in table.rules])
+
+
+def _digest(data: Any) -> str:
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
