@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from kompass_console.audit import AuditTrail
 from kompass_console.auth import Authenticator, LoginLimiter
+from kompass_console.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
 from kompass_console.scene.scene import Scene
 from kompass_console.settings import ConsoleSettings
@@ -24,6 +25,7 @@ class Console:
     audit: AuditTrail
     world: World
     link: RosLink
+    checker: GoalChecker
     views: ViewRegistry
     scene: Scene
     feed: StateFeed

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections import OrderedDict
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,6 +56,56 @@ class Checked:
     check: GoalCheck
     preview: npt.NDArray[np.float64]
     topic: GoalTopic | None
+
+
+_Goal = tuple[float, float, float | None]
+
+_FRESH = 5.0  # s
+_REMEMBERED = 32
+
+
+@dataclass(frozen=True, slots=True)
+class _Passed:
+    checked: Checked
+    at: float
+    map_version: int
+
+
+class GoalChecker:
+    """Checks goals, and remembers for a moment which ones passed: between the answer at the
+    pointer and the press on Go nothing is asked twice, and the planner looks again on its own
+    when the goal reaches it."""
+
+    def __init__(self, link: RosLink, world: World) -> None:
+        self._link = link
+        self._world = world
+        self._passed: OrderedDict[_Goal, _Passed] = OrderedDict()
+
+    async def check(self, x: float, y: float, yaw: float | None) -> Checked:
+        """Check a goal (m, rad, map frame)."""
+        checked = await check_goal(self._link, self._world, x, y, yaw)
+        if checked.check.ok:
+            self._passed[x, y, yaw] = _Passed(checked, time.monotonic(), self._map_version)
+            while len(self._passed) > _REMEMBERED:
+                self._passed.popitem(last=False)
+        return checked
+
+    async def check_before_sending(self, x: float, y: float, yaw: float | None) -> Checked:
+        """As `check`, unless the same goal has just passed on the same map."""
+        passed = self._passed.pop((x, y, yaw), None)
+        if (
+            passed is not None
+            and time.monotonic() - passed.at < _FRESH
+            and passed.map_version == self._map_version
+            and passed.checked.topic == self._link.goals.listeners().topic_for(yaw)
+        ):
+            return passed.checked
+        return await self.check(x, y, yaw)
+
+    @property
+    def _map_version(self) -> int:
+        stamped = self._world.map.get()
+        return 0 if stamped is None else stamped.version
 
 
 def above_horizon() -> GoalCheck:

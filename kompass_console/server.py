@@ -17,6 +17,7 @@ from kompass_console.app import create_app
 from kompass_console.audit import AuditTrail
 from kompass_console.auth import Authenticator, LoginLimiter
 from kompass_console.console import Console
+from kompass_console.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
 from kompass_console.scene.scene import Scene
 from kompass_console.settings import ConsoleSettings
@@ -64,6 +65,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
             audit=AuditTrail(settings.audit_file),
             world=world,
             link=link,
+            checker=GoalChecker(link, world),
             views=views,
             scene=scene,
             feed=feed,

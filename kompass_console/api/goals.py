@@ -11,7 +11,7 @@ from kompass_console.api.models import GestureCheck, GoalCheck, GoalRequest, Goa
 from kompass_console.api.views import unknown_view
 from kompass_console.console import Console
 from kompass_console.errors import ConsoleError
-from kompass_console.goal_check import STOPPED, Checked, above_horizon, check_goal
+from kompass_console.goal_check import STOPPED, Checked, above_horizon
 from kompass_console.link.link import CANCEL_TIMEOUT
 from kompass_console.link.services import NoAnswer
 from kompass_console.scene.preview_layer import Preview
@@ -38,7 +38,7 @@ async def check(
     goal = await _picked(body, console) if isinstance(body, GestureCheck) else body
     if goal is None:
         return above_horizon()
-    checked = await check_goal(console.link, console.world, goal.x, goal.y, goal.yaw)
+    checked = await console.checker.check(goal.x, goal.y, goal.yaw)
     if goal.view is not None:
         _draw(console, goal.view, checked)
     return checked.check
@@ -46,8 +46,8 @@ async def check(
 
 @router.post("")
 async def send(goal: GoalRequest, session: Operator, console: CurrentConsole) -> GoalSent:
-    """Send the robot there, after checking the goal again."""
-    checked = await check_goal(console.link, console.world, goal.x, goal.y, goal.yaw)
+    """Send the robot there, after checking the goal again unless it has only just passed."""
+    checked = await console.checker.check_before_sending(goal.x, goal.y, goal.yaw)
     what = {"x": goal.x, "y": goal.y, "yaw": goal.yaw}
     refusal = _refusal(console, checked)
     if refusal is not None or checked.topic is None:

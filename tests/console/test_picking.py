@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import viser.transforms as tf
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass_console.picking import Camera, floor_point
@@ -55,6 +55,7 @@ def test_from_below_the_floor_there_is_none_to_press() -> None:
     assert floor_point(camera, 0.5, 0.5) is None
 
 
+@settings(deadline=None)  # the machine's, not the promise's
 @given(
     x=st.floats(-8.0, 8.0),
     y=st.floats(-8.0, 8.0),
@@ -68,6 +69,7 @@ def test_what_is_drawn_at_a_point_is_picked_there(
     assert floor_point(camera, *project(camera, (x, y))) == pytest.approx((x, y), abs=1e-6)
 
 
+@settings(deadline=None)  # the machine's, not the promise's
 @given(
     x0=st.floats(-100.0, 100.0),
     y0=st.floats(-100.0, 100.0),

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis.extra import numpy as hnp
 from PIL import Image
 
@@ -32,6 +32,7 @@ def test_a_palette_picture_refuses_what_it_cannot_hold() -> None:
         encode_palette(np.zeros((2, 2), np.uint8), [(0, 0, 0, 255)] * 257)
 
 
+@settings(deadline=None)
 @given(hnp.arrays(np.bool_, hnp.array_shapes(min_dims=2, max_dims=2, max_side=12)))
 def test_rectangles_cover_every_occupied_cell_once(occupied: np.ndarray) -> None:
     covered = np.zeros(occupied.shape, int)
