@@ -17,10 +17,11 @@ SCENE_POLICY = (
 FLOOR_LIGHT = "#eceef0"
 FLOOR_DARK = "#171b20"
 
-# The panel would show a scene tree, an editable server address and a save button; notices and
-# the connection badge are the page's business. The canvas is transparent where nothing is drawn.
+# The panel would show a scene tree, an editable server address and a save button (on a narrow
+# screen it is a sheet of another kind, known by its Paper only); notices and the connection badge
+# are the page's business. The canvas is transparent where nothing is drawn.
 _STYLE = f"""
-[data-testid="floating-panel"], [data-testid="control-panel"],
+[data-testid="floating-panel"], [data-testid="control-panel"], .mantine-Paper-root,
 .mantine-Notifications-root, .mantine-Modal-root {{ display: none !important; }}
 html, body {{ background: {FLOOR_LIGHT}; }}
 canvas[data-engine] {{ background: {FLOOR_LIGHT}; }}
