@@ -202,6 +202,19 @@ def test_following_moves_the_world_and_not_the_camera(console: Served, stack: ob
                 "the robot stays where it was on the page",
             )
             assert scene.camera == camera
+            # A press in the middle means the robot's place on the map, not on the page.
+            scene.look(
+                position=camera["SetCameraPositionMessage"],  # type: ignore[arg-type]
+                look_at=camera["SetCameraLookAtMessage"],  # type: ignore[arg-type]
+            )
+            robot = scene.positions["/world/robot"][:2]
+            middle = {"view": view, "start": [0.5, 0.5]}
+
+            def picked() -> tuple[float, float]:
+                answer = client.post("/api/goals/check", json=middle).json()
+                return answer["x"], answer["y"]
+
+            wait_until(lambda: picked() == pytest.approx(robot, abs=0.01), 2.0, "the place")
 
 
 def test_the_scene_comes_back_after_a_broken_connection(console: Served) -> None:
