@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import Field
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+from kompass.expressions import Expression, MessageField, condition_of
 from kompass.settings import Settings
 
 # Searched in this order for a bare type name; "package/Type" names the package itself.
@@ -103,6 +104,17 @@ class Topic:
     def msg_type(self) -> str:
         """Bare name of the message type."""
         return self.ros_msg_type.__name__
+
+    @property
+    def msg(self) -> MessageField:
+        """The message, to be compared in an event: ``topic.msg.data > 5``."""
+        return MessageField(self.name, self.ros_msg_type, self.data_timeout, ())
+
+    def __and__(self, other: Any) -> Expression:
+        return Expression(condition_of(self)) & other
+
+    def __or__(self, other: Any) -> Expression:
+        return Expression(condition_of(self)) | other
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Topic):

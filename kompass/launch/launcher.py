@@ -12,8 +12,10 @@ from kompass.launch.claim import claim
 from kompass.launch.companions import companions
 from kompass.launch.environment import check_environment
 from kompass.launch.host import host
+from kompass.launch.monitor import NAME, run_monitor
 from kompass.launch.process import ProcessSpec, Report
 from kompass.launch.supervisor import Supervisor
+from kompass.recipe.table import recipe_rules
 from kompass.robot import RobotConfig, RobotFrames
 
 
@@ -43,10 +45,12 @@ class Launcher:
         self._components: list[Component] = []
         self._activate: list[str] = []
         self._threaded: list[Component] = []
+        self._events_actions: dict[Any, Any] = {}
 
     def kompass(
         self,
         components: list[Component],
+        events_actions: Mapping[Any, Any] | None = None,
         *,
         activate_all_components_on_start: bool = True,
         components_to_activate_on_start: list[Component] | None = None,
@@ -59,6 +63,8 @@ class Launcher:
         ----------
         components
             In the order in which they start.
+        events_actions
+            An action, or a list of them, for each event.
         activate_all_components_on_start, components_to_activate_on_start
             Which become active at once.
         multi_processing, multiprocessing
@@ -84,6 +90,7 @@ class Launcher:
             chosen = components_to_activate_on_start
             if component in chosen if chosen is not None else activate_all_components_on_start:
                 self._activate.append(component.node_name)
+        self._events_actions.update(events_actions or {})
         flag = multi_processing if multi_processing is not None else multiprocessing
         if flag is False:
             self._threaded += components
@@ -160,6 +167,8 @@ class Launcher:
                 component.apply_config_file(config_file)
         _log_to_terminal()
         own = self._specs()
+        if self.enable_monitoring:
+            own.append(self._monitor())
         names = [name for spec in own for name in spec.names]
         # A node of the recipe's own takes the place of a companion of that name.
         beside = [spec for spec in companions() if not set(spec.names) & set(names)]
@@ -176,6 +185,19 @@ class Launcher:
         if self._threaded:
             groups.append(self._threaded)
         return [self._spec(group) for group in groups]
+
+    def on(self, event: Any, action: Any) -> None:
+        """Answer an event with an action, or a list of them."""
+        self._events_actions[event] = action
+
+    def _monitor(self) -> ProcessSpec:
+        rules = recipe_rules(self._events_actions, self._components)
+
+        def main(report: Report) -> None:
+            run_monitor(rules, report, spec.inbox, self.namespace)
+
+        spec = ProcessSpec(name=NAME, main=main, names=[NAME], listens=True)
+        return spec
 
     def _spec(self, group: list[Component]) -> ProcessSpec:
         names = [component.node_name for component in group]

@@ -1,6 +1,7 @@
 """A process that the supervisor forks, and what runs inside it."""
 
 import ctypes
+import logging
 import os
 import signal
 import sys
@@ -10,6 +11,7 @@ from dataclasses import dataclass, field
 
 PR_SET_PDEATHSIG = 1
 
+log = logging.getLogger("kompass.process")
 Report = Callable[[str], None]
 
 
@@ -28,6 +30,8 @@ class ProcessSpec:
     stops_robot: bool = False  # asked to stop before the others, so that the robot halts first
     names: list[str] = field(default_factory=list)  # ROS nodes in it
     starts: int = 0  # times it was forked, this one included
+    listens: bool = False  # wants to be told how the other processes are doing
+    inbox: int = -1  # in the child: where it is told, a JSON line each
 
 
 @dataclass
@@ -39,6 +43,7 @@ class Child:
     pidfd: int
     reports: int  # read end of the pipe
     started: float
+    outbox: int = -1  # write end, for one that listens
     pending: bytes = b""
     active: bool = False
 
@@ -57,6 +62,15 @@ class Child:
         """Give the file descriptors back."""
         os.close(self.pidfd)
         os.close(self.reports)
+        if self.outbox >= 0:
+            os.close(self.outbox)
+
+    def tell(self, line: str) -> None:
+        """Send a line; one that does not read its lines misses some, and holds up nobody."""
+        try:
+            os.write(self.outbox, line.encode() + b"\n")
+        except (BlockingIOError, BrokenPipeError):
+            log.warning("%s does not listen", self.spec.name)
 
 
 def fork(spec: ProcessSpec, close: list[int]) -> Child:
@@ -73,13 +87,18 @@ def fork(spec: ProcessSpec, close: list[int]) -> Child:
     sys.stdout.flush()
     sys.stderr.flush()
     read_end, write_end = os.pipe()
+    inbox, outbox = os.pipe() if spec.listens else (-1, -1)
     parent = os.getpid()
     pid = os.fork()
     if pid == 0:
-        _run(spec, parent, write_end, [*close, read_end])
+        spec.inbox = inbox
+        _run(spec, parent, write_end, [*close, read_end, *([outbox] if spec.listens else [])])
     os.close(write_end)
     os.set_blocking(read_end, False)
-    return Child(spec, pid, os.pidfd_open(pid), read_end, time.monotonic())
+    if spec.listens:
+        os.close(inbox)
+        os.set_blocking(outbox, False)
+    return Child(spec, pid, os.pidfd_open(pid), read_end, time.monotonic(), outbox)
 
 
 def _run(spec: ProcessSpec, parent: int, reports: int, close: list[int]) -> None:

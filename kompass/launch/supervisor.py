@@ -4,6 +4,7 @@ One thread, no rclpy, no web: the supervisor itself does nothing that can hang, 
 always clean. Death is learned from pidfds, never by polling.
 """
 
+import json
 import logging
 import os
 import selectors
@@ -59,6 +60,7 @@ class Supervisor:
         self._deaths: dict[str, int] = {}
         self._waiting = set(announced)
         self._began = 0.0
+        self._known: dict[str, str] = {}  # the last line told of each process
         self.restarts = 0
 
     def run(self) -> None:
@@ -115,9 +117,15 @@ class Supervisor:
         inherited = [self._wakeup]
         for child in self._children.values():
             inherited += [child.pidfd, child.reports]
+            if child.outbox >= 0:
+                inherited.append(child.outbox)
         child = fork(spec, inherited)
         self._children[child.pid] = child
         log.info("%s is process %d", spec.name, child.pid)
+        if spec.listens:
+            for line in self._known.values():
+                child.tell(line)
+        self._tell(spec, "starting", child.pid)
         self._selector.register(child.reports, selectors.EVENT_READ, child)
         self._selector.register(child.pidfd, selectors.EVENT_READ, child)
 
@@ -130,6 +138,7 @@ class Supervisor:
             word, _, rest = line.partition(" ")
             if word == "active":
                 child.active = True
+                self._tell(child.spec, "active", child.pid)
                 self._report_active(child)
             elif word == "failed":
                 log.error("%s: %s", child.spec.name, rest)
@@ -156,6 +165,7 @@ class Supervisor:
         self._release(child)
         how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"ended with {code}"
         log.warning("%s %s after %.1f s", child.spec.name, how, lived)
+        self._tell(child.spec, "dead", child.pid, how)
         if not child.active and not self._deaths.get(child.spec.name) and code != 0:
             raise StartupError(f"{child.spec.name} could not start; its reason is above")
         if not child.spec.restart or self._stop is not None:
@@ -164,11 +174,29 @@ class Supervisor:
         self._deaths[child.spec.name] = deaths + 1
         if deaths >= len(RESTART_DELAYS):
             log.error("%s died %d times in a row: given up", child.spec.name, deaths + 1)
+            self._tell(child.spec, "given up", child.pid, f"died {deaths + 1} times in a row")
             return
         self.restarts += 1
         delay = RESTART_DELAYS[deaths]
         log.warning("%s starts again in %.1f s", child.spec.name, delay)
         self._due.append(_Due(child.spec, time.monotonic() + delay))
+
+    def _tell(self, spec: ProcessSpec, state: str, pid: int, reason: str = "") -> None:
+        """Tell those who listen how a process is doing."""
+        line = json.dumps(
+            {
+                "name": spec.name,
+                "nodes": spec.names,
+                "state": state,
+                "pid": pid,
+                "restarts": spec.starts - 1,
+                "reason": f"the process was {reason}" if reason.startswith("killed") else reason,
+            }
+        )
+        self._known[spec.name] = line
+        for child in self._children.values():
+            if child.outbox >= 0:
+                child.tell(line)
 
     def _release(self, child: Child) -> None:
         self._forget_pipe(child)

@@ -1,0 +1,36 @@
+"""The actions of recipes."""
+
+from kompass.compat.services import make_services_instantiable
+from kompass.recipe.action import (
+    Action,
+    ComponentActions,
+    LogInfo,
+    log,
+    publish_message,
+    reconfigure,
+    restart,
+    send_action_goal,
+    send_srv_request,
+    start,
+    stop,
+    update_parameter,
+    update_parameters,
+)
+
+make_services_instantiable()
+
+__all__ = [
+    "Action",
+    "ComponentActions",
+    "LogInfo",
+    "log",
+    "publish_message",
+    "reconfigure",
+    "restart",
+    "send_action_goal",
+    "send_srv_request",
+    "start",
+    "stop",
+    "update_parameter",
+    "update_parameters",
+]

@@ -1,0 +1,1 @@
+"""What recipes of older generations expect, and today's packages no longer do."""

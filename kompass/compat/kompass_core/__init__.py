@@ -1,0 +1,1 @@
+"""Import names of recipes written for the kompass_core package; the things live in kompass."""

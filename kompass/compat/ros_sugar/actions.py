@@ -1,0 +1,3 @@
+"""Actions under the older import name."""
+
+from kompass.actions import *  # noqa: F403

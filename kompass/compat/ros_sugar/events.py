@@ -1,0 +1,3 @@
+"""Events under the older import name."""
+
+from kompass.event import *  # noqa: F403

@@ -1,0 +1,33 @@
+"""The named events of recipes: ``event.OnEqual("name", topic, value, "field")``."""
+
+from kompass.recipe.event import (
+    Event,
+    OnAny,
+    OnChange,
+    OnChangeContainsAll,
+    OnChangeContainsAny,
+    OnChangeEqual,
+    OnChangeNotContain,
+    OnContainsAll,
+    OnContainsAny,
+    OnDifferent,
+    OnEqual,
+    OnGreater,
+    OnLess,
+)
+
+__all__ = [
+    "Event",
+    "OnAny",
+    "OnChange",
+    "OnChangeContainsAll",
+    "OnChangeContainsAny",
+    "OnChangeEqual",
+    "OnChangeNotContain",
+    "OnContainsAll",
+    "OnContainsAny",
+    "OnDifferent",
+    "OnEqual",
+    "OnGreater",
+    "OnLess",
+]

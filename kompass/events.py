@@ -1,0 +1,3 @@
+"""The events under an older import name."""
+
+from kompass.event import *  # noqa: F403

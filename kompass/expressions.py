@@ -1,0 +1,269 @@
+"""Conditions as a recipe writes them: ``topic.msg.status == 1``, ``(a > 0.3) & ~b.is_true()``.
+
+A field is checked against the message definition while the recipe is read, so a mistyped name or a
+value of the wrong type is an error of that line and not of the night in which it would have fired.
+"""
+
+from __future__ import annotations
+
+import array
+import difflib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from kompass.rules.conditions import AllOf, AnyOf, Compare, Not, Received
+from kompass.rules.conditions import Condition as RuleCondition
+from kompass.rules.signals import Signal, path_text
+
+_ARRAYS = (list, tuple, array.array, np.ndarray)
+
+
+class Expression:
+    """A condition over messages; combine with ``&``, ``|`` and ``~``."""
+
+    def __init__(self, condition: RuleCondition) -> None:
+        self.condition = condition
+
+    def __and__(self, other: Any) -> Expression:
+        return Expression(AllOf(conditions=(self.condition, condition_of(other))))
+
+    def __or__(self, other: Any) -> Expression:
+        return Expression(AnyOf(conditions=(self.condition, condition_of(other))))
+
+    def __rand__(self, other: Any) -> Expression:
+        return Expression(AllOf(conditions=(condition_of(other), self.condition)))
+
+    def __ror__(self, other: Any) -> Expression:
+        return Expression(AnyOf(conditions=(condition_of(other), self.condition)))
+
+    def __invert__(self) -> Expression:
+        return Expression(Not(condition=self.condition))
+
+    def __bool__(self) -> bool:
+        raise TypeError(
+            "a condition has no truth while the recipe is read; "
+            "combine conditions with & | ~ in brackets, not with and, or, not or a < b < c"
+        )
+
+
+class MessageField:
+    """A value inside the messages of a topic. Any field name may follow, ``name`` and ``type`` too.
+
+    Raises
+    ------
+    AttributeError
+        When the message has no such field; offers the nearest.
+    """
+
+    def __init__(
+        self, topic: str, message: type[Any], timeout: float | None, path: tuple[str | int, ...]
+    ) -> None:
+        # Names that no ROS field can have: they end with an underscore.
+        self._topic_, self._message_, self._timeout_, self._path_ = topic, message, timeout, path
+        self._sample_ = _walk(message, path)
+
+    def __getattribute__(self, name: str) -> Any:
+        if name.startswith("_") or (
+            name in _METHODS and not _has_field(object.__getattribute__(self, "_sample_"), name)
+        ):
+            return object.__getattribute__(self, name)
+        return MessageField(self._topic_, self._message_, self._timeout_, (*self._path_, name))
+
+    def __getitem__(self, index: int) -> MessageField:
+        if not isinstance(index, int) or isinstance(index, bool):
+            raise TypeError(f"{self!r}[{index!r}]: an index is a whole number")
+        return MessageField(self._topic_, self._message_, self._timeout_, (*self._path_, index))
+
+    def __eq__(self, other: object) -> Expression:  # type: ignore[override]
+        return _compare(self, "==", other)
+
+    def __ne__(self, other: object) -> Expression:  # type: ignore[override]
+        return _compare(self, "!=", other)
+
+    def __lt__(self, other: Any) -> Expression:
+        return _compare(self, "<", other)
+
+    def __le__(self, other: Any) -> Expression:
+        return _compare(self, "<=", other)
+
+    def __gt__(self, other: Any) -> Expression:
+        return _compare(self, ">", other)
+
+    def __ge__(self, other: Any) -> Expression:
+        return _compare(self, ">=", other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __invert__(self) -> Expression:
+        return _compare(self, "==", False)
+
+    def __and__(self, other: Any) -> Expression:
+        raise TypeError(f"{self!r} is a value; compare it, or write .is_true(), before & and |")
+
+    __or__ = __rand__ = __ror__ = __and__
+
+    def __bool__(self) -> bool:
+        raise TypeError(f"{self!r} has no truth while the recipe is read; compare it")
+
+    def is_true(self) -> Expression:
+        """It is true."""
+        return _compare(self, "==", True)
+
+    def is_false(self) -> Expression:
+        """It is false."""
+        return _compare(self, "==", False)
+
+    def is_in(self, options: Sequence[Any] | str) -> Expression:
+        """It is one of the options."""
+        return _compare(self, "in", options)
+
+    def not_in(self, options: Sequence[Any] | str) -> Expression:
+        """It is none of the options."""
+        return _compare(self, "not_in", options)
+
+    def contains(self, item: Any) -> Expression:
+        """It holds an element, a part of a text, or all of a list."""
+        return _compare(self, "contains", item)
+
+    def not_contains(self, item: Any) -> Expression:
+        """It does not hold an element, a part of a text, or all of a list."""
+        return _compare(self, "not_contains", item)
+
+    def contains_any(self, items: Sequence[Any]) -> Expression:
+        """It holds at least one of the items."""
+        return _compare(self, "contains_any", items)
+
+    def contains_all(self, items: Sequence[Any]) -> Expression:
+        """It holds all of the items."""
+        return _compare(self, "contains_all", items)
+
+    def not_contains_any(self, items: Sequence[Any]) -> Expression:
+        """It holds none of the items."""
+        return _compare(self, "not_contains_any", items)
+
+    def not_contains_all(self, items: Sequence[Any]) -> Expression:
+        """It lacks at least one of the items."""
+        return _compare(self, "not_contains_all", items)
+
+    def __repr__(self) -> str:
+        return f"/{self._topic_} {path_text(self._path_) or 'message'}"
+
+
+_METHODS = {name for name in vars(MessageField) if not name.startswith("_")}
+
+
+def type_name(message: type[Any]) -> str:
+    """``package/msg/Name`` of a message class (or srv, action)."""
+    package, kind = message.__module__.split(".")[:2]
+    return f"{package}/{kind}/{message.__name__}"
+
+
+def signal_of(field: MessageField) -> Signal:
+    """The signal that a field stands for."""
+    return Signal(
+        topic=field._topic_,
+        type=type_name(field._message_),
+        path=field._path_,
+        timeout=field._timeout_,
+    )
+
+
+def reference_of(field: MessageField) -> str:
+    """The text that stands for the field's newest value in the arguments of an action."""
+    dot = "" if field._path_ and isinstance(field._path_[0], int) else "."
+    return f"$topic[/{field._topic_}]{dot if field._path_ else ''}{path_text(field._path_)}"
+
+
+def condition_of(value: Any) -> RuleCondition:
+    """The condition of an expression; of a topic: that a message arrived.
+
+    Raises
+    ------
+    TypeError
+        For anything else.
+    """
+    if isinstance(value, Expression):
+        return value.condition
+    if isinstance(value, MessageField):
+        raise TypeError(f"{value!r} is a value; compare it, or write .is_true()")
+    if hasattr(value, "ros_msg_type"):
+        return Received(
+            signal=Signal(
+                topic=value.name, type=type_name(value.ros_msg_type), timeout=value.data_timeout
+            )
+        )
+    raise TypeError(f"{value!r} is no condition; give a comparison, a Topic or a function")
+
+
+def _has_field(sample: Any, name: str) -> bool:
+    return hasattr(sample, "get_fields_and_field_types") and (
+        name in sample.get_fields_and_field_types()
+    )
+
+
+def _walk(message: type[Any], path: tuple[str | int, ...]) -> Any:
+    """A sample value at a path; None below an empty array, whose items cannot be known."""
+    value: Any = message()
+    for position, step in enumerate(path):
+        if isinstance(step, int):
+            value = value[step] if isinstance(value, _ARRAYS) and len(value) > abs(step) else None
+            continue
+        if value is None:
+            continue
+        if not _has_field(value, step):
+            where = path_text(path[:position]) or message.__name__
+            known = sorted(getattr(value, "get_fields_and_field_types", dict)())
+            close = difflib.get_close_matches(step, known, n=1)
+            remedy = f"did you mean '{close[0]}'?" if close else f"it has: {', '.join(known)}"
+            raise AttributeError(f"{where} has no field '{step}'; {remedy}")
+        value = getattr(value, step)
+    return value
+
+
+def _compare(field: MessageField, operator: str, value: Any) -> Expression:
+    literal = _plain(value)
+    problem = _mismatch(field._sample_, operator, literal)
+    if problem:
+        raise TypeError(f"{field!r} {operator} {value!r}: {problem}")
+    return Expression(Compare(signal=signal_of(field), operator=operator, value=literal))  # type: ignore[arg-type]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, (*_ARRAYS, set, frozenset)):
+        return tuple(_plain(item) for item in value)
+    return value
+
+
+def _mismatch(sample: Any, operator: str, literal: Any) -> str:
+    """Why a field of that kind cannot be compared so; empty when it can."""
+    if sample is None:
+        return ""  # an item of an array whose items are not known
+    if hasattr(sample, "get_fields_and_field_types"):
+        return f"it is a whole {type(sample).__name__}; name one of its fields"
+    is_array = isinstance(sample, _ARRAYS)
+    if operator.startswith(("contains", "not_contains")):
+        return "" if is_array or isinstance(sample, str) else "it is no list and no text"
+    if operator in ("in", "not_in"):
+        if isinstance(literal, str):
+            return "" if isinstance(sample, str) else "give a list of options"
+        wrong = [item for item in literal if _kind(item) != _kind(sample)]
+        return f"{wrong[0]!r} is no {_kind(sample)}" if wrong else ""
+    if is_array != isinstance(literal, tuple):
+        return "compare a list with a list" if is_array else f"it is a {_kind(sample)}, not a list"
+    if is_array:
+        return ""
+    if _kind(literal) != _kind(sample):
+        return f"it is a {_kind(sample)}, and {literal!r} is a {_kind(literal)}"
+    return ""
+
+
+def _kind(value: Any) -> str:
+    if isinstance(value, bool):
+        return "truth value"
+    if isinstance(value, int | float):
+        return "number"
+    return "text" if isinstance(value, str) else type(value).__name__

@@ -1,0 +1,74 @@
+"""Wait inside coroutines of an rclpy executor: for a time, or for a future with a deadline."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rclpy.task import Future
+
+STEP = 0.02  # s between two looks at what has no future of its own
+
+
+class Waiting:
+    """Awaitables on one node. No thread sleeps."""
+
+    def __init__(self, node: Node, executor: Executor) -> None:
+        self._node = node
+        self._executor = executor
+
+    def future(self) -> Future:
+        """A future of this executor."""
+        return Future(executor=self._executor)
+
+    async def sleep(self, seconds: float) -> None:
+        """Let others run for a while."""
+        done = self.future()
+        timer = self._node.create_timer(max(seconds, 1e-3), lambda: done.set_result(None))
+        try:
+            await done
+        finally:
+            self._node.destroy_timer(timer)
+
+    async def until(self, condition: Callable[[], bool], timeout: float, what: str) -> None:
+        """Wait until a condition holds.
+
+        Raises
+        ------
+        TimeoutError
+            Naming ``what``, when it does not hold in time.
+        """
+        deadline = time.monotonic() + timeout
+        while not condition():
+            if time.monotonic() >= deadline:
+                raise TimeoutError(f"{what} within {timeout:g} s")
+            await self.sleep(STEP)
+
+    async def result(self, awaited: Future, timeout: float | None, what: str) -> Any:
+        """The result of a future.
+
+        Raises
+        ------
+        TimeoutError
+            Naming ``what``, when there is none in time.
+        """
+        if timeout is None:
+            return await awaited
+        done = self.future()
+
+        def finish(_: Any = None) -> None:
+            if not done.done():
+                done.set_result(None)
+
+        awaited.add_done_callback(finish)
+        timer = self._node.create_timer(timeout, finish)
+        try:
+            await done
+        finally:
+            self._node.destroy_timer(timer)
+        if not awaited.done():
+            raise TimeoutError(f"{what} within {timeout:g} s")
+        return awaited.result()

@@ -1,0 +1,269 @@
+"""Events of a recipe: the expression form of today, and the named classes of older recipes."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from kompass.components.topic import Topic
+from kompass.expressions import MessageField, condition_of, signal_of
+from kompass.rules.conditions import CallableCondition, Changed, Condition
+from kompass.rules.describe import describe
+from kompass.rules.events import Event as RuleEvent
+
+
+class Event:
+    """Something that happens, to be answered by actions.
+
+    Parameters
+    ----------
+    event_condition
+        A comparison (``topic.msg.data > 5``), a combination of them, a Topic (each message), or a
+        function without arguments that returns a truth value.
+    on_change
+        Fire on becoming true, instead of on each message for which it is true.
+    handle_once
+        At most once in the life of the stack.
+    keep_event_delay
+        Dead time after the actions have finished [s].
+    check_rate
+        How often a function is asked [Hz].
+
+    Raises
+    ------
+    TypeError
+        When the condition is none of these.
+    ValueError
+        When the delay is negative.
+    """
+
+    def __init__(
+        self,
+        event_condition: Any,
+        on_change: bool = False,
+        handle_once: bool = False,
+        keep_event_delay: float = 0.0,
+        check_rate: float | None = None,
+    ) -> None:
+        self.name = ""
+        self.function: Callable[[], bool] | None = None
+        if keep_event_delay < 0:
+            raise ValueError(f"keep_event_delay = {keep_event_delay!r} must not be negative")
+        if isinstance(event_condition, MessageField):
+            raise TypeError(f"{event_condition!r} is a value; compare it, or write .is_true()")
+        if callable(event_condition) and not isinstance(event_condition, Topic):
+            self.function = _polled(event_condition)
+            condition: Condition = CallableCondition(
+                name=getattr(event_condition, "__name__", "condition"), rate=check_rate or 10.0
+            )
+        else:
+            condition = condition_of(event_condition)
+        self.rule_event = RuleEvent(
+            condition=condition,
+            trigger="edge" if on_change else "level",
+            cooldown=float(keep_event_delay),
+            once=handle_once,
+        )
+
+    def __repr__(self) -> str:
+        return f"Event({self.name or describe(self.rule_event.condition)})"
+
+
+def _polled(function: Callable[..., Any]) -> Callable[[], bool]:
+    annotation = inspect.signature(function).return_annotation
+    if annotation not in (bool, "bool", inspect.Signature.empty):
+        raise TypeError(
+            f"{function!r} returns {annotation!r}; the function of an event returns bool"
+        )
+    return lambda: bool(function())
+
+
+class _Named(Event):
+    """An event with a name, over one field of one topic."""
+
+    trigger = "level"
+    first_true_is_edge = True
+
+    def __init__(
+        self,
+        event_name: str,
+        event_source: Topic,
+        nested_attributes: str | Sequence[str],
+        handle_once: bool,
+        keep_event_delay: float,
+    ) -> None:
+        if not isinstance(event_source, Topic):
+            raise TypeError(f"{event_name}: event_source = {event_source!r} is not a Topic")
+        self.name = event_name
+        self.function = None
+        self._field = _field_at(event_source, nested_attributes)
+        self.rule_event = RuleEvent(
+            condition=self._condition(),
+            trigger=self.trigger,  # type: ignore[arg-type]
+            cooldown=float(keep_event_delay),
+            once=handle_once,
+            first_true_is_edge=self.first_true_is_edge,
+        )
+
+    def _condition(self) -> Condition:
+        raise NotImplementedError
+
+
+class _Valued(_Named):
+    """A named event that compares the field with a value."""
+
+    def __init__(
+        self,
+        event_name: str,
+        event_source: Topic,
+        trigger_value: Any,
+        nested_attributes: str | Sequence[str],
+        handle_once: bool = False,
+        keep_event_delay: float = 0.0,
+    ) -> None:
+        self._value = trigger_value
+        super().__init__(event_name, event_source, nested_attributes, handle_once, keep_event_delay)
+
+
+class OnAny(_Named):
+    """Each message."""
+
+    def __init__(
+        self,
+        event_name: str,
+        event_source: Topic,
+        handle_once: bool = False,
+        keep_event_delay: float = 0.0,
+        **_: Any,
+    ) -> None:
+        self._topic = event_source
+        super().__init__(event_name, event_source, (), handle_once, keep_event_delay)
+
+    def _condition(self) -> Condition:
+        return condition_of(self._topic)
+
+
+class OnEqual(_Valued):
+    """Each message whose field equals the value."""
+
+    def _condition(self) -> Condition:
+        return (self._field == self._value).condition
+
+
+class OnDifferent(_Valued):
+    """Each message whose field differs from the value."""
+
+    def _condition(self) -> Condition:
+        return (self._field != self._value).condition
+
+
+class _Ordered(_Valued):
+    def __init__(
+        self,
+        event_name: str,
+        event_source: Topic,
+        trigger_value: Any,
+        nested_attributes: str | Sequence[str],
+        or_equal: bool = False,
+        handle_once: bool = False,
+        keep_event_delay: float = 0.0,
+    ) -> None:
+        self._or_equal = or_equal
+        super().__init__(
+            event_name,
+            event_source,
+            trigger_value,
+            nested_attributes,
+            handle_once,
+            keep_event_delay,
+        )
+
+
+class OnGreater(_Ordered):
+    """Each message whose field is greater than the value (or equal, if wanted)."""
+
+    def _condition(self) -> Condition:
+        compare = self._field >= self._value if self._or_equal else self._field > self._value
+        return compare.condition
+
+
+class OnLess(_Ordered):
+    """Each message whose field is less than the value (or equal, if wanted)."""
+
+    def _condition(self) -> Condition:
+        compare = self._field <= self._value if self._or_equal else self._field < self._value
+        return compare.condition
+
+
+class OnContainsAll(_Valued):
+    """Each message whose field holds all of the items."""
+
+    def _condition(self) -> Condition:
+        if isinstance(self._value, list | tuple):
+            return self._field.contains_all(self._value).condition
+        return self._field.contains(self._value).condition
+
+
+class OnContainsAny(_Valued):
+    """Each message whose field holds one of the items."""
+
+    def _condition(self) -> Condition:
+        return self._field.contains_any(_listed(self._value)).condition
+
+
+class OnChange(_Named):
+    """Each message whose field differs from the one before."""
+
+    trigger = "change"
+
+    def __init__(
+        self,
+        event_name: str,
+        event_source: Topic,
+        nested_attributes: str | Sequence[str],
+        handle_once: bool = False,
+        keep_event_delay: float = 0.0,
+    ) -> None:
+        super().__init__(event_name, event_source, nested_attributes, handle_once, keep_event_delay)
+
+    def _condition(self) -> Condition:
+        return Changed(signal=signal_of(self._field))
+
+
+class OnChangeEqual(OnEqual):
+    """The field changed into the value; never the first message."""
+
+    trigger = "change"
+
+
+class OnChangeContainsAll(OnContainsAll):
+    """The field changed and now holds all of the items."""
+
+    trigger = "change"
+
+
+class OnChangeContainsAny(OnContainsAny):
+    """The field held none of the items, and now holds one."""
+
+    trigger = "edge"
+    first_true_is_edge = False
+
+
+class OnChangeNotContain(_Valued):
+    """The field held one of the items, and now holds none."""
+
+    trigger = "edge"
+    first_true_is_edge = False
+
+    def _condition(self) -> Condition:
+        return self._field.not_contains_any(_listed(self._value)).condition
+
+
+def _listed(value: Any) -> list[Any]:
+    return list(value) if isinstance(value, list | tuple | set) else [value]
+
+
+def _field_at(topic: Topic, attributes: str | Sequence[str]) -> MessageField:
+    path = (attributes,) if isinstance(attributes, str) else tuple(attributes)
+    return MessageField(topic.name, topic.ros_msg_type, topic.data_timeout, path)
