@@ -17,6 +17,7 @@ from kompass.rules.state import (
     ARMED,
     HOLD,
     LEAF,
+    LOOK,
     WAITS_FOR_FALSE,
     RuleState,
     State,
@@ -88,11 +89,15 @@ def _catch_up(table: CompiledTable, state: State, now: float, out: list[Output])
         at = state.now = max(schedule[0][0], state.now)
         # Leaves that change at the same moment change together: nobody sees half of it.
         touched: set[int] = set()
-        while schedule and schedule[0][0] <= at and schedule[0][1] == LEAF:
-            _expire(table, state, table.timers[heappop(schedule)[2]], at, touched)
+        while schedule and schedule[0][0] <= at and schedule[0][1] <= LOOK:
+            _, phase, index = heappop(schedule)
+            if phase == LOOK:
+                touched.add(index)
+            else:
+                _expire(table, state, table.timers[index], at, touched)
         for index in sorted(touched):
             _look(table, state, table.rules[index], at, None, out)
-        while schedule and schedule[0][0] <= at and schedule[0][1] != LEAF:
+        while schedule and schedule[0][0] <= at and schedule[0][1] > LOOK:
             _, phase, index = heappop(schedule)
             plan = table.rules[index]
             if phase == HOLD:

@@ -6,6 +6,8 @@ from pydantic import Field, model_validator
 
 from kompass.rules.conditions import (
     Absent,
+    AllOf,
+    AnyOf,
     CallableCondition,
     Changed,
     Condition,
@@ -111,7 +113,21 @@ class Event(Model):
             raise ValueError(
                 "trigger='change': the condition has no value that could change; use trigger 'edge'"
             )
+        if self.hold and not _may_last(self.condition):
+            raise ValueError(
+                f"hold={self.hold!r}: the condition is true for one message at a time and cannot "
+                "stay true; compare a value instead, or set hold to 0"
+            )
         return self
+
+
+def _may_last(condition: Condition) -> bool:
+    """Whether a condition can be true between two messages."""
+    if isinstance(condition, AllOf):
+        return all(map(_may_last, condition.conditions))
+    if isinstance(condition, AnyOf):
+        return any(map(_may_last, condition.conditions))
+    return not isinstance(condition, (Received, Changed))
 
 
 def _refuse_negated_pulses(condition: Condition, negated: bool) -> None:

@@ -1,14 +1,22 @@
 """Comparisons and trees compiled to functions, because they run for every message."""
 
-from collections.abc import Callable, Sequence
-from typing import Any, TypeAlias
+from collections.abc import Callable
+from typing import Any, Protocol, TypeAlias
 
 from kompass.rules.conditions import AllOf, AnyOf, Compare, Condition, Not, TreePath, children
 from kompass.rules.values import Verdict, compare, kind_of
 
 Judge: TypeAlias = Callable[[Any], Verdict]
-# From the verdicts of all leaves of a table to the verdict of one tree.
-Evaluate: TypeAlias = Callable[[Sequence[Verdict]], Verdict]
+
+
+class Verdicts(Protocol):
+    """The verdicts of leaves, by their index."""
+
+    def __getitem__(self, index: int, /) -> Verdict: ...
+
+
+# From the verdicts of the leaves of a table to the verdict of one tree.
+Evaluate: TypeAlias = Callable[[Verdicts], Verdict]
 
 
 def judge_of(condition: Compare) -> Judge:
@@ -96,7 +104,7 @@ def tree_of(condition: Condition, index: dict[TreePath, int], at: TreePath = ())
     if isinstance(condition, Not):
         inner = tree_of(condition.condition, index, (*at, 0))
 
-        def opposite(verdicts: Sequence[Verdict]) -> Verdict:
+        def opposite(verdicts: Verdicts) -> Verdict:
             verdict = inner(verdicts)
             return None if verdict is None else not verdict
 
@@ -114,7 +122,7 @@ def _joined(parts: list[Evaluate], decisive: bool) -> Evaluate:
     # `any` is decided by one true, `all` by one false; else one unknown makes it unknown.
     otherwise = not decisive
 
-    def joined(verdicts: Sequence[Verdict]) -> Verdict:
+    def joined(verdicts: Verdicts) -> Verdict:
         result: Verdict = otherwise
         for part in parts:
             verdict = part(verdicts)

@@ -1,5 +1,6 @@
 """From a trigger to a firing: once, cooldown, mode and rate limit, in this order."""
 
+from collections.abc import Sequence
 from heapq import heappush
 from typing import Any
 
@@ -205,9 +206,16 @@ def _value(
         begun = last if last is not None else state.begun[leaf.timer]
         return None if begun is None else at - begun
     if isinstance(condition, Rate):
-        times = state.times[leaf.topic]
-        return sum(at < t + condition.window for t in times) / condition.window if times else None
+        return _rate(condition, state.times[leaf.topic], at)
     return shown(state.values[leaf.probe])
+
+
+def _rate(condition: Rate, times: Sequence[float], at: float) -> float | None:
+    within = [t for t in times if at < t + condition.window]
+    if len(within) == len(times) > 1 and times[-1] > times[0]:
+        # No more are remembered than the rule needs: there may have been more in the window.
+        return (len(times) - 1) / (times[-1] - times[0])
+    return len(within) / condition.window if times else None
 
 
 def shown(value: Any) -> bool | int | float | str | None:

@@ -9,7 +9,7 @@ import math
 from heapq import heappop, heappush
 
 from kompass.rules.compiled import CompiledTable, Timer
-from kompass.rules.state import HOLD, LEAF, State
+from kompass.rules.state import HOLD, LEAF, LOOK, State
 
 
 def due(timer: Timer, state: State) -> float | None:
@@ -80,6 +80,8 @@ def next_deadline(table: CompiledTable, state: State) -> float | None:
 def _actual(table: CompiledTable, state: State, phase: int, index: int) -> float | None:
     if phase == LEAF:
         return due(table.timers[index], state)
+    if phase == LOOK:
+        return state.now
     rule = state.rules[index]
     if phase == HOLD:
         return None if rule.since is None else rule.since + table.rules[index].hold

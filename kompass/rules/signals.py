@@ -1,7 +1,7 @@
 """A signal: one value inside the messages of one topic."""
 
 from collections.abc import Callable
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -91,7 +91,7 @@ def _steps(path: tuple[str | int, ...]) -> list[Callable[[Any], Any]]:
         if names:
             steps.append(attrgetter(".".join(names)))
             names = []
-        steps.append(lambda sequence, index=part: sequence[index])
+        steps.append(itemgetter(part))
     if names:
         steps.append(attrgetter(".".join(names)))
     return steps

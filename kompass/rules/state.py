@@ -8,8 +8,8 @@ from kompass.rules.compiled import CompiledTable, RulePlan
 from kompass.rules.firing import LeafVerdict
 from kompass.rules.values import MISSING, Verdict
 
-# Phases of what is due at one moment: verdicts of leaves first, then what rules wait for.
-LEAF, HOLD, QUEUE = 0, 1, 2
+# Phases of what is due at one moment: verdicts of leaves, rules to look at, what rules wait for.
+LEAF, LOOK, HOLD, QUEUE = 0, 1, 2, 3
 
 # Whether a rule that fires on becoming true may do so.
 WAITS_FOR_FALSE: Final = 0  # was never seen false
