@@ -6,7 +6,7 @@ to be instantiated; here the instance is the request, which is what the tutorial
 
 from typing import Any
 
-from nav2_msgs import srv as nav2_services
+import nav2_msgs.srv as nav2_services
 
 
 def make_services_instantiable() -> None:

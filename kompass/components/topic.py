@@ -111,10 +111,12 @@ class Topic:
         return MessageField(self.name, self.ros_msg_type, self.data_timeout, ())
 
     def __and__(self, other: Any) -> Expression:
-        return Expression(condition_of(self)) & other
+        combined: Expression = Expression(condition_of(self)) & other
+        return combined
 
     def __or__(self, other: Any) -> Expression:
-        return Expression(condition_of(self)) | other
+        combined: Expression = Expression(condition_of(self)) | other
+        return combined
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Topic):

@@ -24,6 +24,7 @@ from kompass.launch.rule_inputs import RuleInputs
 from kompass.launch.spokesman import Spokesman
 from kompass.recipe.table import RecipeRules
 from kompass.rules.compiled import compile_table
+from kompass.rules.conditions import CallableCondition
 from kompass.rules.engine import initial_state, step
 from kompass.rules.firing import Done, Firing, Input, Note, Sample, Tick
 from kompass.rules.schedule import next_deadline
@@ -32,6 +33,7 @@ NAME = "monitor"
 SPIN_TIMEOUT = 0.1  # s, as of the components' host
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
 REPEAT_PERIOD = 0.4  # s between repetitions for those who are silent
+POLL_RATE = 10.0  # Hz, for a function that states no rate of its own
 DEAD = ("dead", "given up")
 
 
@@ -100,10 +102,10 @@ class Monitor:
             self._speak_for(component, message)
 
     def _poll(self, name: str, function: Any) -> None:
-        condition = next(
-            leaf.condition
+        rate = next(
+            leaf.condition.rate
             for leaf in self._table.leaves
-            if getattr(leaf.condition, "name", None) == name
+            if isinstance(leaf.condition, CallableCondition) and leaf.condition.name == name
         )
 
         def ask() -> None:
@@ -117,7 +119,7 @@ class Monitor:
                 return
             self._feed(Sample(f"callable/{name}", answer))
 
-        self._node.create_timer(1.0 / condition.rate, ask)
+        self._node.create_timer(1.0 / (rate or POLL_RATE), ask)
 
     def _feed(self, event: Input) -> None:
         self._state, outputs = step(self._table, self._state, event, time.monotonic())

@@ -67,7 +67,7 @@ class Action:
         given = args if isinstance(args, tuple | list) else (args,)
         self.description = description or ""
         self.parser: Parser | None = None
-        self.method = method
+        self.method: Callable[..., Any] | None = method
         self._data = _data_of(method, tuple(given), kwargs or {})
 
     @classmethod

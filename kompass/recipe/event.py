@@ -148,14 +148,14 @@ class OnEqual(_Valued):
     """Each message whose field equals the value."""
 
     def _condition(self) -> Condition:
-        return (self._field == self._value).condition
+        return condition_of(self._field == self._value)
 
 
 class OnDifferent(_Valued):
     """Each message whose field differs from the value."""
 
     def _condition(self) -> Condition:
-        return (self._field != self._value).condition
+        return condition_of(self._field != self._value)
 
 
 class _Ordered(_Valued):
@@ -185,7 +185,7 @@ class OnGreater(_Ordered):
 
     def _condition(self) -> Condition:
         compare = self._field >= self._value if self._or_equal else self._field > self._value
-        return compare.condition
+        return condition_of(compare)
 
 
 class OnLess(_Ordered):
@@ -193,7 +193,7 @@ class OnLess(_Ordered):
 
     def _condition(self) -> Condition:
         compare = self._field <= self._value if self._or_equal else self._field < self._value
-        return compare.condition
+        return condition_of(compare)
 
 
 class OnContainsAll(_Valued):
@@ -201,15 +201,15 @@ class OnContainsAll(_Valued):
 
     def _condition(self) -> Condition:
         if isinstance(self._value, list | tuple):
-            return self._field.contains_all(self._value).condition
-        return self._field.contains(self._value).condition
+            return condition_of(self._field.contains_all(self._value))
+        return condition_of(self._field.contains(self._value))
 
 
 class OnContainsAny(_Valued):
     """Each message whose field holds one of the items."""
 
     def _condition(self) -> Condition:
-        return self._field.contains_any(_listed(self._value)).condition
+        return condition_of(self._field.contains_any(_listed(self._value)))
 
 
 class OnChange(_Named):
@@ -257,7 +257,7 @@ class OnChangeNotContain(_Valued):
     first_true_is_edge = False
 
     def _condition(self) -> Condition:
-        return self._field.not_contains_any(_listed(self._value)).condition
+        return condition_of(self._field.not_contains_any(_listed(self._value)))
 
 
 def _listed(value: Any) -> list[Any]:

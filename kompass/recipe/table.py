@@ -100,8 +100,8 @@ def _action(
         )
     if action.parser is not None:
         return _register(made, Parsed(data, action.parser), _title(data, action.parser), data)
-    if isinstance(data, Python):
-        return _register(made, action.method, data.name, data)  # type: ignore[arg-type]
+    if isinstance(data, Python) and action.method is not None:
+        return _register(made, action.method, data.name, data)
     return data
 
 
