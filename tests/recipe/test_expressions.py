@@ -1,0 +1,97 @@
+"""A condition is checked while the recipe is read, and means what it says."""
+
+import pytest
+from kompass_interfaces.msg import TwistArray
+
+from kompass.components import Planner
+from kompass.components.topic import Topic
+from kompass.expressions import condition_of, reference_of
+from kompass.rules.conditions import AllOf, AnyOf, Compare, Not, Received
+from kompass.rules.describe import describe
+
+SCAN = Topic(name="/scan", msg_type="LaserScan")
+BATTERY = Topic(name="battery", msg_type="Float32", data_timeout=60.0)
+JOINTS = Topic(name="joints", msg_type="sensor_msgs/JointState")
+STATUS = Planner().status_topic
+
+
+def compare(expression: object) -> Compare:
+    condition = condition_of(expression)
+    assert isinstance(condition, Compare)
+    return condition
+
+
+def test_a_comparison_names_topic_type_path_and_value() -> None:
+    made = compare(STATUS.msg.status == 1)
+    assert (made.signal.topic, made.signal.path) == ("planner/status", ("status",))
+    assert made.signal.type == "automatika_ros_sugar/msg/ComponentStatus"
+    assert (made.operator, made.value) == ("==", 1)
+
+
+def test_a_declared_timeout_is_kept() -> None:
+    assert compare(BATTERY.msg.data < 11).signal.timeout == 60.0
+
+
+def test_whole_numbers_and_fractions_mix() -> None:
+    assert compare(BATTERY.msg.data > 5).value == 5
+    assert compare(STATUS.msg.status > 0.5).value == 0.5
+
+
+def test_conditions_combine_with_and_or_not_and_topics() -> None:
+    both = condition_of(SCAN & ~(BATTERY.msg.data < 11) | (STATUS.msg.status != 0))
+    assert isinstance(both, AnyOf)
+    first = both.conditions[0]
+    assert isinstance(first, AllOf)
+    assert isinstance(first.conditions[0], Received)
+    assert isinstance(first.conditions[1], Not)
+
+
+def test_an_item_of_a_list_can_be_compared() -> None:
+    assert compare(SCAN.msg.ranges[0] < 0.3).signal.path == ("ranges", 0)
+
+
+@pytest.mark.parametrize("name", ["name", "position"])
+def test_fields_of_any_name_can_be_used(name: str) -> None:
+    assert compare(getattr(JOINTS.msg, name).contains_any(["a"])).signal.path == (name,)
+
+
+def test_is_in_takes_a_list_and_contains_looks_into_lists_and_texts() -> None:
+    assert compare(STATUS.msg.status.is_in([1, 3])).value == (1, 3)
+    assert compare(STATUS.msg.src_topics.contains("/scan")).operator == "contains"
+    assert compare(STATUS.msg.msg.contains("Algorithm")).value == "Algorithm"
+
+
+def test_a_mistyped_field_offers_the_nearest() -> None:
+    with pytest.raises(AttributeError, match="no field 'statuss'; did you mean 'status'"):
+        STATUS.msg.statuss  # noqa: B018 - reading it is the mistake
+
+
+@pytest.mark.parametrize(
+    "mistake",
+    [
+        lambda: STATUS.msg.status == "1",
+        lambda: STATUS.msg.status == True,  # noqa: E712
+        lambda: STATUS.msg.msg > 3,
+        lambda: SCAN.msg.ranges == 0.3,
+        lambda: SCAN.msg.header == 1,
+        lambda: STATUS.msg.status.is_in(["a"]),
+        lambda: STATUS.msg.status.contains(1),
+        lambda: STATUS.msg.status & (BATTERY.msg.data > 1),
+        lambda: (BATTERY.msg.data > 1) and (STATUS.msg.status == 1),
+        lambda: 1 < BATTERY.msg.data < 2,
+        lambda: SCAN.msg.ranges["a"],
+    ],
+)
+def test_what_cannot_be_compared_is_an_error_of_that_line(mistake: object) -> None:
+    with pytest.raises(TypeError):
+        mistake()  # type: ignore[operator]
+
+
+def test_a_field_can_stand_for_an_argument() -> None:
+    commands = Topic(name="/control_list", msg_type=TwistArray)
+    reference = reference_of(commands.msg.linear_velocities.x[0])
+    assert reference == "$topic[/control_list].linear_velocities.x[0]"
+
+
+def test_a_condition_reads_as_one_writes_it() -> None:
+    assert "status" in describe(condition_of(STATUS.msg.status == 1))
