@@ -17,6 +17,7 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 
 from kompass.launch.waiting import Waiting
+from kompass.recipe.fallbacks import Ladder
 from kompass.recipe.messages import fill, ros_class
 from kompass.recipe.table import Parsed
 from kompass.rules import actions as kinds
@@ -56,7 +57,7 @@ class ActionRunner:
         self,
         node: Node,
         executor: Executor,
-        functions: Mapping[str, Callable[..., Any] | Parsed],
+        functions: Mapping[str, Callable[..., Any] | Parsed | Ladder],
     ) -> None:
         self._node = node
         self._functions = functions
@@ -102,6 +103,12 @@ class ActionRunner:
         entry = self._functions.get(action.name)
         if entry is None:
             raise Failed(f"the recipe has no function {action.name!r}")
+        if isinstance(entry, Ladder):
+            rung = entry.next()
+            if rung is None:
+                raise Failed("given up: every fallback was tried; a person must look")
+            text = await self._known(rung, firing, {})
+            return f"{_name(rung)}: {text}"
         if isinstance(entry, Parsed):
             made = entry.parser.function(
                 msg=firing.message, trigger=firing.message, **entry.parser.extra

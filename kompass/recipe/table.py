@@ -10,6 +10,7 @@ from typing import Any
 from kompass.components.component import Component
 from kompass.recipe.action import Action, Parser
 from kompass.recipe.event import Event
+from kompass.recipe.fallbacks import Ladder, fallback_rules
 from kompass.rules.actions import Action as RuleAction
 from kompass.rules.actions import Python, SendGoal, component_of
 from kompass.rules.describe import describe
@@ -30,7 +31,7 @@ class RecipeRules:
     """What the monitor runs: data, and the code that the data names."""
 
     table: Table = field(default_factory=Table)
-    functions: dict[str, Callable[..., Any] | Parsed] = field(default_factory=dict)
+    functions: dict[str, Callable[..., Any] | Parsed | Ladder] = field(default_factory=dict)
     polled: dict[str, Callable[[], bool]] = field(default_factory=dict)
 
 
@@ -55,6 +56,8 @@ def recipe_rules(
         actions = list(value) if isinstance(value, list | tuple) else [value]
         data = tuple(_action(action, event, names, made) for action in actions)
         rules.append(_rule(event, data, {rule.id for rule in rules}, made))
+    for component in components:
+        rules += fallback_rules(component, made.functions)
     made.table = Table(rules=tuple(rules))
     return made
 

@@ -1,0 +1,122 @@
+"""Fallbacks of components as rules: what a component does about its own failure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from automatika_ros_sugar.msg import ComponentStatus
+
+from kompass.components.component import Component
+from kompass.components.fallbacks import Fallback
+from kompass.expressions import condition_of
+from kompass.recipe.action import Action
+from kompass.rules.actions import Action as RuleAction
+from kompass.rules.actions import Python
+from kompass.rules.conditions import AllOf, Condition
+from kompass.rules.events import Event
+from kompass.rules.table import Rule
+
+# A failure that passes by itself within this time, as while the first messages arrive, is left to
+# do so.
+HOLD = 1.0  # s
+PAUSE = 2.0  # s between two tries
+RECOVERED = 5.0  # s of health after which a failure is a new one
+LEVELS = {
+    "on_algorithm_fail": ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL,
+    "on_component_fail": ComponentStatus.STATUS_FAILURE_COMPONENT_LEVEL,
+    "on_system_fail": ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL,
+}
+
+
+@dataclass
+class Ladder:
+    """Actions tried one after another while a component fails.
+
+    Each is tried ``max_retries`` times (a list: once, unless stated; a single action: for ever).
+    After the last comes ``giveup``, once. Health resets all counts.
+    """
+
+    actions: tuple[RuleAction, ...]
+    max_retries: int | None
+    giveup: tuple[RuleAction, ...] = ()
+    tried: int = 0
+
+    def next(self) -> RuleAction | None:
+        """The action to try now; None when there is nothing left."""
+        retries = self.max_retries
+        if retries is None and len(self.actions) == 1:
+            return self.actions[0]
+        step, self.tried = self.tried // (retries or 1), self.tried + 1
+        if step < len(self.actions):
+            return self.actions[step]
+        after = self.tried - 1 - len(self.actions) * (retries or 1)
+        return self.giveup[after] if after < len(self.giveup) else None
+
+    def reset(self) -> None:
+        """Begin anew with the next failure."""
+        self.tried = 0
+
+
+def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule]:
+    """The rules that carry out a component's fallbacks; their ladders go into ``functions``."""
+    declared = component.fallbacks
+    status = component.status_topic.msg.status
+    giveup = _actions(declared.on_giveup)
+    rules, ladders = [], []
+    for kind in (*LEVELS, "on_fail"):
+        fallback = getattr(declared, kind)
+        if fallback is None:
+            continue
+        if kind == "on_fail":
+            others = [condition_of(status != LEVELS[k]) for k in LEVELS if getattr(declared, k)]
+            failing = condition_of(status != ComponentStatus.STATUS_HEALTHY)
+            condition: Condition = AllOf(conditions=(failing, *others)) if others else failing
+        else:
+            condition = condition_of(status == LEVELS[kind])
+        ladder = Ladder(_actions(fallback), fallback.max_retries, giveup)
+        ladders.append(ladder)
+        name = f"{component.node_name} {kind.replace('_', ' ')}"
+        functions[name] = ladder
+        rules.append(
+            Rule(
+                id=name.replace(" ", "-").replace("_", "-"),
+                name=name,
+                event=Event(condition=condition, hold=HOLD, cooldown=PAUSE),
+                actions=(Python(name=name, timeout=None),),
+                source="recipe",
+            )
+        )
+    if ladders:
+        name = f"{component.node_name} recovered"
+        functions[name] = _reset_of(ladders)
+        rules.append(
+            Rule(
+                id=name.replace(" ", "-").replace("_", "-"),
+                name=name,
+                event=Event(
+                    condition=condition_of(status == ComponentStatus.STATUS_HEALTHY),
+                    trigger="edge",
+                    hold=RECOVERED,
+                ),
+                actions=(Python(name=name),),
+                source="recipe",
+            )
+        )
+    return rules
+
+
+def _reset_of(ladders: list[Ladder]) -> Callable[[], None]:
+    def reset() -> None:
+        for ladder in ladders:
+            ladder.reset()
+
+    return reset
+
+
+def _actions(fallback: Fallback | None) -> tuple[RuleAction, ...]:
+    if fallback is None:
+        return ()
+    wrapped = (one if isinstance(one, Action) else Action(one) for one in fallback.actions)
+    return tuple(action.to_data() for action in wrapped)

@@ -1,0 +1,56 @@
+"""Fallbacks are tried in their order, stop when there is health, and begin anew."""
+
+from kompass.actions import Action
+from kompass.components import DriveManager
+from kompass.recipe.fallbacks import Ladder
+from kompass.recipe.table import recipe_rules
+from kompass.rules.actions import Log
+from kompass.rules.compiled import compile_table
+from kompass.rules.engine import initial_state, step
+from kompass.rules.firing import Sample, Tick
+
+A, B, LAST = Log(text="a"), Log(text="b"), Log(text="last")
+
+
+def tries(ladder: Ladder, count: int) -> list[str]:
+    return [getattr(ladder.next(), "text", "-") for _ in range(count)]
+
+
+def test_a_single_action_without_a_limit_is_tried_for_ever() -> None:
+    assert tries(Ladder((A,), None), 5) == ["a"] * 5
+
+
+def test_a_list_is_gone_through_once_and_then_given_up() -> None:
+    assert tries(Ladder((A, B), None, (LAST,)), 5) == ["a", "b", "last", "-", "-"]
+
+
+def test_each_action_is_tried_as_often_as_allowed() -> None:
+    assert tries(Ladder((A, B), 2), 5) == ["a", "a", "b", "b", "-"]
+
+
+def test_health_resets_the_counts() -> None:
+    ladder = Ladder((A,), 1)
+    assert tries(ladder, 2) == ["a", "-"]
+    ladder.reset()
+    assert tries(ladder, 2) == ["a", "-"]
+
+
+def test_on_fail_fires_for_any_failure_that_lasts_and_not_for_health() -> None:
+    driver = DriveManager()
+    driver.on_fail(action=Action(driver.restart))
+    made = recipe_rules({}, [driver])
+    table = compile_table(made.table)
+    message = driver.status_topic.ros_msg_type
+    for level, expected in (
+        (0, []),
+        (1, ["drive-manager-on-fail"]),
+        (3, ["drive-manager-on-fail"]),
+    ):
+        state = initial_state(table, 0.0)
+        fired = []
+        for tenth in range(20):
+            sample = Sample("drive_manager/status", message(status=level))
+            state, out = step(table, state, sample, tenth / 10)
+            fired += [firing.rule_id for firing in out]
+        state, out = step(table, state, Tick(), 2.0)
+        assert sorted(set(fired)) == expected
