@@ -20,7 +20,6 @@ from dataclasses import dataclass
 
 from kompass_console.roles import Role
 
-SESSION_COOKIE = "kompass_session"
 SESSION_LIFETIME = 7 * 24 * 3600.0  # s
 
 _LONGEST_USER = 40

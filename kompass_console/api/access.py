@@ -8,7 +8,7 @@ from typing import Annotated, cast
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
-from kompass_console.auth import SESSION_COOKIE, Session
+from kompass_console.auth import Session
 from kompass_console.console import Console
 from kompass_console.errors import ConsoleError
 from kompass_console.roles import Role
@@ -19,9 +19,16 @@ def console_of(connection: HTTPConnection) -> Console:
     return cast(Console, connection.app.state.console)
 
 
+def session_cookie(connection: HTTPConnection) -> str:
+    """Name of the cookie. Browsers do not tell ports apart, and two consoles may share a host."""
+    return f"kompass_session_{connection.url.port or connection.url.scheme}"
+
+
 def session_of(connection: HTTPConnection) -> Session:
     """Who is asking. Raises ConsoleError 401 when nobody is logged in."""
-    session = console_of(connection).auth.session(connection.cookies.get(SESSION_COOKIE))
+    session = console_of(connection).auth.session(
+        connection.cookies.get(session_cookie(connection))
+    )
     if session is None:
         raise ConsoleError(
             401,

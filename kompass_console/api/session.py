@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request, Response
 
-from kompass_console.api.access import CurrentConsole, LoggedIn
+from kompass_console.api.access import CurrentConsole, LoggedIn, session_cookie
 from kompass_console.api.models import Login, SessionInfo
-from kompass_console.auth import SESSION_COOKIE, SESSION_LIFETIME
+from kompass_console.auth import SESSION_LIFETIME
 from kompass_console.errors import ConsoleError
 
 router = APIRouter(prefix="/api", tags=["session"])
@@ -37,7 +37,7 @@ def log_in(
         )
     console.audit.record(session.user, session.role, "log in", "ok", address=address)
     response.set_cookie(
-        SESSION_COOKIE,
+        session_cookie(request),
         console.auth.cookie(session),
         max_age=int(SESSION_LIFETIME),
         httponly=True,
@@ -55,8 +55,10 @@ def current_session(session: LoggedIn) -> SessionInfo:
 
 
 @router.post("/logout", status_code=204)
-def log_out(session: LoggedIn, response: Response, console: CurrentConsole) -> None:
+def log_out(
+    session: LoggedIn, request: Request, response: Response, console: CurrentConsole
+) -> None:
     """End this session; its cookie is refused from now on."""
     console.auth.log_out(session)
     console.audit.record(session.user, session.role, "log out", "ok")
-    response.delete_cookie(SESSION_COOKIE, path="/")
+    response.delete_cookie(session_cookie(request), path="/")

@@ -151,3 +151,9 @@ def test_the_console_comes_up_with_nothing_to_show_and_says_what_is_missing(
         refused = client.post("/api/goals", json={"x": 1.0, "y": 2.0})
     assert refused.status_code == 409
     assert refused.json()["detail"]["title"] == answer.json()["message"]
+
+
+def test_two_consoles_on_one_host_do_not_log_each_other_out(console: Served) -> None:
+    with console.client(Role.OPERATOR) as client:
+        names = [cookie.name for cookie in client.cookies.jar]
+    assert names == [f"kompass_session_{console.port}"]
