@@ -1,26 +1,24 @@
-"""The base of all components: declared inputs and outputs, a lifecycle, a status."""
+"""The base of all components: declared, alive, and open to rules."""
 
-import copy
-import time
+import inspect
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from pathlib import Path
+from typing import Any
 
-from automatika_ros_sugar.msg import ComponentStatus
-from pydantic import ValidationError
-
-from kompass.components.component_config import ComponentConfig, ComponentRunType
-from kompass.components.config_file import COMMON, ConfigFileError, read_config_file
-from kompass.components.health import Health
+from kompass.components.actions import ActionRefused, actions_of, check_call, component_action
+from kompass.components.component_config import ComponentConfig
 from kompass.components.input import Input
+from kompass.components.lifecycle import Lifecycle
 from kompass.components.node import ComponentNode
-from kompass.components.status import StatusPublisher
-from kompass.components.topic import AllowedTopics, QoSConfig, Topic
-from kompass.robot import RobotConfig, RobotFrames
-from kompass.settings import explain
+from kompass.components.parameter import ParameterError, with_values
+from kompass.components.services import ComponentServices
+from kompass.components.topic import Topic
+
+FULL_RATE = ("loop_rate", "status_rate")
 
 
-class Component:
-    """A lifecycle node with declared inputs and outputs.
+class Component(Lifecycle):
+    """A lifecycle node with declared inputs and outputs, whose actions and settings rules reach.
 
     The object is made when the recipe is read; its ROS node comes to life in the process that
     runs it (:meth:`create_node`).
@@ -42,351 +40,230 @@ class Component:
         When a key, topic or setting is not allowed; the message names it and the remedy.
     """
 
-    config_class: ClassVar[type[ComponentConfig]] = ComponentConfig
-    allowed_inputs: ClassVar[Mapping[str, AllowedTopics]] = {}
-    allowed_outputs: ClassVar[Mapping[str, AllowedTopics]] = {}
-    default_inputs: ClassVar[Mapping[str, list[Topic]]] = {}
-    default_outputs: ClassVar[Mapping[str, list[Topic]]] = {}
-    allowed_run_types: ClassVar[tuple[ComponentRunType, ...]] = (ComponentRunType.TIMED,)
-    # Quality of service of keys whose message type alone does not tell it.
-    qos: ClassVar[Mapping[str, QoSConfig]] = {}
-    # Whether it must end before all others, because it is what halts the robot.
-    stops_robot: ClassVar[bool] = False
-    # Whether the main loop does its step in every run type, not only in the timed one.
-    steps_in_any_run_type: ClassVar[bool] = False
+    def create_node(self, namespace: str = "") -> ComponentNode:
+        """Make the ROS node and the services that everybody offers; rclpy must be initialised."""
+        node = super().create_node(namespace)
+        ComponentServices(self)
+        return node
 
-    def __init__(
-        self,
-        component_name: str | None = None,
-        config: ComponentConfig | None = None,
-        config_file: str | None = None,
-        inputs: Mapping[str, Topic | list[Topic]] | None = None,
-        outputs: Mapping[str, Topic | list[Topic]] | None = None,
-        *,
-        node_name: str | None = None,
-    ) -> None:
-        name = component_name or node_name
-        if not name:
-            raise ValueError(f"{type(self).__name__}: component_name is missing")
-        if config is not None and not isinstance(config, self.config_class):
-            raise TypeError(f"{name}: config = {config!r} is not a {self.config_class.__name__}")
-        self.node_name = name
-        self.config = config.model_copy(deep=True) if config else self.config_class()
-        self._run_type = self.allowed_run_types[0]
-        self._topics_in = {key: list(topics) for key, topics in self.default_inputs.items()}
-        self._topics_out = {key: list(topics) for key, topics in self.default_outputs.items()}
-        self.health = Health()
-        self._node: ComponentNode | None = None
-        self._status: StatusPublisher | None = None
-        self._inputs: dict[str, list[Input]] = {}
-        self._publishers: dict[str, list[Any]] = {}
-        self._timer: Any = None
-        self._logged: dict[str, float] = {}
-        if config_file:
-            self.apply_config_file(config_file)
-        self.inputs(**(inputs or {}))
-        self.outputs(**(outputs or {}))
+    # -- actions ------------------------------------------------------------------------------
 
-    # -- what a recipe says -------------------------------------------------------------------
+    async def call_action(self, name: str, kwargs: Mapping[str, Any]) -> Any:
+        """Carry out a component action in this process.
 
-    def inputs(self, **topics: Topic | list[Topic]) -> None:
-        """Replace the topics of input keys."""
-        self._replace(self._topics_in, self.allowed_inputs, topics, "input")
-
-    def outputs(self, **topics: Topic | list[Topic]) -> None:
-        """Replace the topics of output keys."""
-        self._replace(self._topics_out, self.allowed_outputs, topics, "output")
-
-    def set_input(self, **topics: Topic | list[Topic]) -> bool:
-        """As :meth:`inputs`; False when the component has no such key."""
-        if not set(topics) <= set(self.allowed_inputs):
-            return False
-        self.inputs(**topics)
-        return True
-
-    def set_output(self, **topics: Topic | list[Topic]) -> bool:
-        """As :meth:`outputs`; False when the component has no such key."""
-        if not set(topics) <= set(self.allowed_outputs):
-            return False
-        self.outputs(**topics)
-        return True
-
-    def _replace(
-        self,
-        table: dict[str, list[Topic]],
-        allowed: Mapping[str, AllowedTopics],
-        topics: Mapping[str, Topic | list[Topic]],
-        kind: str,
-    ) -> None:
-        checked = {}
-        for key, value in topics.items():
-            if key not in allowed:
-                raise ValueError(
-                    f"{self.node_name}: '{key}' is not an {kind}; known are {', '.join(allowed)}"
-                )
-            listed = list(value) if isinstance(value, list | tuple) else [value]
-            allowed[key].check(self.node_name, key, listed)
-            checked[key] = listed
-        table.update(checked)
-
-    @property
-    def inputs_keys(self) -> list[str]:
-        """Keys that take an input."""
-        return list(self.allowed_inputs)
-
-    @property
-    def outputs_keys(self) -> list[str]:
-        """Keys that give an output."""
-        return list(self.allowed_outputs)
-
-    def get_in_topic(self, key: str) -> Topic | list[Topic] | None:
-        """The topic of an input key; a list when there are several, None when there is none."""
-        return _one_or_all(self._topics_in.get(str(getattr(key, "value", key)), []))
-
-    def get_out_topic(self, key: str) -> Topic | list[Topic] | None:
-        """The topic of an output key; a list when there are several, None when there is none."""
-        return _one_or_all(self._topics_out.get(str(getattr(key, "value", key)), []))
-
-    @property
-    def run_type(self) -> ComponentRunType:
-        """What makes the component work."""
-        return self._run_type
-
-    @run_type.setter
-    def run_type(self, value: str | ComponentRunType) -> None:
-        run_type = ComponentRunType.read(value)
-        if run_type not in self.allowed_run_types:
-            names = ", ".join(allowed.value for allowed in self.allowed_run_types)
-            raise ValueError(
-                f"{self.node_name}: run_type = {run_type.value} is not possible for a "
-                f"{type(self).__name__}; possible are {names}"
-            )
-        self._run_type = run_type
-
-    @property
-    def robot(self) -> RobotConfig:
-        """The robot that the component assumes."""
-        return self.config.robot
-
-    @robot.setter
-    def robot(self, value: RobotConfig) -> None:
-        self.config.robot = value
-
-    @property
-    def frames(self) -> RobotFrames:
-        """Names of the coordinate frames."""
-        return self.config.frames
-
-    @frames.setter
-    def frames(self, value: RobotFrames) -> None:
-        self.config.frames = value
-
-    @property
-    def loop_rate(self) -> float:
-        """Rate of the main loop [Hz]."""
-        return self.config.loop_rate
-
-    @loop_rate.setter
-    def loop_rate(self, value: float) -> None:
-        self.config.loop_rate = value
-
-    @property
-    def status_topic(self) -> Topic:
-        """Where the component publishes its health."""
-        return Topic(name=f"{self.node_name}/status", msg_type=ComponentStatus)
-
-    def apply_config_file(self, path: str) -> None:
-        """Lay the sections ``/**`` and ``<node_name>`` of a file over the settings.
+        Returns
+        -------
+        Any
+            What it returns: True for success, False for failure, None, or a value.
 
         Raises
         ------
-        ConfigFileError
-            When the file or a setting in it cannot be used; nothing is changed then.
+        ActionRefused
+            When there is no such action, its arguments do not fit, or it needs an active component.
         """
-        sections = read_config_file(path)
-        config = self.config.model_dump()
-        topics: dict[str, dict[str, Any]] = {"inputs": {}, "outputs": {}}
-        for name in (COMMON, self.node_name):
-            section = sections.get(name) or {}
-            where = f"{path}, section '{name}'"
-            if not isinstance(section, dict):
-                raise ConfigFileError(f"{where}: expected settings, found {section!r}")
-            for key, value in section.items():
-                if key in topics:
-                    topics[key].update(self._read_topics(key, value, where, name == COMMON))
-                elif self._takes_section(key, value, name == COMMON):
-                    continue
-                elif key in config or name != COMMON:
-                    _lay_over(config, key, value)
-        try:
-            updated = self.config_class.model_validate(config)
-        except ValidationError as error:
-            raise ConfigFileError(explain(error, self.config_class, path)) from None
-        self.config = updated
+        spec = actions_of(type(self)).get(name)
+        if spec is None:
+            raise ActionRefused(
+                f"{self.node_name} has no action '{name}'; known are "
+                f"{', '.join(self.available_actions)}"
+            )
+        method = getattr(self, name)
+        check_call(self.node_name, method, kwargs)
+        if spec.active and not self.is_active:
+            raise ActionRefused(f"{self.node_name} is not active; start it before '{name}'")
+        result = method(**kwargs)
+        return await result if inspect.isawaitable(result) else result
+
+    @component_action
+    def start(self) -> bool:
+        """Configure if need be, and activate."""
+        node = self.node
+        if node.state == "unconfigured":
+            node.trigger_configure()
+        if node.state == "inactive":
+            node.trigger_activate()
+        return self.is_active
+
+    @component_action
+    def stop(self) -> bool:
+        """Deactivate; services and node stay."""
+        if self.is_active:
+            self.node.trigger_deactivate()
+        return not self.is_active
+
+    @component_action
+    async def restart(self, *, wait_time: float | None = None) -> bool:
+        """Deactivate, clean up, configure and activate; True when active again.
+
+        Parameters
+        ----------
+        wait_time
+            Rest between the two halves [s].
+        """
+        self._down()
+        if wait_time:
+            await self.sleep(float(wait_time))
+        return self.start()
+
+    @component_action
+    def reconfigure(
+        self,
+        new_config: ComponentConfig | Mapping[str, Any] | str,
+        keep_alive: bool = False,
+    ) -> bool:
+        """Take other settings.
+
+        Parameters
+        ----------
+        new_config
+            Settings by name, a whole config, or the path of a file.
+        keep_alive
+            Take them while running, instead of after a restart.
+
+        Raises
+        ------
+        ParameterError, ConfigFileError
+            When one of them is refused; nothing changes then.
+        """
+        topics: dict[str, dict[str, Topic]] = {"inputs": {}, "outputs": {}}
+        if isinstance(new_config, str | Path):
+            config, topics = self.settings_of_file(str(new_config))
+        elif isinstance(new_config, ComponentConfig):
+            if not isinstance(new_config, self.config_class):
+                raise ParameterError(
+                    f"{self.node_name}: new_config is a {type(new_config).__name__}; "
+                    f"give a {self.config_class.__name__}"
+                )
+            config = new_config.model_copy(deep=True)
+        else:
+            config = with_values(self.config, new_config, self.node_name)
+        if keep_alive:
+            self._take(config)
+            for direction, table in (("input", topics["inputs"]), ("output", topics["outputs"])):
+                for key, topic in table.items():
+                    self._change_topic(direction, key, 0, topic)
+            return True
+        was_active = self.is_active
+        self._down()
+        self.config = config
         self.inputs(**topics["inputs"])
         self.outputs(**topics["outputs"])
+        return self.start() if was_active else True
 
-    def _takes_section(self, key: str, value: Any, common: bool) -> bool:
-        """Whether a key of the file is a section of the component's own, e.g. an algorithm."""
-        return False
+    @component_action
+    def set_param(self, param_name: str, new_value: Any, keep_alive: bool = True) -> bool:
+        """Change one setting; see :meth:`set_params`."""
+        return self.set_params([param_name], [new_value], keep_alive)
 
-    def _read_topics(self, kind: str, value: Any, where: str, common: bool) -> dict[str, Topic]:
-        allowed = self.allowed_inputs if kind == "inputs" else self.allowed_outputs
-        read = {}
-        for key, fields in value.items():
-            if common and key not in allowed:
-                continue
-            try:
-                read[key] = Topic(**fields)
-            except (TypeError, ValueError) as error:
-                raise ConfigFileError(f"{where}, {kind}.{key}: {error}") from None
-        return read
+    @component_action
+    def set_params(
+        self, params_names: list[str], new_values: list[Any], keep_alive: bool = True
+    ) -> bool:
+        """Change settings, all or none, with effect at once.
 
-    # -- life ---------------------------------------------------------------------------------
+        Parameters
+        ----------
+        params_names
+            Fields of the config; a dot leads into a nested one.
+        new_values
+            As many.
+        keep_alive
+            Change them while running; otherwise the component restarts with them.
 
-    @property
-    def node(self) -> ComponentNode:
-        """The ROS node; only in the process that runs the component."""
-        if self._node is None:
-            raise RuntimeError(
-                f"{self.node_name} has no ROS node yet; it is made by Launcher.bringup()"
+        Raises
+        ------
+        ParameterError
+            When one is refused; nothing changes then.
+        """
+        if len(params_names) != len(new_values):
+            raise ParameterError(
+                f"{self.node_name}: {len(params_names)} names for {len(new_values)} values; "
+                "give one value for each name"
             )
-        return self._node
+        values = dict(zip(params_names, new_values, strict=True))
+        return self.reconfigure(values, keep_alive)
 
-    def create_node(self, namespace: str = "") -> ComponentNode:
-        """Make the ROS node; rclpy must be initialised."""
-        self._node = ComponentNode(self.node_name, self, namespace)
-        return self._node
+    @component_action
+    def broadcast_status(self) -> bool:
+        """Publish the status now."""
+        self.publish_status(always=True)
+        return True
 
-    def leave(self) -> None:
-        """Deactivate and give the node back, before the process ends."""
-        if self._node is not None:
-            if self._timer is not None:
-                self._node.trigger_deactivate()
-            self._node.trigger_shutdown()
-            self._node.destroy_node()
-            self._node = None
+    def _down(self) -> None:
+        self.stop()
+        if self.node.state == "inactive":
+            self.node.trigger_cleanup()
 
-    def on_configure(self) -> None:
-        self._status = StatusPublisher(self.node, self.config.status_rate)
-        for key, topics in self._topics_out.items():
-            self._publishers[key] = [
-                self.node.create_publisher(
-                    topic.ros_msg_type,
-                    topic.name,
-                    (topic.qos_profile or self.qos.get(key) or QoSConfig()).to_ros(),
-                )
-                for topic in topics
-            ]
-        for key, topics in self._topics_in.items():
-            self._inputs[key] = [Input(topic, self.qos.get(key)) for topic in topics]
-        self.init_variables()
-        self.custom_on_configure()
+    # -- live changes -------------------------------------------------------------------------
 
-    def on_activate(self) -> None:
-        for key in self._topics_in:
-            for source in self._inputs[key]:
-                source.open(self.node)
-        self.health.set_healthy()
-        self.custom_on_activate()
-        self._timer = self.node.create_timer(1.0 / self.config.loop_rate, self._tick)
-        # A slow loop must not make the component look silent.
-        if self.config.loop_rate < self.config.status_rate:
-            self.node.create_timer(1.0 / self.config.status_rate, self.publish_status)
-        self.publish_status()
+    def on_config_changed(self, names: set[str]) -> None:
+        """Take changed settings into account; ``names`` are the config's fields that changed.
 
-    def on_deactivate(self) -> None:
-        self.custom_on_deactivate()
-        for timer in list(self.node.timers):
-            self.node.destroy_timer(timer)
-        self._timer = None
-        for sources in self._inputs.values():
-            for source in sources:
-                source.close(self.node)
+        Called while configured. An exception undoes the change.
+        """
 
-    def on_cleanup(self) -> None:
-        self.custom_on_cleanup()
-        for publishers in self._publishers.values():
-            for publisher in publishers:
-                self.node.destroy_publisher(publisher)
-        self._publishers, self._inputs = {}, {}
-
-    def on_shutdown(self) -> None:
-        self.custom_on_shutdown()
-
-    def on_transition_error(self, transition: str, error: Exception) -> None:
-        self.health.set_fail_component([self.node_name], f"{transition} failed: {error}")
-        self.node.get_logger().error(f"{transition} failed: {type(error).__name__}: {error}")
-        self.publish_status()
-
-    # -- what a component overrides -----------------------------------------------------------
-
-    def init_variables(self) -> None:
-        """Make what the component needs before it runs."""
-
-    def custom_on_configure(self) -> None:
-        """After inputs and outputs are known."""
-
-    def custom_on_activate(self) -> None:
-        """Before the first step."""
-
-    def custom_on_deactivate(self) -> None:
-        """After the last step; timers and inputs are still there."""
-
-    def custom_on_cleanup(self) -> None:
-        """Give back what :meth:`custom_on_configure` took."""
-
-    def custom_on_shutdown(self) -> None:
-        """Before the process ends."""
-
-    def _execution_step(self) -> None:
-        """One turn of the main loop. An exception becomes a component failure."""
-
-    # -- what a component uses ----------------------------------------------------------------
-
-    def input(self, key: str, index: int = 0) -> Input:
-        """An input of the running component."""
-        return self._inputs[key][index]
-
-    def publish(self, key: str, message: Any, index: int = 0) -> None:
-        """Publish on an output; nothing happens when the recipe took the output away."""
-        publishers = self._publishers.get(key, [])
-        if index < len(publishers):
-            publishers[index].publish(message)
-
-    def publish_status(self) -> None:
-        """Publish the health when it changed or is due."""
+    def _take(self, config: ComponentConfig) -> None:
+        old, self.config = self.config, config
+        before, after = old.model_dump(), config.model_dump()
+        names = {name for name in after if after[name] != before[name]}
+        if not names or self._node is None or self._node.state == "unconfigured":
+            return
+        try:
+            self.on_config_changed(names)
+        except Exception:
+            self.config = old
+            self.on_config_changed(names)
+            raise
+        if self.is_active and names & set(FULL_RATE):
+            self._start_loop()
         if self._status is not None:
-            self._status.publish(self.health)
+            self._status.set_rate(config.status_rate)
 
-    def warn(self, text: str, every: float = 5.0) -> None:
-        """Log a warning, the same one at most once in ``every`` seconds."""
-        now = time.monotonic()
-        if now - self._logged.get(text, -float("inf")) >= every:
-            self._logged[text] = now
-            self.node.get_logger().warning(text)
+    def replace_topic(self, direction: str, old_name: str, topic: Topic) -> None:
+        """Use another topic for an input or output, while running too.
 
-    def _tick(self) -> None:
-        if self.run_type is ComponentRunType.TIMED or self.steps_in_any_run_type:
-            try:
-                self._execution_step()
-            except Exception as error:  # noqa: BLE001 - becomes the component's status
-                text = f"{type(error).__name__}: {error}"
-                self.health.set_fail_component([self.node_name], text)
-                self.warn(f"step failed: {text}")
-        self.publish_status()
+        Parameters
+        ----------
+        direction
+            "input" or "output".
+        old_name
+            Name of the topic to be replaced, with or without the leading slash.
 
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}('{self.node_name}')"
+        Raises
+        ------
+        ValueError, TypeError
+            When no key uses ``old_name``, or the new one does not fit; nothing changes then.
+        """
+        table = self._topics_in if direction == "input" else self._topics_out
+        wanted = old_name.strip().removeprefix("/")
+        for key, topics in table.items():
+            for index, used in enumerate(topics):
+                if used.name == wanted:
+                    self._change_topic(direction, key, index, topic)
+                    return
+        names = ", ".join(f"/{used.name}" for topics in table.values() for used in topics)
+        raise ValueError(
+            f"{self.node_name}: no {direction} uses '{old_name}'; those in use are {names}"
+        )
 
-
-def _one_or_all(topics: list[Topic]) -> Topic | list[Topic] | None:
-    return topics[0] if len(topics) == 1 else (list(topics) or None)
-
-
-def _lay_over(config: dict[str, Any], key: str, value: Any) -> None:
-    if isinstance(value, dict) and isinstance(config.get(key), dict):
-        for inner, inner_value in value.items():
-            _lay_over(config[key], inner, inner_value)
-    else:
-        config[key] = copy.deepcopy(value)
+    def _change_topic(self, direction: str, key: str, index: int, topic: Topic) -> None:
+        table, allowed, replace = (
+            (self._topics_in, self.allowed_inputs, self.inputs)
+            if direction == "input"
+            else (self._topics_out, self.allowed_outputs, self.outputs)
+        )
+        topics = list(table.get(key, []))
+        topics[index : index + 1] = [topic]
+        allowed[key].check(self.node_name, key, topics)
+        replace(**{key: topics})
+        if direction == "output" and key in self._publishers:
+            publisher = self._make_publisher(key, topic)
+            self.node.destroy_publisher(self._publishers[key][index])
+            self._publishers[key][index] = publisher
+        elif direction == "input" and key in self._inputs:
+            old, new = self._inputs[key][index], Input(topic, self.qos.get(key))
+            new.on_message = old.on_message
+            if old.is_open:
+                new.open(self.node)
+                old.close(self.node)
+            self._inputs[key][index] = new

@@ -53,7 +53,7 @@ class Controller(Located):
     qos: ClassVar = {"plan": LATCHED}
 
     def __init__(self, component_name: str = "controller", **kwargs: object) -> None:
-        super().__init__(component_name, **kwargs)  # type: ignore[arg-type]
+        super().__init__(component_name, **kwargs)
 
     @property
     def algorithm(self) -> ControllersID:

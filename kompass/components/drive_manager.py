@@ -65,7 +65,7 @@ class DriveManager(Located):
     }
 
     def __init__(self, component_name: str = "drive_manager", **kwargs: object) -> None:
-        super().__init__(component_name, **kwargs)  # type: ignore[arg-type]
+        super().__init__(component_name, **kwargs)
         self._latch = StopLatch()
 
     def init_variables(self) -> None:
@@ -88,7 +88,7 @@ class DriveManager(Located):
         self._state = DriveState(speed_factor=1.0)
         self._state_sent = -float("inf")
 
-    def custom_on_configure(self) -> None:
+    def create_interfaces(self) -> None:
         self._state_publisher = self.node.create_publisher(
             DriveState, "drive_state", LATCHED.to_ros()
         )

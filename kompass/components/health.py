@@ -28,9 +28,9 @@ class Health:
         """True unless a failure is set."""
         return bool(self.level == ComponentStatus.STATUS_HEALTHY)
 
-    def set_healthy(self) -> None:
-        """Clear the failure and its sources."""
-        self._set(ComponentStatus.STATUS_HEALTHY, "")
+    def set_healthy(self, message: str = "") -> None:
+        """Clear the failure and its sources; ``message`` tells e.g. what is waited for."""
+        self._set(ComponentStatus.STATUS_HEALTHY, message)
 
     def set_fail_algorithm(self, algorithms: list[str], message: str = "") -> None:
         """The data is there, and no answer was found."""

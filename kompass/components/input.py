@@ -23,8 +23,15 @@ class Input:
         self._qos = topic.qos_profile or qos or fitting
         self._subscription: Any = None
 
+    @property
+    def is_open(self) -> bool:
+        """Whether it is subscribed."""
+        return self._subscription is not None
+
     def open(self, node: LifecycleNode) -> None:
-        """Subscribe."""
+        """Subscribe; nothing happens when it is."""
+        if self.is_open:
+            return
         self._subscription = node.create_subscription(
             self.topic.ros_msg_type, self.topic.name, self._receive, self._qos.to_ros()
         )

@@ -35,9 +35,9 @@ class MapServer(Component):
     qos: ClassVar = {"map": LATCHED}
 
     def __init__(self, component_name: str = "map_server", **kwargs: object) -> None:
-        super().__init__(component_name, **kwargs)  # type: ignore[arg-type]
+        super().__init__(component_name, **kwargs)
 
-    def custom_on_configure(self) -> None:
+    def create_interfaces(self) -> None:
         self.node.create_service(LoadMap, f"{self.node_name}/load_map", self._on_load_map)
 
     def custom_on_activate(self) -> None:
@@ -58,6 +58,10 @@ class MapServer(Component):
     def _on_load_map(
         self, request: LoadMap.Request, response: LoadMap.Response
     ) -> LoadMap.Response:
+        if not self.is_active:
+            response.result = LoadMap.Response.RESULT_UNDEFINED_FAILURE
+            self.warn("load_map: the map server is not active")
+            return response
         path = path_of(request.map_url)
         if not path.is_file():
             response.result = LoadMap.Response.RESULT_MAP_DOES_NOT_EXIST

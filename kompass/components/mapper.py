@@ -53,7 +53,7 @@ class LocalMapper(Located):
     qos: ClassVar = {"local_map": QoSConfig(queue_size=1)}
 
     def __init__(self, component_name: str = "mapper", **kwargs: object) -> None:
-        super().__init__(component_name, **kwargs)  # type: ignore[arg-type]
+        super().__init__(component_name, **kwargs)
 
     def init_variables(self) -> None:
         size = self.config.map_params

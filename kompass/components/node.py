@@ -23,6 +23,11 @@ class ComponentNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         super().__init__(name, namespace=namespace or None)
         self._component = component
 
+    @property
+    def state(self) -> str:
+        """Label of the lifecycle's state: unconfigured, inactive, active, finalized, …"""
+        return str(self._state_machine.current_state[1])
+
     def _carry(self, transition: str) -> TransitionCallbackReturn:
         try:
             getattr(self._component, transition)()

@@ -71,7 +71,7 @@ class Planner(Located):
     qos: ClassVar = {"map": LATCHED, "plan": LATCHED}
 
     def __init__(self, component_name: str = "planner", **kwargs: object) -> None:
-        super().__init__(component_name, **kwargs)  # type: ignore[arg-type]
+        super().__init__(component_name, **kwargs)
 
     def init_variables(self) -> None:
         self._planner: GlobalPlanner | None = None
@@ -86,7 +86,7 @@ class Planner(Located):
     def _serves_action(self) -> bool:
         return self.run_type is ComponentRunType.ACTION_SERVER
 
-    def custom_on_configure(self) -> None:
+    def create_interfaces(self) -> None:
         name = self.node_name
         self.node.create_service(CheckGoal, f"{name}/check_goal", self._on_check_goal)
         self.node.create_subscription(
@@ -98,11 +98,12 @@ class Planner(Located):
                 PlanPath,
                 f"{name}/plan_path",
                 self._execute,
-                goal_callback=lambda _goal: GoalResponse.ACCEPT,
+                goal_callback=lambda _goal: (
+                    GoalResponse.ACCEPT if self.is_active else GoalResponse.REJECT
+                ),
                 cancel_callback=lambda _handle: CancelResponse.ACCEPT,
             )
-            if self.config.goals_from_topics:
-                self._client = ActionClient(self.node, PlanPath, f"{name}/plan_path")
+            self._client = ActionClient(self.node, PlanPath, f"{name}/plan_path")
 
     def custom_on_activate(self) -> None:
         super().custom_on_activate()
@@ -111,7 +112,7 @@ class Planner(Located):
         if not self._serves_action or self.config.goals_from_topics:
             for source in self._inputs["goal_point"]:
                 source.on_message = self._on_goal_message
-        self._progress = self.node.create_timer(1.0 / PROGRESS_RATE, self._follow)
+        self._progress = self.create_timer(1.0 / PROGRESS_RATE, self._follow)
         self._progress.cancel()
 
     def custom_on_deactivate(self) -> None:
@@ -326,6 +327,10 @@ class Planner(Located):
     def _on_check_goal(
         self, request: CheckGoal.Request, response: CheckGoal.Response
     ) -> CheckGoal.Response:
+        if not self.is_active:
+            response.reason = int(Reason.NO_POSE)
+            response.message = "The planner is not active; start it first."
+            return response
         return check_goal(self._ready, self.config.robot, self._path_msg, request, response)
 
     def _path_msg(self, poses: Any) -> Path:

@@ -23,11 +23,16 @@ class StatusPublisher:
         self._last: ComponentStatus | None = None
         self._sent = 0.0
 
-    def publish(self, health: Health) -> None:
-        """Send when something changed or the period has passed."""
+    def set_rate(self, rate: float) -> None:
+        """Repeat at another rate [Hz] from now on."""
+        self._period = 1.0 / rate
+
+    def publish(self, health: Health, *, always: bool = False) -> None:
+        """Send when something changed or the period has passed, or ``always``."""
         message = health.to_msg()
         now = time.monotonic()
-        if message == self._last and now - self._sent < 0.95 * self._period:
+        due = always or now - self._sent >= 0.95 * self._period
+        if message == self._last and not due:
             return
         self._last, self._sent = message, now
         for publisher in self._publishers:

@@ -1,0 +1,94 @@
+"""Which methods of a component may be called by a rule, or by anybody on the ROS graph.
+
+Only decorated methods are: without that, every attribute of a component would be an interface.
+"""
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar, overload
+
+ATTRIBUTE = "__component_action__"
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True)
+class ActionSpec:
+    """What is known of a component action.
+
+    Attributes
+    ----------
+    name
+        Of the method.
+    active
+        Whether the component must be active for it.
+    description
+        For people and tools; the first line of the docstring unless given.
+    """
+
+    name: str
+    active: bool
+    description: Any
+
+
+@overload
+def component_action(function: Method) -> Method: ...
+@overload
+def component_action(
+    function: None = None, *, description: Any = None, active: bool = False
+) -> Callable[[Method], Method]: ...
+def component_action(
+    function: Method | None = None, *, description: Any = None, active: bool = False
+) -> Method | Callable[[Method], Method]:
+    """Mark a method of a component as callable by rules; bare, or with arguments.
+
+    A method that takes long is written as ``async def`` and awaits ROS futures
+    (:meth:`kompass.components.Component.sleep`): the component's loop goes on meanwhile. It returns
+    True for success, False for failure, or something that JSON can carry.
+
+    Parameters
+    ----------
+    description
+        Shown to people; the first line of the docstring unless given.
+    active
+        Refuse the call while the component is not active.
+    """
+
+    def mark(method: Method) -> Method:
+        first_line = (inspect.getdoc(method) or method.__name__).splitlines()[0]
+        spec = ActionSpec(method.__name__, active, description or first_line)
+        setattr(method, ATTRIBUTE, spec)
+        return method
+
+    return mark if function is None else mark(function)
+
+
+def actions_of(kind: type) -> Mapping[str, ActionSpec]:
+    """The component actions of a class by name, inherited and overridden ones included."""
+    found: dict[str, ActionSpec] = {}
+    for base in reversed(kind.__mro__):
+        for name, value in vars(base).items():
+            spec = getattr(value, ATTRIBUTE, None)
+            if isinstance(spec, ActionSpec):
+                found[name] = spec
+    return found
+
+
+class ActionRefused(ValueError):
+    """The call names no action, does not fit it, or comes at the wrong time."""
+
+
+def check_call(owner: str, method: Callable[..., Any], kwargs: Mapping[str, Any]) -> None:
+    """Raise ActionRefused, naming what is wrong, when ``method`` does not take ``kwargs``."""
+    signature = inspect.signature(method)
+    try:
+        signature.bind(**kwargs)
+    except TypeError as error:
+        raise ActionRefused(
+            f"{owner}.{method.__name__}: {error}; it takes {signature_text(signature)}"
+        ) from None
+
+
+def signature_text(signature: inspect.Signature) -> str:
+    """The parameters of a signature, as a person writes a call."""
+    return f"({', '.join(map(str, signature.parameters.values()))})"

@@ -1,0 +1,94 @@
+"""A component that really runs, in a thread of the test, and a client of its own beside it."""
+
+import json
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from automatika_ros_sugar.msg import ComponentStatus
+from automatika_ros_sugar.srv import ExecuteMethod
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.experimental import EventsExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
+
+from kompass.components import Component
+from tests.support.domains import next_domain
+from tests.support.processes import wait_until
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class Alive:
+    """Runs one component on a ROS domain of its own."""
+
+    def __init__(self, component: Component, *, activate: bool = True) -> None:
+        self.component = component
+        domain = next_domain()
+        rclpy.init(args=[], domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+        self.client_context = rclpy.Context()
+        rclpy.init(args=[], context=self.client_context, domain_id=domain)
+        self._ended = threading.Event()
+        node = component.create_node()
+        executor = EventsExecutor()
+        executor.add_node(node)
+        if activate:
+            node.trigger_configure()
+            node.trigger_activate()
+        self.node = rclpy.create_node("tester", context=self.client_context)
+        self.statuses: list[ComponentStatus] = []
+        self.node.create_subscription(
+            ComponentStatus, f"{component.node_name}/status", self.statuses.append, LATCHED
+        )
+        client_executor = SingleThreadedExecutor(context=self.client_context)
+        client_executor.add_node(self.node)
+        self._threads = [
+            threading.Thread(target=self._spin, args=(one,)) for one in (executor, client_executor)
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def _spin(self, executor: Any) -> None:
+        while not self._ended.is_set():
+            executor.spin_once(timeout_sec=0.05)
+
+    def close(self) -> None:
+        """End the component as its process would."""
+        self._ended.set()
+        for thread in self._threads:
+            thread.join()
+        self.component.leave()
+        self.node.destroy_node()
+        rclpy.shutdown()
+        self.client_context.try_shutdown()
+
+    def call(self, kind: type, name: str, request: Any, timeout: float = 10.0) -> Any:
+        """Call a service of the component."""
+        done = self.begin(kind, name, request)
+        wait_until(lambda: done() is not None, timeout, f"answer of {name}")
+        return done()
+
+    def begin(self, kind: type, name: str, request: Any) -> Callable[[], Any]:
+        """Call a service; the returned function gives the answer once it is there."""
+        client = self.node.create_client(kind, f"{self.component.node_name}/{name}")
+        wait_until(client.service_is_ready, 10, f"service {name}")
+        future = client.call_async(request)
+        return lambda: future.result() if future.done() else None
+
+    def execute(self, name: str, timeout: float = 10.0, **kwargs: Any) -> Any:
+        """Call a component action, as rules do."""
+        request = ExecuteMethod.Request(name=name, kwargs_json=json.dumps(kwargs))
+        return self.call(ExecuteMethod, "execute_method", request, timeout)
+
+    def publisher(self, kind: type, topic: str, qos: Any = 10) -> Any:
+        """A publisher that the component has found."""
+        publisher = self.node.create_publisher(kind, topic, qos)
+        wait_until(lambda: publisher.get_subscription_count() > 0, 10, f"a listener on {topic}")
+        return publisher
+
+    def hear(self, kind: type, topic: str, qos: Any = 10) -> list[Any]:
+        """All messages of a topic from now on."""
+        heard: list[Any] = []
+        self.node.create_subscription(kind, topic, heard.append, qos)
+        return heard
