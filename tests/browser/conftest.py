@@ -1,0 +1,72 @@
+"""A stack and a browser for a module of tests; a page of its own for each test."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser
+
+from tests.browser.chromium import chromium
+from tests.browser.console_page import ConsolePage
+from tests.support.robot import Robot
+from tests.support.stack import TOKEN, Stack
+
+OpenPage = Callable[..., ConsolePage]
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[Stack]:
+    """Recipe 01 with the embedded robot and the console."""
+    running = Stack.simulated()
+    try:
+        yield running
+    finally:
+        running.close()
+
+
+@pytest.fixture(scope="module")
+def robot(stack: Stack) -> Iterator[Robot]:
+    """An independent client on the stack's domain."""
+    client = Robot(stack.domain)
+    try:
+        client.ready()
+        yield client
+    finally:
+        client.close()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """A browser, gone again before the module is asked for what it left behind."""
+    with chromium() as running:
+        yield running
+
+
+@pytest.fixture
+def new_page(
+    request: pytest.FixtureRequest, stack: Stack, robot: Robot, browser: Browser
+) -> Iterator[OpenPage]:
+    """Makes pages, each as a browser that was never here; every one is pictured at the end."""
+    made: list[ConsolePage] = []
+
+    def make(width: int = 1120, height: int = 640, **options: Any) -> ConsolePage:
+        context = browser.new_context(viewport={"width": width, "height": height}, **options)
+        context.set_default_timeout(10_000)
+        made.append(ConsolePage(context.new_page(), stack.url))
+        return made[-1]
+
+    yield make
+    wrong: list[str] = []
+    for number, page in enumerate(made):
+        page.keep(f"{request.node.name}-{number}" if number else request.node.name)
+        wrong += page.errors + page.policy_violations()
+        page.page.context.close()
+    assert not wrong, "the page's script failed, or tried what its content policy refuses"
+
+
+@pytest.fixture
+def page(new_page: OpenPage) -> ConsolePage:
+    """An operator's page with its scene drawn."""
+    opened = new_page()
+    opened.open(TOKEN)
+    return opened

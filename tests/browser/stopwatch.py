@@ -1,0 +1,50 @@
+"""Times what a person waits for, inside the page: from a release of the pointer to the sight of
+what it led to."""
+
+from __future__ import annotations
+
+from playwright.sync_api import Page
+
+# The browser's own time of the release, up to the end of the frame that shows the awaited thing.
+_ARM = """(sight) => {
+  const lap = (window.kompassLap = { released: null, seen: null });
+  let drawing = false;
+  addEventListener(
+    "pointerup",
+    (event) => { lap.released = event.timeStamp; },
+    { capture: true, once: true },
+  );
+  const look = () => {
+    if (drawing || lap.released === null || document.querySelector(sight) === null) return;
+    drawing = true;
+    watch.disconnect();
+    requestAnimationFrame(() => setTimeout(() => { lap.seen = performance.now(); }, 0));
+  };
+  const watch = new MutationObserver(look);
+  watch.observe(document.body, {
+    subtree: true, childList: true, characterData: true,
+    attributes: true, attributeFilter: ["data-phase"],
+  });
+}"""
+_DONE = "() => window.kompassLap.seen !== null"
+_READ = "() => window.kompassLap.seen - window.kompassLap.released"
+
+# With an answer the goal's card has a button to send it, or to send the nearest point instead.
+ANSWERED = '[data-testid="goal-go"], [data-testid="goal-nearest"]'
+ACCEPTED = ", ".join(
+    f'[data-testid="goal-status"][data-phase="{phase}"]'
+    for phase in ("accepted", "driving", "arrived")
+)
+
+
+class Stopwatch:
+    """Armed before the hand moves, read when ``sight`` (a CSS selector) has been seen."""
+
+    def __init__(self, page: Page, sight: str) -> None:
+        self._page = page
+        page.evaluate(_ARM, sight)
+
+    def read(self, timeout: float = 10.0) -> float:
+        """Milliseconds from the first release since to the end of the frame that shows it."""
+        self._page.wait_for_function(_DONE, timeout=timeout * 1000)
+        return float(self._page.evaluate(_READ))
