@@ -47,6 +47,31 @@ def resolve(
     return {key: _resolve(value, message, messages or {}, key) for key, value in arguments.items()}
 
 
+def expand(arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """Return keys with dots as nested mappings: ``{"point.x": 1}`` is ``{"point": {"x": 1}}``.
+
+    Raises
+    ------
+    ArgumentError
+        If one key is set both as a whole and in parts.
+    """
+    nested: dict[str, Any] = {}
+    for key, value in arguments.items():
+        *parents, last = key.split(".")
+        at = nested
+        for part in parents:
+            at = at.setdefault(part, {})
+            if not isinstance(at, dict):
+                raise ArgumentError(f"argument '{key}': '{part}' is already set; give it once")
+        value = expand(value) if isinstance(value, dict) else value
+        if last in at:
+            if not isinstance(at[last], dict) or not isinstance(value, dict):
+                raise ArgumentError(f"argument '{key}' is already set; give it once")
+            value = {**at[last], **value}
+        at[last] = value
+    return nested
+
+
 def references(value: JsonValue) -> Iterator[tuple[str | None, tuple[str | int, ...]]]:
     """Walk the references in an argument: topic (None for the triggering message) and path.
 

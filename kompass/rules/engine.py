@@ -111,9 +111,8 @@ def _expire(table: CompiledTable, state: State, timer: Timer, at: float, touched
     if when is not None and when > at:
         heappush(state.schedule, (when, LEAF, timer.index))
         return
-    if timer.kind == "rate" and when is not None:
-        leaf = table.leaves[timer.leaves[0]]
-        _set(state, leaf, rate_of(timer, state, at), touched)
+    if timer.kind == "rate":
+        _set(state, table.leaves[timer.leaves[0]], rate_of(timer, state, at), touched)
         start(timer, state, at)
         return
     state.idle[timer.topic].append(timer.index)
