@@ -1,0 +1,62 @@
+"""The environment is put right, or what is wrong with it is told, before ROS is touched."""
+
+from pathlib import Path
+
+import pytest
+
+from kompass.launch.claim import AlreadyRunning, claim
+from kompass.launch.environment import EnvironmentProblem, check_environment
+from kompass.middleware import PROFILES, RANGE, TRANSPORTS, prepare_middleware
+
+
+def test_messages_go_by_udp() -> None:
+    environment: dict[str, str] = {}
+    prepare_middleware(environment)
+    assert environment == {TRANSPORTS: "UDPv4"}
+
+
+def test_this_machine_only_is_a_profile_without_shared_memory() -> None:
+    environment = {RANGE: "LOCALHOST"}
+    prepare_middleware(environment)
+    assert environment[RANGE] == "SYSTEM_DEFAULT"
+    text = Path(environment[PROFILES]).read_text()
+    assert "127.0.0.1" in text
+    assert "SHM" not in text
+
+
+def test_what_the_user_has_chosen_stays() -> None:
+    environment = {RANGE: "LOCALHOST", PROFILES: "/etc/mine.xml"}
+    prepare_middleware(environment)
+    assert environment == {RANGE: "LOCALHOST", PROFILES: "/etc/mine.xml"}
+
+
+def test_a_missing_middleware_is_told_with_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_nowhere_cpp")
+    with pytest.raises(EnvironmentProblem, match="unset RMW_IMPLEMENTATION"):
+        check_environment()
+
+
+def test_an_impossible_domain_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "300")
+    with pytest.raises(EnvironmentProblem, match="from 0 to 232"):
+        check_environment()
+
+
+def test_a_name_on_a_domain_is_claimed_once(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    import os
+
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    held = claim(["planner"])
+    with pytest.raises(AlreadyRunning, match="'planner' on ROS domain 7"):
+        claim(["planner"])
+    claimed_elsewhere = claim(["planner"], namespace="robot2")
+    monkeypatch.setenv("ROS_DOMAIN_ID", "8")
+    on_another_domain = claim(["planner"])
+    for descriptor in [*held, *claimed_elsewhere, *on_another_domain]:
+        os.close(descriptor)
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    for descriptor in claim(["planner"]):
+        os.close(descriptor)

@@ -1,0 +1,96 @@
+"""The recipes of the two published documents run unchanged, byte for byte."""
+
+import os
+import re
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from automatika_ros_sugar.msg import ComponentStatus
+from kompass_interfaces.msg import RuleFiring
+
+from tests.support.processes import wait_until
+from tests.support.robot import LATCHED, Robot
+from tests.support.stack import Stack
+
+pytestmark = pytest.mark.ros
+
+# The documents are not ours to ship; they lie beside the checkout where there are any.
+DOCUMENTS = Path(__file__).parents[3] / "shared" / "seeds"
+SEEDS = {"S1": "events_actions_tutorial.txt", "S2": "cross_component_healing.txt"}
+
+
+def recipe_of(document: str) -> str:
+    """The complete recipe of a document: the listing whose lines are numbered from 1."""
+    lines: list[str] = []
+    for line in document.splitlines():
+        found = re.match(rf"^ *{len(lines) + 1}(?!\d)(.*)$", line)
+        if found and (lines or line.startswith("  1import")):
+            lines.append(found[1])
+    return "\n".join(lines) + "\n"
+
+
+@pytest.fixture(scope="module", params=list(SEEDS))
+def recipe(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    if not DOCUMENTS.is_dir():
+        pytest.skip(f"the two documents are not in {DOCUMENTS}")
+    path = tmp_path_factory.mktemp("seeds") / f"{request.param}.py"
+    path.write_text(recipe_of((DOCUMENTS / SEEDS[request.param]).read_text()))
+    return path
+
+
+@pytest.fixture(scope="module")
+def stack(recipe: Path) -> Iterator[Stack]:
+    running = Stack.simulated(recipe=recipe)
+    try:
+        yield running
+    finally:
+        running.close()
+
+
+@pytest.fixture(scope="module")
+def robot(stack: Stack) -> Iterator[Robot]:
+    client = Robot(stack.domain)
+    try:
+        client.ready()
+        yield client
+    finally:
+        client.close()
+
+
+def test_a_clicked_point_drives_the_robot_there_and_the_goal_succeeds(
+    stack: Stack, robot: Robot
+) -> None:
+    firings: list[RuleFiring] = []
+    robot.node.create_subscription(RuleFiring, "/monitor/firings", firings.append, 100)
+    robot.click(-1.5, 0.5)
+    wait_until(lambda: robot.distance_to(-1.5, 0.5) < 0.10, 40, "arrival at the clicked point")
+    wait_until(
+        lambda: any(f.phase == "done" and "rviz" in f.rule_id for f in firings),
+        20,
+        "the end of the rule's run",
+    )
+    ended = next(f for f in firings if f.phase == "done" and "rviz" in f.rule_id)
+    assert ended.ok, ended.text
+    assert "Got new goal point" in stack.output
+    assert robot.contacts == 0
+
+
+def test_a_killed_mapper_switches_the_controller_to_the_sensor_once(
+    stack: Stack, robot: Robot, recipe: Path
+) -> None:
+    if recipe.stem != "S2":
+        return  # only that recipe has a rule for it
+    robot.subscribe(ComponentStatus, "/mapper/status", LATCHED)
+    firings: list[RuleFiring] = []
+    robot.node.create_subscription(RuleFiring, "/monitor/firings", firings.append, 100)
+    handle = robot.send_goal(0.5, 0.5)
+    wait_until(lambda: robot.speed > 0.1, 15, "motion")
+    os.kill(stack.pid_of("mapper"), signal.SIGKILL)
+    wait_until(lambda: any("mapper" in f.rule_id for f in firings), 5, "the rule's firing")
+    assert robot.result(handle).status == 4
+    fired = [f for f in firings if "mapper" in f.rule_id and f.phase == "fired"]
+    assert len(fired) == 1
+    done = [f for f in firings if "mapper" in f.rule_id and f.phase == "done"]
+    assert [f.ok for f in done] == [True], [f.text for f in done]
