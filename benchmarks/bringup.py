@@ -1,6 +1,6 @@
 """Bring-up time, memory and idle CPU of the four components, without robot and console.
 
-    .venv/bin/python benchmarks/bringup.py [RUNS]
+.venv/bin/python benchmarks/bringup.py [RUNS]
 """
 
 import os

@@ -1,6 +1,6 @@
 """Random reachable goals in a row in the simulation: arrivals, contacts, restarts, errors.
 
-    .venv/bin/python benchmarks/random_goals.py [COUNT] [SEED] [WORLD]
+.venv/bin/python benchmarks/random_goals.py [COUNT] [SEED] [WORLD]
 """
 
 import math
@@ -11,8 +11,8 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from tests.support.robot import Robot  # noqa: E402
-from tests.support.stack import Stack  # noqa: E402
+from tests.support.robot import Robot
+from tests.support.stack import Stack
 
 EXTENT = {"hexagon": 2.6, "apartment": 6.0, "warehouse": 10.0}
 
@@ -50,8 +50,8 @@ def main() -> None:
                 flush=True,
             )
         print(
-            f"\n{arrivals} of {count} arrived within 0.10 m and 0.2 rad; {robot.contacts} contacts; "
-            f"{stack.output.count('starts again')} restarts; off by "
+            f"\n{arrivals} of {count} arrived within 0.10 m and 0.2 rad; "
+            f"{robot.contacts} contacts; {stack.output.count('starts again')} restarts; off by "
             f"{100 * statistics.median(distances):.1f} cm (worst {100 * max(distances):.1f}), "
             f"{statistics.median(headings):.3f} rad (worst {max(headings):.3f}); time over the "
             f"estimate {statistics.median(shares):.2f} (worst {max(shares):.2f})"

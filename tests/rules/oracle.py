@@ -102,7 +102,7 @@ def judge(leaf: Compare, value: Any) -> Verdict:
     if operator in ("<", "<=", ">", ">="):
         if kind != sort(literal) or kind not in ("number", "text"):
             return None
-        less, equal = value < literal, value == literal
+        less, equal = bool(value < literal), bool(value == literal)
         return {"<": less, "<=": less or equal, ">": not less and not equal, ">=": not less}[
             operator
         ]
@@ -160,10 +160,12 @@ class Oracle:
         self.out: list[Fired] = []
         for rule in self.rules:
             self.memory[rule.id].seen = self.snapshot(rule, None)
+            if rule.enabled:
+                self.rest(rule, self.verdict(rule.event.condition, None))
 
     def step(self, event: Input, now: float) -> list[Fired]:
         self.out = []
-        for moment in self.moments(now):
+        while (moment := self.next_moment()) <= now:
             self.now = moment
             self.time_passes()
         self.now = now
@@ -173,8 +175,8 @@ class Oracle:
             self.done(event)
         return self.out
 
-    def moments(self, now: float) -> list[float]:
-        """All moments up to now at which time alone could change anything."""
+    def next_moment(self) -> float:
+        """The next moment at which time alone could change anything."""
         found: set[float] = set()
         for rule in self.rules:
             memory, event = self.memory[rule.id], rule.event
@@ -184,7 +186,7 @@ class Oracle:
             conditions = [event.condition] + ([event.clear] if event.clear else [])
             for _, leaf in (pair for c in conditions for pair in leaves(c)):
                 found.update(self.changes(leaf))
-        return sorted(t for t in found if self.now < t <= now)
+        return min((t for t in found if t > self.now), default=math.inf)
 
     def changes(self, leaf: Leaf) -> list[float]:
         times = [t for t, _ in self.history.get(topic_of(leaf), [])]

@@ -214,7 +214,8 @@ def test_any_of_a_message_and_a_state_fires_on_either() -> None:
 
 def test_a_message_of_a_strange_shape_makes_no_rule_fire_and_breaks_none() -> None:
     robot = Robot(rule(compare("a", ">", 1), "number"), rule(received("a"), "any"))
-    strange: list[Any] = [3, "text", [], SimpleNamespace(x="5"), SimpleNamespace(x=None)):
+    strange: list[Any] = [3, "text", [], SimpleNamespace(x="5"), SimpleNamespace(x=None)]
+    for message in strange:
         assert robot.feed(Sample("a", message)) == ["any"]
     assert robot.say("a", 2) == ["number", "any"]
 

@@ -15,7 +15,7 @@ export interface paths {
         put?: never;
         /**
          * Send
-         * @description Send the robot there, after checking the goal again.
+         * @description Send the robot there, after checking the goal again unless it has only just passed.
          */
         post: operations["send"];
         delete?: never;
