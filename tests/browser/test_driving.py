@@ -187,7 +187,7 @@ def test_stop_is_confirmed_by_standstill_holds_and_is_released_by_holding_only(
     answer = page.post("/api/goals", {"x": -0.55, "y": 0.55, "yaw": None})
     assert answer.status == 409
 
-    page.get("release-button").click()
+    page.get("release-button").click(delay=300)  # ms; a firm press, but not a hold
     assert max(math.dist(at[:2], stood[:2]) for at in robot.watch(1.5)) < 0.01
     assert robot.newest["/drive_state"].stopped
     page.release_stop()
