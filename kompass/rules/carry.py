@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from kompass.rules.compiled import CompiledTable, LeafPlan, RulePlan, Timer
 from kompass.rules.conditions import Absent, Changed, Rate, Received, timeout_of
+from kompass.rules.engine import settle
 from kompass.rules.schedule import start
 from kompass.rules.state import HOLD, LOOK, QUEUE, RuleState, State, evaluated
 from kompass.rules.values import MISSING, Verdict, kind_of
@@ -223,6 +224,7 @@ def _begin(new: CompiledTable, state: State, plan: RulePlan, now: float) -> None
     if not plan.rule.enabled:
         return
     state.enlist(plan, plan.topics)
+    settle(state, plan, plan.evaluate(state.verdicts))
     if any(new.leaves[i].timer >= 0 and state.verdicts[i] is True for _, i in plan.leaves):
         # The silence it asks for lasts already, and no message will come to have it looked at.
         heappush(state.schedule, (now, LOOK, plan.index))

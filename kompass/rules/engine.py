@@ -41,6 +41,7 @@ def initial_state(table: CompiledTable, now: float) -> State:
     for plan in table.rules:
         if plan.rule.enabled:
             state.enlist(plan, plan.topics)
+            settle(state, plan, plan.evaluate(state.verdicts))
     return state
 
 
@@ -251,7 +252,7 @@ def _pulse(
     for index in order:
         rule = table.rules[index]
         if rule.pulses:
-            _settle(state, rule, rule.evaluate(verdicts))
+            settle(state, rule, rule.evaluate(verdicts))
 
 
 def _look(
@@ -270,7 +271,7 @@ def _look(
     if verdict is not True:
         if was is True and not plan.listening:
             rule.true += evaluated(plan, state) - int(sampled) - rule.rose
-        _settle(state, plan, verdict)
+        settle(state, plan, verdict)
     else:
         if was is not True:
             rule.verdict = True
@@ -312,12 +313,12 @@ def _held(table: CompiledTable, state: State, plan: RulePlan, at: float, out: li
         trigger(table, state, plan, at, None, out)
 
 
-def _settle(state: State, plan: RulePlan, verdict: bool | None) -> None:
+def settle(state: State, plan: RulePlan, verdict: bool | None) -> None:
     """Take note that a rule is not true (any more), and re-arm it where that is due."""
-    rule = state.rules[plan.index]
-    rule.verdict = verdict
     if verdict is True:
         return
+    rule = state.rules[plan.index]
+    rule.verdict = verdict
     rule.since = None
     if rule.armed == ARMED:
         return

@@ -310,7 +310,6 @@ class Oracle:
         assert memory.since is not None
         if event.hold and self.now < memory.since + event.hold:
             return
-        memory.hold_done = True
         changes = [
             Changed(signal=leaf.signal)
             for _, leaf in leaves(event.condition)
