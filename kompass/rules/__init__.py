@@ -3,3 +3,63 @@
 :func:`step` takes a message, the passing of time or the end of a run, and returns what fires. A
 shell feeds it and carries out the firings; nothing else decides whether a rule fires.
 """
+
+from kompass.rules.arbitrate import Arbitration, Lost, Running, arbitrate, components_of
+from kompass.rules.arguments import ArgumentError, expand, resolve
+from kompass.rules.carry import Carried, carry
+from kompass.rules.check import Catalog, FieldType, Problem, check_rule, check_table
+from kompass.rules.compiled import CompiledTable, compile_table
+from kompass.rules.describe import describe
+from kompass.rules.engine import initial_state, step
+from kompass.rules.events import Event
+from kompass.rules.explain import Explanation, Gate, explain
+from kompass.rules.firing import Done, Firing, Input, LeafVerdict, Note, Output, Sample, Tick
+from kompass.rules.schedule import next_deadline
+from kompass.rules.signals import Signal
+from kompass.rules.state import Counters, State, counters
+from kompass.rules.table import Rule, Severity, Table, rule_hash, table_hash
+
+__all__ = [
+    "Arbitration",
+    "ArgumentError",
+    "Carried",
+    "Catalog",
+    "CompiledTable",
+    "Counters",
+    "Done",
+    "Event",
+    "Explanation",
+    "FieldType",
+    "Firing",
+    "Gate",
+    "Input",
+    "LeafVerdict",
+    "Lost",
+    "Note",
+    "Output",
+    "Problem",
+    "Rule",
+    "Running",
+    "Sample",
+    "Severity",
+    "Signal",
+    "State",
+    "Table",
+    "Tick",
+    "arbitrate",
+    "carry",
+    "check_rule",
+    "check_table",
+    "compile_table",
+    "components_of",
+    "counters",
+    "describe",
+    "expand",
+    "explain",
+    "initial_state",
+    "next_deadline",
+    "resolve",
+    "rule_hash",
+    "step",
+    "table_hash",
+]

@@ -1,0 +1,97 @@
+"""A thousand rules on one field cost what the few that can change cost."""
+
+import time
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kompass.rules.compiled import compile_table
+from kompass.rules.conditions import Compare
+from kompass.rules.judges import judge_of
+from kompass.rules.leaf_index import LeafIndex
+from kompass.rules.table import Table
+from tests.rules.building import Robot, both, changed, compare, received, rule
+from tests.rules.strategies import EXAMPLES, ITEMS, NUMBERS, WORDS, comparisons
+
+values = st.one_of(
+    st.sampled_from((*NUMBERS, float("nan"), float("inf"))),
+    st.sampled_from(WORDS),
+    st.booleans(),
+    st.lists(st.sampled_from(ITEMS), max_size=3),
+)
+
+
+@EXAMPLES
+@given(st.lists(comparisons, min_size=1, max_size=20), values, values)
+def test_every_leaf_that_changes_is_a_candidate(leaves: list[Compare], old: Any, new: Any) -> None:
+    index = LeafIndex(enumerate(leaves))
+    found = set(index.candidates(old, new))
+    judges = [judge_of(leaf) for leaf in leaves]
+    changed_ones = {i for i, judge in enumerate(judges) if judge(old) is not judge(new)}
+    assert changed_ones <= found
+
+
+@pytest.mark.parametrize(
+    ("make", "old", "new"),
+    [
+        (lambda i: compare("t", ">", 100.0 + i), 1.0, 5.0),
+        (lambda i: compare("t", "==", float(i)), 0.0, 900.0),
+        (lambda i: compare("t", "!=", float(i)), 0.0, 900.0),
+        (lambda i: compare("t", "in", (i, i + 0.5)), 3, 700),
+        (lambda i: compare("t", "==", f"state-{i}"), "state-1", "state-900"),
+        (lambda i: compare("t", "contains_any", (f"label-{i}",)), ["label-1"], ["label-5"]),
+        (lambda i: compare("t", "between", (10 * i, 10 * i + 5)), 3.0, 9003.0),
+        (lambda i: compare("t", "==", float(10 * i), tolerance=1.0), 0.5, 9000.5),
+    ],
+)
+def test_of_a_thousand_leaves_few_are_candidates(make: Any, old: Any, new: Any) -> None:
+    index = LeafIndex(enumerate(make(i) for i in range(1000)))
+    assert len(index.candidates(old, new)) <= 6
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda i: compare("t", ">", 100.0 + i),
+        lambda i: both(changed("t"), compare("t", "==", 100.0 + i)),
+        lambda i: both(received("t"), compare("t", "==", 100.0 + i)),
+    ],
+)
+@pytest.mark.parametrize("trigger", ["level", "edge", "change"])
+def test_a_message_looks_at_no_rule_that_it_cannot_make_true(make: Any, trigger: str) -> None:
+    robot = Robot(*(rule(make(i), f"r{i}", trigger=trigger) for i in range(200)))
+    looks = 0
+    for plan in robot.table.rules:
+        evaluate = plan.evaluate
+
+        def counted(verdicts: Any, evaluate: Any = evaluate) -> bool | None:
+            nonlocal looks
+            looks += 1
+            verdict: bool | None = evaluate(verdicts)
+            return verdict
+
+        plan.evaluate = counted
+    robot.say("t", 1.0)
+    looks = 0
+    for x in range(50):
+        robot.say("t", float(x % 7))
+    assert looks == 0
+
+
+def test_ten_thousand_rules_compile_in_linear_time() -> None:
+    def seconds(count: int) -> float:
+        table = Table(rules=tuple(rule(compare("t", ">", i), f"r{i}") for i in range(count)))
+        begin = time.process_time()
+        compile_table(table)
+        return time.process_time() - begin
+
+    assert seconds(4000) < 12 * seconds(1000)
+
+
+def test_equal_leaves_of_many_rules_are_one() -> None:
+    table = compile_table(Table(rules=tuple(rule(compare("t", ">", 1), f"r{i}") for i in range(9))))
+    assert (len(table.leaves), len(table.probes)) == (1, 1)
+    robot = Robot(*(plan.rule for plan in table.rules))
+    assert len(robot.say("t", 2)) == 9
