@@ -1,13 +1,13 @@
-"""Names of the path-following algorithms."""
+"""The path-following algorithms and their settings, as recipes name them."""
 
-import enum
+from kompass.components.controllers_id import ControllersID
+from kompass.components.follower_settings import DWAConfig, PurePursuitConfig, StanleyConfig
+from kompass.components.mapper import MapConfig
 
-
-class ControllersID(enum.Enum):
-    """Path-following algorithms of the controller."""
-
-    STANLEY = "Stanley"
-    PURE_PURSUIT = "PurePursuit"
-
-
-__all__ = ["ControllersID"]
+__all__ = [
+    "ControllersID",
+    "DWAConfig",
+    "MapConfig",
+    "PurePursuitConfig",
+    "StanleyConfig",
+]

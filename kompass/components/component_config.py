@@ -50,6 +50,10 @@ class ComponentConfig(Settings):
     topic_subscription_timeout: float = Field(
         default=5.0, ge=1e-3, description="s to wait for the first message of an input"
     )
+    topic_try_wait_timeout: float = Field(default=0.05, gt=0, description="s; without effect")
+    fallback_rate: float = Field(default=100.0, gt=0, description="Hz; without effect")
+    executor_spin_timeout: float = Field(default=0.01, gt=0, description="s; without effect")
+    wait_for_restart_time: float = Field(default=6000.0, gt=0, description="s; without effect")
     log_level: str = "info"
     core_log_level: str = "warn"
     rclpy_log_level: str = "warn"

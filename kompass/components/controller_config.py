@@ -6,7 +6,8 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from kompass.components.component_config import ComponentConfig
-from kompass.control import ControllersID
+from kompass.components.controllers_id import ELSEWHERE, ControllersID
+from kompass.components.follower_settings import DWAConfig, PurePursuitConfig, StanleyConfig
 
 
 class CmdPublishType(enum.Enum):
@@ -24,6 +25,8 @@ def _by_value(kind: type[enum.Enum]) -> Any:
                 if value.lower() in (member.value.lower(), member.name.lower()):
                     return member
             known = ", ".join(member.value for member in kind)
+            if kind is ControllersID and value in (*ELSEWHERE, *ELSEWHERE.values()):
+                raise ValueError(f"{value!r} is not offered here; choose one of {known}")
             raise ValueError(f"{value!r} is none of {known}")
         return value
 
@@ -34,11 +37,22 @@ class ControllerConfig(ComponentConfig):
     """How a path becomes commands."""
 
     loop_rate: float = Field(default=20.0, ge=0.1, le=1e3, description="Hz")
-    algorithm: Annotated[ControllersID, _by_value(ControllersID)] = ControllersID.PURE_PURSUIT
+    algorithm: Annotated[ControllersID, _by_value(ControllersID)] = ControllersID.DWA
     control_time_step: float = Field(default=0.1, gt=0, description="s that one command holds")
     ctrl_publish_type: Annotated[CmdPublishType, _by_value(CmdPublishType)] = (
         CmdPublishType.TWIST_ARRAY
     )
+    use_direct_sensor: bool = Field(
+        default=False,
+        description="DWA takes obstacles from the scan itself instead of the local map",
+    )
+    sensor_timeout: float = Field(
+        default=0.5, gt=0, description="s; an older scan or local map stops the robot"
+    )
     location_timeout: float = Field(default=0.5, gt=0, description="s; an older pose stops")
     goal_dist_tolerance: float = Field(default=0.03, gt=0, description="m")
     goal_orientation_tolerance: float = Field(default=0.05, gt=0, description="rad")
+    DWA: DWAConfig = Field(default_factory=DWAConfig)
+    Stanley: StanleyConfig = Field(default_factory=StanleyConfig)
+    PurePursuit: PurePursuitConfig = Field(default_factory=PurePursuitConfig)
+    debug: bool = Field(default=False, description="without effect; accepted from older files")

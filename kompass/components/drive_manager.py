@@ -1,286 +1,219 @@
-"""The last gate before the wheels: limits, stop zone, age of scan and command, STOP."""
+"""The drive manager: the gate before the wheels, and short motions that free the robot."""
 
+import math
 import time
-from typing import ClassVar
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
-from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point32, PolygonStamped, Twist, TwistStamped
-from kompass_interfaces.msg import DriveState, TwistArray
-from kompass_interfaces.srv import ReleaseStop, StopRobot
 from numpy.typing import NDArray
-from rclpy.duration import Duration
-from std_msgs.msg import Bool
+from rclpy.task import Future
 
-from kompass.algorithms.following.command import Command
-from kompass.algorithms.mapping.scan_points import scan_to_points
-from kompass.algorithms.safety.stop_zone import StopZone
-from kompass.algorithms.safety.velocity_limiter import VelocityLimiter
-from kompass.components.command_queue import STILL, CommandQueue, Twist2D
-from kompass.components.component_config import ComponentRunType
-from kompass.components.drive_config import DriveManagerConfig
-from kompass.components.limits import velocity_limits
-from kompass.components.located import Located
-from kompass.components.standstill import Standstill
-from kompass.components.stop_latch import StopLatch
-from kompass.components.topic import LATCHED, AllowedTopics, Topic
-from kompass.tf import TransformError
+from kompass.components.actions import ActionRefused, component_action
+from kompass.components.command_queue import Twist2D
+from kompass.components.drive_gate import DriveGate
+from kompass.components.manoeuvre import Manoeuvre, free_way, open_turn
+from kompass.robot import RobotType
 
-EMERGENCY_PERIOD = 0.5  # s between repetitions of an unchanged emergency flag
-STATE_PERIOD = 0.2  # s
-SETTLE = 0.5  # s of zero commands after the last motion
+SHARE_OF_TOP_SPEED = 0.5
+MARGIN = 0.03  # m to stay outside the critical zone, so that the way out does not end in it
+USEFUL = 0.05  # m; a shorter way frees nothing
+HELD = 0.7  # s of being held back after which it is given up; a late scan passes sooner
+REST = 1.0  # s at most for the robot to come to rest
 
 
-class DriveManager(Located):
-    """Takes commands, gives the wheels only what is safe now, and says what held it back.
+class DriveManager(DriveGate):
+    """The gate, with actions for rules: measured by odometry, bounded in time, within the limits.
 
-    Its loop runs whether or not commands flow. STOP is a service of its own; it is latched, no rule
-    or component can reset it, and it survives the death of this process.
+    While one runs, commands of others are ignored. STOP ends it, and refuses the next one. The
+    stop zone counts as for any motion: what leads away from an obstacle is allowed.
     """
 
-    config: DriveManagerConfig
-    config_class = DriveManagerConfig
-    stops_robot = True
-    steps_in_any_run_type = True
-    allowed_run_types = (ComponentRunType.TIMED, ComponentRunType.EVENT)
-    allowed_inputs: ClassVar = {
-        "command": AllowedTopics(["Twist"]),
-        "multi_command": AllowedTopics(["TwistArray"]),
-        "sensor_data": AllowedTopics(["LaserScan"]),
-        "location": AllowedTopics(["Odometry"]),
-    }
-    allowed_outputs: ClassVar = {
-        "robot_command": AllowedTopics(["Twist", "TwistStamped"]),
-        "emergency_stop": AllowedTopics(["Bool"]),
-    }
-    default_inputs: ClassVar = {
-        "command": [Topic(name="/control", msg_type=Twist)],
-        "multi_command": [Topic(name="/control_list", msg_type=TwistArray)],
-        "sensor_data": [Topic(name="/scan", msg_type="LaserScan")],
-        "location": [Topic(name="/odom", msg_type="Odometry")],
-    }
-    default_outputs: ClassVar = {
-        "robot_command": [Topic(name="/cmd_vel", msg_type=Twist)],
-        "emergency_stop": [Topic(name="/emergency_stop", msg_type=Bool)],
-    }
-
-    def __init__(self, component_name: str = "drive_manager", **kwargs: object) -> None:
-        super().__init__(component_name, **kwargs)
-        self._latch = StopLatch()
-
     def init_variables(self) -> None:
-        robot, limits = self.config.robot, velocity_limits(self.config.robot)
-        self._queue = CommandQueue(self.config.command_timeout)
-        self._zone = StopZone(
-            robot.radius,
-            self.config.critical_zone_distance,
-            self.config.slowdown_zone_distance,
-            max_decel=limits.vx.max_decel,
-        )
-        self._limiter = VelocityLimiter(limits)
-        self._standstill = Standstill()
-        self._sent: Twist2D = STILL
-        self._moved = -float("inf")
-        self._points: NDArray[np.float64] = np.empty((0, 2))
-        self._points_of: object = None
-        self._emergency = False
-        self._emergency_sent = -float("inf")
-        self._state = DriveState(speed_factor=1.0)
-        self._state_sent = -float("inf")
-
-    def create_interfaces(self) -> None:
-        self._state_publisher = self.node.create_publisher(
-            DriveState, "drive_state", LATCHED.to_ros()
-        )
-        self._footprint_publisher = self.node.create_publisher(
-            PolygonStamped, "footprint", LATCHED.to_ros()
-        )
-        name = self.node_name
-        self.node.create_service(StopRobot, f"{name}/stop", self._on_stop)
-        self.node.create_service(ReleaseStop, f"{name}/release_stop", self._on_release)
-
-    def custom_on_activate(self) -> None:
-        super().custom_on_activate()
-        self.input("command").on_message = self._on_command
-        self.input("multi_command").on_message = self._on_commands
-        self.input("location").on_message = self._on_location
-        footprint = PolygonStamped()
-        footprint.header.frame_id = self.frames.robot_base
-        footprint.polygon.points = [
-            Point32(x=float(x), y=float(y)) for x, y in self.config.robot.footprint
-        ]
-        self._footprint_publisher.publish(footprint)
+        super().init_variables()
+        self._busy = ""
+        self._held_since: float | None = None
+        self._manoeuvre: Manoeuvre | None = None
+        self._ended: Future | None = None
 
     def custom_on_deactivate(self) -> None:
-        # The robot halts with the gate: this may be the last word that the wheels get.
-        self._send(STILL)
-        for publisher in self._publishers["robot_command"]:
-            publisher.wait_for_all_acked(Duration(seconds=0.2))
+        self._finish("the drive manager was deactivated")
         super().custom_on_deactivate()
 
-    # -- STOP ---------------------------------------------------------------------------------
+    # -- actions ------------------------------------------------------------------------------
 
-    def _on_stop(
-        self, request: StopRobot.Request, response: StopRobot.Response
-    ) -> StopRobot.Response:
-        operator = request.operator_name or "somebody"
-        self._latch.set(operator, request.reason)
+    @component_action(active=True)
+    async def move_forward(self, max_distance: float) -> bool:
+        """Drive straight ahead.
+
+        Parameters
+        ----------
+        max_distance
+            How far; a negative one drives backwards [m].
+        """
+        with self._manoeuvring("move_forward"):
+            return await self._go(max_distance)
+
+    @component_action(active=True)
+    async def move_backward(self, max_distance: float) -> bool:
+        """Drive straight back; see :meth:`move_forward`."""
+        with self._manoeuvring("move_backward"):
+            return await self._go(-max_distance)
+
+    @component_action(active=True)
+    async def rotate_in_place(
+        self, max_rotation: float, safety_margin: float | None = None
+    ) -> bool:
+        """Turn on the spot.
+
+        Parameters
+        ----------
+        max_rotation
+            By how much; positive is to the left [rad].
+        safety_margin
+            What must be free around the robot [m]; a twentieth of its radius unless given.
+        """
+        with self._manoeuvring("rotate_in_place"):
+            return await self._rotate(max_rotation, self._obstacles(), safety_margin)
+
+    @component_action(active=True)
+    async def move_to_unblock(
+        self,
+        max_distance_forward: float | None = None,
+        max_distance_backwards: float | None = None,
+        max_rotation: float = math.pi / 2,
+        rotation_safety_margin: float | None = None,
+    ) -> bool:
+        """Free the robot: drive to the side with more room, or turn to where a way is open.
+
+        Ahead and back are tried in the order of the room measured there, each as far as the stop
+        zone lets it, if that is of any use; then a turn. True at the first success; False when it
+        is boxed in.
+
+        Parameters
+        ----------
+        max_distance_forward, max_distance_backwards
+            Twice the robot's radius unless given [m].
+        max_rotation
+            Largest turn [rad]; 0 for none.
+        rotation_safety_margin
+            As of :meth:`rotate_in_place`.
+        """
+        with self._manoeuvring("move_to_unblock"):
+            points = self._obstacles()
+            if points is None:
+                return self.fails("there is no scan to choose a way by")
+            radius = self.config.robot.radius
+            room = {
+                -1.0: (free_way(points, radius, math.pi), max_distance_backwards),
+                1.0: (free_way(points, radius), max_distance_forward),
+            }
+            for sign in sorted(room, key=lambda one: -room[one][0]):
+                free, wanted = room[sign]
+                most = 2 * radius if wanted is None else abs(float(wanted))
+                distance = min(most, free - self.config.critical_zone_distance - MARGIN)
+                if distance >= min(USEFUL, most) > 0 and await self._go(sign * distance):
+                    return True
+                if self._latch.is_set:
+                    return self.fails("STOP is pressed")
+            needed = self.config.critical_zone_distance + MARGIN + USEFUL
+            turn = open_turn(points, radius, abs(max_rotation), needed) if max_rotation else None
+            if turn is None:
+                return self.fails("boxed in: no way is free ahead, back, or after a turn")
+            return await self._rotate(turn, points, rotation_safety_margin)
+
+    # -- carrying out -------------------------------------------------------------------------
+
+    @contextmanager
+    def _manoeuvring(self, name: str) -> Iterator[None]:
+        if self._latch.is_set:
+            operator = self._latch.operator
+            raise ActionRefused(f"{name}: {operator} pressed STOP; a person must release it")
+        if self._busy:
+            raise ActionRefused(f"{name}: {self._busy} is still under way")
+        self._busy = name
+        try:
+            yield
+        finally:
+            self._busy, self._manoeuvre = "", None
+            self._halt()
+
+    async def _go(self, distance: float) -> bool:
+        limits = self.config.robot.ctrl_vx_limits
+        return await self._perform(distance, limits.max_vel, limits.max_decel, turns=False)
+
+    async def _rotate(
+        self, angle: float, points: NDArray[np.float64] | None, margin: float | None
+    ) -> bool:
+        robot = self.config.robot
+        if robot.model_type is RobotType.ACKERMANN:
+            return self.fails("a robot with steered wheels cannot turn on the spot")
+        room = 0.05 * robot.radius if margin is None else margin
+        if points is not None and len(points) and not self.config.disable_safety_stop:
+            nearest = float(np.hypot(points[:, 0], points[:, 1]).min()) - robot.radius
+            if nearest < room:
+                return self.fails(f"{nearest:.3f} m around the robot are free, not {room:.3f} m")
+        limits = robot.ctrl_omega_limits
+        return await self._perform(angle, limits.max_vel, limits.max_decel, turns=True)
+
+    async def _perform(self, amount: float, top: float, decel: float, *, turns: bool) -> bool:
+        if not math.isfinite(amount) or amount == 0.0:
+            return self.fails(f"{amount} is no motion; give a number other than 0")
+        speed = SHARE_OF_TOP_SPEED * top
+        if speed <= 0:
+            return self.fails("the robot's limits do not allow that motion")
+        self._ended = Future(executor=self.node.executor)
+        self._manoeuvre = Manoeuvre(amount, speed, decel or 2 * top, turns)
+        problem: str = await self._ended
         self._halt()
-        self._publish_state(time.monotonic(), "stop", 0.0)
-        self.node.get_logger().warning(f"STOP by {operator}: {request.reason or 'no reason given'}")
-        response.success = True
-        response.message = "stopped; a person must release it"
-        return response
+        await self._rest()
+        return not problem or self.fails(problem)
 
-    def _on_release(
-        self, request: ReleaseStop.Request, response: ReleaseStop.Response
-    ) -> ReleaseStop.Response:
-        response.success = True
-        response.message = "released" if self._latch.is_set else "it was not stopped"
-        # Commands from before the release are not carried out after it.
-        self._queue.clear()
-        self._latch.release()
-        self._publish_state(time.monotonic(), "", 1.0)
-        self.node.get_logger().warning(f"STOP released by {request.operator_name or 'somebody'}")
-        return response
+    async def _rest(self) -> None:
+        """Until odometry has measured standstill; what comes next starts from there."""
+        deadline = time.monotonic() + REST
+        while time.monotonic() < deadline and self.is_active:
+            if self._standstill.reached(time.monotonic(), self.config.odometry_timeout):
+                return
+            await self.sleep(0.05)
 
-    def _halt(self) -> None:
-        self._queue.clear()
-        self._send(STILL)
+    def _finish(self, problem: str) -> None:
+        """End the motion under way; an empty problem means that it is complete."""
+        self._manoeuvre = None
+        if self._ended is not None:
+            ended, self._ended = self._ended, None
+            ended.set_result(problem)
 
-    # -- inputs -------------------------------------------------------------------------------
+    # -- in the loop --------------------------------------------------------------------------
 
-    def _on_command(self, message: Twist) -> None:
-        command = (message.linear.x, message.linear.y, message.angular.z)
-        self._queue.put([command], 0.0, time.monotonic())
+    @property
+    def _takes_commands(self) -> bool:
+        return not self._busy
 
-    def _on_commands(self, message: TwistArray) -> None:
-        self._queue.put_array(message, time.monotonic())
-
-    def _on_location(self, _message: object) -> None:
-        self._standstill.update(self.speed(), time.monotonic())
-
-    def _obstacles(self) -> NDArray[np.float64] | None:
-        """Points of the newest scan in the robot's frame, shape (N, 2); None when unknown."""
-        source = self.input("sensor_data")
-        scan = source.message
-        if scan is None or source.age() > self.config.scan_timeout:
+    def _wanted(self, now: float) -> Twist2D | None:
+        if not self._busy:
+            return super()._wanted(now)
+        if self._manoeuvre is None:
             return None
-        if scan is not self._points_of:
-            try:
-                mounted = self.sensor_pose(scan.header.frame_id)
-            except TransformError as error:
-                self.warn(f"the scan cannot be placed on the robot: {error}")
-                return None
-            self._points = scan_to_points(
-                np.asarray(scan.ranges, dtype=np.float64),
-                scan.angle_min,
-                scan.angle_increment,
-                scan.range_min,
-                scan.range_max,
-                mounted,
-            )
-            self._points_of = scan
-        return self._points
+        pose = self.pose()
+        if pose is None:
+            self._finish("the robot does not know where it is")
+            return None
+        twist = self._manoeuvre.step(pose, now)
+        if twist is None:
+            self._finish("")
+        elif self._manoeuvre.overdue(now):
+            self._finish(f"it did not get there in time, {self._manoeuvre.done:.2f} done")
+            return None
+        return twist
 
-    # -- the loop -----------------------------------------------------------------------------
-
-    def _execution_step(self) -> None:
-        now = time.monotonic()
-        wanted = self._queue.current(now)
-        obstacles = self._obstacles()
-        odometry_known = self.input("location").age() <= self.config.odometry_timeout
-        self._judge_health(obstacles is not None, odometry_known)
-
-        factor, limited_by = 1.0, ""
-        if self._latch.is_set:
-            self._queue.clear()
-            factor, limited_by = 0.0, "stop"
-        elif not odometry_known:
-            factor, limited_by = 0.0, "odometry stale"
-        elif not self.config.disable_safety_stop:
-            if obstacles is None:
-                factor, limited_by = 0.0, "scan stale"
-            elif wanted is not None:
-                factor = float(self._zone.factor(obstacles, *wanted))
-                limited_by = "obstacle" if factor < 1.0 else ""
-        if not limited_by and self._queue.is_stale(now):
-            limited_by = "command stale"
-
-        self._publish_emergency(now, wanted is not None and limited_by == "obstacle" and not factor)
-        self._drive(wanted, factor, now)
-        self._publish_state(now, limited_by, factor)
-
-    def _drive(self, wanted: Twist2D | None, factor: float, now: float) -> None:
-        """Send the command, as far as it is allowed; fall silent when nothing moves for long."""
-        if self._latch.is_set:
-            self._send(STILL)
+    def _judged(self, factor: float, limited_by: str) -> None:
+        if self._manoeuvre is None or factor > 0.0:
+            self._held_since = None
             return
-        target = STILL if wanted is None else tuple(factor * value for value in wanted)
-        if factor == 0.0:
-            command = STILL  # at once: what the limiter would smooth is what must not happen
-        else:
-            dt = 1.0 / self.config.loop_rate
-            smooth = self._limiter.limit(Command(*target), Command(*self._sent), dt)
-            command = (smooth.vx, smooth.vy, smooth.omega)
-        if command != STILL or wanted is not None:
-            self._moved = now
-        if now - self._moved <= SETTLE:
-            self._send(command)
-
-    def _send(self, command: Twist2D) -> None:
-        self._sent = command
-        twist = Twist()
-        twist.linear.x, twist.linear.y, twist.angular.z = (float(value) for value in command)
-        for index, topic in enumerate(self._topics_out["robot_command"]):
-            if topic.ros_msg_type is TwistStamped:
-                message = TwistStamped(twist=twist)
-                message.header.stamp = self._stamp()
-                message.header.frame_id = self.frames.robot_base
-                self.publish("robot_command", message, index)
-            else:
-                self.publish("robot_command", twist, index)
-
-    def _judge_health(self, scan_known: bool, odometry_known: bool) -> None:
-        missing, reasons = [], []
-        if not scan_known and not self.config.disable_safety_stop:
-            missing.append(self._topics_in["sensor_data"][0].name)
-            reasons.append(f"no scan {_for(self.input('sensor_data').age())}")
-        if not odometry_known:
-            missing.append(self._topics_in["location"][0].name)
-            reasons.append(f"no odometry {_for(self.input('location').age())}")
-        if missing:
-            self.health.set_fail_system(
-                topics=[f"/{name}" for name in missing], message="; ".join(reasons)
-            )
-        else:
-            self.health.set_healthy()
-
-    def _publish_emergency(self, now: float, emergency: bool) -> None:
-        if emergency != self._emergency or now - self._emergency_sent >= EMERGENCY_PERIOD:
-            self._emergency, self._emergency_sent = emergency, now
-            self.publish("emergency_stop", Bool(data=emergency))
-
-    def _publish_state(self, now: float, limited_by: str, factor: float) -> None:
-        state = DriveState(
-            stopped=self._latch.is_set,
-            standstill=self._standstill.reached(now, self.config.odometry_timeout),
-            stopped_by=self._latch.operator if self._latch.is_set else "",
-            reason=self._latch.reason if self._latch.is_set else "",
-            speed_factor=round(factor, 2),
-            limited_by=limited_by,
-        )
-        state.header.frame_id = self.frames.robot_base
-        state.header.stamp = self._state.header.stamp
-        if state != self._state or now - self._state_sent >= STATE_PERIOD:
-            state.header.stamp = self._stamp()
-            self._state, self._state_sent = state, now
-            self._state_publisher.publish(state)
-
-    def _stamp(self) -> Time:
-        return self.node.get_clock().now().to_msg()
-
-
-def _for(age: float) -> str:
-    # Coarse on purpose: a sentence that changes ten times a second cannot be read.
-    return "yet" if age == float("inf") else f"for {age:.0f} s" if age >= 1 else "any more"
+        now = time.monotonic()
+        self._held_since = now if self._held_since is None else self._held_since
+        if limited_by == "stop":
+            self._finish("STOP is pressed")
+        elif now - self._held_since >= HELD:
+            self._finish(f"held back: {limited_by}")

@@ -62,15 +62,16 @@ def _check(owner: Any, action: Any) -> None:
     method = getattr(action, "method", action)
     target: Any = getattr(method, "__self__", None)
     known = actions_of(type(owner))
+    stranger = getattr(target, "node_name", None) or getattr(action, "component", None)
     if target is owner:
         if method.__name__ not in known:
             raise TypeError(
                 f"{owner.node_name}: {method.__name__} is not a component action; "
                 f"known are {', '.join(known)}"
             )
-    elif hasattr(target, "node_name"):
+    elif isinstance(stranger, str) and stranger != owner.node_name:
         raise TypeError(
-            f"{owner.node_name}: a fallback cannot be an action of '{target.node_name}'; "
+            f"{owner.node_name}: a fallback cannot be an action of '{stranger}'; "
             "wire an event on the status topic to it instead"
         )
     elif not hasattr(action, "to_data"):

@@ -32,6 +32,7 @@ class Lifecycle(Declaration):
         self._loop: Any = None
         self._active_since: float | None = None
         self._logged: dict[str, float] = {}
+        self.action_problem = ""
         super().__init__(*args, **kwargs)
 
     @property
@@ -183,10 +184,14 @@ class Lifecycle(Declaration):
         For ``topic_subscription_timeout`` a source that has never spoken is no failure; discovery
         takes its time. One that has spoken and fell silent is.
         """
+        return [source for source in sources if source.received is None and self.is_starting]
+
+    @property
+    def is_starting(self) -> bool:
+        """Whether it became active less than ``topic_subscription_timeout`` ago."""
         since = self._active_since
-        if since is None or time.monotonic() - since > self.config.topic_subscription_timeout:
-            return []
-        return [source for source in sources if source.received is None]
+        limit = self.config.topic_subscription_timeout
+        return since is not None and time.monotonic() - since <= limit
 
     def publish(self, key: str, message: Any, index: int = 0) -> None:
         """Publish on an output; nothing happens when the recipe took the output away."""
@@ -205,6 +210,12 @@ class Lifecycle(Declaration):
         if now - self._logged.get(text, -float("inf")) >= every:
             self._logged[text] = now
             self.node.get_logger().warning(text)
+
+    def fails(self, problem: str) -> bool:
+        """End a component action with False, and say why: ``return self.fails("…")``."""
+        self.action_problem = problem
+        self.warn(problem)
+        return False
 
     def create_timer(self, period: float, callback: Callable[[], None]) -> Any:
         """A timer [s] that ends with the component's activity."""

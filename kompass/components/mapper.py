@@ -3,7 +3,7 @@
 from typing import ClassVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import AliasChoices, Field
 
 from kompass.algorithms.geometry import compose
 from kompass.algorithms.grid import Grid
@@ -22,6 +22,15 @@ class MapConfig(Settings):
     width: float = Field(default=3.0, ge=0.1, le=100, description="m, ahead and behind")
     height: float = Field(default=3.0, ge=0.1, le=100, description="m, to the sides")
     resolution: float = Field(default=0.05, gt=0, le=10, description="m")
+    padding: float = Field(default=0.0, ge=0, description="m; without effect")
+    filter_limit: float | None = Field(default=None, gt=0, description="m; without effect")
+    max_points_per_line: int | None = Field(default=None, ge=1, description="without effect")
+    max_num_threads: int = Field(default=1, ge=1, description="without effect")
+    bayesian_update: bool = Field(
+        default=False,
+        description="without effect: each map is of one scan",
+        validation_alias=AliasChoices("bayesian_update", "baysian_update"),
+    )
 
 
 class LocalMapperConfig(ComponentConfig):
@@ -55,10 +64,18 @@ class LocalMapper(Located):
     def __init__(self, component_name: str = "mapper", **kwargs: object) -> None:
         super().__init__(component_name, **kwargs)
 
+    ignored_settings: ClassVar = {"scan_model": "rays are taken as they are"}
+
     def init_variables(self) -> None:
+        self._mapped: object = None
+        self._set_up()
+
+    def on_config_changed(self, names: set[str]) -> None:
+        self._set_up()
+
+    def _set_up(self) -> None:
         size = self.config.map_params
         self._mapper = ScanMapper(size.width, size.height, size.resolution)
-        self._mapped: object = None
 
     def _execution_step(self) -> None:
         source, location = self.input("sensor_data"), self.input("location")
@@ -70,6 +87,9 @@ class LocalMapper(Located):
             )
             if item.age() > limit
         ]
+        if missing and len(self.awaits(source, location)) >= len(missing):
+            self.health.set_healthy(f"waiting for {', '.join(missing)}")
+            return
         if missing:
             self.health.set_fail_system(topics=missing, message=f"nothing on {', '.join(missing)}")
             return
@@ -80,6 +100,9 @@ class LocalMapper(Located):
         try:
             mounted = self.sensor_pose(scan.header.frame_id)
         except TransformError as error:
+            if self._mapped is None and self.is_starting:
+                self.health.set_healthy("waiting for /tf_static")
+                return
             self.health.set_fail_system(topics=["/tf_static"], message=str(error))
             return
         if pose is None:

@@ -17,12 +17,13 @@ from std_msgs.msg import Bool
 
 from kompass.algorithms.planning.failure import PlanningFailure, Reason
 from kompass.algorithms.planning.planner import GlobalPlanner
+from kompass.components.actions import component_action
 from kompass.components.component_config import ComponentRunType
 from kompass.components.convert import Pose2D, grid_of, path_msg, pose_of, quaternion_msg
 from kompass.components.goal_check import check_goal
 from kompass.components.located import Located
 from kompass.components.mission import FREE_HEADING, Mission, Outcome, Tolerance
-from kompass.components.planner_config import PlannerConfig
+from kompass.components.planner_config import PlannerConfig, usable_planner
 from kompass.components.standstill import Standstill
 from kompass.components.topic import LATCHED, AllowedTopics, Topic
 
@@ -69,6 +70,8 @@ class Planner(Located):
         "reached_end": [Topic(name="/reached_end", msg_type="Bool")],
     }
     qos: ClassVar = {"map": LATCHED, "plan": LATCHED}
+    ignored_settings: ClassVar = {"algorithm": "the planner is always one of OMPL"}
+    ignored_inputs: ClassVar = {"map_layer": "the key is 'map'"}
 
     def __init__(self, component_name: str = "planner", **kwargs: object) -> None:
         super().__init__(component_name, **kwargs)
@@ -121,6 +124,11 @@ class Planner(Located):
 
     # -- inputs -------------------------------------------------------------------------------
 
+    def on_config_changed(self, names: set[str]) -> None:
+        message = self.input("map").message
+        if message is not None:
+            self._on_map(message)
+
     def _on_map(self, message: Any) -> None:
         try:
             grid = grid_of(message)
@@ -133,8 +141,8 @@ class Planner(Located):
             clearance=self.config.clearance,
             unknown_is_obstacle=self.config.unknown_is_obstacle,
             points_per_meter=self.config.points_per_meter,
-            planner_id=self.config.planner_id.rpartition(".")[2],
-            timeout=self.config.planning_timeout,
+            planner_id=usable_planner(self.config.chosen_planner),
+            timeout=self.config.chosen_timeout,
         )
 
     def _on_location(self, _message: Any) -> None:
@@ -165,6 +173,38 @@ class Planner(Located):
             self._client.send_goal_async(goal)
         else:
             self._begin(goal)
+
+    @component_action(active=True)
+    async def trigger_main_action_server(
+        self,
+        *,
+        goal_x: float,
+        goal_y: float,
+        goal_orientation: float | None = None,
+        tolerance_dist: float = 0.1,
+        tolerance_ori: float = 0.1,
+    ) -> bool:
+        """Send the planner's own action a goal; True when it is accepted.
+
+        Parameters
+        ----------
+        goal_x, goal_y
+            In the world's frame [m].
+        goal_orientation
+            Heading to arrive with [rad]; None for any.
+        tolerance_dist, tolerance_ori
+            How near is there [m], [rad].
+        """
+        if not self._serves_action:
+            return self.fails('run_type is not "ActionServer", so there is no action')
+        goal = PlanPath.Goal()
+        goal.goal.position.x, goal.goal.position.y = float(goal_x), float(goal_y)
+        goal.goal.orientation = quaternion_msg(goal_orientation or 0.0)
+        goal.end_tolerance.lateral_distance_error = float(tolerance_dist)
+        free = goal_orientation is None
+        goal.end_tolerance.orientation_error = FREE_HEADING if free else float(tolerance_ori)
+        handle = await self._client.send_goal_async(goal)
+        return bool(handle.accepted) or self.fails("the goal was not accepted")
 
     # -- the action ---------------------------------------------------------------------------
 
@@ -261,7 +301,7 @@ class Planner(Located):
             topic = self._topics_in["location"][0].name
             self.health.set_fail_system(topics=[f"/{topic}"], message=failure.message)
         elif failure.reason in ALGORITHM_FAILURES:
-            self.health.set_fail_algorithm([self.config.planner_id], failure.message)
+            self.health.set_fail_algorithm([self.config.chosen_planner], failure.message)
         self.publish_status()
 
     def _execution_step(self) -> None:
@@ -307,7 +347,7 @@ class Planner(Located):
             return
         if mission.stuck(pose, now):
             text = f"No progress for {self.config.patience:.0f} s."
-            self.health.set_fail_algorithm([self.config.planner_id], text)
+            self.health.set_fail_algorithm([self.config.chosen_planner], text)
             self._end(Outcome.STUCK, text)
             return
         self._turn += 1

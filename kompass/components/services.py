@@ -24,6 +24,7 @@ class Served(Protocol):
     node_name: str
     config: ComponentConfig
     health: Health
+    action_problem: str
 
     @property
     def node(self) -> Any: ...
@@ -143,6 +144,7 @@ class ComponentServices:
         return response
 
     def _why_not(self, name: str) -> str:
-        health = self._component.health
-        reason = "" if health.is_healthy else f": {health.message}"
-        return f"{self._component.node_name}.{name} did not succeed{reason}"
+        component = self._component
+        problem, component.action_problem = component.action_problem, ""
+        problem = problem or ("" if component.health.is_healthy else component.health.message)
+        return f"{component.node_name}.{name} did not succeed" + (f": {problem}" if problem else "")

@@ -14,13 +14,16 @@ from geometry_msgs.msg import Twist, TwistStamped
 
 from kompass.components import DriveManager, DriveManagerConfig, LocalMapper, LocalMapperConfig
 from kompass.components.parameter import ParameterError, read_values, with_values
+from kompass.components.topic import Topic
 from tests.components.alive import Alive
 from tests.support.processes import wait_until
 
 Run = Callable[..., Alive]
 
 
-def set_one(alive: Alive, name: str, value: str, keep_alive: bool = True) -> object:
+def set_one(
+    alive: Alive, name: str, value: str, keep_alive: bool = True
+) -> ChangeParameter.Response:
     request = ChangeParameter.Request(name=name, value=value, keep_alive=keep_alive)
     return alive.call(ChangeParameter, "update_config_parameter", request)
 
@@ -190,4 +193,4 @@ def test_a_topic_that_does_not_fit_is_refused(run: Run, old: str, kind: str, mes
     answer = run(driver).call(ReplaceTopic, "change_topic", request)
     assert not answer.success
     assert message in answer.error_msg
-    assert driver.get_in_topic("command").name == "control"
+    assert driver.get_in_topic("command") == Topic(name="/control", msg_type="Twist")
