@@ -15,17 +15,29 @@ from kompass.rules.table import Table
 from tests.rules.building import Robot, both, changed, compare, received, rule
 from tests.rules.strategies import EXAMPLES, ITEMS, NUMBERS, WORDS, comparisons
 
-values = st.one_of(
-    st.sampled_from((*NUMBERS, float("nan"), float("inf"))),
-    st.sampled_from(WORDS),
-    st.booleans(),
-    st.lists(st.sampled_from(ITEMS), max_size=3),
+numbers = st.sampled_from((*NUMBERS, float("nan"), float("inf")))
+kinds = st.sampled_from(
+    (
+        numbers,
+        numbers,
+        st.sampled_from(WORDS),
+        st.booleans(),
+        st.lists(st.sampled_from(ITEMS), max_size=3),
+    )
+)
+# Mostly two values of one kind: between kinds, all leaves are candidates.
+pairs = st.one_of(
+    kinds.flatmap(lambda kind: st.tuples(kind, kind)),
+    st.tuples(kinds, kinds).flatmap(lambda two: st.tuples(*two)),
 )
 
 
 @EXAMPLES
-@given(st.lists(comparisons, min_size=1, max_size=20), values, values)
-def test_every_leaf_that_changes_is_a_candidate(leaves: list[Compare], old: Any, new: Any) -> None:
+@given(st.lists(comparisons, min_size=7, max_size=20), pairs)
+def test_every_leaf_that_changes_is_a_candidate(
+    leaves: list[Compare], pair: tuple[Any, Any]
+) -> None:
+    old, new = pair
     index = LeafIndex(enumerate(leaves))
     found = set(index.candidates(old, new))
     judges = [judge_of(leaf) for leaf in leaves]
