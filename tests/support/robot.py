@@ -110,6 +110,7 @@ class Robot:
         """Publish Point, as RViz does."""
         message = PointStamped()
         message.header.frame_id = "map"
+        message.header.stamp = self.node.get_clock().now().to_msg()
         message.point.x, message.point.y = x, y
         wait_until(lambda: self._clicks.get_subscription_count() > 0, 10, "a listener for clicks")
         self._clicks.publish(message)

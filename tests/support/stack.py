@@ -45,7 +45,11 @@ class Stack:
         stack = cls(
             "run", str(recipe), "--sim", "--no-browser", "--port", "0", *arguments, **environment
         )
-        stack.wait_for_line("all components active", 20)
+        try:
+            stack.wait_for_line("all components active", 20)
+        except AssertionError:
+            stack.close()
+            raise
         return stack
 
     def _read(self) -> None:

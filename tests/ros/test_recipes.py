@@ -1,0 +1,33 @@
+"""Every recipe that comes with the project runs, and a click drives the robot there."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from tests.support.processes import wait_until
+from tests.support.robot import Robot
+from tests.support.stack import RECIPE, Stack
+
+pytestmark = pytest.mark.ros
+
+RECIPES = sorted(path for path in RECIPE.parent.glob("0*.py") if path != RECIPE)
+
+
+@pytest.fixture(params=RECIPES, ids=lambda path: path.stem)
+def robot(request: pytest.FixtureRequest) -> Iterator[Robot]:
+    stack = Stack.simulated(recipe=request.param)
+    try:
+        client = Robot(stack.domain)
+        try:
+            client.ready()
+            yield client
+        finally:
+            client.close()
+    finally:
+        assert stack.close() == 0, stack.output
+
+
+def test_a_click_drives_the_robot_there(robot: Robot) -> None:
+    robot.click(-1.5, 0.5)
+    wait_until(lambda: robot.distance_to(-1.5, 0.5) < 0.10, 45, "arrival at the clicked point")
+    assert robot.contacts == 0
