@@ -30,7 +30,7 @@ from kompass.rules.table import Rule, Severity, Table
 
 # A few examples for every run of the tests; KOMPASS_RULES_EXAMPLES=10000 for a long one.
 EXAMPLES = settings(
-    max_examples=int(os.environ.get("KOMPASS_RULES_EXAMPLES", "120")),
+    max_examples=int(os.environ.get("KOMPASS_RULES_EXAMPLES", "80")),
     deadline=None,
     suppress_health_check=(HealthCheck.too_slow, HealthCheck.data_too_large),
 )
