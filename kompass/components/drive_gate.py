@@ -33,6 +33,7 @@ EMERGENCY_PERIOD = 0.5  # s between repetitions of an unchanged emergency flag
 STATE_PERIOD = 0.2  # s
 # A share of the wanted speed that counts as none: the ramp of the zone is only ever approached.
 BLOCKED_BELOW = 0.05
+TURNING = 0.1  # rad/s from which a command counts as a turn too
 SETTLE = 0.5  # s of zero commands after the last motion
 
 
@@ -42,8 +43,11 @@ class DriveGate(Located):
     Its loop runs whether or not commands flow. STOP is a service of its own; it is latched, no rule
     or component can reset it, and it survives the death of this process.
 
-    ``emergency_stop`` is a level: true while a wanted motion is fully blocked by the stop zone, or
-    something is inside the critical zone the way that the robot went last; false again by itself.
+    Where the way is blocked, the turn that the command holds is still carried out.
+
+    ``emergency_stop`` is a level: true while a wanted motion is fully blocked by the stop zone, or,
+    with none wanted, something is inside the critical zone the way that the robot went last; false
+    again by itself.
     """
 
     config: DriveManagerConfig
@@ -250,23 +254,31 @@ class DriveGate(Located):
             limited_by = "command stale"
 
         blocked = limited_by == "obstacle" and factor == 0.0
-        self._drive(wanted, factor, now)
-        self._publish_emergency(now, blocked or self._too_close_ahead(obstacles))
+        # A round body that turns on the spot meets nothing: what is blocked is the way, and the
+        # turn that is part of the command leads out of it.
+        turn = wanted[2] if wanted and blocked and abs(wanted[2]) >= TURNING else 0.0
+        self._drive(wanted, factor, turn, now)
+        if wanted and any(wanted):
+            emergency = blocked and not turn
+        else:
+            emergency = self._too_close_ahead(obstacles)
+        self._publish_emergency(now, emergency)
         self._judged(factor, limited_by)
         self._publish_state(now, limited_by, factor)
 
-    def _drive(self, wanted: Twist2D | None, factor: float, now: float) -> None:
+    def _drive(self, wanted: Twist2D | None, factor: float, turn: float, now: float) -> None:
         """Send the command, as far as it is allowed; fall silent when nothing moves for long."""
         if self._latch.is_set:
             self._send(STILL)
             return
         target = STILL if wanted is None else tuple(factor * value for value in wanted)
+        dt = 1.0 / self.config.loop_rate
+        before = self._sent
         if factor == 0.0:
-            command = STILL  # at once: what the limiter would smooth is what must not happen
-        else:
-            dt = 1.0 / self.config.loop_rate
-            smooth = self._limiter.limit(Command(*target), Command(*self._sent), dt)
-            command = (smooth.vx, smooth.vy, smooth.omega)
+            # At once: what the limiter would smooth is what must not happen.
+            target, before = (0.0, 0.0, turn), (0.0, 0.0, before[2] if turn else 0.0)
+        smooth = self._limiter.limit(Command(*target), Command(*before), dt)
+        command = (smooth.vx, smooth.vy, smooth.omega)
         if command != STILL or wanted is not None:
             self._moved = now
         if now - self._moved <= SETTLE:

@@ -1,0 +1,119 @@
+"""The planner tells what is missing, waits out what may pass, and takes goals from rules."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from automatika_ros_sugar.srv import ChangeParameter
+from kompass_interfaces.srv import CheckGoal
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+
+from kompass.algorithms.grid import Grid
+from kompass.components import Planner, PlannerConfig
+from kompass.components.convert import grid_msg
+from tests.components.alive import LATCHED, Alive
+from tests.components.test_manoeuvres import robot
+from tests.support.processes import wait_until
+
+Run = Callable[..., Alive]
+
+
+class Stage:
+    """A map of 4 × 4 m with a closed rim, and a robot that stands in it."""
+
+    def __init__(self, run: Run, *, run_type: str = "ActionServer", **settings: Any) -> None:
+        settings = {"robot": robot(), "loop_rate": 10.0, **settings}
+        self.planner = Planner(config=PlannerConfig(**settings))
+        self.planner.run_type = run_type
+        self.alive = run(self.planner)
+        self.at = (1.0, 1.0)
+        node = self.alive.node
+        self._odometry = node.create_publisher(Odometry, "/odom", 10)
+        self._map = node.create_publisher(OccupancyGrid, "/map", LATCHED)
+        self.plans: list[Path] = self.alive.hear(Path, "/plan", LATCHED)
+        node.create_timer(0.05, self._tick)
+
+    def _tick(self) -> None:
+        odometry = Odometry()
+        odometry.header.frame_id = "map"
+        odometry.pose.pose.position.x, odometry.pose.pose.position.y = self.at
+        odometry.pose.pose.orientation.w = 1.0
+        self._odometry.publish(odometry)
+
+    def map(self, *occupied: tuple[float, float]) -> None:
+        cells = np.zeros((80, 80), dtype=np.int8)
+        cells[[0, -1], :] = cells[:, [0, -1]] = 100
+        for x, y in occupied:
+            cells[int(y / 0.05), int(x / 0.05)] = 100
+        stamp = self.alive.node.get_clock().now().to_msg()
+        self._map.publish(grid_msg(Grid(cells, 0.05), "map", stamp))
+
+    def level(self) -> int:
+        return self.alive.statuses[-1].status if self.alive.statuses else -1
+
+    def send(self, x: float, y: float) -> Any:
+        return self.alive.execute("trigger_main_action_server", goal_x=x, goal_y=y)
+
+
+def test_no_map_is_a_system_failure_without_any_goal_and_a_map_heals_it(run: Run) -> None:
+    stage = Stage(run)
+    wait_until(lambda: stage.level() == 3, 5, "a SYSTEM failure")
+    assert list(stage.alive.statuses[-1].src_topics) == ["/map"]
+    stage.map()
+    wait_until(lambda: stage.level() == 0, 5, "health")
+
+
+def test_a_goal_waits_for_an_occupied_start_to_become_free(run: Run) -> None:
+    stage = Stage(run, patience=20.0)
+    stage.map((1.0, 1.0))
+    wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
+    assert stage.send(3.0, 3.0).success
+    wait_until(lambda: stage.level() == 1, 5, "an ALGORITHM failure")
+    assert "RRTConnect" in stage.alive.statuses[-1].src_algorithms
+    assert not any(plan.poses for plan in stage.plans)
+    stage.at = (2.0, 1.0)
+    wait_until(lambda: stage.plans and stage.plans[-1].poses, 5, "a plan from the free place")
+    wait_until(lambda: stage.level() == 0, 5, "health")
+
+
+def test_patience_with_an_occupied_start_ends(run: Run) -> None:
+    stage = Stage(run, patience=1.0)
+    stage.map((1.0, 1.0))
+    wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
+    assert stage.send(3.0, 3.0).success
+    wait_until(lambda: stage.level() == 1, 5, "an ALGORITHM failure")
+    wait_until(lambda: stage.level() == 0, 5, "the end of the goal")
+
+
+def test_without_its_action_the_planner_says_so(run: Run) -> None:
+    stage = Stage(run, run_type="Timed")
+    answer = stage.send(3.0, 3.0)
+    assert not answer.success
+    assert "ActionServer" in answer.error_msg
+
+
+def test_another_clearance_counts_from_the_next_plan_on(run: Run) -> None:
+    stage = Stage(run)
+    stage.map((2.0, 1.0))
+    request = CheckGoal.Request()
+    request.goal.position.x, request.goal.position.y = 2.0, 1.45
+
+    def check() -> CheckGoal.Response:
+        return stage.alive.call(CheckGoal, "check_goal", request)
+
+    wait_until(lambda: check().reachable, 10, "a reachable goal")
+    change = ChangeParameter.Request(name="clearance", value="0.4", keep_alive=True)
+    assert stage.alive.call(ChangeParameter, "update_config_parameter", change).success
+    answer = check()
+    assert not answer.reachable
+    assert "needs 0.50 m" in answer.message
+
+
+def test_an_inactive_planner_answers_instead_of_keeping_silent(run: Run) -> None:
+    stage = Stage(run)
+    assert stage.alive.execute("stop").success
+    answer = stage.alive.call(CheckGoal, "check_goal", CheckGoal.Request())
+    assert not answer.reachable
+    assert "not active" in answer.message
+    answer = stage.send(3.0, 3.0)
+    assert not answer.success
