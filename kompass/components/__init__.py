@@ -1,5 +1,6 @@
 """The components of the navigation stack."""
 
+from kompass.components.actions import component_action
 from kompass.components.component import Component
 from kompass.components.component_config import ComponentConfig, ComponentRunType
 from kompass.components.controller import Controller
@@ -26,4 +27,5 @@ __all__ = [
     "MapServerConfig",
     "Planner",
     "PlannerConfig",
+    "component_action",
 ]

@@ -14,7 +14,7 @@ from kompass.components.parameter import ParameterError, with_values
 from kompass.components.services import ComponentServices
 from kompass.components.topic import Topic
 
-FULL_RATE = ("loop_rate", "status_rate")
+RATES = ("loop_rate", "status_rate")
 
 
 class Component(Lifecycle):
@@ -214,7 +214,7 @@ class Component(Lifecycle):
             self.config = old
             self.on_config_changed(names)
             raise
-        if self.is_active and names & set(FULL_RATE):
+        if self.is_active and names & set(RATES):
             self._start_loop()
         if self._status is not None:
             self._status.set_rate(config.status_rate)

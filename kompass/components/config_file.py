@@ -43,14 +43,3 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise ConfigFileError(f"{path}: expected sections by node name, found {content!r}")
     return content
-
-
-def component_section(sections: dict[str, Any], name: str) -> dict[str, Any]:
-    """The settings of one component: those for all, overridden by its own."""
-    merged: dict[str, Any] = {}
-    for key in (COMMON, name):
-        section = sections.get(key) or {}
-        if not isinstance(section, dict):
-            raise ConfigFileError(f"section '{key}' must hold settings, not {section!r}")
-        merged.update(section)
-    return merged
