@@ -134,7 +134,11 @@ def test_the_sensor_can_be_changed_on_the_way_without_a_halt(run: Run) -> None:
     stage.plan(*STRAIGHT)
     wait_until(stage.drives, 10, "motion")
     before = len(stage.commands)
+    stage.scans = False  # the new source is late
     stage.set("use_direct_sensor", "True")
+    switched = len(stage.commands)
+    wait_until(lambda: len(stage.commands) > switched + 4, 5, "commands with the old source")
+    stage.scans = True
     wait_until(lambda: stage.listeners() == (1, 0), 5, "the change of subscriptions")
     after = len(stage.commands)
     wait_until(lambda: len(stage.commands) > after + 10, 5, "commands after it")
