@@ -75,7 +75,8 @@ class Firing(NamedTuple):
     leaves
         Each leaf of the condition as it was when triggered.
     cancels
-        Runs of the same rule to cancel first (mode ``restart``).
+        Runs of the same rule to cancel first (mode ``restart``). One of them may have ended in the
+        meantime: what was due before its ``Done`` is handled before it.
     """
 
     rule_id: str

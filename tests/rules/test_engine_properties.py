@@ -43,14 +43,15 @@ class Run:
     def feed(self, event: Input, now: float) -> list[Output]:
         self.now = now
         self.state, out = step(self.table, self.state, event, now)
-        if isinstance(event, Done) and (event.rule_id, event.run_id) in self.running:
-            self.running.remove((event.rule_id, event.run_id))
-            self.ends[event.run_id] = now
         for o in out:
             if isinstance(o, Firing):
                 for run in o.cancels:
                     self.running.remove((o.rule_id, run))
                 self.running.append((o.rule_id, o.run_id))
+        # What was due before this end may have cancelled the run already: then it is no end.
+        if isinstance(event, Done) and (event.rule_id, event.run_id) in self.running:
+            self.running.remove((event.rule_id, event.run_id))
+            self.ends[event.run_id] = now
         self.out.extend(out)
         return out
 
