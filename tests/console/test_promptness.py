@@ -1,0 +1,21 @@
+"""Small answers are sent at once."""
+
+import time
+
+from kompass_console.roles import Role
+from tests.console.conftest import Served
+
+# A browser's system waits this long before it acknowledges a part of an answer.
+DELAYED_ACKNOWLEDGEMENT = 0.040  # s
+
+
+def test_no_answer_waits_for_the_acknowledgement_of_its_first_half(console: Served) -> None:
+    took = []
+    with console.client(Role.VIEWER) as client:
+        for _ in range(40):
+            began = time.perf_counter()
+            assert client.get("/api/session").status_code == 200
+            took.append(time.perf_counter() - began)
+    # A new connection is acknowledged at once for a while, and a busy machine is slow at times.
+    settled = sorted(took[20:])
+    assert settled[len(settled) // 4] < 0.75 * DELAYED_ACKNOWLEDGEMENT
