@@ -24,8 +24,8 @@ from tests.support.robot import Robot
 from tests.support.stack import TOKEN, Stack
 
 WINDOW: ViewportSize = {"width": 1440, "height": 900}
-# Taken in turn, and canceled when accepted: the robot stays about where it starts.
-GOALS = [(-0.55, -0.55), (-0.55, 0.55)]
+# Far apart, taken in turn and canceled when accepted: the robot sets out and never arrives.
+GOALS = [(0.9, 0.55), (-1.65, 0.55)]
 
 _PAUSE = """() => {
   const scene = document.querySelector('[data-testid="scene-frame"]').contentWindow;

@@ -9,15 +9,13 @@ from playwright.sync_api import Page
 _ARM = """(sight) => {
   const lap = (window.kompassLap = { released: null, seen: null });
   let drawing = false;
-  addEventListener(
-    "pointerup",
-    (event) => { lap.released = event.timeStamp; },
-    { capture: true, once: true },
-  );
+  const release = (event) => { lap.released = event.timeStamp; };
+  addEventListener("pointerup", release, true);
   const look = () => {
     if (drawing || lap.released === null || document.querySelector(sight) === null) return;
     drawing = true;
     watch.disconnect();
+    removeEventListener("pointerup", release, true);
     requestAnimationFrame(() => setTimeout(() => { lap.seen = performance.now(); }, 0));
   };
   const watch = new MutationObserver(look);
@@ -45,6 +43,6 @@ class Stopwatch:
         page.evaluate(_ARM, sight)
 
     def read(self, timeout: float = 10.0) -> float:
-        """Milliseconds from the first release since to the end of the frame that shows it."""
+        """Milliseconds from the last release before to the end of the frame that shows it."""
         self._page.wait_for_function(_DONE, timeout=timeout * 1000)
         return float(self._page.evaluate(_READ))
