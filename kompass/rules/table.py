@@ -54,6 +54,8 @@ class Rule(Model):
         Rules of the safety lane never wait for rules of the normal one.
     protected
         Whether editing it away is refused.
+    shadow
+        Whether it is evaluated and recorded without acting.
     source
         Whether it comes from the recipe or was made or changed by a person since.
     """
@@ -66,6 +68,7 @@ class Rule(Model):
     severity: SeverityField = Severity.WARNING
     lane: Lane = "normal"
     protected: bool = False
+    shadow: bool = False
     note: str = ""
     source: Literal["recipe", "edited"] = "edited"
 

@@ -16,7 +16,7 @@ from rclpy.action import ActionClient
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from kompass.launch.waiting import Waiting
+from kompass.monitor.waiting import Waiting
 from kompass.recipe.fallbacks import Ladder
 from kompass.recipe.messages import fill, ros_class
 from kompass.recipe.table import Parsed

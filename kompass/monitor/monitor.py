@@ -18,10 +18,10 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.components.topic import LATCHED, QoSConfig
-from kompass.launch.action_runner import ActionRunner, Outcome
+from kompass.monitor.action_runner import ActionRunner, Outcome
 from kompass.launch.process import Report
-from kompass.launch.rule_inputs import RuleInputs
-from kompass.launch.spokesman import Spokesman
+from kompass.monitor.rule_inputs import RuleInputs
+from kompass.monitor.spokesman import Spokesman
 from kompass.recipe.table import RecipeRules
 from kompass.rules.compiled import compile_table
 from kompass.rules.conditions import CallableCondition
@@ -34,7 +34,7 @@ SPIN_TIMEOUT = 0.1  # s, as of the components' host
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
 REPEAT_PERIOD = 0.4  # s between repetitions for those who are silent
 POLL_RATE = 10.0  # Hz, for a function that states no rate of its own
-DEAD = ("dead", "given up")
+SILENT = ("stuck", "dead", "given up")  # who cannot speak is spoken for
 
 
 class Monitor:
@@ -80,7 +80,7 @@ class Monitor:
         self._processes[process.name] = process
         self._stack.publish(StackState(stamp=self._stamp(), processes=[*self._processes.values()]))
         for component in process.nodes:
-            if process.state in DEAD:
+            if process.state in SILENT:
                 message = self._spokesman.begin(component, process.reason)
                 self._speak_for(component, message)
             elif process.state == "active":

@@ -1,0 +1,1 @@
+"""The monitor: the thin shell around the rule engine, on ROS 2."""
