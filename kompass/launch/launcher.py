@@ -12,9 +12,9 @@ from kompass.launch.claim import claim
 from kompass.launch.companions import companions
 from kompass.launch.environment import check_environment
 from kompass.launch.host import host
-from kompass.monitor.monitor import NAME, run_monitor
 from kompass.launch.process import ProcessSpec, Report
 from kompass.launch.supervisor import Supervisor
+from kompass.monitor.monitor import NAME, run_monitor
 from kompass.recipe.table import recipe_rules
 from kompass.robot import RobotConfig, RobotFrames
 

@@ -18,8 +18,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.components.topic import LATCHED, QoSConfig
-from kompass.monitor.action_runner import ActionRunner, Outcome
 from kompass.launch.process import Report
+from kompass.monitor.action_runner import ActionRunner, Outcome
 from kompass.monitor.rule_inputs import RuleInputs
 from kompass.monitor.spokesman import Spokesman
 from kompass.recipe.table import RecipeRules
