@@ -7,7 +7,16 @@ shell feeds it and carries out the firings; nothing else decides whether a rule 
 from kompass.rules.arbitrate import Arbitration, Lost, Running, arbitrate, components_of
 from kompass.rules.arguments import ArgumentError, expand, resolve
 from kompass.rules.carry import Carried, carry
-from kompass.rules.check import Catalog, FieldType, Problem, check_rule, check_table
+from kompass.rules.catalog import (
+    ArgumentSpec,
+    Catalog,
+    ComponentSpec,
+    FieldType,
+    MethodSpec,
+    ParameterSpec,
+    StackCatalog,
+)
+from kompass.rules.check import Problem, check_rule, check_table
 from kompass.rules.compiled import CompiledTable, compile_table
 from kompass.rules.describe import describe
 from kompass.rules.engine import initial_state, step
@@ -22,9 +31,11 @@ from kompass.rules.table import Rule, Severity, Table, rule_hash, table_hash
 __all__ = [
     "Arbitration",
     "ArgumentError",
+    "ArgumentSpec",
     "Carried",
     "Catalog",
     "CompiledTable",
+    "ComponentSpec",
     "Counters",
     "Done",
     "Event",
@@ -35,14 +46,17 @@ __all__ = [
     "Input",
     "LeafVerdict",
     "Lost",
+    "MethodSpec",
     "Note",
     "Output",
+    "ParameterSpec",
     "Problem",
     "Rule",
     "Running",
     "Sample",
     "Severity",
     "Signal",
+    "StackCatalog",
     "State",
     "Table",
     "Tick",

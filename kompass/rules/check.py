@@ -1,11 +1,11 @@
 """Whether rules fit the messages they speak of: found when a rule is made, not when it runs.
 
-The engine knows no message definitions; the shell brings them as a :class:`Catalog`.
+The shell says what there is as a :class:`~kompass.rules.catalog.Catalog`.
 """
 
 import difflib
-from collections.abc import Iterable, Iterator
-from typing import Any, Literal, NamedTuple, Protocol
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 from pydantic import JsonValue
 
@@ -17,6 +17,7 @@ from kompass.rules.actions import (
     arguments_of,
 )
 from kompass.rules.arguments import references
+from kompass.rules.catalog import Catalog, FieldType
 from kompass.rules.conditions import (
     CallableCondition,
     Changed,
@@ -31,39 +32,6 @@ from kompass.rules.model import Scalar
 from kompass.rules.signals import Signal, path_text
 from kompass.rules.table import Rule, Table
 from kompass.rules.values import kind_of
-
-FieldKind = Literal["bool", "int", "float", "text", "message", "list"]
-
-
-class FieldType(NamedTuple):
-    """Type of a field.
-
-    Attributes
-    ----------
-    kind
-        What sort of value it holds.
-    name
-        Name of the message type, for ``message``.
-    element
-        Type of the elements, for ``list``.
-    """
-
-    kind: FieldKind
-    name: str = ""
-    element: "FieldType | None" = None
-
-
-class Catalog(Protocol):
-    """The message definitions that the shell knows."""
-
-    def field_type(self, type_name: str, path: tuple[str | int, ...]) -> FieldType | None:
-        """Return the type at a path of a message type; None if there is no such path.
-
-        The empty path gives the message itself, or None if the type is not known.
-        """
-
-    def fields(self, type_name: str) -> Iterable[str]:
-        """Return the names of the fields of a message type; empty if it is not known."""
 
 
 class Problem(NamedTuple):

@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 
 from kompass.rules.actions import CallService, Publish, Python, SendGoal
-from kompass.rules.check import FieldType, check_rule, check_table
+from kompass.rules.catalog import FieldType
+from kompass.rules.check import check_rule, check_table
 from kompass.rules.conditions import Compare, Rate
 from kompass.rules.signals import Signal
 from kompass.rules.table import Table

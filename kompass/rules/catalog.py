@@ -1,0 +1,120 @@
+"""What the shell knows of the robot, in the terms in which rules are checked against it.
+
+The engine knows no message definitions and no components; the shell brings them as a
+:class:`Catalog`.
+"""
+
+from collections.abc import Collection, Iterable, Mapping
+from typing import Literal, NamedTuple, Protocol, runtime_checkable
+
+from pydantic import JsonValue
+
+FieldKind = Literal["bool", "int", "float", "text", "message", "list"]
+# Sort of an argument or a parameter; `any` where it is not known.
+ValueKind = Literal["bool", "int", "float", "text", "list", "object", "any"]
+
+
+class FieldType(NamedTuple):
+    """Type of a field.
+
+    Attributes
+    ----------
+    kind
+        What sort of value it holds.
+    name
+        Name of the message type, for ``message``.
+    element
+        Type of the elements, for ``list``.
+    """
+
+    kind: FieldKind
+    name: str = ""
+    element: "FieldType | None" = None
+
+
+class ArgumentSpec(NamedTuple):
+    """An argument of a method.
+
+    Attributes
+    ----------
+    kind
+        Sort of its value.
+    required
+        Whether a call must give it.
+    options
+        The values it may have; empty if it may have any of its kind.
+    """
+
+    name: str
+    kind: ValueKind = "any"
+    required: bool = True
+    default: JsonValue = None
+    text: str = ""
+    options: tuple[JsonValue, ...] = ()
+
+
+class MethodSpec(NamedTuple):
+    """A method of a component; ``open`` if it takes arguments beside those that are named."""
+
+    name: str
+    arguments: tuple[ArgumentSpec, ...] = ()
+    text: str = ""
+    open: bool = False
+
+
+class ParameterSpec(NamedTuple):
+    """A parameter of a component; ``name`` with dots for one inside of another.
+
+    Attributes
+    ----------
+    kind
+        Sort of its value.
+    minimum, maximum
+        Bounds of a number, both included; None for none.
+    options
+        The values it may have; empty if it may have any of its kind.
+    optional
+        Whether it may be null.
+    """
+
+    name: str
+    kind: ValueKind = "any"
+    value: JsonValue = None
+    text: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    options: tuple[JsonValue, ...] = ()
+    optional: bool = False
+
+
+class ComponentSpec(NamedTuple):
+    """A component of the stack: what rules may call, and what they may change."""
+
+    name: str
+    kind: str = ""
+    methods: Mapping[str, MethodSpec] = {}
+    parameters: Mapping[str, ParameterSpec] = {}
+
+
+class Catalog(Protocol):
+    """The message definitions that the shell knows."""
+
+    def field_type(self, type_name: str, path: tuple[str | int, ...]) -> FieldType | None:
+        """Return the type at a path of a message type; None if there is no such path.
+
+        The empty path gives the message itself, or None if the type is not known.
+        """
+
+    def fields(self, type_name: str) -> Iterable[str]:
+        """Return the names of the fields of a message type; empty if it is not known."""
+
+
+@runtime_checkable
+class StackCatalog(Catalog, Protocol):
+    """A catalog that knows the components and the recipe's functions too."""
+
+    def components(self) -> Mapping[str, ComponentSpec]:
+        """Return the components of the stack by node name."""
+
+    def functions(self) -> Collection[str]:
+        """Return the names of the recipe's functions that rules may call or poll."""
