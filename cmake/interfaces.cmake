@@ -59,6 +59,9 @@ function(add_interface_package package)
     target_link_libraries(${target} PUBLIC ros
       PRIVATE ${deps} ${generator_deps} ${lib}/librosidl_runtime_c.so ${lib}/librcutils.so)
     if(NOT kind STREQUAL "generator_c")
+      # Hundreds of small files include the same large headers: read those once for a batch of them.
+      # (Those of generator_c have the same static names in several files.)
+      set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 24)
       target_link_libraries(${target} PRIVATE ${package}__rosidl_generator_c)
     endif()
   endforeach()
