@@ -1,9 +1,10 @@
-"""Try the embedded robot alone: `python -m kompass.simulation [WORLD] [--seed N]`."""
+"""Try the embedded robot alone: `python -m kompass.simulation [WORLD] [--fault NAME]`."""
 
 from __future__ import annotations
 
 import argparse
 
+from kompass.simulation.faults import UnknownFault, help_text, parse_fault
 from kompass.simulation.node import run_simulator
 from kompass.simulation.worlds.registry import world_names
 
@@ -17,8 +18,28 @@ def main() -> None:
     parser.add_argument("world", nargs="?", default=names[0], choices=names)
     parser.add_argument("--seed", type=int, default=0, help="of noise and calibration errors")
     parser.add_argument("--node-name", default="simulator")
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        type=_fault,
+        metavar="NAME[:SECONDS]",
+        help="switch a fault on, so many seconds after the start; may be given several times",
+    )
+    parser.epilog = f"faults:\n{help_text()}"
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
     options = parser.parse_args()
-    run_simulator(options.world, seed=options.seed, node_name=options.node_name)
+    run_simulator(
+        options.world, seed=options.seed, node_name=options.node_name, faults=options.fault
+    )
+
+
+def _fault(text: str) -> str:
+    try:
+        parse_fault(text)
+    except UnknownFault as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+    return text
 
 
 if __name__ == "__main__":

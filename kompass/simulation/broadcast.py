@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
+from builtin_interfaces.msg import Time
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -12,6 +15,7 @@ from tf2_msgs.msg import TFMessage
 from kompass.algorithms.geometry import compose, inverse
 from kompass.simulation import messages
 from kompass.simulation.mjcf import IMU_HEIGHT, LIDAR_HEIGHT
+from kompass.simulation.parts import NoReading
 from kompass.simulation.robot import Robot
 
 MAP, ODOM, BASE, LIDAR, IMU = "map", "odom", "base_link", "LDS-01", "imu_link"
@@ -44,10 +48,17 @@ class Broadcast:
     def motion(self) -> None:
         """Odometry of every kind, transforms and inertial readings: once per control period."""
         stamp = self._clock.now().to_msg()
+        self._truth.publish(messages.odometry(self._robot.truth(), stamp, MAP))
+        self._imu.publish(messages.inertial(self._robot.imu(), stamp, IMU))
+        if self._robot.contacts != self._published_contacts:
+            self.contacts()
+        with suppress(NoReading):
+            self._odometry(stamp)
+
+    def _odometry(self, stamp: Time) -> None:
         wheels, filtered = self._robot.wheel_odometry(), self._robot.filtered()
         self._filtered.publish(messages.odometry(filtered, stamp, MAP))
         self._wheels.publish(messages.odometry(wheels, stamp, ODOM))
-        self._truth.publish(messages.odometry(self._robot.truth(), stamp, MAP))
         correction = compose(filtered.pose, inverse(wheels.pose))
         x, y, yaw = (float(part) for part in correction)
         self._tf.publish(
@@ -58,14 +69,12 @@ class Broadcast:
                 ]
             )
         )
-        self._imu.publish(messages.inertial(self._robot.imu(), stamp, IMU))
-        if self._robot.contacts != self._published_contacts:
-            self.contacts()
 
     def scan(self, period: float) -> None:
         """One turn of the lidar, `period` seconds after the one before."""
         stamp = self._clock.now().to_msg()
-        self._scan.publish(messages.laser_scan(self._robot.scan(), stamp, LIDAR, period))
+        with suppress(NoReading):
+            self._scan.publish(messages.laser_scan(self._robot.scan(), stamp, LIDAR, period))
 
     def rate(self, rate: float) -> None:
         """Simulated seconds per real second."""

@@ -33,14 +33,29 @@ _FRONT_CASTER_GAP = 0.001  # the front caster only catches a nod
 
 TIMESTEP = 0.002  # s
 
+# Walls that can be put anywhere while the robot drives; until then they lie far below the floor.
+BARRIERS = ("barrier_ahead", "barrier_left", "barrier_behind", "barrier_right")
+BARRIER_STORE = -10.0  # m
+_BARRIER_GAP = 0.05  # m between the shell and each of them
+_BARRIER_THICKNESS = 0.02
+_BARRIER_HEIGHT = 0.5
+
 # Geom groups, by which the lidar's rays tell solids from the floor and from the robot itself.
 SOLID_GROUP, FLOOR_GROUP, ROBOT_GROUP = 0, 1, 2
 _FLOOR_BIT, _SOLID_BIT = 1, 2
 
 
+def barrier_places() -> tuple[tuple[float, float, float], ...]:
+    """Where each of `BARRIERS` stands to box the robot in: (x, y, yaw) in its own frame."""
+    away = BODY_RADIUS + _BARRIER_GAP + _BARRIER_THICKNESS / 2
+    turns = (math.pi / 2 * index for index in range(len(BARRIERS)))
+    return tuple((away * math.cos(turn), away * math.sin(turn), turn) for turn in turns)
+
+
 def model_text(world: World) -> str:
     """MJCF of `world` with the robot at its start pose."""
     solids = "\n".join(_solid(shape) for shape in world.solids)
+    barriers = "\n".join(map(_barrier, BARRIERS))
     return f"""
 <mujoco model={quoteattr(world.name)}>
   <compiler angle="radian" autolimits="true"/>
@@ -61,6 +76,7 @@ def model_text(world: World) -> str:
     <geom name="floor" type="plane" size="0 0 1" contype="{_FLOOR_BIT}" conaffinity="0"
           group="{FLOOR_GROUP}" condim="1" friction="0"/>
     {solids}
+    {barriers}
     {_robot(world.start)}
   </worldbody>
   <actuator>
@@ -90,6 +106,17 @@ def _solid(shape: Shape) -> str:
     else:
         form = f'type="cylinder" size="{shape.radius} {shape.height / 2}"'
     return f'<geom class="solid" name={quoteattr("solid " + shape.name)} {form} {place}/>'
+
+
+def _barrier(name: str) -> str:
+    half = _BARRIER_HEIGHT / 2
+    # Each is as long as the box it closes, corners included.
+    length = BODY_RADIUS + _BARRIER_GAP + _BARRIER_THICKNESS
+    return f"""
+    <body name="{name}" mocap="true" pos="0 0 {BARRIER_STORE}">
+      <geom class="solid" type="box" size="{_BARRIER_THICKNESS / 2} {length} {half}"
+            pos="0 0 {half}"/>
+    </body>"""
 
 
 def _robot(start: tuple[float, float, float]) -> str:

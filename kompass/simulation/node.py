@@ -5,17 +5,19 @@ from __future__ import annotations
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from kompass.simulation.faults import parse_fault
 from kompass.simulation.pacer import Pacer
 from kompass.simulation.worlds.registry import world
 
 if TYPE_CHECKING:
     from kompass.simulation.broadcast import Broadcast
     from kompass.simulation.command_input import CommandInput
+    from kompass.simulation.fault_service import FaultService
     from kompass.simulation.robot import Robot
 
 PERIOD = 0.02  # of odometry and transforms, s
@@ -31,6 +33,7 @@ def run_simulator(
     seed: int = 0,
     node_name: str = "simulator",
     stop: Callable[[], bool] | None = None,
+    faults: Sequence[str] = (),
 ) -> None:
     """Run the robot until SIGTERM, SIGINT, or until `stop` returns true.
 
@@ -43,11 +46,14 @@ def run_simulator(
         seed: Of the sensors' noise and of the base's calibration.
         node_name: Of the ROS 2 node.
         stop: Asked after every event, at least ten times a second, whether to end.
+        faults: To begin by themselves, each as `NAME` or `NAME:SECONDS` after the start; see
+            `kompass.simulation.faults`. More of them are had from `/simulator/set_fault`.
 
     Raises:
-        ValueError: There is no such world.
+        ValueError: There is no such world, or no such fault.
     """
     place = world(world_name)
+    orders = [parse_fault(text) for text in faults]
     # Imported here, so that the process that forks this one stays small and without threads.
     import rclpy
     from rclpy.experimental import EventsExecutor
@@ -55,6 +61,7 @@ def run_simulator(
 
     from kompass.simulation.broadcast import Broadcast
     from kompass.simulation.command_input import CommandInput
+    from kompass.simulation.fault_service import FaultService
     from kompass.simulation.robot import Robot
 
     robot = Robot(place, seed)
@@ -63,10 +70,12 @@ def run_simulator(
     node = rclpy.create_node(node_name, context=context)
     executor = EventsExecutor(context=context)
     try:
-        with _signals() as told_to_stop:
+        with _signals() as told_to_stop, ExitStack() as undo:
             broadcast = Broadcast(node, robot)
             commands = CommandInput(node, robot.command)
-            loop = _Loop(robot, broadcast, commands, node.get_logger().warning)
+            broken = FaultService(node, robot, orders)
+            undo.callback(broken.close)
+            loop = _Loop(robot, broadcast, commands, broken, node.get_logger().warning)
             node.create_timer(PERIOD, lambda: loop.tick(time.monotonic()))
             executor.add_node(node)
             node.get_logger().info(f"robot in {place.name!r}: {place.title}")
@@ -87,17 +96,20 @@ class _Loop:
         robot: Robot,
         broadcast: Broadcast,
         commands: CommandInput,
+        faults: FaultService,
         warn: Callable[[str], None],
     ) -> None:
         self._robot = robot
         self._broadcast = broadcast
         self._commands = commands
+        self._faults = faults
         self._warn = warn
         self._pacer = Pacer(PERIOD, time.monotonic())
         self._ticks = 0
 
     def tick(self, now: float) -> None:
         """Simulate up to `now` (monotonic seconds) and publish the result once."""
+        self._faults.advance(now)
         self._robot.step(self._pacer.due(now) * PERIOD)
         self._broadcast.motion()
         self._ticks += 1

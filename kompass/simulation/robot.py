@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kompass.simulation.drive import DifferentialDrive
-from kompass.simulation.mjcf import TIMESTEP, model_text
+from kompass.simulation.mjcf import BARRIER_STORE, BARRIERS, TIMESTEP, barrier_places, model_text
 from kompass.simulation.motion import Motion
+from kompass.simulation.parts import Drive, Odometer, PoseSource, RangeFinder
 from kompass.simulation.sensors.bumper import Bumper
 from kompass.simulation.sensors.imu import Imu, ImuReading
 from kompass.simulation.sensors.lidar import Lidar
@@ -49,11 +50,11 @@ class Robot:
         lidar, imu, wheels, localizer = (
             np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(4)
         )
-        self.drive = DifferentialDrive()
-        self.lidar = Lidar(self._model, self._data, lidar)
+        self.drive: Drive = DifferentialDrive()
+        self.lidar: RangeFinder = Lidar(self._model, self._data, lidar)
         self.imu_sensor = Imu(self._model, self._data, imu)
-        self.wheels = WheelOdometry(wheels)
-        self.localizer = Localizer(localizer, SAMPLE_PERIOD)
+        self.wheels: Odometer = WheelOdometry(wheels)
+        self.localizer: PoseSource = Localizer(localizer, SAMPLE_PERIOD)
         self.bumper = Bumper()
 
         self._touch = self._data.sensor("shell").data
@@ -89,6 +90,27 @@ class Robot:
         mujoco.mj_forward(self._model, data)
         self._sample()
 
+    def box_in(self) -> None:
+        """Put walls around the robot where it is, too close to leave and touching nothing."""
+        x, y, yaw = self.truth().pose
+        for name, (dx, dy, turn) in zip(BARRIERS, barrier_places(), strict=True):
+            place = (
+                x + math.cos(yaw) * dx - math.sin(yaw) * dy,
+                y + math.sin(yaw) * dx + math.cos(yaw) * dy,
+            )
+            self._put(name, (*place, 0.0), yaw + turn)
+
+    def free(self) -> None:
+        """Take the walls of `box_in` away."""
+        for name in BARRIERS:
+            self._put(name, (0.0, 0.0, BARRIER_STORE), 0.0)
+
+    def _put(self, barrier: str, position: tuple[float, float, float], yaw: float) -> None:
+        index = int(self._model.body(barrier).mocapid[0])
+        self._data.mocap_pos[index] = position
+        self._data.mocap_quat[index] = [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]
+        mujoco.mj_kinematics(self._model, self._data)
+
     def command(self, v: float, omega: float) -> None:
         """Drive with `v` (m/s) and `omega` (rad/s); see `DifferentialDrive.command`."""
         self.drive.command(v, omega, self.time)
@@ -115,7 +137,12 @@ class Robot:
                 self._sample()
 
     def scan(self) -> NDArray[np.float32]:
-        """Lidar ranges (360,) in metres from straight ahead anticlockwise; +inf = no return."""
+        """Lidar ranges (360,) in metres from straight ahead anticlockwise; +inf = no return.
+
+        Raises:
+            NoReading: A faulty lidar says nothing this time; so may `wheel_odometry` and
+                `filtered`.
+        """
         return self.lidar.scan()
 
     def imu(self) -> ImuReading:

@@ -1,0 +1,98 @@
+"""The faults that the embedded robot can be given: their names, and orders for them.
+
+Nothing here needs MuJoCo or ROS, so that a command line can check an order before it starts
+anything.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+FAULTS = {
+    "lidar_unplugged": "no scan is published",
+    "scan_frozen": "every scan repeats the ranges of the first one, with a new stamp",
+    "scan_rate_halved": "every other scan is left out",
+    "odometry_frozen": "odometry and transforms repeat one pose and twist, with new stamps",
+    "odometry_silent": "no odometry and no transforms are published",
+    "wheel_blocked": "the left wheel does not turn",
+    "boxed_in": "walls stand around the robot, too close to leave",
+    "map_withheld": "the map server has no map until /map_server/load_map is called",
+    "start_occupied": "the map says that something stands where the robot is",
+    "stop:NAME": "a process of the stack is stopped (SIGSTOP); it goes on when the fault ends",
+    "kill:NAME": "a process of the stack is killed (SIGKILL), once",
+}
+MAP_WITHHELD = "map_withheld"
+TARGETED = ("stop", "kill")  # followed by the name of a process or of a node in it
+
+
+class UnknownFault(ValueError):
+    """There is no such fault, or the order for it cannot be read; the message tells the remedy."""
+
+
+@dataclass(frozen=True)
+class FaultOrder:
+    """A fault to be switched on some time after the start.
+
+    Attributes:
+        name: One of `FAULTS`, with a process in the place of NAME.
+        after: Seconds after the start.
+    """
+
+    name: str
+    after: float = 0.0
+
+
+def check_fault(name: str) -> str:
+    """`name`, if there is such a fault.
+
+    Raises:
+        UnknownFault: There is none; the message offers the nearest.
+    """
+    kind, colon, target = name.partition(":")
+    if colon and kind in TARGETED:
+        if not target:
+            raise UnknownFault(f"fault {name!r} names no process; write for example {kind}:mapper")
+        return name
+    if name in FAULTS and kind not in TARGETED:
+        return name
+    if kind in TARGETED:
+        raise UnknownFault(f"fault {name!r} names no process; write for example {kind}:mapper")
+    known = [one.partition(":")[0] for one in FAULTS]
+    near = difflib.get_close_matches(kind, known, n=1, cutoff=0.4)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    raise UnknownFault(f"there is no fault {name!r}; {hint}known are {', '.join(FAULTS)}")
+
+
+def parse_fault(text: str) -> FaultOrder:
+    """Read `NAME` or `NAME:SECONDS`, as on a command line.
+
+    Raises:
+        UnknownFault: There is no such fault, or the seconds are none.
+    """
+    name, colon, last = text.rpartition(":")
+    try:
+        after = float(last) if colon else None
+    except ValueError:
+        after = None
+    if after is None:
+        return FaultOrder(check_fault(text))
+    if not (math.isfinite(after) and after >= 0.0):
+        raise UnknownFault(f"fault {text!r}: {last} s is no time; give seconds of 0 or more")
+    if name == MAP_WITHHELD and after:
+        raise UnknownFault(
+            f"fault {text!r}: a map that was given cannot be withheld; leave out {last}"
+        )
+    return FaultOrder(check_fault(name), after)
+
+
+def withholds_map(orders: Iterable[str]) -> bool:
+    """Whether the map server must start without a map."""
+    return any(parse_fault(text).name == MAP_WITHHELD for text in orders)
+
+
+def help_text() -> str:
+    """One line for each fault."""
+    return "\n".join(f"{name}: {text}" for name, text in FAULTS.items())

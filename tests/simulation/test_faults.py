@@ -1,0 +1,278 @@
+"""Faults break the robot as named, overlap, and leave nothing behind when they end."""
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+import pytest
+
+from kompass.simulation.fault_desk import BodyFaults, FaultDesk, FaultRefused, NotYet
+from kompass.simulation.faults import (
+    FAULTS,
+    FaultOrder,
+    UnknownFault,
+    check_fault,
+    parse_fault,
+    withholds_map,
+)
+from kompass.simulation.parts import NoReading
+from kompass.simulation.robot import Robot
+from kompass.simulation.robot_faults import ROBOT_FAULTS, RobotFaults
+from kompass.simulation.worlds.registry import world
+
+PERIOD = 0.02
+
+
+@pytest.fixture
+def robot() -> Robot:
+    return Robot(world("hexagon"))
+
+
+@pytest.fixture
+def faults(robot: Robot) -> RobotFaults:
+    return RobotFaults(robot)
+
+
+def drive(robot: Robot, seconds: float, v: float = 0.2, omega: float = 0.0) -> None:
+    for _ in range(round(seconds / PERIOD)):
+        robot.command(v, omega)
+        robot.step(PERIOD)
+
+
+def test_an_unplugged_lidar_says_nothing_until_it_is_plugged_in_again(
+    robot: Robot, faults: RobotFaults
+) -> None:
+    faults.begin("lidar_unplugged")
+    with pytest.raises(NoReading):
+        robot.scan()
+    faults.end("lidar_unplugged")
+    assert robot.scan().shape == (360,)
+
+
+def test_a_frozen_scan_stays_the_same_while_the_robot_moves(
+    robot: Robot, faults: RobotFaults
+) -> None:
+    faults.begin("scan_frozen")
+    first = robot.scan()
+    drive(robot, 1.0)
+    assert np.array_equal(robot.scan(), first)
+    faults.end("scan_frozen")
+    assert not np.array_equal(robot.scan(), first)
+
+
+def test_a_halved_rate_leaves_out_every_other_scan(robot: Robot, faults: RobotFaults) -> None:
+    faults.begin("scan_rate_halved")
+    said = []
+    for _ in range(6):
+        try:
+            robot.scan()
+            said.append(True)
+        except NoReading:
+            said.append(False)
+    assert said == [True, False] * 3
+
+
+def test_frozen_odometry_repeats_itself_and_jumps_to_the_truth_at_its_end(
+    robot: Robot, faults: RobotFaults
+) -> None:
+    before = robot.filtered().pose
+    rolled = robot.wheel_odometry().pose
+    faults.begin("odometry_frozen")
+    drive(robot, 1.0)
+    assert robot.filtered().pose == before
+    assert robot.wheel_odometry().pose == rolled
+    faults.end("odometry_frozen")
+    assert math.dist(robot.filtered().pose[:2], robot.truth().pose[:2]) < 0.02
+    assert robot.wheel_odometry().pose[0] > 0.1
+
+
+def test_silent_odometry_says_nothing(robot: Robot, faults: RobotFaults) -> None:
+    faults.begin("odometry_silent")
+    with pytest.raises(NoReading):
+        robot.filtered()
+    with pytest.raises(NoReading):
+        robot.wheel_odometry()
+
+
+def test_with_a_blocked_wheel_the_robot_turns_about_it(robot: Robot, faults: RobotFaults) -> None:
+    faults.begin("wheel_blocked")
+    drive(robot, 1.0)
+    assert robot.truth().pose[2] > 0.5
+    faults.end("wheel_blocked")
+    drive(robot, 1.0)
+    assert robot.truth().twist[0] == pytest.approx(0.2, abs=0.02)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.0])
+def test_a_boxed_in_robot_sees_walls_all_around_and_gets_nowhere(
+    robot: Robot, faults: RobotFaults, yaw: float
+) -> None:
+    x, y, _ = robot.truth().pose
+    robot.place((x, y, yaw))
+    free = robot.scan()
+    faults.begin("boxed_in")
+    robot.step(PERIOD)
+    assert robot.contacts == 0
+    assert robot.scan().max() < 0.25
+    drive(robot, 2.0)
+    assert math.dist(robot.truth().pose[:2], (x, y)) < 0.08
+    faults.end("boxed_in")
+    robot.place((x, y, yaw))
+    after = robot.scan()
+    assert np.array_equal(np.isinf(after), np.isinf(free))
+
+
+def test_faults_overlap_and_end_in_any_order(robot: Robot, faults: RobotFaults) -> None:
+    for name in ("scan_frozen", "lidar_unplugged", "scan_rate_halved", "wheel_blocked"):
+        faults.begin(name)
+    with pytest.raises(NoReading):
+        robot.scan()
+    faults.end("lidar_unplugged")
+    assert np.array_equal(robot_next(robot), robot_next(robot)), "it is still frozen"
+    faults.end("scan_frozen")
+    faults.end("scan_rate_halved")
+    faults.end("wheel_blocked")
+    assert faults.active == ()
+    sound = Robot(world("hexagon"))
+    assert [type(part) for part in (robot.lidar, robot.drive, robot.localizer, robot.wheels)] == [
+        type(part) for part in (sound.lidar, sound.drive, sound.localizer, sound.wheels)
+    ]
+
+
+def robot_next(robot: Robot) -> np.ndarray:
+    """The next scan that is not left out."""
+    while True:
+        try:
+            return robot.scan()
+        except NoReading:
+            continue
+
+
+class Uncertain:
+    """Faults of a target that shows up late."""
+
+    def __init__(self) -> None:
+        self.there = False
+        self.begun: list[str] = []
+        self.ended: list[str] = []
+        self.over: list[str] = []
+
+    def knows(self, name: str) -> bool:
+        return name.startswith(("stop:", "kill:"))
+
+    def begin(self, name: str) -> bool:
+        if not self.there:
+            raise NotYet("no such process")
+        self.begun.append(name)
+        return name.startswith("stop:")
+
+    def end(self, name: str) -> None:
+        self.ended.append(name)
+
+    def passed(self) -> Iterable[str]:
+        return self.over
+
+
+def desk(robot: Robot, *orders: FaultOrder) -> tuple[FaultDesk, Uncertain, list[tuple[str, ...]]]:
+    told: list[tuple[str, ...]] = []
+    late = Uncertain()
+    return FaultDesk([BodyFaults(RobotFaults(robot)), late], orders, 100.0, told.append), late, told
+
+
+def test_a_fault_with_a_duration_ends_by_itself(robot: Robot) -> None:
+    made, _, told = desk(robot)
+    made.switch("lidar_unplugged", True, 2.0, 100.0)
+    made.advance(101.9)
+    assert made.active == ("lidar_unplugged",)
+    made.advance(102.0)
+    assert not made.active
+    assert told == [("lidar_unplugged",), ()]
+    robot.scan()
+
+
+def test_a_fault_is_ordered_for_later_and_waits_for_its_target(robot: Robot) -> None:
+    made, late, _ = desk(robot, FaultOrder("wheel_blocked", 5.0), FaultOrder("stop:mapper"))
+    made.advance(104.9)
+    assert made.active == ()
+    late.there = True
+    made.advance(105.0)
+    assert set(made.active) == {"wheel_blocked", "stop:mapper"}
+    made.advance(106.0)
+    assert late.begun == ["stop:mapper"]
+
+
+def test_a_kill_is_over_at_once_and_may_be_repeated(robot: Robot) -> None:
+    made, late, _ = desk(robot)
+    late.there = True
+    made.switch("kill:mapper", True, 0.0, 100.0)
+    made.switch("kill:mapper", True, 0.0, 101.0)
+    assert late.begun == ["kill:mapper"] * 2
+    assert made.active == ()
+
+
+def test_a_fault_that_passes_by_itself_is_told(robot: Robot) -> None:
+    made, late, told = desk(robot)
+    late.there = True
+    made.switch("stop:mapper", True, 0.0, 100.0)
+    late.over.append("stop:mapper")
+    made.advance(101.0)
+    assert told[-1] == made.active == ()
+
+
+def test_nothing_is_left_broken_when_the_simulator_ends(robot: Robot) -> None:
+    made, late, _ = desk(robot)
+    late.there = True
+    made.switch("lidar_unplugged", True, 0.0, 100.0)
+    made.switch("stop:mapper", True, 0.0, 100.0)
+    made.close()
+    assert late.ended == ["stop:mapper"]
+    robot.scan()
+
+
+@pytest.mark.parametrize("duration", [-1.0, math.nan, math.inf])
+def test_a_duration_that_is_no_time_is_refused(robot: Robot, duration: float) -> None:
+    made, _, _ = desk(robot)
+    with pytest.raises(FaultRefused, match="duration"):
+        made.switch("lidar_unplugged", True, duration, 100.0)
+    assert made.active == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "order"),
+    [
+        ("lidar_unplugged", FaultOrder("lidar_unplugged")),
+        ("lidar_unplugged:2.5", FaultOrder("lidar_unplugged", 2.5)),
+        ("kill:mapper", FaultOrder("kill:mapper")),
+        ("stop:mapper:20", FaultOrder("stop:mapper", 20.0)),
+    ],
+)
+def test_an_order_is_a_name_and_perhaps_a_time(text: str, order: FaultOrder) -> None:
+    assert parse_fault(text) == order
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("lidar_unpluged", "did you mean 'lidar_unplugged'?"),
+        ("unplugged", "did you mean 'lidar_unplugged'?"),
+        ("nothing like it", "known are lidar_unplugged"),
+        ("kill", "kill:mapper"),
+        ("stop:", "stop:mapper"),
+        ("boxed_in:-1", "0 or more"),
+        ("boxed_in:inf", "0 or more"),
+        ("map_withheld:5", "leave out 5"),
+    ],
+)
+def test_an_order_that_cannot_be_read_names_the_remedy(text: str, hint: str) -> None:
+    with pytest.raises(UnknownFault) as refusal:
+        parse_fault(text)
+    assert hint in str(refusal.value)
+
+
+def test_every_fault_that_needs_no_target_is_one_that_can_be_ordered() -> None:
+    for name in FAULTS:
+        if ":" not in name:
+            assert check_fault(name) == name
+    assert set(ROBOT_FAULTS) <= set(FAULTS)
+    assert withholds_map(["boxed_in", "map_withheld"])
+    assert not withholds_map(["boxed_in:3"])
