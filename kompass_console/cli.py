@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from kompass.simulation.faults import FAULTS
 from kompass_console.problem import Problem
 
 # What each command needs is imported when it runs: help answers at once, and Ctrl-C during the
@@ -54,12 +55,21 @@ Sim = Annotated[
         help=f"Bring the embedded robot too, in a world of its own ({DEFAULT_WORLD} if not named).",
     ),
 ]
+Fault = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME[:SECONDS]",
+        help="Switch a fault of the embedded robot on, so many seconds after the start; may be "
+        "given several times. Known: " + ", ".join(FAULTS) + ".",
+    ),
+]
 
 
 @app.command()
 def run(
     recipe: Annotated[Path, typer.Argument(help="A Python file that calls launcher.bringup().")],
     sim: Sim = None,
+    fault: Fault = None,
     host: Host = "127.0.0.1",
     port: Port = 8642,
     no_browser: NoBrowser = False,
@@ -74,12 +84,13 @@ def run(
     from kompass_console.stack import Console, run_recipe
 
     console = Console(host, port, not no_browser, name or _robot_name(sim), token)
-    run_recipe(recipe, console, sim)
+    run_recipe(recipe, console, sim, fault or [])
 
 
 @app.command()
 def demo(
     world: Annotated[str, typer.Option(help="World of the embedded robot.")] = DEFAULT_WORLD,
+    fault: Fault = None,
     host: Host = "127.0.0.1",
     port: Port = 8642,
     no_browser: NoBrowser = False,
@@ -93,7 +104,7 @@ def demo(
     from kompass_console.stack import Console, run_recipe
 
     console = Console(host, port, not no_browser, name or _robot_name(world), token)
-    run_recipe(recipe_path("01_point_navigation.py"), console, world)
+    run_recipe(recipe_path("01_point_navigation.py"), console, world, fault or [])
 
 
 @app.command()

@@ -11,6 +11,7 @@ import sys
 import threading
 import traceback
 import webbrowser
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -91,8 +92,10 @@ def _has_screen() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def run_recipe(recipe: Path, console: Console, sim: str | None) -> None:
+def run_recipe(recipe: Path, console: Console, sim: str | None, faults: Sequence[str] = ()) -> None:
     """Run a recipe with the console beside it, until Ctrl-C.
+
+    ``faults`` are those of the embedded robot (:mod:`kompass.simulation.faults`).
 
     Raises
     ------
@@ -100,7 +103,9 @@ def run_recipe(recipe: Path, console: Console, sim: str | None) -> None:
         When it cannot run, with the reason in one line.
     """
     if sim is not None:
-        _add_robot(sim)
+        _add_robot(sim, faults)
+    elif faults:
+        raise Problem(2, f"--fault {faults[0]} is for the embedded robot; add --sim")
     add_companion(ProcessSpec("console", console.serve))
     console.announce()
     sys.argv = [str(recipe)]
@@ -131,27 +136,32 @@ def _where(recipe: Path, error: Exception) -> str:
     return f"{recipe}{line}: {type(error).__name__}: {' '.join(text.split())}"
 
 
-def _add_robot(world_name: str) -> None:
+def _add_robot(world_name: str, faults: Sequence[str]) -> None:
     """The embedded robot and its map, as processes beside the recipe's."""
     from kompass.share import map_path
+    from kompass.simulation.faults import UnknownFault, withholds_map
     from kompass.simulation.worlds.registry import world_names
 
     if world_name not in world_names():
         raise Problem(
             2, f"--sim {world_name}: there is no such world; known are {', '.join(world_names())}"
         )
+    try:
+        map_file = None if withholds_map(faults) else str(map_path(world_name))
+    except UnknownFault as error:
+        raise Problem(2, f"--fault: {error}") from None
 
     def simulate(report: Report) -> None:
         from kompass.simulation.node import run_simulator
 
         report("active simulator")
-        run_simulator(world_name)
+        run_simulator(world_name, faults=faults)
 
     def serve_map(report: Report) -> None:
         from kompass.components import MapServer, MapServerConfig
         from kompass.launch.host import host
 
-        config = MapServerConfig(map_file_path=str(map_path(world_name)))
+        config = MapServerConfig(map_file_path=map_file)
         server = MapServer("map_server", config=config)
         host([server], ["map_server"], report, first_start=False)
 

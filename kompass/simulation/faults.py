@@ -89,8 +89,12 @@ def parse_fault(text: str) -> FaultOrder:
 
 
 def withholds_map(orders: Iterable[str]) -> bool:
-    """Whether the map server must start without a map."""
-    return any(parse_fault(text).name == MAP_WITHHELD for text in orders)
+    """Whether the map server must start without a map.
+
+    Raises:
+        UnknownFault: One of the orders cannot be read.
+    """
+    return MAP_WITHHELD in [parse_fault(text).name for text in orders]
 
 
 def help_text() -> str:
