@@ -1,0 +1,95 @@
+"""Run coroutines on an rclpy executor without polling, and cancel them for real.
+
+rclpy's events executor (7.1.6) calls a task again and again while it waits: one coroutine that
+awaits a future keeps a core busy. It also cannot cancel one: the cancelled task is called for
+ever. Here a coroutine is resumed by the future that it waits for, and by nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Coroutine, Generator
+from typing import Any
+
+from rclpy.task import Future
+
+
+class Cancelled(BaseException):
+    """Thrown into a coroutine that is cancelled; its ``finally`` blocks run."""
+
+
+class Until:
+    """What a :class:`Job` awaits: the result of an rclpy future."""
+
+    def __init__(self, future: Future) -> None:
+        self._future = future
+
+    def __await__(self) -> Generator[Future, None, Any]:
+        while not (self._future.done() or self._future.cancelled()):
+            yield self._future
+        return self._future.result()
+
+
+class Job:
+    """A coroutine on its way; begins at once, on the executor's thread.
+
+    Parameters
+    ----------
+    coroutine
+        Awaits nothing but :class:`Until`.
+    ended
+        Called once, with the exception that ended it (:class:`Cancelled` too) or None.
+    """
+
+    def __init__(
+        self,
+        coroutine: Coroutine[Future, None, Any],
+        ended: Callable[[BaseException | None], None],
+    ) -> None:
+        self._coroutine: Coroutine[Future, None, Any] | None = coroutine
+        self._ended = ended
+        self._awaited: Future | None = None
+        self._stepping = False
+        self._cancelled = False
+        self._advance(None)
+
+    @property
+    def done(self) -> bool:
+        """Whether it has come to its end."""
+        return self._coroutine is None
+
+    def cancel(self) -> None:
+        """End it where it waits; of one that has ended, nothing is done."""
+        if not self._cancelled:
+            self._cancelled = True
+            if not self._stepping:
+                self._advance(Cancelled())
+
+    def _resume(self, future: Future) -> None:
+        # A future that was awaited before a cancellation may still call back.
+        if future is self._awaited:
+            self._advance(None)
+
+    def _advance(self, error: BaseException | None) -> None:
+        if self._coroutine is None:
+            return
+        self._awaited, self._stepping = None, True
+        try:
+            if error is None:
+                awaited = self._coroutine.send(None)
+            else:
+                awaited = self._coroutine.throw(error)
+        except StopIteration:
+            self._finish(None)
+        except BaseException as problem:  # noqa: BLE001 - handed to whoever started it
+            self._finish(problem)
+        else:
+            self._stepping = False
+            if self._cancelled and error is None:
+                self._advance(Cancelled())
+                return
+            self._awaited = awaited
+            awaited.add_done_callback(self._resume)
+
+    def _finish(self, error: BaseException | None) -> None:
+        self._coroutine = None
+        self._ended(error)
