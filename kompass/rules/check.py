@@ -49,6 +49,8 @@ class Problem(NamedTuple):
         What is wrong with it.
     remedy
         What to write instead.
+    code
+        Short and stable, for programs.
     """
 
     rule_id: str
@@ -56,6 +58,7 @@ class Problem(NamedTuple):
     value: Any
     text: str
     remedy: str
+    code: str = "does-not-fit"
 
     def __str__(self) -> str:
         return f"rule '{self.rule_id}': {self.field} = {self.value!r}: {self.text}; {self.remedy}"

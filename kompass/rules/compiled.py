@@ -14,6 +14,7 @@ from typing import Any
 from kompass.rules.actions import topics_in
 from kompass.rules.conditions import (
     Absent,
+    AllOf,
     CallableCondition,
     Changed,
     Compare,
@@ -124,6 +125,8 @@ class RulePlan:
     cooldown: float
     queue: int
     listening: bool  # whether it wants every message while it is true
+    shadow: bool
+    parts: tuple[Evaluate, ...]  # what must all be true, if that is three things or more
 
 
 @dataclass(slots=True)
@@ -300,6 +303,8 @@ class _Builder:
             cooldown=event.cooldown,
             queue=event.mode.size if isinstance(event.mode, Queued) else 0,
             listening=event.trigger != "edge" or bool(pulses),
+            shadow=rule.shadow,
+            parts=_parts(event.condition, dict(tree), pulses),
         )
 
     def _tree(self, condition: Condition) -> list[tuple[TreePath, int]]:
@@ -351,6 +356,19 @@ def _judge(condition: Leaf) -> Judge:
     if isinstance(condition, CallableCondition):
         return lambda value: None if value is MISSING else bool(value)
     return lambda value: None
+
+
+def _parts(
+    condition: Condition, index: dict[TreePath, int], pulses: set[int]
+) -> tuple[Evaluate, ...]:
+    """Return what a near miss is told by: one of many conditions is wanting."""
+    if not isinstance(condition, AllOf):
+        return ()
+    found = []
+    for place, child in enumerate(condition.conditions):
+        if not any(index[path] in pulses for path, _ in leaves(child, (place,))):
+            found.append(tree_of(child, index, (place,)))
+    return tuple(found) if len(found) > 2 else ()
 
 
 def _unique(items: Iterable[int]) -> tuple[int, ...]:

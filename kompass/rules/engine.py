@@ -5,12 +5,14 @@ first, in order and at its own moment. Ticks are therefore wake-ups and nothing 
 out, or sending more of them, changes no firing and no time of one.
 """
 
+from collections.abc import Collection
 from heapq import heappop, heappush
 from typing import Any
 
 from kompass.rules.compiled import CompiledTable, LeafPlan, Probe, RulePlan, Timer, TopicPlan
 from kompass.rules.conditions import Changed
 from kompass.rules.firing import Done, Input, Output, Sample
+from kompass.rules.near_miss import look_for_miss
 from kompass.rules.runs import finish, next_in_queue, trigger
 from kompass.rules.schedule import due, enough, rate_of, start
 from kompass.rules.state import (
@@ -28,9 +30,22 @@ from kompass.rules.values import MISSING, kind_of, same
 _SCALARS = frozenset({float, int, bool, str})
 
 
-def initial_state(table: CompiledTable, now: float) -> State:
-    """Return the state of a table that has seen nothing; silence is counted from ``now``."""
+def initial_state(table: CompiledTable, now: float, used: Collection[str] = ()) -> State:
+    """Return the state of a table that has seen nothing.
+
+    Parameters
+    ----------
+    now
+        Monotonic seconds, from which silence is counted.
+    used
+        Ids of rules with ``once`` that have fired before in the life of the stack; others, and
+        those that the table does not have, make no difference.
+    """
     state = State(table, now)
+    for rule_id in used:
+        known = table.by_id.get(rule_id)
+        if known is not None and known.rule.event.once:
+            state.rules[known.index].fired = 1
     for timer in table.timers:
         if timer.kind == "absent":
             state.begun[timer.index] = now
@@ -271,10 +286,12 @@ def _look(
     if verdict is not True:
         if was is True and not plan.listening:
             rule.true += evaluated(plan, state) - int(sampled) - rule.rose
+        if plan.parts or (plan.hold and was is True):
+            look_for_miss(table, state, plan, at, out)
         settle(state, plan, verdict)
     else:
         if was is not True:
-            rule.verdict = True
+            rule.verdict = rule.close = True
             rule.since = at
             rule.rose = evaluated(plan, state) - int(sampled) if not plan.listening else 0
         if sampled and plan.listening:

@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 from kompass.rules.compiled import CompiledTable, LeafPlan, RulePlan
 from kompass.rules.conditions import TreePath, timeout_of
 from kompass.rules.firing import LeafVerdict
-from kompass.rules.runs import leaf_verdict
+from kompass.rules.readings import leaf_verdict
 from kompass.rules.schedule import due, rate_of
 from kompass.rules.state import ARMED, WAITS_FOR_FALSE, Counters, RuleState, State, counters
 from kompass.rules.values import Verdict

@@ -77,6 +77,9 @@ class Firing(NamedTuple):
     cancels
         Runs of the same rule to cancel first (mode ``restart``). One of them may have ended in the
         meantime: what was due before its ``Done`` is handled before it.
+    shadow
+        Whether the rule is in shadow: nothing is to be done but to record it. The run has ended
+        already, and no ``Done`` is expected.
     """
 
     rule_id: str
@@ -92,17 +95,29 @@ class Firing(NamedTuple):
     lane: Lane
     severity: Severity
     cancels: tuple[int, ...] = ()
+    shadow: bool = False
 
 
 class Note(NamedTuple):
-    """Something an operator must hear of that is no firing."""
+    """Something that is no firing.
 
-    kind: Literal["rate_latched"]
+    Attributes
+    ----------
+    kind
+        ``rate_latched``: the rule fired too often and stays off; an operator must hear of it.
+        ``near_miss``: it came close to firing and did not; to be looked up when somebody asks why.
+        At most one of a sort in :data:`kompass.rules.near_miss.QUIET` seconds.
+    leaves
+        Each leaf of the condition at that moment, for a near miss.
+    """
+
+    kind: Literal["rate_latched", "near_miss"]
     rule_id: str
     at: float
     revision_hash: str
     severity: Severity
     text: str
+    leaves: tuple[LeafVerdict, ...] = ()
 
 
 Output: TypeAlias = Firing | Note

@@ -1,18 +1,13 @@
 """From a trigger to a firing: once, cooldown, mode and rate limit, in this order."""
 
-from collections.abc import Sequence
 from heapq import heappush
-from typing import Any
 
-from kompass.rules.compiled import CompiledTable, LeafPlan, RulePlan, TopicPlan
-from kompass.rules.conditions import Absent, Rate, TreePath
+from kompass.rules.compiled import CompiledTable, RulePlan, TopicPlan
 from kompass.rules.events import Parallel, Restart
-from kompass.rules.firing import Done, Firing, LeafVerdict, Note, Output
+from kompass.rules.firing import Done, Firing, Note, Output
+from kompass.rules.near_miss import report_miss
+from kompass.rules.readings import readings
 from kompass.rules.state import ARMED, QUEUE, SPENT, State, Waiting
-from kompass.rules.values import MISSING
-
-_SHOWN = 16  # elements of a list, beyond which it is summed up
-_SHOWN_TEXT = 200
 
 
 def trigger(
@@ -31,6 +26,7 @@ def trigger(
     rule = state.rules[plan.index]
     event = plan.rule.event
     if rule.latched_at is not None or (event.once and rule.fired):
+        _missed_edge(table, state, plan, at, "once", out)
         return
     gated = plan.trigger == "edge" or plan.clear is not None
     if gated and rule.armed != ARMED:
@@ -39,6 +35,7 @@ def trigger(
         rule.armed = SPENT
     if at < rule.cooldown_end:
         rule.dropped += 1
+        _missed_edge(table, state, plan, at, "cooldown", out)
         return
     cancels: tuple[int, ...] = ()
     if rule.runs:
@@ -51,6 +48,7 @@ def trigger(
                 rule.armed = SPENT
             else:
                 rule.dropped += 1
+                _missed_edge(table, state, plan, at, "busy", out)
             return
     if _start(table, state, plan, _waiting(table, state, plan, at, topic), at, cancels, out):
         rule.armed = SPENT
@@ -113,11 +111,16 @@ def _start(
             out.append(_latched(plan, at))
             return False
         recent.append(at)
-    for run in cancels:
-        del rule.runs[run]
     run_id = state.next_run
     state.next_run += 1
-    rule.runs[run_id] = at
+    if plan.shadow:
+        # Nothing is done, so nothing has to end first, and the cooldown begins at once.
+        cancels = ()
+        rule.cooldown_end = at + plan.cooldown
+    else:
+        for run in cancels:
+            del rule.runs[run]
+        rule.runs[run_id] = at
     rule.fired += 1
     rule.last_fired = at
     out.append(
@@ -135,9 +138,18 @@ def _start(
             lane=plan.rule.lane,
             severity=plan.rule.severity,
             cancels=cancels,
+            shadow=plan.shadow,
         )
     )
     return True
+
+
+def _missed_edge(
+    table: CompiledTable, state: State, plan: RulePlan, at: float, sort: str, out: list[Output]
+) -> None:
+    # At the rate of messages a level rule is held back all the time: only an edge is news.
+    if plan.trigger == "edge" and state.rules[plan.index].latched_at is None:
+        report_miss(table, state, plan, at, sort, out)
 
 
 def _latched(plan: RulePlan, at: float) -> Note:
@@ -165,10 +177,7 @@ def _waiting(
         for i in plan.message_topics
         if state.received[i] is not None
     }
-    leaves = tuple(
-        leaf_verdict(table, state, path, table.leaves[leaf], state.verdicts[leaf], at)
-        for path, leaf in plan.leaves
-    )
+    leaves = readings(table, state, plan, at)
     if index is None:
         return Waiting(at, None, None, received, leaves)
     return Waiting(at, table.topics[index].name, state.messages[index], received, leaves)
@@ -181,52 +190,3 @@ def _newest(state: State, plan: RulePlan) -> int | None:
         if received is not None and received >= last:
             newest, last = topic, received
     return newest
-
-
-def leaf_verdict(
-    table: CompiledTable,
-    state: State,
-    path: TreePath,
-    leaf: LeafPlan,
-    verdict: bool | None,
-    at: float,
-) -> LeafVerdict:
-    """Return a leaf with its verdict, and the value and age at ``at`` that account for it."""
-    received = state.received[leaf.topic]
-    age = None if received is None else at - received
-    return LeafVerdict(path, leaf.text, _value(table, state, leaf, at), age, verdict)
-
-
-def _value(
-    table: CompiledTable, state: State, leaf: LeafPlan, at: float
-) -> bool | int | float | str | None:
-    condition = leaf.condition
-    if isinstance(condition, Absent):
-        last = state.seen[leaf.probe] if leaf.probe >= 0 else state.received[leaf.topic]
-        begun = last if last is not None else state.begun[leaf.timer]
-        return None if begun is None else at - begun
-    if isinstance(condition, Rate):
-        return _rate(condition, state.times[leaf.topic], at)
-    return shown(state.values[leaf.probe])
-
-
-def _rate(condition: Rate, times: Sequence[float], at: float) -> float | None:
-    within = [t for t in times if at < t + condition.window]
-    if len(within) == len(times) > 1 and times[-1] > times[0]:
-        # No more are remembered than the rule needs: there may have been more in the window.
-        return (len(times) - 1) / (times[-1] - times[0])
-    return len(within) / condition.window if times else None
-
-
-def shown(value: Any) -> bool | int | float | str | None:
-    """Return a scalar as it is, and a text for anything else; None for a missing value."""
-    if value is MISSING:
-        return None
-    if isinstance(value, (bool, int, float)):
-        return value
-    if isinstance(value, list) and len(value) > _SHOWN:
-        return f"{len(value)} items"
-    text = value if isinstance(value, str) else repr(value) if isinstance(value, list) else ""
-    if not text and not isinstance(value, str):
-        return type(value).__name__
-    return text if len(text) <= _SHOWN_TEXT else text[: _SHOWN_TEXT - 1] + "…"

@@ -32,6 +32,7 @@ class RuleState:
 
     __slots__ = (
         "armed",
+        "close",
         "cooldown_end",
         "dropped",
         "error",
@@ -42,6 +43,7 @@ class RuleState:
         "last_fired",
         "latched_at",
         "live",
+        "missed",
         "queue",
         "queue_timer",
         "recent",
@@ -75,6 +77,8 @@ class RuleState:
         self.failed = 0
         self.last_fired: float | None = None
         self.error = ""
+        self.close = False  # whether all of its parts but one were true
+        self.missed: dict[str, float] = {}  # when it last came close, by the sort of miss
 
     def copy(self) -> "RuleState":
         """Return an independent copy; messages are shared."""
@@ -84,6 +88,7 @@ class RuleState:
         twin.runs = dict(self.runs)
         twin.queue = self.queue.copy()
         twin.recent = self.recent.copy()
+        twin.missed = dict(self.missed)
         return twin
 
 

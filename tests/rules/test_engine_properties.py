@@ -78,6 +78,7 @@ def fired(out: list[Output]) -> list[Fired]:
         if isinstance(o, Firing)
         else Fired(o.rule_id, 0, o.at, o.at, None, None, (), (), latched=True)
         for o in out
+        if isinstance(o, Firing) or o.kind == "rate_latched"
     ]
 
 

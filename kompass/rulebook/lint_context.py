@@ -1,0 +1,62 @@
+"""What lints must know of the running robot; the shell fills it in."""
+
+from collections.abc import Collection, Mapping
+from typing import NamedTuple
+
+from kompass.rules.carry import carry
+from kompass.rules.catalog import ComponentSpec
+from kompass.rules.compiled import CompiledTable
+from kompass.rules.explain import explain
+from kompass.rules.state import State
+from kompass.rules.values import Verdict
+
+
+class TopicFacts(NamedTuple):
+    """A topic on the graph.
+
+    Attributes
+    ----------
+    type
+        Message type of its publishers; empty if none is there.
+    rate
+        Messages per second as measured; None where nobody measured.
+    latched
+        Whether its publishers keep their last message for those who come later.
+    """
+
+    type: str = ""
+    rate: float | None = None
+    latched: bool = False
+    publishers: int = 1
+
+
+class LintContext(NamedTuple):
+    """The robot now; None where the shell does not know, and nothing is said then.
+
+    Attributes
+    ----------
+    topics, services, actions
+        On the graph, by name without the leading slash.
+    components
+        Of the stack, by node name.
+    verdicts
+        What each rule's condition would say if the table were in force now
+        (:func:`verdicts_after`).
+    publishes
+        Topics that each component publishes on, without the leading slash.
+    """
+
+    topics: Mapping[str, TopicFacts] | None = None
+    services: Collection[str] | None = None
+    actions: Collection[str] | None = None
+    components: Mapping[str, ComponentSpec] | None = None
+    verdicts: Mapping[str, Verdict] = {}
+    publishes: Mapping[str, Collection[str]] = {}
+
+
+def verdicts_after(
+    old: CompiledTable, state: State, new: CompiledTable, now: float
+) -> dict[str, Verdict]:
+    """Return the verdict of each rule of a new table on what is known now (monotonic seconds)."""
+    carried, _ = carry(old, state, new, now)
+    return {plan.rule.id: explain(new, carried, plan.rule.id, now).verdict for plan in new.rules}

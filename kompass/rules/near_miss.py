@@ -1,0 +1,79 @@
+"""When a rule came close to firing and did not: for whoever asks later why nothing happened."""
+
+from kompass.rules.compiled import CompiledTable, RulePlan
+from kompass.rules.firing import LeafVerdict, Note, Output
+from kompass.rules.readings import readings
+from kompass.rules.state import State
+
+QUIET = 10.0  # s between two of the same sort of one rule
+ENOUGH = 0.5  # share of the hold after which its end is a near miss
+
+
+def look_for_miss(
+    table: CompiledTable, state: State, plan: RulePlan, at: float, out: list[Output]
+) -> None:
+    """Look at a rule that is not true (any more), before its state is told so."""
+    rule = state.rules[plan.index]
+    if plan.hold and rule.since is not None:
+        held = at - rule.since
+        if ENOUGH * plan.hold <= held < plan.hold:
+            report_miss(table, state, plan, at, "hold", out)
+    if plan.parts:
+        true = 0
+        for part in plan.parts:
+            if part(state.verdicts) is True:
+                true += 1
+        close = true == len(plan.parts) - 1
+        if close and not rule.close:
+            report_miss(table, state, plan, at, "one", out)
+        rule.close = close
+
+
+def report_miss(
+    table: CompiledTable, state: State, plan: RulePlan, at: float, sort: str, out: list[Output]
+) -> None:
+    """Say that a rule came close, unless the same was said a moment ago."""
+    missed = state.rules[plan.index].missed
+    last = missed.get(sort)
+    if last is not None and at < last + QUIET:
+        return
+    missed[sort] = at
+    leaves = readings(table, state, plan, at)
+    note = Note(
+        kind="near_miss",
+        rule_id=plan.rule.id,
+        at=at,
+        revision_hash=plan.hash,
+        severity=plan.rule.severity,
+        text=_text(state, plan, at, sort, leaves),
+        leaves=leaves,
+    )
+    out.append(note)
+
+
+def _text(
+    state: State, plan: RulePlan, at: float, sort: str, leaves: tuple[LeafVerdict, ...]
+) -> str:
+    rule = state.rules[plan.index]
+    if sort == "hold":
+        assert rule.since is not None
+        return (
+            f"was true for {at - rule.since:.3g} of {plan.hold:g} s, then no longer: "
+            f"{_wanting(leaves)}"
+        )
+    if sort == "one":
+        return f"all but one were true; wanting: {_wanting(leaves)}"
+    if sort == "cooldown":
+        return f"became true, but cooled down for {rule.cooldown_end - at:.3g} s more"
+    if sort == "once":
+        return "became true, but fires once only, and had fired"
+    return "became true, but its actions were still running"
+
+
+def _wanting(leaves: tuple[LeafVerdict, ...]) -> str:
+    texts = [
+        leaf.text if leaf.verdict is False else f"{leaf.text} (unknown)"
+        for leaf in leaves
+        if leaf.verdict is not True
+    ]
+    return ", ".join(texts) or "a negated part"
