@@ -10,17 +10,50 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from pydantic import BaseModel
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
 from kompass_console import __version__
-from kompass_console.api import goals, page, scene, session, state, stop, views
+from kompass_console.api import (
+    backtests,
+    goals,
+    insight,
+    page,
+    probe,
+    rules,
+    rules_live,
+    scene,
+    session,
+    state,
+    stop,
+    views,
+)
 from kompass_console.api.access import LoggedIn
 from kompass_console.api.models import ErrorAnswer, ErrorDetail, Ping, StateMessage
+from kompass_console.api.rule_models import (
+    ApplyRequest,
+    BacktestRequest,
+    CheckRequest,
+    ProbeReading,
+    ProbeRequest,
+    RulesLive,
+)
 from kompass_console.console import Console
 from kompass_console.errors import ConsoleError
 from kompass_console.state import build_state
 from kompass_console.web_guard import WebGuard
+
+_BESIDE_ROUTES: tuple[type[BaseModel], ...] = (
+    StateMessage,
+    Ping,
+    RulesLive,
+    ProbeRequest,
+    ProbeReading,
+    CheckRequest,
+    ApplyRequest,
+    BacktestRequest,
+)
 
 
 def create_app(console: Console | None) -> FastAPI:
@@ -29,11 +62,16 @@ def create_app(console: Console | None) -> FastAPI:
     @contextlib.asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         assert console is not None  # without one, only the schema is asked for
-        feeding = asyncio.create_task(console.feed.run(_builder(console)))
+        feeding = (
+            asyncio.create_task(console.feed.run(_builder(console))),
+            asyncio.create_task(
+                console.rules_feed.run(console.link.rules, console.settings.robot_name)
+            ),
+        )
         yield
-        feeding.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
-            await feeding
+        for task in feeding:
+            task.cancel()
+        await asyncio.gather(*feeding, return_exceptions=True)
 
     app = FastAPI(
         title="Kompass Console",
@@ -49,9 +87,20 @@ def create_app(console: Console | None) -> FastAPI:
         },
     )
     app.state.console = console
-    for router in (session.router, views.router, goals.router, stop.router, state.router):
-        app.include_router(router)
-    app.include_router(scene.router)
+    for part in (
+        session,
+        views,
+        goals,
+        stop,
+        state,
+        rules_live,
+        probe,
+        rules,
+        insight,
+        backtests,
+        scene,
+    ):
+        app.include_router(part.router)
 
     @app.get("/api/openapi.json", include_in_schema=False)
     def schema(_: LoggedIn) -> dict[str, Any]:
@@ -68,19 +117,14 @@ def create_app(console: Console | None) -> FastAPI:
 
 
 def openapi(app: FastAPI) -> dict[str, Any]:
-    """The schema of all routes, with the messages of the state websocket among its components."""
+    """The schema of all routes, with what websockets and unparsed bodies carry among its
+    components."""
     schema = app.openapi()
     components = schema.setdefault("components", {}).setdefault("schemas", {})
-    for model in (StateMessage, Ping):
+    for model in _BESIDE_ROUTES:
         own = model.model_json_schema(ref_template="#/components/schemas/{model}")
         components.update(own.pop("$defs", {}))
         components[model.__name__] = own
-    # FastAPI declares an answer of its own for invalid requests; ours are all alike.
-    for path in schema["paths"].values():
-        for operation in path.values():
-            operation["responses"].pop("422", None)
-    components.pop("HTTPValidationError", None)
-    components.pop("ValidationError", None)
     schema["components"]["schemas"] = dict(sorted(components.items()))
     return schema
 

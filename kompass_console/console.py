@@ -8,6 +8,7 @@ from kompass_console.audit import AuditTrail
 from kompass_console.auth import Authenticator, LoginLimiter
 from kompass_console.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
+from kompass_console.rules_feed import RulesFeed
 from kompass_console.scene.scene import Scene
 from kompass_console.settings import ConsoleSettings
 from kompass_console.state_feed import StateFeed
@@ -29,3 +30,4 @@ class Console:
     views: ViewRegistry
     scene: Scene
     feed: StateFeed
+    rules_feed: RulesFeed

@@ -13,12 +13,14 @@ from collections.abc import Iterator
 import uvicorn
 from fastapi import FastAPI
 
+from kompass.launch.pulse import beat
 from kompass_console.app import create_app
 from kompass_console.audit import AuditTrail
 from kompass_console.auth import Authenticator, LoginLimiter
 from kompass_console.console import Console
 from kompass_console.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
+from kompass_console.rules_feed import RulesFeed
 from kompass_console.scene.scene import Scene
 from kompass_console.settings import ConsoleSettings
 from kompass_console.state_feed import StateFeed
@@ -55,11 +57,12 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
     """A console's ROS link and scene, without its web server."""
     world = World()
     feed = StateFeed()
+    rules_feed = RulesFeed()
     views = ViewRegistry(settings.theme)
     with contextlib.ExitStack() as closing:
         scene = Scene(world, views.get)
         closing.callback(scene.stop)
-        link = RosLink(settings, world, feed.changed)
+        link = RosLink(settings, world, feed.changed, rules_feed.changed)
         closing.callback(link.stop)
         yield Console(
             settings=settings,
@@ -72,6 +75,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
             views=views,
             scene=scene,
             feed=feed,
+            rules_feed=rules_feed,
         )
 
 
@@ -110,6 +114,11 @@ class _Server(uvicorn.Server):
 
     def end(self) -> None:
         self.should_exit = True
+
+    async def on_tick(self, counter: int) -> bool:
+        # Ten times a second; a loop that hangs is found by the supervisor.
+        beat("console")
+        return await super().on_tick(counter)
 
 
 async def _watch(stop: threading.Event, server: _Server) -> None:

@@ -33,10 +33,12 @@ def build_state(seq: int, robot_name: str, world: World, link: RosLink, viewers:
         robot=RobotInfo(name=robot_name, radius=robot_radius(world)),
         pose=pose,
         streams=link.streams.infos(),
-        components=link.components.infos(),
+        components=link.components.infos(link.processes.of),
         drive=link.drive.info(),
         goal=link.goals.follower.info(),
         simulation=None if rate is None else SimulationInfo(rate=rate.value, age=rate.age()),
+        rules=link.rules.info(),
+        processes=link.processes.infos(),
         ros=RosInfo(domain_id=link.domain_id, middleware=link.middleware),
         viewers=viewers,
     )

@@ -14,7 +14,7 @@ Metres = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 Radians = Annotated[float, Field(allow_inf_nan=False, ge=-100.0, le=100.0)]
 
 
-class _In(BaseModel):
+class In(BaseModel):
     """Body of a request: unknown names are errors."""
 
     model_config = ConfigDict(extra="forbid")
@@ -33,7 +33,7 @@ class ErrorAnswer(BaseModel):
     detail: ErrorDetail
 
 
-class Login(_In):
+class Login(In):
     """A role's token, and the name to show for who uses it."""
 
     token: str = Field(max_length=400)
@@ -61,7 +61,7 @@ class Layers(BaseModel):
     trail: bool = True
 
 
-class LayersPatch(_In):
+class LayersPatch(In):
     """Layers to switch; those left out stay as they are."""
 
     map: bool | None = None
@@ -83,7 +83,7 @@ class View(BaseModel):
     theme: Theme = "light"
 
 
-class ViewPatch(_In):
+class ViewPatch(In):
     """Settings of a view to change; those left out stay as they are."""
 
     follow: bool | None = None
@@ -99,7 +99,7 @@ class PointXY(BaseModel):
     y: float
 
 
-class GestureCheck(_In):
+class GestureCheck(In):
     """A press-drag-release on a view: fractions of the scene's width and height, from the top
     left. Without `end` it is a tap, and the goal has no heading."""
 
@@ -108,7 +108,7 @@ class GestureCheck(_In):
     end: tuple[Fraction, Fraction] | None = None
 
 
-class GoalRequest(_In):
+class GoalRequest(In):
     """A goal in the map frame, m and rad. `view` is the one to draw the preview in."""
 
     x: Metres
@@ -159,7 +159,7 @@ class GoalSent(BaseModel):
     note: str = ""
 
 
-class StopRequest(_In):
+class StopRequest(In):
     """Why STOP was pressed; may be empty."""
 
     reason: str = Field(default="", max_length=200)
@@ -214,14 +214,44 @@ ComponentState = Literal[
 ]
 
 
+ProcessPhase = Literal["starting", "active", "busy", "stuck", "dead", "given up", "unknown"]
+
+
+class ProcessInfo(BaseModel):
+    """The process of a component, as its supervisor sees it. `reason` is of its last death."""
+
+    name: str
+    state: ProcessPhase
+    pid: int
+    restarts: int
+    reason: str
+
+
+class InputInfo(BaseModel):
+    """A topic that a component listens to and the console too, and its age in s."""
+
+    topic: str
+    age: float | None
+    stale: bool
+
+
 class ComponentInfo(BaseModel):
-    """Health of one component as it says itself, or `silent` when it has stopped saying."""
+    """Health of one component as it says itself, or `silent` when it has stopped saying.
+
+    `sources` are all of whom it complains, by kind in `src_*`. `process` is null where nobody
+    supervises it; `inputs` are those of its topics whose age the console knows.
+    """
 
     name: str
     label: str
     status: ComponentState
     message: str
     sources: list[str]
+    src_topics: list[str] = Field(default_factory=list)
+    src_components: list[str] = Field(default_factory=list)
+    src_algorithms: list[str] = Field(default_factory=list)
+    process: ProcessInfo | None = None
+    inputs: list[InputInfo] = Field(default_factory=list)
     age: float
     topic: str
 
@@ -265,6 +295,23 @@ class SimulationInfo(BaseModel):
     age: float
 
 
+class RulesInfo(BaseModel):
+    """The table of rules in force, for the top bar.
+
+    `available` is false when its monitor is silent or there is none; the numbers are its last
+    ones then. `probation_left` (s) is 0 when nothing is on probation; `alarms` counts those that
+    rules have raised.
+    """
+
+    available: bool = False
+    revision: int = 0
+    confirmed: int = 0
+    probation_left: float = 0.0
+    notice: str = ""
+    alarms: int = 0
+    age: float | None = None
+
+
 class RosInfo(BaseModel):
     """Where on DDS the console listens."""
 
@@ -285,6 +332,8 @@ class State(BaseModel):
     drive: DriveInfo | None
     goal: GoalInfo | None
     simulation: SimulationInfo | None
+    rules: RulesInfo
+    processes: list[ProcessInfo]
     ros: RosInfo
     viewers: int
 
@@ -297,7 +346,7 @@ class Hello(BaseModel):
     version: str
 
 
-class Ping(_In):
+class Ping(In):
     """What the page may send on the state websocket; answered by Pong with the same `t`."""
 
     type: Literal["ping"] = "ping"

@@ -10,7 +10,7 @@ from typing import Any
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.node import Node
 
-from kompass_console.api.models import ComponentInfo, ComponentState
+from kompass_console.api.models import ComponentInfo, ComponentState, ProcessInfo
 from kompass_console.link.discovery import Graph, status_topics
 from kompass_console.link.reader import Reader
 from kompass_console.world import Latest
@@ -44,7 +44,12 @@ class Report:
 
     status: ComponentState
     message: str
-    sources: tuple[str, ...]
+    topics: tuple[str, ...]
+    components: tuple[str, ...]
+    algorithms: tuple[str, ...]
+
+
+_NEVER = Report("silent", "", (), (), ())
 
 
 def label_of(name: str) -> str:
@@ -55,9 +60,13 @@ def label_of(name: str) -> str:
 
 def report_of(message: Any) -> Report:
     """Status message as data; an unknown code counts as a general failure."""
-    sources = (*message.src_components, *message.src_topics, *message.src_algorithms)
-    status = _STATES.get(int(message.status), "general_failure")
-    return Report(status, str(message.msg), tuple(str(s) for s in sources))
+    return Report(
+        _STATES.get(int(message.status), "general_failure"),
+        str(message.msg),
+        tuple(str(s) for s in message.src_topics),
+        tuple(str(s) for s in message.src_components),
+        tuple(str(s) for s in message.src_algorithms),
+    )
 
 
 class Components:
@@ -69,6 +78,11 @@ class Components:
         self._readers: dict[str, Reader[Report]] = {}
         self._reports: dict[str, Latest[Report]] = {}
         self._since = time.monotonic()
+
+    @property
+    def names(self) -> list[str]:
+        """Components whose status topic has been seen, sorted."""
+        return sorted(self._reports)
 
     def refresh(self, published: Graph) -> None:
         """Listen to new components; forget those that have been gone for long."""
@@ -82,7 +96,7 @@ class Components:
                 self._readers.pop(name).close()
                 self._reports = {k: v for k, v in self._reports.items() if k != name}
 
-    def infos(self) -> list[ComponentInfo]:
+    def infos(self, process_of: Callable[[str], ProcessInfo | None]) -> list[ComponentInfo]:
         """State of every component, by name."""
         infos = []
         for name, latest in sorted(self._reports.items()):
@@ -90,17 +104,20 @@ class Components:
             age = self._age(name)
             stamped = latest.get()
             silent = stamped is None or age > SILENT_AFTER
+            report = _NEVER if stamped is None else stamped.value
             infos.append(
                 ComponentInfo(
                     name=name,
                     label=label_of(name),
-                    status="silent" if stamped is None or silent else stamped.value.status,
+                    status="silent" if silent else report.status,
                     message=(
-                        f"Nothing heard from it for {age:.0f} s."
-                        if stamped is None or silent
-                        else stamped.value.message
+                        f"Nothing heard from it for {age:.0f} s." if silent else report.message
                     ),
-                    sources=[] if stamped is None else list(stamped.value.sources),
+                    sources=[*report.components, *report.topics, *report.algorithms],
+                    src_topics=list(report.topics),
+                    src_components=list(report.components),
+                    src_algorithms=list(report.algorithms),
+                    process=process_of(name),
                     age=age,
                     topic="" if reader is None else reader.topic or "",
                 )

@@ -17,9 +17,13 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
 from kompass_console.link import convert
+from kompass_console.link.backtests import Backtests
 from kompass_console.link.components import Components
 from kompass_console.link.drive import Drive
 from kompass_console.link.goals import Goals, pose_message
+from kompass_console.link.monitor import Monitor
+from kompass_console.link.processes import Processes
+from kompass_console.link.rules import Rules
 from kompass_console.link.services import ServicePool
 from kompass_console.link.streams import Streams
 from kompass_console.settings import ConsoleSettings
@@ -50,10 +54,15 @@ class CheckAnswer:
 
 class RosLink:
     """One rclpy context, node and thread. `changed` is called on any thread when the goal, the
-    drive manager's word or a component's status has changed."""
+    drive manager's word or a component's status has changed, `rules_said` when the monitor has
+    spoken of the rules."""
 
     def __init__(
-        self, settings: ConsoleSettings, world: World, changed: Callable[[], None]
+        self,
+        settings: ConsoleSettings,
+        world: World,
+        changed: Callable[[], None],
+        rules_said: Callable[[], None],
     ) -> None:
         self._ending = threading.Event()
         self._context = rclpy.Context()
@@ -74,9 +83,13 @@ class RosLink:
             start_parameter_services=False,
         )
         self.streams = Streams(self._node, world, settings.topics)
+        self.processes = Processes(self._node, changed)
         self.components = Components(self._node, changed)
         self.drive = Drive(self._node, changed)
         self.goals = Goals(self._node, world, changed)
+        self.monitor = Monitor(self._node)
+        self.rules = Rules(self._node, changed, rules_said)
+        self.backtests = Backtests(self._node, self._run)
         self._checks = ServicePool(self._node, CheckGoal, "kompass_interfaces/srv/CheckGoal")
         self._node.create_timer(_LOOK_AROUND, self._look_around)
         self._node.create_timer(_TICK, self.goals.tick)
@@ -95,7 +108,7 @@ class RosLink:
     def kompass_runs(self) -> bool:
         """Whether components of ours are there, whose planner has to be asked before a goal is
         sent. Not so where the console is attached to another navigation stack."""
-        return bool(self.components.infos()) or self.goals.action_there
+        return bool(self.components.names) or self.goals.action_there
 
     async def check_goal(self, x: float, y: float, yaw: float | None) -> CheckAnswer:
         """Ask the planner about a goal (m, rad, map frame).
@@ -134,6 +147,10 @@ class RosLink:
                 # One message that cannot be handled must not make the console deaf.
                 _logger.exception("a ROS callback failed")
 
+    def _run(self, work: Callable[[], None]) -> None:
+        """Do something on the link's thread. Any thread."""
+        self._executor.create_task(work)
+
     def _look_around(self) -> None:
         topics = dict(self._node.get_topic_names_and_types())
         published = {n: t for n, t in topics.items() if self._node.count_publishers(n) > 0}
@@ -145,3 +162,7 @@ class RosLink:
         self.drive.refresh(published, services)
         self.goals.refresh(published, services)
         self._checks.refresh(services)
+        self.processes.refresh(published)
+        self.rules.refresh(published)
+        self.monitor.refresh(services)
+        self.backtests.refresh(published)

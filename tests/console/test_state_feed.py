@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from kompass_console.api.models import RobotInfo, RosInfo, State
+from kompass_console.api.models import RobotInfo, RosInfo, RulesInfo, State
 from kompass_console.state_feed import Listener, StateFeed
 
 
@@ -22,6 +22,8 @@ def build(seq: int, viewers: int) -> State:
         drive=None,
         goal=None,
         simulation=None,
+        rules=RulesInfo(),
+        processes=[],
         ros=RosInfo(domain_id=0, middleware="none"),
         viewers=viewers,
     )

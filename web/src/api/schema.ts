@@ -4,6 +4,70 @@
  */
 
 export interface paths {
+    "/api/backtests": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Start Backtest
+         * @description Begin to try a table on a recording; ask for its progress by the id.
+         */
+        post: operations["start_backtest"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/backtests/{backtest_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Backtest
+         * @description How far it is, and its report when it is done.
+         */
+        get: operations["backtest"];
+        put?: never;
+        post?: never;
+        /**
+         * Cancel Backtest
+         * @description Cancel it; of one that has ended, forget the report.
+         */
+        delete: operations["cancel_backtest"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/firings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Firings
+         * @description Entries of the journal below `before` (0: from the newest), newest first.
+         */
+        get: operations["firings"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/goals": {
         parameters: {
             query?: never;
@@ -64,6 +128,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/graph": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Graph
+         * @description What rules can be made of on this robot, now.
+         */
+        get: operations["graph"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/login": {
         parameters: {
             query?: never;
@@ -98,6 +182,246 @@ export interface paths {
          * @description End this session; its cookie is refused from now on.
          */
         post: operations["log_out"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/recordings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Save Recording
+         * @description Keep a stretch of the flight recorder, before its ring goes over it.
+         */
+        post: operations["save_recording"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Rules
+         * @description A revision of the table; 0 for the one in force.
+         */
+        get: operations["rules"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules/apply": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Apply Rules
+         * @description Put a table in force: all of it between two messages, or nothing.
+         */
+        post: operations["apply_rules"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules/check": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Check Rules
+         * @description What is wrong with a table, and what applying it would do. Changes nothing.
+         */
+        post: operations["check_rules"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules/confirm": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Confirm Rules
+         * @description Keep the revision that is on probation.
+         */
+        post: operations["confirm_rules"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules/diff": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Rules Diff
+         * @description What differs between two revisions.
+         */
+        get: operations["rules_diff"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules/export": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Export Rules
+         * @description A revision of the table (0: in force) as a file.
+         */
+        get: operations["export_rules"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules/history": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Rules History
+         * @description Revisions below `before` (0: from the newest), newest first.
+         */
+        get: operations["rules_history"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules/rollback": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Rollback Rules
+         * @description Put the table of an earlier revision in force again, as a new revision.
+         */
+        post: operations["rollback_rules"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules/schema": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Rules Schema
+         * @description JSON Schema of a table, for editors and scripts.
+         */
+        get: operations["rules_schema"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules/{rule_id}/explain": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Explain Rule
+         * @description Why a rule fires or does not: now, or at the firing `run_id` of a life of the monitor.
+         */
+        get: operations["explain_rule"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/rules/{rule_id}/reset": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Reset Rule
+         * @description Let a rule start afresh: its once, its cooldown and its rate latch.
+         */
+        post: operations["reset_rule"];
         delete?: never;
         options?: never;
         head?: never;
@@ -229,20 +553,523 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
+         * Absent
+         * @description True once nothing was received for ``seconds``: the only leaf that asks for silence.
+         *
+         *     A message counts if it has the value of ``signal`` (``detections[0]`` of an empty list does
+         *     not). With ``from_start`` a topic that never spoke counts as silent from the start; without, it
+         *     is unknown until its first message.
+         */
+        Absent: {
+            /**
+             * From Start
+             * @default true
+             */
+            from_start: boolean;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "absent";
+            /** Seconds */
+            seconds: number;
+            signal: components["schemas"]["Signal"];
+        };
+        /**
+         * ActionRecord
+         * @description How one action of a run ended.
+         */
+        ActionRecord: {
+            /** Action */
+            action: string;
+            /** Ok */
+            ok: boolean;
+            /** Seconds */
+            seconds: number;
+            /** Text */
+            text: string;
+        };
+        /**
+         * Alarm
+         * @description One alarm, shown to the operators until it is cleared.
+         *
+         *     Attributes
+         *     ----------
+         *     name
+         *         What the actions that raise and clear it call it.
+         *     since
+         *         Seconds since the epoch at which it was first raised; ``count`` how often since then.
+         */
+        Alarm: {
+            /**
+             * Count
+             * @default 1
+             */
+            count: number;
+            /** Name */
+            name: string;
+            /**
+             * Rule Id
+             * @default
+             */
+            rule_id: string;
+            /**
+             * Severity
+             * @default warning
+             */
+            severity: string;
+            /** Since */
+            since: number;
+            /**
+             * Text
+             * @default
+             */
+            text: string;
+        };
+        /**
+         * AllOf
+         * @description True when all are true; false as soon as one is false.
+         */
+        AllOf: {
+            /** Conditions */
+            conditions: (components["schemas"]["Compare"] | components["schemas"]["Changed"] | components["schemas"]["Received"] | components["schemas"]["Absent"] | components["schemas"]["Rate"] | components["schemas"]["CallableCondition"] | components["schemas"]["AllOf"] | components["schemas"]["AnyOf"] | components["schemas"]["Not"])[];
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "all";
+        };
+        /**
+         * AnyOf
+         * @description True as soon as one is true; false when all are false.
+         */
+        AnyOf: {
+            /** Conditions */
+            conditions: (components["schemas"]["Compare"] | components["schemas"]["Changed"] | components["schemas"]["Received"] | components["schemas"]["Absent"] | components["schemas"]["Rate"] | components["schemas"]["CallableCondition"] | components["schemas"]["AllOf"] | components["schemas"]["AnyOf"] | components["schemas"]["Not"])[];
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "any";
+        };
+        /**
+         * ApplyReport
+         * @description A table went into force.
+         *
+         *     Attributes
+         *     ----------
+         *     probation
+         *         Seconds after which it is taken back unless confirmed; 0 for never.
+         *     pause
+         *         Seconds for which the monitor took no message.
+         */
+        ApplyReport: {
+            diff: components["schemas"]["TableDiff"];
+            effect: components["schemas"]["Effect"];
+            /**
+             * Findings
+             * @default []
+             */
+            findings: components["schemas"]["Finding"][];
+            /** Pause */
+            pause: number;
+            /** Previous */
+            previous: number;
+            /** Probation */
+            probation: number;
+            /** Revision */
+            revision: number;
+        };
+        /**
+         * ApplyRequest
+         * @description A table to put in force, and how.
+         */
+        ApplyRequest: {
+            /**
+             * Cancel Running
+             * @default false
+             */
+            cancel_running: boolean;
+            /** Expected Revision */
+            expected_revision: number;
+            /**
+             * Probation
+             * @default null
+             */
+            probation: number | null;
+            /**
+             * Reason
+             * @default
+             */
+            reason: string;
+            /** Reset */
+            reset?: string[];
+            table: components["schemas"]["Table"];
+        };
+        /**
+         * BacktestFiring
+         * @description A firing, in the recording or in the back-test or in both.
+         *
+         *     Attributes
+         *     ----------
+         *     time
+         *         Seconds since the epoch; ``at`` seconds since the start of the recording.
+         *     verdict
+         *         ``same`` in both, ``new`` in the back-test only, ``gone`` in the recording only.
+         *     assumed
+         *         Whether it rests on an assumed length of a run (one that did not happen in the recording).
+         */
+        BacktestFiring: {
+            /**
+             * Assumed
+             * @default false
+             */
+            assumed: boolean;
+            /** At */
+            at: number;
+            /**
+             * Leaves
+             * @default []
+             */
+            leaves: components["schemas"]["LeafReading"][];
+            /** Rule Id */
+            rule_id: string;
+            /**
+             * Text
+             * @default
+             */
+            text: string;
+            /** Time */
+            time: number;
+            /**
+             * Verdict
+             * @enum {string}
+             */
+            verdict: "same" | "new" | "gone";
+        };
+        /**
+         * BacktestProgress
+         * @description How far a back-test is (0 to 1), and what it found or why it failed.
+         */
+        BacktestProgress: {
+            /** Error */
+            error: string | null;
+            /** Id */
+            id: string;
+            /** Progress */
+            progress: number;
+            report: components["schemas"]["BacktestReport"] | null;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "waiting" | "running" | "done" | "failed" | "canceled";
+            /** Text */
+            text: string;
+        };
+        /**
+         * BacktestReport
+         * @description What a table would have done.
+         *
+         *     Attributes
+         *     ----------
+         *     start, end
+         *         Of the stretch, seconds since the epoch.
+         *     messages
+         *         Number that were replayed.
+         *     seconds
+         *         That the replay took.
+         *     missing_topics
+         *         Topics of the table that the recording does not hold: its rules could not be judged.
+         *     warm_up
+         *         Seconds at the start in which holds and cooldowns of before are not known.
+         */
+        BacktestReport: {
+            /** End */
+            end: number;
+            /** Firings */
+            firings: components["schemas"]["BacktestFiring"][];
+            /** Gone */
+            gone: number;
+            /** Messages */
+            messages: number;
+            /**
+             * Missing Topics
+             * @default []
+             */
+            missing_topics: string[];
+            /** New */
+            new: number;
+            /** Same */
+            same: number;
+            /** Seconds */
+            seconds: number;
+            /** Start */
+            start: number;
+            /** Tallies */
+            tallies: components["schemas"]["RuleTally"][];
+            /**
+             * Truncated
+             * @default false
+             */
+            truncated: boolean;
+            /**
+             * Warm Up
+             * @default 0
+             */
+            warm_up: number;
+        };
+        /**
+         * BacktestRequest
+         * @description A table to try on a recording.
+         */
+        BacktestRequest: {
+            /**
+             * Recording
+             * @default
+             */
+            recording: string;
+            /**
+             * Seconds
+             * @default 0
+             */
+            seconds: number;
+            table: components["schemas"]["Table"];
+        };
+        /**
+         * BacktestStarted
+         * @description A back-test runs; ask for it by its id.
+         */
+        BacktestStarted: {
+            /** Id */
+            id: string;
+        };
+        /**
+         * CallService
+         * @description Call a service and wait for its answer.
+         */
+        CallService: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "call_service";
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /** Request */
+            request?: {
+                [key: string]: components["schemas"]["JsonValue"];
+            };
+            /** Service */
+            service: string;
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+            /**
+             * Type
+             * @example std_msgs/msg/Bool
+             */
+            type: string;
+        };
+        /**
+         * CallableCondition
+         * @description A function of the recipe, asked at ``rate`` Hz; its answers arrive as samples.
+         *
+         *     The shell feeds each answer as a sample of the topic ``callable/<name>`` whose message is the
+         *     answer itself.
+         */
+        CallableCondition: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "callable";
+            /** Name */
+            name: string;
+            /**
+             * Rate
+             * @default null
+             */
+            rate: number | null;
+            /**
+             * Timeout
+             * @default null
+             */
+            timeout: number | null;
+        };
+        /**
+         * CancelGoal
+         * @description Cancel all goals of an action server.
+         */
+        CancelGoal: {
+            /** Action */
+            action: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "cancel_goal";
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+        };
+        /**
+         * Changed
+         * @description True for the one message whose value differs from the one before; never for the first.
+         *
+         *     ``deadband`` (in the unit of the field) is how far a number must move from the value that
+         *     counted last, so that a slow drift is noticed and noise is not.
+         */
+        Changed: {
+            /**
+             * Deadband
+             * @default 0
+             */
+            deadband: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "changed";
+            signal: components["schemas"]["Signal"];
+        };
+        /**
+         * CheckReport
+         * @description ``ok`` when there is no error; lints do not forbid anything.
+         */
+        CheckReport: {
+            /**
+             * @default {
+             *       "changes": []
+             *     }
+             */
+            diff: components["schemas"]["TableDiff"];
+            /**
+             * @default {
+             *       "added": [],
+             *       "carried": [],
+             *       "removed": [],
+             *       "reset": [],
+             *       "running": []
+             *     }
+             */
+            effect: components["schemas"]["Effect"];
+            /**
+             * Findings
+             * @default []
+             */
+            findings: components["schemas"]["Finding"][];
+            /** Ok */
+            ok: boolean;
+            /** Revision */
+            revision: number;
+        };
+        /**
+         * CheckRequest
+         * @description A table to check.
+         */
+        CheckRequest: {
+            table: components["schemas"]["Table"];
+        };
+        /**
+         * ClearAlarm
+         * @description Take an alarm back.
+         */
+        ClearAlarm: {
+            /** Alarm */
+            alarm: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "clear_alarm";
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /**
+             * Text
+             * @default
+             */
+            text: string;
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+        };
+        /**
+         * Compare
+         * @description A value against a literal.
+         *
+         *     ``in`` and ``not_in`` take a list of options, or a text to look in. ``contains`` looks for an
+         *     element of a list or a part of a text; with a list it means ``contains_all``. ``between`` takes
+         *     two bounds and includes both. ``tolerance`` (in the unit of the field) is for ``==`` and ``!=``.
+         */
+        Compare: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "compare";
+            /**
+             * Operator
+             * @enum {string}
+             */
+            operator: "==" | "!=" | "<" | "<=" | ">" | ">=" | "in" | "not_in" | "between" | "contains" | "contains_any" | "contains_all" | "not_contains" | "not_contains_any" | "not_contains_all";
+            signal: components["schemas"]["Signal"];
+            /**
+             * Tolerance
+             * @default 0
+             */
+            tolerance: number;
+            /** Value */
+            value: boolean | number | string | (boolean | number | string)[];
+        };
+        /**
          * ComponentInfo
          * @description Health of one component as it says itself, or `silent` when it has stopped saying.
+         *
+         *     `sources` are all of whom it complains, by kind in `src_*`. `process` is null where nobody
+         *     supervises it; `inputs` are those of its topics whose age the console knows.
          */
         ComponentInfo: {
             /** Age */
             age: number;
+            /** Inputs */
+            inputs?: components["schemas"]["InputInfo"][];
             /** Label */
             label: string;
             /** Message */
             message: string;
             /** Name */
             name: string;
+            /** @default null */
+            process: components["schemas"]["ProcessInfo"] | null;
             /** Sources */
             sources: string[];
+            /** Src Algorithms */
+            src_algorithms?: string[];
+            /** Src Components */
+            src_components?: string[];
+            /** Src Topics */
+            src_topics?: string[];
             /**
              * Status
              * @enum {string}
@@ -250,6 +1077,78 @@ export interface components {
             status: "healthy" | "algorithm_failure" | "component_failure" | "system_failure" | "general_failure" | "silent";
             /** Topic */
             topic: string;
+        };
+        /**
+         * ComponentView
+         * @description A component of the stack.
+         */
+        ComponentView: {
+            /** Kind */
+            kind: string;
+            /** Methods */
+            methods: components["schemas"]["MethodView"][];
+            /** Name */
+            name: string;
+            /** Parameters */
+            parameters: components["schemas"]["ParameterView"][];
+        };
+        /**
+         * ConfirmRequest
+         * @description The revision on probation that is to stay.
+         */
+        ConfirmRequest: {
+            /** Revision */
+            revision: number;
+        };
+        /**
+         * Conflict
+         * @description Somebody else was faster: nothing was applied.
+         *
+         *     Attributes
+         *     ----------
+         *     expected, revision
+         *         From which the edit began, and what is in force.
+         *     author, time, reason
+         *         Of the revision in force.
+         *     theirs, yours
+         *         What each changed since ``expected``.
+         *     both
+         *         Ids of rules that both changed.
+         */
+        Conflict: {
+            /** Author */
+            author: string;
+            /**
+             * Both
+             * @default []
+             */
+            both: string[];
+            /** Expected */
+            expected: number;
+            /** Reason */
+            reason: string;
+            /** Revision */
+            revision: number;
+            theirs: components["schemas"]["TableDiff"];
+            /** Time */
+            time: number;
+            yours: components["schemas"]["TableDiff"];
+        };
+        /**
+         * ConflictAnswer
+         * @description Somebody else was faster; nothing was applied.
+         */
+        ConflictAnswer: {
+            conflict: components["schemas"]["Conflict"];
+            detail: components["schemas"]["ErrorDetail"];
+        };
+        /**
+         * Done
+         * @description It was done; one sentence.
+         */
+        Done: {
+            /** Message */
+            message: string;
         };
         /**
          * DriveInfo
@@ -274,6 +1173,39 @@ export interface components {
             stopped_by: string;
         };
         /**
+         * Effect
+         * @description What happens, or happened, to the rules' state; ids of rules.
+         *
+         *     ``running`` are those whose actions are running and whose content changes.
+         */
+        Effect: {
+            /**
+             * Added
+             * @default []
+             */
+            added: string[];
+            /**
+             * Carried
+             * @default []
+             */
+            carried: string[];
+            /**
+             * Removed
+             * @default []
+             */
+            removed: string[];
+            /**
+             * Reset
+             * @default []
+             */
+            reset: string[];
+            /**
+             * Running
+             * @default []
+             */
+            running: string[];
+        };
+        /**
          * ErrorAnswer
          * @description Body of every answer that is not a success.
          */
@@ -289,6 +1221,334 @@ export interface components {
             remedy: string;
             /** Title */
             title: string;
+        };
+        /**
+         * Event
+         * @description A condition, and when its truth makes the rule fire.
+         *
+         *     Attributes
+         *     ----------
+         *     condition
+         *         What must be true.
+         *     trigger
+         *         ``level``: on each message of the condition's topics for which it is true, and when it
+         *         becomes true by time alone (silence, a rate, the end of ``hold``). ``edge``: on becoming
+         *         true. Only a verdict of false re-arms an edge; unknown does not, so a flickering sensor
+         *         makes no edges. ``change``: on each message for which it is true and which changes the
+         *         value of a signal in it.
+         *     hold
+         *         Seconds for which the condition must have stayed true first; unknown breaks it.
+         *     clear
+         *         When given, the rule fires again only after this was true while ``condition`` was not.
+         *     cooldown
+         *         Seconds after the actions have finished during which triggers are dropped and counted.
+         *     once
+         *         At most one firing in the life of the state.
+         *     mode
+         *         What a trigger does while the actions of the last one still run.
+         *     max_rate
+         *         Limit beyond which the rule latches and reports it; it stays latched until it is reset.
+         *     first_true_is_edge
+         *         Whether a first verdict of true counts as becoming true.
+         */
+        Event: {
+            /**
+             * Clear
+             * @default null
+             */
+            clear: (components["schemas"]["Compare"] | components["schemas"]["Changed"] | components["schemas"]["Received"] | components["schemas"]["Absent"] | components["schemas"]["Rate"] | components["schemas"]["CallableCondition"] | components["schemas"]["AllOf"] | components["schemas"]["AnyOf"] | components["schemas"]["Not"]) | null;
+            /** Condition */
+            condition: components["schemas"]["Compare"] | components["schemas"]["Changed"] | components["schemas"]["Received"] | components["schemas"]["Absent"] | components["schemas"]["Rate"] | components["schemas"]["CallableCondition"] | components["schemas"]["AllOf"] | components["schemas"]["AnyOf"] | components["schemas"]["Not"];
+            /**
+             * Cooldown
+             * @default 0
+             */
+            cooldown: number;
+            /**
+             * First True Is Edge
+             * @default true
+             */
+            first_true_is_edge: boolean;
+            /**
+             * Hold
+             * @default 0
+             */
+            hold: number;
+            /** @default null */
+            max_rate: components["schemas"]["MaxRate"] | null;
+            /**
+             * Mode
+             * @default {
+             *       "kind": "single"
+             *     }
+             */
+            mode: components["schemas"]["Single"] | components["schemas"]["Queued"] | components["schemas"]["Restart"] | components["schemas"]["Parallel"];
+            /**
+             * Once
+             * @default false
+             */
+            once: boolean;
+            /**
+             * Trigger
+             * @default level
+             * @enum {string}
+             */
+            trigger: "level" | "edge" | "change";
+        };
+        /**
+         * ExplanationView
+         * @description A rule now, or at a firing.
+         *
+         *     Attributes
+         *     ----------
+         *     condition
+         *         As text.
+         *     firing
+         *         The firing explained; None for now.
+         *     rule
+         *         As it was then: of the revision that fired.
+         *     near_misses
+         *         When it came close lately and did not fire, newest first.
+         *     changed_since
+         *         Whether the rule differs today from the one that fired.
+         */
+        ExplanationView: {
+            /**
+             * Changed Since
+             * @default false
+             */
+            changed_since: boolean;
+            /**
+             * Clear Leaves
+             * @default []
+             */
+            clear_leaves: components["schemas"]["LeafReading"][];
+            /** Condition */
+            condition: string;
+            firing?: components["schemas"]["FiringRecord"] | null;
+            /**
+             * Gates
+             * @default []
+             */
+            gates: components["schemas"]["GateView"][];
+            /**
+             * Leaves
+             * @default []
+             */
+            leaves: components["schemas"]["LeafReading"][];
+            /**
+             * Near Misses
+             * @default []
+             */
+            near_misses: components["schemas"]["FiringRecord"][];
+            /** Revision */
+            revision: number;
+            rule: components["schemas"]["Rule"];
+            /** Rule Id */
+            rule_id: string;
+            status?: components["schemas"]["RuleStatus"] | null;
+            /** Text */
+            text: string;
+            /** Time */
+            time: number;
+        };
+        /**
+         * FieldChange
+         * @description One field of a rule, before and after; None where it does not exist.
+         *
+         *     Attributes
+         *     ----------
+         *     field
+         *         Where in the rule, e.g. ``event.cooldown`` or ``actions[0].text``.
+         */
+        FieldChange: {
+            after?: components["schemas"]["JsonValue"];
+            before?: components["schemas"]["JsonValue"];
+            /** Field */
+            field: string;
+        };
+        /**
+         * FieldView
+         * @description A field of a message, however deep.
+         *
+         *     Attributes
+         *     ----------
+         *     path
+         *         As in :class:`kompass.rules.signals.Signal`; text as ``pose.position.x``.
+         *     kind
+         *         Sort of the value; a list of ``element``.
+         *     constants
+         *         Names and values of constants of the message that go with it (``ALGORITHM_FAILURE``).
+         */
+        FieldView: {
+            /** Constants */
+            constants?: {
+                [key: string]: number;
+            };
+            /**
+             * Element
+             * @default
+             */
+            element: string;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "bool" | "int" | "float" | "text" | "message" | "list";
+            /** Path */
+            path: (string | number)[];
+            /** Text */
+            text: string;
+        };
+        /**
+         * Finding
+         * @description Something wrong with a rule (``error``), or to think about (``lint``).
+         *
+         *     Attributes
+         *     ----------
+         *     code
+         *         Short and stable, e.g. ``unknown-field``, ``self-trigger``, ``protected``.
+         *     field, value
+         *         Where, and what stands there.
+         *     text, remedy
+         *         What is wrong, and what to do instead.
+         */
+        Finding: {
+            /** Code */
+            code: string;
+            /** Field */
+            field: string;
+            /**
+             * Level
+             * @enum {string}
+             */
+            level: "error" | "lint";
+            /** Remedy */
+            remedy: string;
+            /** Rule Id */
+            rule_id: string;
+            /** Text */
+            text: string;
+            value?: components["schemas"]["JsonValue"];
+        };
+        /**
+         * FiringRecord
+         * @description One firing, with what came of it.
+         *
+         *     Attributes
+         *     ----------
+         *     number
+         *         Of the entry in the journal; never used twice.
+         *     epoch
+         *         The life of the monitor that it belongs to; ``run_id`` counts within it.
+         *     kind
+         *         ``firing``; ``shadow`` when it was evaluated and not acted upon; ``note`` for what the
+         *         engine reports otherwise; ``near miss`` when it came close and did not fire; ``outranked``
+         *         when a more severe rule had the component.
+         *     time
+         *         Seconds since the epoch (1970).
+         *     revision
+         *         Number of the table's revision in force, and ``rule_hash`` of the rule.
+         *     ended, ok
+         *         None while it runs.
+         *     message
+         *         The message that triggered it, as data; None when time did. Long lists are cut.
+         *     recording
+         *         Path of the recording kept around it; empty for none.
+         */
+        FiringRecord: {
+            /**
+             * Actions
+             * @default []
+             */
+            actions: components["schemas"]["ActionRecord"][];
+            /** Ended */
+            ended?: number | null;
+            /** Epoch */
+            epoch: string;
+            /**
+             * Error
+             * @default
+             */
+            error: string;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "firing" | "shadow" | "note" | "near miss" | "outranked";
+            /**
+             * Leaves
+             * @default []
+             */
+            leaves: components["schemas"]["LeafReading"][];
+            message?: components["schemas"]["JsonValue"];
+            /** Name */
+            name: string;
+            /** Number */
+            number: number;
+            /** Ok */
+            ok?: boolean | null;
+            /**
+             * Recording
+             * @default
+             */
+            recording: string;
+            /** Revision */
+            revision: number;
+            /** Rule Hash */
+            rule_hash: string;
+            /** Rule Id */
+            rule_id: string;
+            /** Run Id */
+            run_id: number;
+            /** Severity */
+            severity: string;
+            /**
+             * Text
+             * @default
+             */
+            text: string;
+            /** Time */
+            time: number;
+            /** Topic */
+            topic?: string | null;
+        };
+        /**
+         * FiringStep
+         * @description One step in the life of a rule's run, as the monitor published it.
+         *
+         *     `details` has the leaves when it fired, and the action and its seconds when one ended.
+         */
+        FiringStep: {
+            details: components["schemas"]["JsonValue"];
+            /** Ok */
+            ok: boolean;
+            /** Phase */
+            phase: string;
+            /** Revision */
+            revision: number;
+            /** Rule Hash */
+            rule_hash: string;
+            /** Rule Id */
+            rule_id: string;
+            /** Run Id */
+            run_id: number;
+            /** Text */
+            text: string;
+            /** Time */
+            time: number;
+        };
+        /**
+         * GateView
+         * @description One thing that keeps a rule from firing; ``left`` are seconds until it opens by itself.
+         */
+        GateView: {
+            /** Kind */
+            kind: string;
+            /** Left */
+            left?: number | null;
+            /** Text */
+            text: string;
         };
         /**
          * GestureCheck
@@ -412,6 +1672,29 @@ export interface components {
             topic: "/goal_pose" | "/clicked_point";
         };
         /**
+         * GraphView
+         * @description All of it.
+         *
+         *     ``types`` has the fields of every message, request (``…_Request``) and goal (``…_Goal``) type
+         *     named anywhere in here.
+         */
+        GraphView: {
+            /** Actions */
+            actions: components["schemas"]["TargetView"][];
+            /** Components */
+            components: components["schemas"]["ComponentView"][];
+            /** Functions */
+            functions: string[];
+            /** Services */
+            services: components["schemas"]["TargetView"][];
+            /** Topics */
+            topics: components["schemas"]["TopicView"][];
+            /** Types */
+            types: {
+                [key: string]: components["schemas"]["FieldView"][];
+            };
+        };
+        /**
          * Hello
          * @description First message of the state websocket.
          */
@@ -425,6 +1708,43 @@ export interface components {
             /** Version */
             version: string;
         };
+        /**
+         * History
+         * @description A stretch of the history, newest first.
+         */
+        History: {
+            /** Active */
+            active: number;
+            /** Confirmed */
+            confirmed: number;
+            /** More */
+            more: boolean;
+            /** Revisions */
+            revisions: components["schemas"]["Revision"][];
+        };
+        /**
+         * InputInfo
+         * @description A topic that a component listens to and the console too, and its age in s.
+         */
+        InputInfo: {
+            /** Age */
+            age: number | null;
+            /** Stale */
+            stale: boolean;
+            /** Topic */
+            topic: string;
+        };
+        /**
+         * Journal
+         * @description A stretch of the journal, newest first.
+         */
+        Journal: {
+            /** Firings */
+            firings: components["schemas"]["FiringRecord"][];
+            /** More */
+            more: boolean;
+        };
+        JsonValue: unknown;
         /**
          * Layers
          * @description Which layers of the scene are drawn.
@@ -487,6 +1807,90 @@ export interface components {
             trail?: boolean | null;
         };
         /**
+         * LeafReading
+         * @description One leaf of a condition now, or when a rule fired.
+         *
+         *     Attributes
+         *     ----------
+         *     path
+         *         Child indices from the root of the condition.
+         *     text
+         *         The leaf as a person would write it.
+         *     value, age, verdict
+         *         As in :class:`kompass.rules.firing.LeafVerdict`; ``verdict`` None is unknown.
+         */
+        LeafReading: {
+            /** Age */
+            age: number | null;
+            /** Path */
+            path: number[];
+            /** Text */
+            text: string;
+            /** Value */
+            value: boolean | number | string | null;
+            /** Verdict */
+            verdict: boolean | null;
+        };
+        /**
+         * Lifecycle
+         * @description Start, stop, restart or configure a component.
+         */
+        Lifecycle: {
+            /**
+             * Action
+             * @enum {string}
+             */
+            action: "start" | "stop" | "restart" | "configure";
+            /** Component */
+            component: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "lifecycle";
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+        };
+        /**
+         * Log
+         * @description Write a line to the log.
+         */
+        Log: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "log";
+            /**
+             * Level
+             * @default info
+             * @enum {string}
+             */
+            level: "debug" | "info" | "warning" | "error";
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /** Text */
+            text: string;
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+        };
+        /**
          * Login
          * @description A role's token, and the name to show for who uses it.
          */
@@ -495,6 +1899,127 @@ export interface components {
             token: string;
             /** User */
             user?: string | null;
+        };
+        /**
+         * MaxRate
+         * @description At most ``count`` firings in any ``window`` seconds; one more latches the rule.
+         */
+        MaxRate: {
+            /** Count */
+            count: number;
+            /** Window */
+            window: number;
+        };
+        /**
+         * Merge
+         * @description The recipe changed since the edits of ``revision`` were made; they wait to be merged.
+         *
+         *     Attributes
+         *     ----------
+         *     table
+         *         The recipe's new table with the edits laid over it, ready to be checked and applied.
+         *     conflicts
+         *         One sentence for each edit that could not be laid over.
+         */
+        Merge: {
+            /**
+             * Conflicts
+             * @default []
+             */
+            conflicts: string[];
+            /** Revision */
+            revision: number;
+            table: components["schemas"]["Table"];
+        };
+        /**
+         * Method
+         * @description Call a method of a component.
+         */
+        Method: {
+            /** Component */
+            component: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "method";
+            /** Kwargs */
+            kwargs?: {
+                [key: string]: components["schemas"]["JsonValue"];
+            };
+            /** Method */
+            method: string;
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+        };
+        /**
+         * MethodView
+         * @description A method of a component that rules may call.
+         */
+        MethodView: {
+            /**
+             * Arguments
+             * @default []
+             */
+            arguments: components["schemas"]["ParameterView"][];
+            /** Name */
+            name: string;
+            /** Text */
+            text: string;
+        };
+        /**
+         * Not
+         * @description The opposite; unknown stays unknown.
+         */
+        Not: {
+            /** Condition */
+            condition: components["schemas"]["Compare"] | components["schemas"]["Changed"] | components["schemas"]["Received"] | components["schemas"]["Absent"] | components["schemas"]["Rate"] | components["schemas"]["CallableCondition"] | components["schemas"]["AllOf"] | components["schemas"]["AnyOf"] | components["schemas"]["Not"];
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "not";
+        };
+        /**
+         * Parallel
+         * @description Up to ``size`` runs at a time; further triggers are dropped and counted.
+         */
+        Parallel: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "parallel";
+            /**
+             * Size
+             * @default 10
+             */
+            size: number;
+        };
+        /**
+         * ParameterView
+         * @description A parameter of a component that rules may change.
+         */
+        ParameterView: {
+            /** Kind */
+            kind: string;
+            /** Name */
+            name: string;
+            /**
+             * Text
+             * @default
+             */
+            text: string;
+            value?: components["schemas"]["JsonValue"];
         };
         /**
          * Ping
@@ -552,6 +2077,371 @@ export interface components {
             yaw: number;
         };
         /**
+         * ProbeReading
+         * @description Message of `/api/rules/probe`: the condition as the engine judges it now.
+         *
+         *     `verdict` null is unknown. `error` is a sentence, and empty when there is none.
+         */
+        ProbeReading: {
+            /** Clear Leaves */
+            clear_leaves: components["schemas"]["LeafReading"][];
+            /** Clear Verdict */
+            clear_verdict: boolean | null;
+            /** Error */
+            error: string;
+            /** Id */
+            id: string;
+            /** Leaves */
+            leaves: components["schemas"]["LeafReading"][];
+            /**
+             * Type
+             * @default probe
+             * @constant
+             */
+            type: "probe";
+            /** Verdict */
+            verdict: boolean | null;
+        };
+        /**
+         * ProbeRequest
+         * @description What the page sends on `/api/rules/probe`: a condition that need not be saved anywhere.
+         *
+         *     A new request takes the place of the one with the same `id`; null ends it.
+         */
+        ProbeRequest: {
+            /**
+             * Clear
+             * @default null
+             */
+            clear: (components["schemas"]["Compare"] | components["schemas"]["Changed"] | components["schemas"]["Received"] | components["schemas"]["Absent"] | components["schemas"]["Rate"] | components["schemas"]["CallableCondition"] | components["schemas"]["AllOf"] | components["schemas"]["AnyOf"] | components["schemas"]["Not"]) | null;
+            /** Condition */
+            condition: (components["schemas"]["Compare"] | components["schemas"]["Changed"] | components["schemas"]["Received"] | components["schemas"]["Absent"] | components["schemas"]["Rate"] | components["schemas"]["CallableCondition"] | components["schemas"]["AllOf"] | components["schemas"]["AnyOf"] | components["schemas"]["Not"]) | null;
+            /**
+             * Id
+             * @default
+             */
+            id: string;
+        };
+        /**
+         * ProcessInfo
+         * @description The process of a component, as its supervisor sees it. `reason` is of its last death.
+         */
+        ProcessInfo: {
+            /** Name */
+            name: string;
+            /** Pid */
+            pid: number;
+            /** Reason */
+            reason: string;
+            /** Restarts */
+            restarts: number;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "starting" | "active" | "busy" | "stuck" | "dead" | "given up" | "unknown";
+        };
+        /**
+         * Publish
+         * @description Publish a message: once, or at ``rate`` Hz for ``period`` seconds (for ever without).
+         */
+        Publish: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "publish";
+            /** Message */
+            message?: {
+                [key: string]: components["schemas"]["JsonValue"];
+            };
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /**
+             * Period
+             * @default null
+             */
+            period: number | null;
+            /**
+             * Rate
+             * @default null
+             */
+            rate: number | null;
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+            /** Topic */
+            topic: string;
+            /**
+             * Type
+             * @example std_msgs/msg/Bool
+             */
+            type: string;
+        };
+        /**
+         * Python
+         * @description Call a function of the recipe, known by name; its code cannot be edited.
+         */
+        Python: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "python";
+            /** Kwargs */
+            kwargs?: {
+                [key: string]: components["schemas"]["JsonValue"];
+            };
+            /** Name */
+            name: string;
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+        };
+        /**
+         * Queued
+         * @description While the actions run, up to ``size`` triggers wait; more are dropped and counted.
+         */
+        Queued: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "queued";
+            /**
+             * Size
+             * @default 10
+             */
+            size: number;
+        };
+        /**
+         * RaiseAlarm
+         * @description Show an alarm to the operators until it is cleared.
+         */
+        RaiseAlarm: {
+            /** Alarm */
+            alarm: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "raise_alarm";
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /**
+             * Text
+             * @default
+             */
+            text: string;
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+        };
+        /**
+         * Rate
+         * @description True while messages arrive slower (or faster) than a rate, over a sliding window.
+         *
+         *     Unknown until one window has passed since the first message. Exactly one of ``below`` and
+         *     ``above`` (Hz) is given.
+         */
+        Rate: {
+            /**
+             * Above
+             * @default null
+             */
+            above: number | null;
+            /**
+             * Below
+             * @default null
+             */
+            below: number | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "rate";
+            /** Topic */
+            topic: string;
+            /**
+             * Type
+             * @default null
+             */
+            type: string | null;
+            /**
+             * Window
+             * @default 1
+             */
+            window: number;
+        };
+        /**
+         * Received
+         * @description True for each message as it arrives, and false between messages.
+         */
+        Received: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "received";
+            signal: components["schemas"]["Signal"];
+        };
+        /**
+         * Reconfigure
+         * @description Give a component a new configuration: a mapping, or the path of a file.
+         */
+        Reconfigure: {
+            /** Component */
+            component: string;
+            /** Config */
+            config: {
+                [key: string]: components["schemas"]["JsonValue"];
+            } | string;
+            /**
+             * Keep Alive
+             * @default false
+             */
+            keep_alive: boolean;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "reconfigure";
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+        };
+        /**
+         * RecordingRequest
+         * @description Keep the last `seconds` of the flight recorder (0: all it has) under a name.
+         */
+        RecordingRequest: {
+            /**
+             * Name
+             * @default
+             */
+            name: string;
+            /**
+             * Seconds
+             * @default 0
+             */
+            seconds: number;
+        };
+        /**
+         * RecordingSaved
+         * @description Where the recording is, on the robot.
+         */
+        RecordingSaved: {
+            /** Message */
+            message: string;
+            /** Path */
+            path: string;
+        };
+        /**
+         * RefusedAnswer
+         * @description The table has errors, or a guard rail forbids the change; nothing was applied.
+         *
+         *     `report` is null when the table could not be read at all.
+         */
+        RefusedAnswer: {
+            detail: components["schemas"]["ErrorDetail"];
+            report: components["schemas"]["CheckReport"] | null;
+        };
+        /**
+         * Restart
+         * @description A trigger cancels the run in progress and starts a new one.
+         */
+        Restart: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "restart";
+        };
+        /**
+         * Revision
+         * @description Who put which table in force, when and why.
+         *
+         *     Attributes
+         *     ----------
+         *     number
+         *         1, 2, 3 …; never used twice.
+         *     parent
+         *         The revision that was in force before; None for the first.
+         *     time
+         *         Seconds since the epoch.
+         *     recipe
+         *         Hash of the recipe's own table when it was made.
+         *     outcome
+         *         What became of it: ``active`` and not yet confirmed, ``confirmed``, ``taken back`` (by the
+         *         end of its probation, a crash loop or a person), or ``superseded``.
+         *     restores
+         *         For a rollback: the revision whose table it has.
+         */
+        Revision: {
+            /** Author */
+            author: string;
+            /**
+             * @default {
+             *       "changes": []
+             *     }
+             */
+            diff: components["schemas"]["TableDiff"];
+            /** Number */
+            number: number;
+            /**
+             * Origin
+             * @enum {string}
+             */
+            origin: "recipe" | "edit" | "rollback" | "taken back" | "merge";
+            /**
+             * Outcome
+             * @enum {string}
+             */
+            outcome: "active" | "confirmed" | "taken back" | "superseded";
+            /** Parent */
+            parent: number | null;
+            /** Reason */
+            reason: string;
+            /** Recipe */
+            recipe: string;
+            /** Restores */
+            restores?: number | null;
+            /** Role */
+            role: string;
+            /** Table Hash */
+            table_hash: string;
+            /** Time */
+            time: number;
+        };
+        /**
          * RobotInfo
          * @description The robot's name and the radius (m) of the circle around its footprint.
          */
@@ -568,6 +2458,26 @@ export interface components {
          */
         Role: "viewer" | "operator" | "engineer";
         /**
+         * RollbackRequest
+         * @description Go back to the table of `revision`; null for the one before the one in force.
+         */
+        RollbackRequest: {
+            /**
+             * Cancel Running
+             * @default false
+             */
+            cancel_running: boolean;
+            /** Expected Revision */
+            expected_revision: number;
+            /**
+             * Reason
+             * @default
+             */
+            reason: string;
+            /** Revision */
+            revision?: number | null;
+        };
+        /**
          * RosInfo
          * @description Where on DDS the console listens.
          */
@@ -578,6 +2488,332 @@ export interface components {
             middleware: string;
         };
         /**
+         * Rule
+         * @description One event and the actions that answer it.
+         *
+         *     Attributes
+         *     ----------
+         *     id
+         *         Stable slug; what the history and the journal know the rule by.
+         *     severity
+         *         Which of two rules wins when both want the same component.
+         *     lane
+         *         Rules of the safety lane never wait for rules of the normal one.
+         *     protected
+         *         Whether editing it away is refused.
+         *     shadow
+         *         Whether it is evaluated and recorded without acting.
+         *     source
+         *         Whether it comes from the recipe or was made or changed by a person since.
+         */
+        Rule: {
+            /** Actions */
+            actions: (components["schemas"]["Log"] | components["schemas"]["Method"] | components["schemas"]["Lifecycle"] | components["schemas"]["Reconfigure"] | components["schemas"]["UpdateParameters"] | components["schemas"]["Publish"] | components["schemas"]["CallService"] | components["schemas"]["SendGoal"] | components["schemas"]["CancelGoal"] | components["schemas"]["RaiseAlarm"] | components["schemas"]["ClearAlarm"] | components["schemas"]["Python"])[];
+            /**
+             * Enabled
+             * @default true
+             */
+            enabled: boolean;
+            event: components["schemas"]["Event"];
+            /**
+             * Id
+             * @example stuck-unblock
+             */
+            id: string;
+            /**
+             * Lane
+             * @default normal
+             * @enum {string}
+             */
+            lane: "safety" | "normal";
+            /**
+             * Name
+             * @default
+             */
+            name: string;
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+            /**
+             * Protected
+             * @default false
+             */
+            protected: boolean;
+            /**
+             * @default 1
+             * @enum {string}
+             */
+            severity: "info" | "warning" | "error" | "critical";
+            /**
+             * Shadow
+             * @default false
+             */
+            shadow: boolean;
+            /**
+             * Source
+             * @default edited
+             * @enum {string}
+             */
+            source: "recipe" | "edited";
+        };
+        /**
+         * RuleChange
+         * @description One rule that differs.
+         *
+         *     Attributes
+         *     ----------
+         *     kind
+         *         ``moved`` when only its place in the order differs.
+         *     semantic
+         *         Whether it behaves differently; false when only its name, note or place changed.
+         *     summary
+         *         One sentence for a person: "cooldown 60 s → 20 s".
+         */
+        RuleChange: {
+            /**
+             * Fields
+             * @default []
+             */
+            fields: components["schemas"]["FieldChange"][];
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "added" | "removed" | "changed" | "moved";
+            /** Name */
+            name: string;
+            /** Rule Id */
+            rule_id: string;
+            /** Semantic */
+            semantic: boolean;
+            /** Summary */
+            summary: string;
+        };
+        /**
+         * RuleStatus
+         * @description One rule now.
+         *
+         *     Attributes
+         *     ----------
+         *     state
+         *         What the table of rules shows.
+         *     text
+         *         The state as a sentence: "cools down for 41 s more", "scan silent for 3 s".
+         *     left
+         *         Seconds until the state ends by itself; None if it takes something else.
+         *     last_fired
+         *         Seconds since the epoch.
+         *     last_ok
+         *         Whether the last run that ended went well; None when none has.
+         */
+        RuleStatus: {
+            /**
+             * Dropped
+             * @default 0
+             */
+            dropped: number;
+            /**
+             * Error
+             * @default
+             */
+            error: string;
+            /**
+             * Evaluated
+             * @default 0
+             */
+            evaluated: number;
+            /**
+             * Failed
+             * @default 0
+             */
+            failed: number;
+            /**
+             * Fired
+             * @default 0
+             */
+            fired: number;
+            /**
+             * Last Fired
+             * @default null
+             */
+            last_fired: number | null;
+            /**
+             * Last Ok
+             * @default null
+             */
+            last_ok: boolean | null;
+            /**
+             * Leaves
+             * @default []
+             */
+            leaves: components["schemas"]["LeafReading"][];
+            /**
+             * Left
+             * @default null
+             */
+            left: number | null;
+            /**
+             * Outranked
+             * @default 0
+             */
+            outranked: number;
+            /** Rule Id */
+            rule_id: string;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "ready" | "holding" | "running" | "cooling" | "used up" | "latched" | "waiting" | "unknown" | "disabled" | "shadow" | "broken";
+            /** Text */
+            text: string;
+            /**
+             * True
+             * @default 0
+             */
+            true: number;
+            /**
+             * Verdict
+             * @default null
+             */
+            verdict: boolean | null;
+        };
+        /**
+         * RuleTally
+         * @description Numbers of a rule over the recording.
+         */
+        RuleTally: {
+            /** Evaluated */
+            evaluated: number;
+            /** Proposed */
+            proposed: number;
+            /** Recorded */
+            recorded: number;
+            /** Rule Id */
+            rule_id: string;
+            /** Text */
+            text: string;
+            /** True */
+            true: number;
+            /** Unknown Time */
+            unknown_time: number;
+        };
+        /**
+         * RulesInfo
+         * @description The table of rules in force, for the top bar.
+         *
+         *     `available` is false when its monitor is silent or there is none; the numbers are its last
+         *     ones then. `probation_left` (s) is 0 when nothing is on probation; `alarms` counts those that
+         *     rules have raised.
+         */
+        RulesInfo: {
+            /**
+             * Age
+             * @default null
+             */
+            age: number | null;
+            /**
+             * Alarms
+             * @default 0
+             */
+            alarms: number;
+            /**
+             * Available
+             * @default false
+             */
+            available: boolean;
+            /**
+             * Confirmed
+             * @default 0
+             */
+            confirmed: number;
+            /**
+             * Notice
+             * @default
+             */
+            notice: string;
+            /**
+             * Probation Left
+             * @default 0
+             */
+            probation_left: number;
+            /**
+             * Revision
+             * @default 0
+             */
+            revision: number;
+        };
+        /**
+         * RulesLive
+         * @description Message of `/api/rules/live`: the rules now, and what happened since the last message.
+         *
+         *     `age` (s) is how old the monitor's word is; `available` is false when it is silent.
+         */
+        RulesLive: {
+            /** Age */
+            age: number | null;
+            /** Alarms */
+            alarms: components["schemas"]["Alarm"][];
+            /** Available */
+            available: boolean;
+            /** Confirmed */
+            confirmed: number;
+            /** Firings */
+            firings: components["schemas"]["FiringStep"][];
+            /** Missed */
+            missed: number;
+            /** Notice */
+            notice: string;
+            /** Probation Left */
+            probation_left: number;
+            /** Revision */
+            revision: number;
+            /** Robot */
+            robot: string;
+            /** Statuses */
+            statuses: components["schemas"]["RuleStatus"][];
+            /**
+             * Type
+             * @default rules
+             * @constant
+             */
+            type: "rules";
+        };
+        /**
+         * SendGoal
+         * @description Send a goal to an action server and wait for its result.
+         */
+        SendGoal: {
+            /** Action */
+            action: string;
+            /** Goal */
+            goal?: {
+                [key: string]: components["schemas"]["JsonValue"];
+            };
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "send_goal";
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+            /**
+             * Type
+             * @example std_msgs/msg/Bool
+             */
+            type: string;
+        };
+        /**
          * SessionInfo
          * @description Who is logged in.
          */
@@ -585,6 +2821,56 @@ export interface components {
             role: components["schemas"]["Role"];
             /** User */
             user: string;
+        };
+        /**
+         * Severity
+         * @description Who wins when two rules want the same component.
+         * @enum {integer}
+         */
+        Severity: 0 | 1 | 2 | 3;
+        /**
+         * Signal
+         * @description One value inside the messages of a topic.
+         *
+         *     Attributes
+         *     ----------
+         *     topic
+         *         Name of the topic; a leading slash makes no difference.
+         *     type
+         *         Message type, ``package/msg/Name``.
+         *     path
+         *         Field names and indices from the message to the value; empty for the whole message.
+         *     aggregate
+         *         What to make of an array: ``min``, ``max`` and ``mean`` over its finite values, ``len``
+         *         (all values counted), ``any`` and ``all`` (of finite values: is not zero). An array without
+         *         finite values has no ``min``, ``max``, ``mean`` and ``all``: the verdict is unknown.
+         *     timeout
+         *         Seconds after which a value no longer counts; ``None`` for a latched topic, whose last
+         *         message stays true until the next.
+         */
+        Signal: {
+            /**
+             * Aggregate
+             * @default null
+             */
+            aggregate: ("min" | "max" | "mean" | "len" | "any" | "all") | null;
+            /**
+             * Path
+             * @default []
+             */
+            path: (string | number)[];
+            /**
+             * Timeout
+             * @default 1
+             */
+            timeout: number | null;
+            /** Topic */
+            topic: string;
+            /**
+             * Type
+             * @example std_msgs/msg/Bool
+             */
+            type: string;
         };
         /**
          * SimulationInfo
@@ -597,6 +2883,17 @@ export interface components {
             rate: number;
         };
         /**
+         * Single
+         * @description While the actions run, further triggers are dropped and counted.
+         */
+        Single: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "single";
+        };
+        /**
          * State
          * @description Everything the page shows in numbers and words, at one moment (`time`, epoch s).
          */
@@ -606,8 +2903,11 @@ export interface components {
             drive: components["schemas"]["DriveInfo"] | null;
             goal: components["schemas"]["GoalInfo"] | null;
             pose: components["schemas"]["PoseInfo"] | null;
+            /** Processes */
+            processes: components["schemas"]["ProcessInfo"][];
             robot: components["schemas"]["RobotInfo"];
             ros: components["schemas"]["RosInfo"];
+            rules: components["schemas"]["RulesInfo"];
             /** Seq */
             seq: number;
             simulation: components["schemas"]["SimulationInfo"] | null;
@@ -674,6 +2974,163 @@ export interface components {
             topic: string | null;
         };
         /**
+         * Table
+         * @description The rules of a robot, in the order in which they are evaluated.
+         */
+        Table: {
+            /**
+             * Rules
+             * @default []
+             */
+            rules: components["schemas"]["Rule"][];
+        };
+        /**
+         * TableDiff
+         * @description From one table to another; empty ``changes`` when they are the same.
+         */
+        TableDiff: {
+            /** After */
+            after?: number | null;
+            /** Before */
+            before?: number | null;
+            /**
+             * Changes
+             * @default []
+             */
+            changes: components["schemas"]["RuleChange"][];
+        };
+        /**
+         * TableView
+         * @description A revision of the table.
+         *
+         *     Attributes
+         *     ----------
+         *     conditions
+         *         The condition of each rule as text, by rule id.
+         *     actions
+         *         Its actions as texts, by rule id.
+         *     hashes
+         *         Content hash of each rule.
+         *     findings
+         *         Lints that hold for it right now.
+         *     from_recipe
+         *         Ids of rules with code of the recipe: their code cannot be edited.
+         *     merge
+         *         Edits of an older recipe, offered for merge; None for none.
+         */
+        TableView: {
+            /** Actions */
+            actions: {
+                [key: string]: string[];
+            };
+            /** Active */
+            active: number;
+            /** Conditions */
+            conditions: {
+                [key: string]: string;
+            };
+            /** Confirmed */
+            confirmed: number;
+            /**
+             * Findings
+             * @default []
+             */
+            findings: components["schemas"]["Finding"][];
+            /**
+             * From Recipe
+             * @default []
+             */
+            from_recipe: string[];
+            /** Hashes */
+            hashes: {
+                [key: string]: string;
+            };
+            merge?: components["schemas"]["Merge"] | null;
+            /** Notice */
+            notice: string;
+            /** Probation Left */
+            probation_left: number;
+            /** Revision */
+            revision: number;
+            /** Robot */
+            robot: string;
+            /**
+             * Safe Mode
+             * @default false
+             */
+            safe_mode: boolean;
+            table: components["schemas"]["Table"];
+        };
+        /**
+         * TargetView
+         * @description A service or an action server on the graph, with the fields of a request or a goal.
+         */
+        TargetView: {
+            /** Name */
+            name: string;
+            /** Type */
+            type: string;
+        };
+        /**
+         * TopicView
+         * @description A topic on the graph.
+         *
+         *     Attributes
+         *     ----------
+         *     rate
+         *         Hz as last measured by the monitor; None where it does not listen.
+         */
+        TopicView: {
+            /**
+             * Component
+             * @default
+             */
+            component: string;
+            /** Latched */
+            latched: boolean;
+            /** Name */
+            name: string;
+            /** Publishers */
+            publishers: number;
+            /** Rate */
+            rate?: number | null;
+            /** Type */
+            type: string;
+        };
+        /**
+         * UpdateParameters
+         * @description Change parameters of a component; all of them or none.
+         */
+        UpdateParameters: {
+            /** Component */
+            component: string;
+            /**
+             * Keep Alive
+             * @default true
+             */
+            keep_alive: boolean;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "update_parameters";
+            /**
+             * On Error
+             * @default abort
+             * @enum {string}
+             */
+            on_error: "continue" | "abort";
+            /** Parameters */
+            parameters: {
+                [key: string]: components["schemas"]["JsonValue"];
+            };
+            /**
+             * Timeout
+             * @default 10
+             */
+            timeout: number | null;
+        };
+        /**
          * View
          * @description One page's scene and how it is shown.
          */
@@ -720,6 +3177,132 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
+    start_backtest: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["BacktestRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BacktestStarted"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    backtest: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                backtest_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BacktestProgress"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    cancel_backtest: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                backtest_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    firings: {
+        parameters: {
+            query?: {
+                before?: number;
+                count?: number;
+                rule_id?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Journal"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
     send: {
         parameters: {
             query?: never;
@@ -815,6 +3398,35 @@ export interface operations {
             };
         };
     };
+    graph: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GraphView"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
     log_in: {
         parameters: {
             query?: never;
@@ -863,6 +3475,430 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    save_recording: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RecordingRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingSaved"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    rules: {
+        parameters: {
+            query?: {
+                revision?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TableView"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    apply_rules: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ApplyRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ApplyReport"];
+                };
+            };
+            /** @description Somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ConflictAnswer"];
+                };
+            };
+            /** @description The table has errors, or is guarded */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RefusedAnswer"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    check_rules: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CheckRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CheckReport"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    confirm_rules: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ConfirmRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Done"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    rules_diff: {
+        parameters: {
+            query: {
+                from: number;
+                to: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TableDiff"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    export_rules: {
+        parameters: {
+            query?: {
+                format?: "json" | "yaml" | "python";
+                revision?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/plain": string;
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/plain": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    rules_history: {
+        parameters: {
+            query?: {
+                before?: number;
+                count?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["History"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    rollback_rules: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RollbackRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ApplyReport"];
+                };
+            };
+            /** @description Somebody else was faster */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ConflictAnswer"];
+                };
+            };
+            /** @description The table has errors, or is guarded */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RefusedAnswer"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    rules_schema: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": {
+                        [key: string]: unknown;
+                    };
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    explain_rule: {
+        parameters: {
+            query?: {
+                run_id?: number;
+                epoch?: string;
+            };
+            header?: never;
+            path: {
+                rule_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExplanationView"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    reset_rule: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                rule_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Done"];
+                };
             };
             /** @description What and why, and what to do */
             default: {

@@ -1,0 +1,93 @@
+"""Back-tests: what a table would have done on a recording; and keeping recordings."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Request
+from kompass_interfaces.srv import SaveRecording
+
+from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
+from kompass_console.api.monitor_answers import asked, no_monitor
+from kompass_console.api.payload import body_of, read_table
+from kompass_console.api.rule_models import (
+    BacktestOptions,
+    BacktestProgress,
+    BacktestRequest,
+    BacktestStarted,
+    RecordingRequest,
+    RecordingSaved,
+)
+from kompass_console.errors import ConsoleError
+from kompass_console.link.backtests import TooMany
+from kompass_console.link.services import NoAnswer
+
+router = APIRouter(prefix="/api", tags=["backtests"])
+
+BacktestId = Annotated[str, Path(max_length=100)]
+
+
+@router.post("/backtests", status_code=202, openapi_extra=body_of(BacktestRequest))
+async def start_backtest(
+    request: Request, session: Operator, console: CurrentConsole
+) -> BacktestStarted:
+    """Begin to try a table on a recording; ask for its progress by the id."""
+    table, options = await read_table(request, BacktestOptions)
+    what = options.model_dump()
+    try:
+        job = await console.link.backtests.start(table, options.recording, options.seconds)
+    except NoAnswer as error:
+        console.audit.record(session.user, session.role, "back-test", error.why, **what)
+        raise no_monitor(error) from error
+    except TooMany as error:
+        console.audit.record(session.user, session.role, "back-test", "too many", **what)
+        raise ConsoleError(429, f"{error}", "Wait until one has ended, or cancel one.") from error
+    console.audit.record(session.user, session.role, "back-test", "started", id=job, **what)
+    return BacktestStarted(id=job)
+
+
+@router.get("/backtests/{backtest_id}")
+async def backtest(
+    backtest_id: BacktestId, _: LoggedIn, console: CurrentConsole
+) -> BacktestProgress:
+    """How far it is, and its report when it is done."""
+    progress = console.link.backtests.progress(backtest_id)
+    if progress is None:
+        raise _unknown()
+    return progress
+
+
+@router.delete("/backtests/{backtest_id}", status_code=204)
+async def cancel_backtest(
+    backtest_id: BacktestId, session: Operator, console: CurrentConsole
+) -> None:
+    """Cancel it; of one that has ended, forget the report."""
+    if not console.link.backtests.cancel(backtest_id):
+        raise _unknown()
+    console.audit.record(session.user, session.role, "cancel back-test", "done", id=backtest_id)
+
+
+@router.post("/recordings", status_code=201)
+async def save_recording(
+    body: RecordingRequest, session: Operator, console: CurrentConsole
+) -> RecordingSaved:
+    """Keep a stretch of the flight recorder, before its ring goes over it."""
+    wanted = SaveRecording.Request(seconds=body.seconds, name=body.name)
+    what = body.model_dump()
+    try:
+        answer = await asked(console, wanted, 409, "Choose another name, or look at the disk.")
+    except ConsoleError as error:
+        console.audit.record(session.user, session.role, "save recording", error.title, **what)
+        raise
+    console.audit.record(
+        session.user, session.role, "save recording", "done", path=answer.path, **what
+    )
+    return RecordingSaved(path=answer.path, message=answer.message)
+
+
+def _unknown() -> ConsoleError:
+    return ConsoleError(
+        404,
+        "This console does not know the back-test: it was started again, or the report is old.",
+        "Start the back-test again.",
+    )

@@ -1,0 +1,75 @@
+"""The processes of the stack, as its supervisor sees them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from kompass_interfaces.msg import StackState
+from rclpy.node import Node
+
+from kompass_console.api.models import ProcessInfo, ProcessPhase
+from kompass_console.link.discovery import Graph, of_type
+from kompass_console.link.reader import Reader
+from kompass_console.world import Latest
+
+_PHASES = frozenset(get_args(ProcessPhase))
+
+
+@dataclass(frozen=True, slots=True)
+class _Processes:
+    all: tuple[ProcessInfo, ...]
+    by_node: dict[str, ProcessInfo]
+
+
+class Processes:
+    """What the monitor passes on of the supervisor's view."""
+
+    def __init__(self, node: Node, changed: Callable[[], None]) -> None:
+        self._changed = changed
+        self._newest: Latest[_Processes] = Latest()
+        self._reader = Reader(node, StackState, _processes_of, self._store, latched=True)
+
+    def refresh(self, published: Graph) -> None:
+        """Listen to the monitor that is there now."""
+        names = of_type(published, "kompass_interfaces/msg/StackState")
+        self._reader.follow(names[0] if names else None)
+
+    def infos(self) -> list[ProcessInfo]:
+        """Every process, by name."""
+        newest = self._newest.get()
+        return [] if newest is None else list(newest.value.all)
+
+    def of(self, component: str) -> ProcessInfo | None:
+        """The process that a component runs in; None where nobody supervises it."""
+        newest = self._newest.get()
+        if newest is None:
+            return None
+        return newest.value.by_node.get(component.rpartition("/")[2])
+
+    def _store(self, processes: _Processes) -> None:
+        before = self._newest.get()
+        self._newest.set(processes)
+        if before is None or before.value != processes:
+            self._changed()
+
+
+def _processes_of(message: Any) -> _Processes:
+    infos = {p.name: _info_of(p) for p in message.processes}
+    by_node = {
+        str(node).rpartition("/")[2]: infos[process.name]
+        for process in message.processes
+        for node in process.nodes
+    }
+    return _Processes(tuple(info for _, info in sorted(infos.items())), by_node)
+
+
+def _info_of(process: Any) -> ProcessInfo:
+    return ProcessInfo(
+        name=str(process.name),
+        state=process.state if process.state in _PHASES else "unknown",
+        pid=int(process.pid),
+        restarts=int(process.restarts),
+        reason=str(process.reason),
+    )
