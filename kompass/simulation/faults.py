@@ -18,6 +18,7 @@ FAULTS = {
     "odometry_frozen": "odometry and transforms repeat one pose and twist, with new stamps",
     "odometry_silent": "no odometry and no transforms are published",
     "wheel_blocked": "the left wheel does not turn",
+    "way_blocked": "a wall stands across the way, right ahead of the robot",
     "boxed_in": "walls stand around the robot, too close to leave",
     "map_withheld": "the map server has no map until /map_server/load_map is called",
     "start_occupied": "the map says that something stands where the robot is",

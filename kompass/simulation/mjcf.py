@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from xml.sax.saxutils import quoteattr
 
+from kompass.simulation.barriers import BARRIERS, BODY_RADIUS, Barrier
 from kompass.simulation.shapes import Box, Shape
 from kompass.simulation.world import World
 
-BODY_RADIUS = 0.10  # m
 BODY_HEIGHT = 0.20
 BODY_MASS = 0.94  # kg, without the wheels
 WHEEL_RADIUS = 0.033
@@ -33,23 +33,11 @@ _FRONT_CASTER_GAP = 0.001  # the front caster only catches a nod
 
 TIMESTEP = 0.002  # s
 
-# Walls that can be put anywhere while the robot drives; until then they lie far below the floor.
-BARRIERS = ("barrier_ahead", "barrier_left", "barrier_behind", "barrier_right")
-BARRIER_STORE = -10.0  # m
-_BARRIER_GAP = 0.05  # m between the shell and each of them
-_BARRIER_THICKNESS = 0.02
-_BARRIER_HEIGHT = 0.5
+BARRIER_STORE = -10.0  # m; where walls lie that are not up, far below the floor
 
 # Geom groups, by which the lidar's rays tell solids from the floor and from the robot itself.
 SOLID_GROUP, FLOOR_GROUP, ROBOT_GROUP = 0, 1, 2
 _FLOOR_BIT, _SOLID_BIT = 1, 2
-
-
-def barrier_places() -> tuple[tuple[float, float, float], ...]:
-    """Where each of `BARRIERS` stands to box the robot in: (x, y, yaw) in its own frame."""
-    away = BODY_RADIUS + _BARRIER_GAP + _BARRIER_THICKNESS / 2
-    turns = (math.pi / 2 * index for index in range(len(BARRIERS)))
-    return tuple((away * math.cos(turn), away * math.sin(turn), turn) for turn in turns)
 
 
 def model_text(world: World) -> str:
@@ -108,14 +96,12 @@ def _solid(shape: Shape) -> str:
     return f'<geom class="solid" name={quoteattr("solid " + shape.name)} {form} {place}/>'
 
 
-def _barrier(name: str) -> str:
-    half = _BARRIER_HEIGHT / 2
-    # Each is as long as the box it closes, corners included.
-    length = BODY_RADIUS + _BARRIER_GAP + _BARRIER_THICKNESS
+def _barrier(barrier: Barrier) -> str:
+    half = barrier.height / 2
     return f"""
-    <body name="{name}" mocap="true" pos="0 0 {BARRIER_STORE}">
-      <geom class="solid" type="box" size="{_BARRIER_THICKNESS / 2} {length} {half}"
-            pos="0 0 {half}"/>
+    <body name="{barrier.name}" mocap="true" pos="0 0 {BARRIER_STORE}">
+      <geom class="solid" type="box" pos="0 0 {half}"
+            size="{barrier.thickness / 2} {barrier.length / 2} {half}"/>
     </body>"""
 
 

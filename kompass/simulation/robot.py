@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from kompass.simulation.barriers import Barrier
 from kompass.simulation.drive import DifferentialDrive
-from kompass.simulation.mjcf import BARRIER_STORE, BARRIERS, TIMESTEP, barrier_places, model_text
+from kompass.simulation.mjcf import BARRIER_STORE, TIMESTEP, model_text
 from kompass.simulation.motion import Motion
 from kompass.simulation.parts import Drive, Odometer, PoseSource, RangeFinder
 from kompass.simulation.sensors.bumper import Bumper
@@ -90,25 +92,23 @@ class Robot:
         mujoco.mj_forward(self._model, data)
         self._sample()
 
-    def box_in(self) -> None:
-        """Put walls around the robot where it is, too close to leave and touching nothing."""
-        x, y, yaw = self.truth().pose
-        for name, (dx, dy, turn) in zip(BARRIERS, barrier_places(), strict=True):
-            place = (
-                x + math.cos(yaw) * dx - math.sin(yaw) * dy,
-                y + math.sin(yaw) * dx + math.cos(yaw) * dy,
-            )
-            self._put(name, (*place, 0.0), yaw + turn)
+    def put_up(self, barriers: Iterable[Barrier]) -> None:
+        """Have walls stand beside the robot, where it is now."""
+        pose = self.truth().pose
+        for barrier in barriers:
+            x, y, yaw = barrier.place(pose)
+            self._put(barrier, (x, y, 0.0), yaw)
 
-    def free(self) -> None:
-        """Take the walls of `box_in` away."""
-        for name in BARRIERS:
-            self._put(name, (0.0, 0.0, BARRIER_STORE), 0.0)
+    def take_down(self, barriers: Iterable[Barrier]) -> None:
+        """Take walls away."""
+        for barrier in barriers:
+            self._put(barrier, (0.0, 0.0, BARRIER_STORE), 0.0)
 
-    def _put(self, barrier: str, position: tuple[float, float, float], yaw: float) -> None:
-        index = int(self._model.body(barrier).mocapid[0])
+    def _put(self, barrier: Barrier, position: tuple[float, float, float], yaw: float) -> None:
+        index = int(self._model.body(barrier.name).mocapid[0])
         self._data.mocap_pos[index] = position
         self._data.mocap_quat[index] = [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]
+        # The lidar sees it from its next scan on, whether or not time passes in between.
         mujoco.mj_kinematics(self._model, self._data)
 
     def command(self, v: float, omega: float) -> None:

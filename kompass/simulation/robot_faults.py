@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from kompass.simulation import faulty_parts as faulty
+from kompass.simulation.barriers import ACROSS, BOX
 from kompass.simulation.robot import Robot
 
-Repair = Callable[[], None]
 Fit = Callable[[Robot], None]
 
 
@@ -45,8 +45,8 @@ _PARTS: dict[str, Fit] = {
     "odometry_silent": _odometry_silent,
     "wheel_blocked": _wheel_blocked,
 }
-BOXED_IN = "boxed_in"
-ROBOT_FAULTS = (*_PARTS, BOXED_IN)
+_WALLS = {"way_blocked": ACROSS, "boxed_in": BOX}
+ROBOT_FAULTS = (*_PARTS, *_WALLS)
 
 
 class RobotFaults:
@@ -71,8 +71,8 @@ class RobotFaults:
         if name in self._active:
             return
         self._active.append(name)
-        if name == BOXED_IN:
-            self._robot.box_in()
+        if name in _WALLS:
+            self._robot.put_up(_WALLS[name])
         else:
             _PARTS[name](self._robot)
 
@@ -81,8 +81,8 @@ class RobotFaults:
         if name not in self._active:
             return
         self._active.remove(name)
-        if name == BOXED_IN:
-            self._robot.free()
+        if name in _WALLS:
+            self._robot.take_down(_WALLS[name])
             return
         robot = self._robot
         robot.drive, robot.lidar, robot.localizer, robot.wheels = self._sound

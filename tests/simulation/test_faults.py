@@ -122,6 +122,18 @@ def test_a_boxed_in_robot_sees_walls_all_around_and_gets_nowhere(
     assert np.array_equal(np.isinf(after), np.isinf(free))
 
 
+def test_a_wall_across_the_way_stands_ahead_and_nowhere_else(
+    robot: Robot, faults: RobotFaults
+) -> None:
+    drive(robot, 1.0)
+    faults.begin("way_blocked")
+    ranges = robot.scan()
+    assert ranges[0] == pytest.approx(0.25, abs=0.03)
+    assert ranges[180] > 0.5
+    faults.end("way_blocked")
+    assert robot.scan()[0] > 1.0
+
+
 def test_faults_overlap_and_end_in_any_order(robot: Robot, faults: RobotFaults) -> None:
     for name in ("scan_frozen", "lidar_unplugged", "scan_rate_halved", "wheel_blocked"):
         faults.begin(name)
