@@ -29,7 +29,10 @@ def create_async_service(
             return
 
         async def answer() -> None:
-            send(await response, header)
+            try:
+                send(await response, header)
+            except Exception as error:  # noqa: BLE001 - told; it would end the process (rclpy 7.1.6)
+                node.get_logger().error(f"{name}: no answer: {type(error).__name__}: {error}")
 
         node.executor.create_task(answer)
 

@@ -1,6 +1,7 @@
 """The life of a component: node, inputs, publishers, main loop, status."""
 
 import time
+import traceback
 from collections.abc import Callable
 from typing import Any
 
@@ -113,6 +114,14 @@ class Lifecycle(Declaration):
     def on_transition_error(self, transition: str, error: Exception) -> None:
         self.health.set_fail_component([self.node_name], f"{transition} failed: {error}")
         self.node.get_logger().error(f"{transition} failed: {type(error).__name__}: {error}")
+        self.publish_status()
+
+    def on_callback_error(self, error: Exception) -> None:
+        """Something that ROS called here has raised: a failure that shows, and no more."""
+        text = f"{type(error).__name__}: {error}"
+        self.health.set_fail_component([self.node_name], text)
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        self.warn(f"a callback failed: {text} ({where.filename}:{where.lineno})")
         self.publish_status()
 
     def _close(self) -> None:

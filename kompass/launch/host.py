@@ -11,6 +11,7 @@ from rclpy.signals import SignalHandlerOptions
 from kompass.components.component import Component
 from kompass.components.node import ComponentNode
 from kompass.launch.process import Report
+from kompass.launch.pulse import beat
 
 TWIN_CHECK_DELAY = 1.0  # s in which DDS finds the other participants
 # The events executor does not rebuild its wait set for every callback: a fifth of the work of the
@@ -30,6 +31,7 @@ def host(
     """Run components in this process until SIGTERM.
 
     Each has a node and an executor of its own, so that one that is busy does not hold up another.
+    An exception in a callback is a failure of that component, and the end of nothing.
 
     Parameters
     ----------
@@ -63,7 +65,7 @@ def host(
             if first_start:
                 _watch_for_twin(node, report)
         report("active " + " ".join(component.node_name for component in components))
-        _spin(executors, ended)
+        _spin(list(zip(components, executors, strict=True)), ended)
     finally:
         for component in components:
             component.leave()
@@ -85,21 +87,32 @@ def _watch_for_twin(node: ComponentNode, report: Report) -> None:
     timer = node.create_timer(TWIN_CHECK_DELAY, look)
 
 
-def _spin(executors: list[Executor], ended: threading.Event) -> None:
-    def spin(executor: Executor) -> None:
+def _spin(running: list[tuple[Component, Executor]], ended: threading.Event) -> None:
+    def spin(component: Component, executor: Executor) -> None:
+        name = component.node_name
         try:
             while not ended.is_set():
-                executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+                try:
+                    executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+                except Exception as error:
+                    if not _came_from_callback(error):
+                        raise
+                    component.on_callback_error(error)
+                beat(name)
         finally:
             # One executor that dies takes the process along; the supervisor starts it again.
             ended.set()
 
     others = [
-        threading.Thread(target=spin, args=(executor,), name=f"executor-{index}")
-        for index, executor in enumerate(executors[1:])
+        threading.Thread(target=spin, args=pair, name=pair[0].node_name) for pair in running[1:]
     ]
     for thread in others:
         thread.start()
-    spin(executors[0])
+    spin(*running[0])
     for thread in others:
         thread.join()
+
+
+def _came_from_callback(error: Exception) -> bool:
+    """Whether Python code below the executor raised it, and not the executor itself."""
+    return error.__traceback__ is not None and error.__traceback__.tb_next is not None

@@ -9,6 +9,10 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from kompass.launch.load import Load
+from kompass.launch.pulse import Pulse, adopt
+from kompass.launch.vitals import Condition
+
 PR_SET_PDEATHSIG = 1
 
 log = logging.getLogger("kompass.process")
@@ -32,6 +36,16 @@ class ProcessSpec:
     starts: int = 0  # times it was forked, this one included
     listens: bool = False  # wants to be told how the other processes are doing
     inbox: int = -1  # in the child: where it is told, a JSON line each
+    allowed: dict[str, float] = field(default_factory=dict)  # s that a step of a node may take
+    pulse: Pulse = field(init=False)  # signs of life of it and of each node
+
+    def __post_init__(self) -> None:
+        self.pulse = Pulse(self.members)
+
+    @property
+    def members(self) -> list[str]:
+        """What is judged and told of one by one: its nodes, or itself."""
+        return self.names or [self.name]
 
 
 @dataclass
@@ -46,6 +60,11 @@ class Child:
     outbox: int = -1  # write end, for one that listens
     pending: bytes = b""
     active: bool = False
+    stopped: float | None = None  # since when a signal (SIGSTOP) holds it
+    killed: str = ""  # why the supervisor killed it
+    load: Load = field(default_factory=Load)
+    conditions: dict[str, Condition] = field(default_factory=dict)  # of each member
+    stuck_since: float | None = None
 
     def read(self) -> list[str] | None:
         """Complete lines that arrived; None at the end of the pipe."""
@@ -84,6 +103,7 @@ def fork(spec: ProcessSpec, close: list[int]) -> Child:
         File descriptors of the parent that the child must not keep open.
     """
     spec.starts += 1
+    spec.pulse.reset()
     sys.stdout.flush()
     sys.stderr.flush()
     read_end, write_end = os.pipe()
@@ -115,6 +135,8 @@ def _run(spec: ProcessSpec, parent: int, reports: int, close: list[int]) -> None
         # Ctrl-C reaches the whole group; the supervisor decides in which order things stop.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        adopt(spec.pulse)
 
         def report(line: str) -> None:
             os.write(reports, line.replace("\n", " ").encode() + b"\n")

@@ -1,7 +1,8 @@
 """Fork processes, watch them, start them again, and end them in the right order.
 
 One thread, no rclpy, no web: the supervisor itself does nothing that can hang, and a fork of it is
-always clean. Death is learned from pidfds, never by polling.
+always clean. Death is learned from pidfds and stopping (SIGSTOP) from SIGCHLD, never by polling;
+hangs show in beats that are missing.
 """
 
 import json
@@ -13,18 +14,12 @@ import time
 from dataclasses import dataclass
 
 from kompass.launch.process import Child, ProcessSpec, fork
+from kompass.launch.restarts import Restarts
+from kompass.launch.vitals import Patience, Signs, judge
 
 STOP_ROBOT_TIME = 0.7  # s for the last gate before the wheels to halt the robot
 END_TIME = 1.5  # s for all others to end by themselves
-RESTART_DELAYS = (
-    0.1,
-    0.5,
-    1.0,
-    2.0,
-    5.0,
-)  # s; a process that lived longer than HEALTHY starts over
-HEALTHY = 30.0
-TICK = 0.25
+TICK = 0.2  # s between two looks at the signs of life
 
 log = logging.getLogger("kompass.supervisor")
 
@@ -48,18 +43,35 @@ class Supervisor:
         What to run, in the order of starting.
     announced
         Names of those whose common activity is announced.
+    patience
+        When a process counts as busy or stuck, and when one that is stuck is killed.
+    restarts
+        How often, and after what rest, one that died is started again.
+    activation_timeout
+        Within which all that are announced must be active [s]; None to wait for ever.
     """
 
-    def __init__(self, specs: list[ProcessSpec], announced: list[str]) -> None:
+    def __init__(
+        self,
+        specs: list[ProcessSpec],
+        announced: list[str],
+        *,
+        patience: Patience | None = None,
+        restarts: Restarts | None = None,
+        activation_timeout: float | None = None,
+    ) -> None:
         self._specs = specs
+        self._patience = patience or Patience()
+        self._restarts = restarts or Restarts()
+        self._activation_timeout = activation_timeout
         self._children: dict[int, Child] = {}
         self._selector = selectors.DefaultSelector()
         self._wakeup = -1
         self._stop: signal.Signals | None = None
         self._due: list[_Due] = []
-        self._deaths: dict[str, int] = {}
         self._waiting = set(announced)
         self._began = 0.0
+        self._looked = 0.0
         self._known: dict[str, str] = {}  # the last line told of each process
         self.restarts = 0
 
@@ -72,7 +84,8 @@ class Supervisor:
             When a process cannot start at all.
         """
         self._began = time.monotonic()
-        before = {s: signal.getsignal(s) for s in (signal.SIGINT, signal.SIGTERM)}
+        numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGCHLD)
+        before = {number: signal.getsignal(number) for number in numbers}
         self._wakeup, write = os.pipe()
         os.set_blocking(self._wakeup, False)
         os.set_blocking(write, False)
@@ -95,13 +108,16 @@ class Supervisor:
             os.close(self._wakeup)
 
     def _on_signal(self, number: int, _frame: object) -> None:
-        self._stop = signal.Signals(number)
+        # SIGCHLD has no other purpose than to wake up: a child may have been stopped.
+        if number != signal.SIGCHLD:
+            self._stop = signal.Signals(number)
 
     def _turn(self) -> None:
         soonest = min((due.at for due in self._due), default=time.monotonic() + TICK)
         for key, _ in self._selector.select(max(0.0, min(TICK, soonest - time.monotonic()))):
             if key.data is None:
                 os.read(self._wakeup, 64)
+                self._look_for_stopped()
                 continue
             child = key.data
             if key.fd == child.reports:
@@ -112,6 +128,78 @@ class Supervisor:
         for due in [due for due in self._due if due.at <= time.monotonic()]:
             self._due.remove(due)
             self._start(due.spec)
+        now = time.monotonic()
+        if now - self._looked >= 0.8 * TICK:
+            self._looked = now
+            for child in list(self._children.values()):
+                self._look_at(child, now)
+            self._check_activation(now)
+
+    # -- signs of life ------------------------------------------------------------------------
+
+    def _look_for_stopped(self) -> None:
+        """Which children a signal has stopped, or lets go on."""
+        kinds = os.WSTOPPED | os.WCONTINUED | os.WNOHANG
+        for child in self._children.values():
+            try:
+                changed = os.waitid(os.P_PIDFD, child.pidfd, kinds)
+            except ChildProcessError:
+                continue  # it is dead, which its pidfd tells
+            if changed is not None:
+                stopped = changed.si_code == os.CLD_STOPPED
+                child.stopped = time.monotonic() if stopped else None
+
+    def _look_at(self, child: Child, now: float) -> None:
+        if not child.active:
+            return
+        pulse, patience = child.spec.pulse, self._patience
+        silent = now - pulse.last()
+        computing = False
+        if child.stopped is None and silent > patience.silent / 2:
+            computing = child.load.computing(child.pid, now)
+        else:
+            child.load.clear()
+        for member in child.spec.members:
+            last = pulse.last(member)
+            condition, reason = judge(
+                Signs(
+                    silent=silent,
+                    lag=now - last if last else None,
+                    stopped=None if child.stopped is None else now - child.stopped,
+                    computing=computing,
+                    allowed=child.spec.allowed.get(member, 0.0),
+                ),
+                patience,
+            )
+            if condition != child.conditions.get(member, "active"):
+                if condition == "stuck":
+                    log.warning("%s is stuck: %s", member, reason)
+                elif child.conditions.get(member) == "stuck":
+                    log.info("%s is no longer stuck", member)
+                child.conditions[member] = condition
+                self._tell_of(child.spec, member, condition, child.pid, reason)
+        if "stuck" not in child.conditions.values():
+            child.stuck_since = None
+        elif child.stuck_since is None:
+            child.stuck_since = now
+        elif patience.killed is not None and now - child.stuck_since >= patience.killed:
+            self._kill(child, f"it was stuck for {now - child.stuck_since:.0f} s")
+
+    def _kill(self, child: Child, why: str) -> None:
+        if not child.killed:
+            child.killed = why
+            log.error("%s is killed: %s", child.spec.name, why)
+            signal.pidfd_send_signal(child.pidfd, signal.SIGKILL)
+
+    def _check_activation(self, now: float) -> None:
+        limit = self._activation_timeout
+        if limit is not None and self._waiting and now - self._began > limit:
+            raise StartupError(
+                f"{', '.join(sorted(self._waiting))} did not become active within "
+                f"{limit:g} s (activation_timeout)"
+            )
+
+    # -- lives --------------------------------------------------------------------------------
 
     def _start(self, spec: ProcessSpec) -> None:
         inherited = [self._wakeup]
@@ -165,35 +253,43 @@ class Supervisor:
         self._release(child)
         how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"ended with {code}"
         log.warning("%s %s after %.1f s", child.spec.name, how, lived)
-        self._tell(child.spec, "dead", child.pid, how)
-        if not child.active and not self._deaths.get(child.spec.name) and code != 0:
-            raise StartupError(f"{child.spec.name} could not start; its reason is above")
+        name = child.spec.name
+        reason = f"the process was {how}" if code < 0 else how
+        self._tell(child.spec, "dead", child.pid, child.killed or reason)
+        if not child.active and not self._restarts.ever_died(name) and code != 0:
+            raise StartupError(f"{name} could not start; its reason is above")
         if not child.spec.restart or self._stop is not None:
             return
-        deaths = 0 if lived > HEALTHY else self._deaths.get(child.spec.name, 0)
-        self._deaths[child.spec.name] = deaths + 1
-        if deaths >= len(RESTART_DELAYS):
-            log.error("%s died %d times in a row: given up", child.spec.name, deaths + 1)
-            self._tell(child.spec, "given up", child.pid, f"died {deaths + 1} times in a row")
+        delay = self._restarts.after_death(name, lived)
+        if delay is None:
+            text = f"died {self._restarts.in_a_row(name)} times in a row"
+            log.error("%s %s: given up", name, text)
+            self._tell(child.spec, "given up", child.pid, text)
             return
         self.restarts += 1
-        delay = RESTART_DELAYS[deaths]
-        log.warning("%s starts again in %.1f s", child.spec.name, delay)
+        log.warning("%s starts again in %.1f s", name, delay)
         self._due.append(_Due(child.spec, time.monotonic() + delay))
 
     def _tell(self, spec: ProcessSpec, state: str, pid: int, reason: str = "") -> None:
         """Tell those who listen how a process is doing."""
+        for member in spec.members:
+            self._tell_of(spec, member, state, pid, reason)
+
+    def _tell_of(self, spec: ProcessSpec, member: str, state: str, pid: int, reason: str) -> None:
+        """Tell of one node; those that share a process are told of one by one."""
+        shared = len(spec.members) > 1
+        name = member if shared else spec.name
         line = json.dumps(
             {
-                "name": spec.name,
-                "nodes": spec.names,
+                "name": name,
+                "nodes": [member] if shared else spec.names,
                 "state": state,
                 "pid": pid,
                 "restarts": spec.starts - 1,
-                "reason": f"the process was {reason}" if reason.startswith("killed") else reason,
+                "reason": reason,
             }
         )
-        self._known[spec.name] = line
+        self._known[name] = line
         for child in self._children.values():
             if child.outbox >= 0:
                 child.tell(line)
@@ -210,6 +306,7 @@ class Supervisor:
         # A second Ctrl-C while ending must not leave half of them running.
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         gates = [child for child in self._children.values() if child.spec.stops_robot]
         self._end(gates, STOP_ROBOT_TIME)
         self._end(list(self._children.values()), END_TIME)

@@ -19,6 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from kompass.components.topic import LATCHED, QoSConfig
 from kompass.launch.process import Report
+from kompass.launch.pulse import beat
 from kompass.monitor.action_runner import ActionRunner, Outcome
 from kompass.monitor.rule_inputs import RuleInputs
 from kompass.monitor.spokesman import Spokesman
@@ -224,6 +225,7 @@ def run_monitor(recipe: RecipeRules, report: Report, inbox: int, namespace: str 
     try:
         while not ended.is_set():
             executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+            beat(NAME)
     finally:
         monitor.close()
         node.destroy_node()

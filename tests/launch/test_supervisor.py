@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -45,6 +46,32 @@ PROGRAM = """
         report("active")
         raise ValueError("no\\nluck")
 
+    def beats(report):
+        import signal
+        from kompass.launch.pulse import beat
+        signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
+        hang = {hang!r}
+        beat("node_a")
+        report("active")
+        began = time.monotonic()
+        while True:
+            if hang and time.monotonic() - began > 0.3:
+                if hang == "sleeps":
+                    hang = ""
+                    time.sleep(1.5)
+                elif hang == "holds the interpreter":
+                    import ctypes
+                    ctypes.PyDLL(None).usleep(60_000_000)
+                elif hang == "computes":
+                    import ctypes
+                    sum(range(60_000_000))
+                    hang = ""
+                elif hang == "never returns":
+                    while True:
+                        time.sleep(0.01)
+            beat("node_a")
+            time.sleep(0.05)
+
     def never(report):
         raise ValueError("cannot start")
 
@@ -55,7 +82,7 @@ PROGRAM = """
 
     {specs}
     try:
-        Supervisor(specs, announced=["a"]).run()
+        Supervisor(specs, announced=["a"], **{options}).run()
     except StartupError as error:
         print("startup:", error)
         sys.exit(1)
@@ -63,10 +90,14 @@ PROGRAM = """
 
 
 class Program:
-    def __init__(self, folder: Path, specs: str, name: str = "None") -> None:
+    def __init__(
+        self, folder: Path, specs: str, name: str = "None", hang: str = "", options: str = "{}"
+    ) -> None:
         self.said = folder / "said"
         self.said.touch()
-        source = textwrap.dedent(PROGRAM).format(said=str(self.said), specs=specs, name=name)
+        source = textwrap.dedent(PROGRAM).format(
+            said=str(self.said), specs=specs, name=name, hang=hang, options=options
+        )
         self.output = folder / "output"
         self._file = self.output.open("w")
         self.process = subprocess.Popen(
@@ -78,6 +109,14 @@ class Program:
 
     def wait_for(self, text: str, timeout: float = 15.0) -> None:
         wait_until(lambda: text in self.text(), timeout, f"{text!r} in {self.text()}")
+
+    def told(self, name: str) -> list[str]:
+        """States of a process, in the order in which they were told."""
+        lines = [json.loads(line) for line in self.said.read_text().splitlines() if line[0] == "{"]
+        return [line["state"] for line in lines if line["name"] == name]
+
+    def pid_of(self, name: str) -> int:
+        return int(self.text().split(f"{name} is process ")[-1].split()[0])
 
     def close(self) -> int:
         if self.process.poll() is None:
@@ -175,3 +214,122 @@ def test_who_listens_is_told_how_the_others_are_doing(
     dead = next(t for t in told() if t["state"] == "dead")
     assert dead["nodes"] == ["node_a"]
     assert dead["reason"] == "the process was killed by SIGKILL"
+
+
+EAR = "ear = ProcessSpec('m', listens, listens=True); "
+LISTENED = EAR + "specs = [ProcessSpec('a', beats, names=['node_a']), ear]"
+QUICK = "dict(patience=__import__('kompass.launch.vitals', fromlist=['x']).Patience({}))"
+
+
+def listened(folder: Path, programs: list[Program], hang: str = "", patience: str = "") -> Program:
+    options = QUICK.format(patience)
+    program = Program(folder, LISTENED, name="ear", hang=hang, options=options)
+    programs.append(program)
+    wait_until(lambda: "active" in program.told("a"), 10, "a living process")
+    return program
+
+
+def test_a_stopped_process_is_stuck_within_a_second_and_well_again_when_it_goes_on(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    program = listened(tmp_path, programs)
+    pid = program.pid_of("a")
+    os.kill(pid, signal.SIGSTOP)
+    wait_until(lambda: program.told("a")[-1] == "stuck", 1.0, "word of the stopped process")
+    os.kill(pid, signal.SIGCONT)
+    wait_until(lambda: program.told("a")[-1] == "active", 2.0, "word of its recovery")
+    assert program.pid_of("a") == pid
+    assert "dead" not in program.told("a")
+
+
+def test_a_glance_of_a_debugger_is_no_failure(tmp_path: Path, programs: list[Program]) -> None:
+    program = listened(tmp_path, programs, patience="stopped=1.0")
+    os.kill(program.pid_of("a"), signal.SIGSTOP)
+    wait_until(lambda: program.told("a")[-1] == "busy", 1.0, "word of it")
+    os.kill(program.pid_of("a"), signal.SIGCONT)
+    wait_until(lambda: program.told("a")[-1] == "active", 2.0, "word of its recovery")
+    assert "stuck" not in program.told("a")
+
+
+def test_a_process_that_stays_stuck_is_killed_and_started_again(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    program = listened(tmp_path, programs, patience="killed=0.5")
+    first = program.pid_of("a")
+    os.kill(first, signal.SIGSTOP)
+    wait_until(lambda: program.told("a")[-1] == "active" and "dead" in program.told("a"), 6, "life")
+    assert program.pid_of("a") != first
+    assert "a is killed: it was stuck" in program.text()
+
+
+def test_a_busy_executor_is_shown_and_left_alone(tmp_path: Path, programs: list[Program]) -> None:
+    program = listened(tmp_path, programs, "sleeps")
+    wait_until(lambda: program.told("a")[-1:] == ["busy"], 3, "word of the busy process")
+    wait_until(lambda: program.told("a")[-1:] == ["active"], 5, "word of its recovery")
+    assert program.told("a") == ["starting", "active", "busy", "active"]
+
+
+def test_a_process_frozen_in_foreign_code_is_stuck(tmp_path: Path, programs: list[Program]) -> None:
+    program = listened(tmp_path, programs, "holds the interpreter")
+    began = time.monotonic()
+    wait_until(lambda: "stuck" in program.told("a"), 5, "word of the frozen process")
+    assert time.monotonic() - began < 2.0
+
+
+def test_an_executor_that_never_comes_round_is_stuck_in_the_end(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    program = listened(tmp_path, programs, "never returns", "stuck=1.5, killed=0.3")
+    wait_until(lambda: program.told("a").count("active") == 2, 10, "a second life")
+    assert program.told("a")[1:5] == ["active", "busy", "stuck", "dead"]
+
+
+def test_who_allows_itself_longer_steps_is_not_stuck(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    program = Program(
+        tmp_path,
+        EAR + "specs = [ProcessSpec('a', beats, names=['node_a'], allowed={'node_a': 60.0}), ear]",
+        name="ear",
+        hang="sleeps",
+        options=QUICK.format("stuck=0.7"),
+    )
+    programs.append(program)
+    wait_until(lambda: program.told("a")[-2:] == ["busy", "active"], 10, "a long step")
+    assert "stuck" not in program.told("a")
+
+
+def test_nodes_that_share_a_process_are_told_of_one_by_one(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    program = Program(
+        tmp_path,
+        EAR + "specs = [ProcessSpec('components', beats, names=['node_a', 'node_b']), ear]",
+        name="ear",
+        hang="never returns",
+        options=QUICK.format("stuck=60"),
+    )
+    programs.append(program)
+    wait_until(lambda: "busy" in program.told("node_a"), 10, "word of the busy node")
+    assert program.told("components") == []
+
+
+def test_tries_may_be_limited(tmp_path: Path, programs: list[Program]) -> None:
+    program = Program(
+        tmp_path,
+        "from kompass.launch.restarts import Restarts; specs = [ProcessSpec('a', dies)]",
+        options="dict(restarts=Restarts(1))",
+    )
+    programs.append(program)
+    program.wait_for("a died 2 times in a row: given up")
+
+
+def test_who_is_not_active_in_time_ends_the_stack(tmp_path: Path, programs: list[Program]) -> None:
+    program = Program(
+        tmp_path,
+        "specs = [ProcessSpec('a', lambda report: time.sleep(60))]",
+        options="dict(activation_timeout=0.5)",
+    )
+    programs.append(program)
+    assert program.process.wait(10) == 1
+    assert "a did not become active within 0.5 s" in program.text()

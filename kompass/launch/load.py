@@ -1,0 +1,45 @@
+"""Whether a process that is silent is at work: it computes, or waits for a processor."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+# Of the time looked at. Less is what a process that waits for others uses now and then.
+SHARE = 0.3
+
+
+def processor_time(pid: int) -> float | None:
+    """Time that all threads of a process used a processor or waited for one [s].
+
+    None when it is gone, or the kernel does not tell.
+    """
+    total = 0
+    try:
+        for task in Path(f"/proc/{pid}/task").iterdir():
+            used, waited, _ = (task / "schedstat").read_text().split()
+            total += int(used) + int(waited)
+    except (OSError, ValueError):
+        return None
+    return total * 1e-9
+
+
+class Load:
+    """Follows one process from the moment at which it fell silent."""
+
+    def __init__(self) -> None:
+        self._since: tuple[float, float] | None = None
+
+    def clear(self) -> None:
+        """It spoke again."""
+        self._since = None
+
+    def computing(self, pid: int, now: float) -> bool:
+        """Whether it was at work since the first call after :meth:`clear`."""
+        used = processor_time(pid)
+        if used is None:
+            return False
+        if self._since is None:
+            self._since = now, used
+            return True  # nothing to compare with yet: not to be called stuck at first sight
+        began, before = self._since
+        return used - before > SHARE * (now - began)
