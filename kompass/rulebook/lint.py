@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from kompass.rulebook.lint_context import LintContext
 from kompass.rulebook.report import Finding
-from kompass.rules.check import Problem
+from kompass.rules.problem import Problem
 from kompass.rules.table import Table
 
 

@@ -6,7 +6,7 @@ shell feeds it and carries out the firings; nothing else decides whether a rule 
 
 from kompass.rules.arbitrate import Arbitration, Lost, Running, arbitrate, components_of
 from kompass.rules.arguments import ArgumentError, expand, resolve
-from kompass.rules.carry import Carried, carry
+from kompass.rules.carry import Carried, carry, exchange
 from kompass.rules.catalog import (
     ArgumentSpec,
     Catalog,
@@ -16,13 +16,14 @@ from kompass.rules.catalog import (
     ParameterSpec,
     StackCatalog,
 )
-from kompass.rules.check import Problem, check_rule, check_table
+from kompass.rules.check import check_rule, check_table
 from kompass.rules.compiled import CompiledTable, compile_table
 from kompass.rules.describe import describe
 from kompass.rules.engine import initial_state, step
 from kompass.rules.events import Event
 from kompass.rules.explain import Explanation, Gate, explain
 from kompass.rules.firing import Done, Firing, Input, LeafVerdict, Note, Output, Sample, Tick
+from kompass.rules.problem import Problem
 from kompass.rules.schedule import next_deadline
 from kompass.rules.signals import Signal
 from kompass.rules.state import Counters, State, counters
@@ -68,6 +69,7 @@ __all__ = [
     "components_of",
     "counters",
     "describe",
+    "exchange",
     "expand",
     "explain",
     "initial_state",

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 from kompass.rules.compiled import CompiledTable, LeafPlan, RulePlan, Timer
 from kompass.rules.conditions import Absent, Changed, Rate, Received, timeout_of
-from kompass.rules.engine import settle
+from kompass.rules.engine import settle, step
+from kompass.rules.firing import Output, Tick
 from kompass.rules.schedule import start
 from kompass.rules.state import HOLD, LOOK, QUEUE, RuleState, State, evaluated
 from kompass.rules.values import MISSING, Verdict, kind_of
@@ -37,6 +38,28 @@ class Carried(NamedTuple):
     removed: tuple[str, ...]
     added: tuple[str, ...]
     running: tuple[tuple[str, int], ...]
+
+
+def exchange(
+    old: CompiledTable,
+    old_state: State,
+    new: CompiledTable,
+    now: float,
+    reset: Collection[str] = (),
+) -> tuple[State, Carried, list[Output]]:
+    """Go on with another table: the old one first takes the time that has passed, then carry.
+
+    This is what a shell does between two messages. Compile the new table beforehand: that takes
+    long, and this does not.
+
+    Returns
+    -------
+    State, Carried, list of Firing or Note
+        The last as from :func:`kompass.rules.engine.step`: what the old table let fire by now.
+    """
+    old_state, outputs = step(old, old_state, Tick(), now)
+    state, carried = carry(old, old_state, new, now, reset)
+    return state, carried, outputs
 
 
 def carry(

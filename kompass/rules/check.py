@@ -5,7 +5,6 @@ The shell says what there is as a :class:`~kompass.rules.catalog.Catalog`.
 
 import difflib
 from collections.abc import Iterator
-from typing import Any, NamedTuple
 
 from pydantic import JsonValue
 
@@ -17,7 +16,8 @@ from kompass.rules.actions import (
     arguments_of,
 )
 from kompass.rules.arguments import references
-from kompass.rules.catalog import Catalog, FieldType
+from kompass.rules.catalog import Catalog, FieldType, StackCatalog
+from kompass.rules.check_calls import check_calls
 from kompass.rules.conditions import (
     CallableCondition,
     Changed,
@@ -29,43 +29,20 @@ from kompass.rules.conditions import (
 )
 from kompass.rules.describe import describe
 from kompass.rules.model import Scalar
+from kompass.rules.problem import Problem
 from kompass.rules.signals import Signal, path_text
 from kompass.rules.table import Rule, Table
 from kompass.rules.values import kind_of
 
-
-class Problem(NamedTuple):
-    """Something wrong with a rule.
-
-    Attributes
-    ----------
-    rule_id
-        The rule.
-    field
-        Where in the rule, e.g. ``event.condition.conditions[1].signal.path``.
-    value
-        What stands there.
-    text
-        What is wrong with it.
-    remedy
-        What to write instead.
-    code
-        Short and stable, for programs.
-    """
-
-    rule_id: str
-    field: str
-    value: Any
-    text: str
-    remedy: str
-    code: str = "does-not-fit"
-
-    def __str__(self) -> str:
-        return f"rule '{self.rule_id}': {self.field} = {self.value!r}: {self.text}; {self.remedy}"
+FIELD = "unknown-field"
 
 
 def check_table(table: Table, catalog: Catalog) -> list[Problem]:
-    """Check all rules against the message definitions; disabled ones too."""
+    """Check all rules against what there is; disabled ones too.
+
+    A :class:`~kompass.rules.catalog.StackCatalog` has components, methods, parameters and functions
+    checked as well.
+    """
     return [problem for rule in table.rules for problem in check_rule(rule, catalog)]
 
 
@@ -76,6 +53,8 @@ def check_rule(rule: Rule, catalog: Catalog) -> list[Problem]:
         problems.extend(_condition(rule, "event.clear", rule.event.clear, catalog))
     for index, action in enumerate(rule.actions):
         problems.extend(_action(rule, f"actions[{index}]", action, catalog))
+    if isinstance(catalog, StackCatalog):
+        problems.extend(check_calls(rule, catalog))
     return problems
 
 
@@ -120,7 +99,7 @@ def _signal(rule: Rule, where: str, signal: Signal, catalog: Catalog) -> FieldTy
     found = catalog.field_type(signal.type, signal.path)
     if found is None:
         text, remedy = _missing(signal.type, signal.path, catalog)
-        return Problem(rule.id, f"{where}.path", path_text(signal.path), text, remedy)
+        return Problem(rule.id, f"{where}.path", path_text(signal.path), text, remedy, FIELD)
     if signal.aggregate is None:
         return found
     element = found.element.kind if found.element else None
@@ -140,9 +119,8 @@ def _signal(rule: Rule, where: str, signal: Signal, catalog: Catalog) -> FieldTy
 
 
 def _unknown_type(rule: Rule, where: str, name: str) -> Problem:
-    return Problem(
-        rule.id, where, name, "no such message type", "install its package, or correct the name"
-    )
+    remedy = "install its package, or correct the name"
+    return Problem(rule.id, where, name, "no such message type", remedy, "unknown-type")
 
 
 def _missing(type_name: str, path: tuple[str | int, ...], catalog: Catalog) -> tuple[str, str]:
@@ -236,15 +214,43 @@ def _fields(
     catalog: Catalog,
 ) -> Iterator[Problem]:
     """Check the keys of an argument, nested or with dots, against the fields of a message."""
+    if isinstance(value, list):
+        for index, item in enumerate(value):
+            yield from _fields(rule, f"{where}[{index}]", item, type_name, (*at, index), catalog)
+        return
     if not isinstance(value, dict):
         return
     for key, item in value.items():
         path = (*at, *key.split("."))
         if catalog.field_type(type_name, path) is None:
             text, remedy = _missing(type_name, path, catalog)
-            yield Problem(rule.id, where, key, text, remedy)
+            yield Problem(rule.id, where, key, text, remedy, FIELD)
+            continue
+        found = catalog.field_type(type_name, path)
+        assert found is not None
+        if not _holds(found, item):
+            at = f"{where}.{key}"
+            text = f"'{path_text(path)}' is {_a(found)}"
+            yield Problem(rule.id, at, item, text, f"give {_a(found)}", "wrong-type")
         else:
             yield from _fields(rule, f"{where}.{key}", item, type_name, path, catalog)
+
+
+def _holds(found: FieldType, value: JsonValue) -> bool:
+    """Whether a field can take a literal; what a reference brings is seen when it is there."""
+    if isinstance(value, str):
+        return found.kind == "text" or (value.startswith("$") and not value.startswith("$$"))
+    if isinstance(value, list):
+        element = found.element
+        return found.kind == "list" and (
+            element is None or all(_holds(element, item) for item in value)
+        )
+    if isinstance(value, dict) or value is None:
+        return found.kind == "message" and value is not None
+    if isinstance(value, bool):
+        return found.kind == "bool"
+    whole = isinstance(value, int) or value.is_integer()
+    return found.kind == "float" or (found.kind == "int" and whole)
 
 
 def _reference(
@@ -268,7 +274,9 @@ def _reference(
                     f"any of its topics may trigger the rule; write '$topic[/name]…' or {remedy}"
                 )
             reference = f"${'msg' if topic is None else f'topic[/{topic}]'}.{path_text(path)}"
-            yield Problem(rule.id, where, reference, f"in a message of /{name} {text}", remedy)
+            yield Problem(
+                rule.id, where, reference, f"in a message of /{name} {text}", remedy, FIELD
+            )
 
 
 def _field_text(signal: Signal) -> str:
