@@ -229,9 +229,8 @@ def _fields(
         found = catalog.field_type(type_name, path)
         assert found is not None
         if not _holds(found, item):
-            at = f"{where}.{key}"
             text = f"'{path_text(path)}' is {_a(found)}"
-            yield Problem(rule.id, at, item, text, f"give {_a(found)}", "wrong-type")
+            yield Problem(rule.id, f"{where}.{key}", item, text, f"give {_a(found)}", "wrong-type")
         else:
             yield from _fields(rule, f"{where}.{key}", item, type_name, path, catalog)
 

@@ -1,4 +1,4 @@
-"""A rule that calls what is not there, or gives it what it does not take, is refused with a remedy."""
+"""A rule that calls what is not there, or gives it what it does not take, is refused."""
 
 from collections.abc import Collection, Mapping
 from typing import Any
