@@ -1,0 +1,61 @@
+"""Tables as they are stored: each rule once, known by its content."""
+
+import hashlib
+import json
+import sqlite3
+
+from pydantic import ValidationError
+
+from kompass.rules.table import Rule, Table
+from kompass.store.errors import StoreCorrupt
+
+
+def content_hash(text: str) -> str:
+    """32 hex digits over a text."""
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def table_content(table: Table) -> str:
+    """Hash over everything in a table, its names and notes included."""
+    return content_hash(_listing([content_hash(rule.model_dump_json()) for rule in table.rules]))
+
+
+def write_table(connection: sqlite3.Connection, table: Table) -> str:
+    """Store a table, within a transaction; its content hash."""
+    texts = {content_hash(text): text for text in (rule.model_dump_json() for rule in table.rules)}
+    listing = _listing([content_hash(rule.model_dump_json()) for rule in table.rules])
+    content = content_hash(listing)
+    connection.executemany("INSERT OR IGNORE INTO rules VALUES (?, ?)", texts.items())
+    connection.execute("INSERT OR IGNORE INTO tables VALUES (?, ?)", (content, listing))
+    return content
+
+
+def read_table(connection: sqlite3.Connection, content: str, what: str) -> Table:
+    """Read a table back.
+
+    Raises
+    ------
+    StoreCorrupt
+        Naming ``what``, when it is not what was written, or this release cannot read it.
+    """
+    row = connection.execute("SELECT rules FROM tables WHERE content = ?", (content,)).fetchone()
+    if row is None or content_hash(row[0]) != content:
+        raise StoreCorrupt(f"{what} is damaged: its list of rules is not what was written")
+    rules = []
+    for place, wanted in enumerate(json.loads(row[0])):
+        found = connection.execute("SELECT json FROM rules WHERE content = ?", (wanted,)).fetchone()
+        if found is None or content_hash(found[0]) != wanted:
+            raise StoreCorrupt(f"{what} is damaged: rule {place + 1} is not what was written")
+        try:
+            rules.append(Rule.model_validate_json(found[0]))
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = ".".join(str(part) for part in first["loc"])
+            raise StoreCorrupt(
+                f"{what} cannot be read by this release: rule {place + 1}, {where}: {first['msg']}"
+            ) from None
+    return Table(rules=tuple(rules))
+
+
+def _listing(contents: list[str]) -> str:
+    return json.dumps(contents, separators=(",", ":"))

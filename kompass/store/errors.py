@@ -1,0 +1,33 @@
+"""What can go wrong with the store; each message says what, where and what to do."""
+
+
+class StoreError(Exception):
+    """The store cannot do what was asked; nothing was changed."""
+
+
+class StoreBusy(StoreError):
+    """Another process writes this store."""
+
+
+class StoreUnwritable(StoreError):
+    """The folder or the file cannot be written: rights, a read-only or a full disk."""
+
+
+class StoreTooNew(StoreError):
+    """A newer release has written the file."""
+
+
+class StoreCorrupt(StoreError):
+    """What is stored is damaged, or cannot be read by this release."""
+
+
+class StoreClosed(StoreError):
+    """The store was closed."""
+
+
+class NoSuchRevision(StoreError):
+    """There is no revision with this number."""
+
+
+class StaleRevision(StoreError):
+    """Another revision is in force than the one that a change began from."""

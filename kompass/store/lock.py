@@ -1,0 +1,42 @@
+"""One process at a time writes a store."""
+
+import fcntl
+import os
+from pathlib import Path
+
+from kompass.store.errors import StoreBusy, StoreUnwritable
+
+NAME = "store.lock"
+
+
+def take_lock(folder: Path) -> int:
+    """Take the lock of a folder until the descriptor is closed, or the process ends in any way.
+
+    Raises
+    ------
+    StoreBusy
+        When another process has it; names that process.
+    StoreUnwritable
+        When the lock file cannot be made.
+    """
+    path = folder / NAME
+    try:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    except OSError as error:
+        raise StoreUnwritable(
+            f"cannot write {path}: {error.strerror}; give a folder that can be written, "
+            "with --data-dir"
+        ) from None
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        holder = os.read(descriptor, 20).decode(errors="replace").strip()
+        os.close(descriptor)
+        who = f"process {holder}" if holder else "another process"
+        raise StoreBusy(
+            f"the rule store in {folder} is in use by {who}; stop that stack, or give this one a "
+            "name (--name) or a folder (--data-dir) of its own"
+        ) from None
+    os.ftruncate(descriptor, 0)
+    os.pwrite(descriptor, str(os.getpid()).encode(), 0)
+    return descriptor

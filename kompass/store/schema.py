@@ -1,0 +1,101 @@
+"""The tables of both files. Each step leads from one version of the schema to the next."""
+
+RULES_ID = 0x6B727331  # "krs1": marks a file as ours
+JOURNAL_ID = 0x6B726A31  # "krj1"
+
+# Rules are kept once each, by content: a revision is a list of them, so that an edit of one rule
+# of a hundred adds one. Nothing in here is ever changed or deleted but pointers and lives.
+RULES = (
+    """
+    CREATE TABLE rules (
+        content TEXT PRIMARY KEY,  -- hash of json
+        json TEXT NOT NULL
+    ) WITHOUT ROWID;
+    CREATE TABLE tables (
+        content TEXT PRIMARY KEY,  -- hash of rules
+        rules TEXT NOT NULL        -- JSON list of contents, in order
+    ) WITHOUT ROWID;
+    CREATE TABLE revisions (
+        number INTEGER PRIMARY KEY AUTOINCREMENT,
+        parent INTEGER REFERENCES revisions (number),
+        author TEXT NOT NULL,
+        role TEXT NOT NULL,
+        time REAL NOT NULL,
+        reason TEXT NOT NULL,
+        origin TEXT NOT NULL,
+        content TEXT NOT NULL REFERENCES tables (content),
+        table_hash TEXT NOT NULL,
+        recipe TEXT NOT NULL,
+        restores INTEGER REFERENCES revisions (number),
+        diff TEXT NOT NULL
+    );
+    CREATE INDEX revisions_of_recipe ON revisions (recipe, number);
+    CREATE TABLE outcomes (
+        revision INTEGER NOT NULL REFERENCES revisions (number),
+        outcome TEXT NOT NULL,
+        time REAL NOT NULL,
+        author TEXT NOT NULL,
+        role TEXT NOT NULL
+    );
+    CREATE INDEX outcomes_of_revision ON outcomes (revision);
+    CREATE TABLE pointers (
+        recipe TEXT PRIMARY KEY,
+        active INTEGER NOT NULL REFERENCES revisions (number),
+        confirmed INTEGER REFERENCES revisions (number)
+    ) WITHOUT ROWID;
+    CREATE TABLE lives (
+        id INTEGER PRIMARY KEY,
+        epoch TEXT NOT NULL UNIQUE,
+        stack TEXT NOT NULL,
+        machine TEXT NOT NULL,
+        started REAL NOT NULL,
+        ended REAL,                -- only of those that ended as they should
+        revision INTEGER NOT NULL,
+        safe_mode INTEGER NOT NULL
+    );
+    CREATE TRIGGER revisions_stay BEFORE UPDATE ON revisions
+        BEGIN SELECT RAISE (ABORT, 'revisions are never changed'); END;
+    CREATE TRIGGER revisions_last BEFORE DELETE ON revisions
+        BEGIN SELECT RAISE (ABORT, 'revisions are never deleted'); END;
+    CREATE TRIGGER rules_stay BEFORE UPDATE ON rules
+        BEGIN SELECT RAISE (ABORT, 'rules are never changed'); END;
+    CREATE TRIGGER tables_stay BEFORE UPDATE ON tables
+        BEGIN SELECT RAISE (ABORT, 'tables are never changed'); END;
+    """,
+)
+
+JOURNAL = (
+    """
+    CREATE TABLE firings (
+        number INTEGER PRIMARY KEY,
+        epoch TEXT NOT NULL,
+        run_id INTEGER NOT NULL,
+        rule_id TEXT NOT NULL,
+        minor INTEGER NOT NULL,    -- shadows and near misses: bounded apart
+        open INTEGER NOT NULL,     -- its actions run
+        size INTEGER NOT NULL,     -- bytes of json
+        json TEXT NOT NULL
+    );
+    CREATE INDEX firings_of_rule ON firings (rule_id, number);
+    CREATE INDEX firings_of_run ON firings (epoch, run_id);
+    CREATE INDEX firings_minor ON firings (minor, number);
+    CREATE INDEX firings_open ON firings (open) WHERE open;
+    CREATE TABLE counter (reserved INTEGER NOT NULL);
+    INSERT INTO counter VALUES (0);
+    CREATE TABLE refusals (
+        number INTEGER PRIMARY KEY AUTOINCREMENT,
+        time REAL NOT NULL,
+        author TEXT NOT NULL,
+        role TEXT NOT NULL,
+        what TEXT NOT NULL,
+        text TEXT NOT NULL
+    );
+    CREATE TABLE used (
+        stack TEXT NOT NULL,
+        rule_id TEXT NOT NULL,
+        rule_hash TEXT NOT NULL,
+        time REAL NOT NULL,
+        PRIMARY KEY (stack, rule_id, rule_hash)
+    ) WITHOUT ROWID;
+    """,
+)
