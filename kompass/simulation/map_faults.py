@@ -48,12 +48,14 @@ class MapFaults:
 
     def begin(self, name: str) -> bool:
         if name == MAP_WITHHELD:
-            if not self._withheld or self._arrived:
+            if not self._withheld:
                 raise FaultRefused(
                     "the map is out already and cannot be withheld any more; start the simulator "
                     f"with --fault {MAP_WITHHELD}"
                 )
-            return True
+            self._withheld = False
+            # Somebody may have been quicker with another map than this process with its start.
+            return not self._arrived
         if not self._client.service_is_ready():
             raise NotYet(f"there is no {SERVICE} to give the wrong map to; start a map server")
         x, y, _ = self._robot.truth().pose
