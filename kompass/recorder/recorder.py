@@ -1,0 +1,195 @@
+"""The flight recorder: what the engine took, and what the robot said, into the ring."""
+
+from __future__ import annotations
+
+import json
+import logging
+import time
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import Any
+
+from kompass.recorder.definitions import definition
+from kompass.recorder.engine_memory import RESUMED, EngineMemory
+from kompass.recorder.lane import Frame, Lane
+from kompass.recorder.recording import Recording, messages
+from kompass.recorder.ring import REPEAT, Bounds, Ring, Stream, ring_files
+from kompass.recorder.taps import Taken
+from kompass.rulebook.tape import Lost, to_data
+
+log = logging.getLogger("kompass.recorder")
+
+ENGINE_TOPIC = "/monitor/engine"
+FLUSH_PERIOD = 1.0  # s, after which what was heard survives the death of everything
+CROWDED = 0.3  # part of the lane, beyond which it is not put off
+
+_EVENT_SCHEMA = json.dumps(
+    {
+        "title": "kompass.EngineEvent",
+        "type": "object",
+        "properties": {
+            "kind": {"type": "string"},
+            "data": {"type": "object", "additionalProperties": True},
+        },
+        "required": ["kind", "data"],
+    }
+).encode()
+_EVENTS = Stream(
+    ENGINE_TOPIC, "json", ("kompass.EngineEvent", "jsonschema", _EVENT_SCHEMA), "events"
+)
+
+
+class Recorder:
+    """Takes frames from the lane and messages from the taps; has no thread and no node.
+
+    Parameters
+    ----------
+    lane
+        From the monitor.
+    folder
+        Of the ring.
+    resolve
+        What a topic of the rules is called on the graph.
+    leave_out
+        Called with the topics (as on the graph) that the engine supplies.
+
+    Raises
+    ------
+    RingInUse
+        When another recorder writes there.
+    OSError
+        When it cannot be written.
+    """
+
+    def __init__(
+        self,
+        lane: Lane,
+        folder: Path,
+        resolve: Callable[[str], str],
+        leave_out: Callable[[Collection[str]], None],
+        bounds: Bounds = Bounds(),  # noqa: B008 - immutable
+    ) -> None:
+        self._lane, self._resolve, self._leave_out = lane, resolve, leave_out
+        metadata = {"life": str(lane.life), "offset_ns": str(lane.offset_ns)}
+        self._ring = Ring(folder, metadata, self._now, bounds, self._file_begins)
+        self._memory = EngineMemory()
+        self._streams: dict[tuple[str, str, str], Stream] = {}
+        self._sequence = 0
+        self._flushed = time.monotonic()
+        lane.resume()
+        self._pick_up(folder)
+
+    @property
+    def ring(self) -> Ring:
+        """Where it all goes."""
+        return self._ring
+
+    def _now(self) -> int:
+        return time.monotonic_ns() + self._lane.offset_ns
+
+    def tick(self) -> None:
+        """Take what the engine took; bring it to disk when it is time."""
+        for frame in self._lane.read():
+            self._take_frame(frame)
+        now = time.monotonic()
+        if now - self._flushed >= FLUSH_PERIOD or self._lane.fill > CROWDED:
+            self.flush()
+
+    def flush(self) -> None:
+        """Bring all to disk. When that cannot be done, say so in the log and in the recording."""
+        self._flushed = time.monotonic()
+        try:
+            self._ring.flush()
+        except OSError as error:
+            log.error("nothing is recorded now: %s", error)
+            self._lost(self._now(), 0, f"could not be written: {error}")
+        # What is on disk, or given up, makes room.
+        self._lane.commit()
+
+    def close(self) -> None:
+        """Take what there is, and end the file properly."""
+        self.tick()
+        self.flush()
+        self._ring.close()
+
+    # -- what comes in ------------------------------------------------------------------------
+
+    def take(self, taken: Taken) -> None:
+        """A message that the recorder heard itself."""
+        # The clock of the day may be set meanwhile; that of the recording must not leap.
+        shift = self._lane.offset_ns - (time.time_ns() - time.monotonic_ns())
+        stream = self._stream(taken.name, taken.topic.type, "tap", taken.topic.name)
+        self._ring.write(
+            stream,
+            taken.received_ns + shift,
+            taken.raw,
+            publish_time=taken.sent_ns,
+            repeat=taken.latched,
+        )
+
+    def _take_frame(self, frame: Frame) -> None:
+        missing = frame.sequence - self._sequence - 1
+        if missing < 0:
+            return  # on disk already: a recorder died between writing it and saying so
+        at = frame.now_ns + self._lane.offset_ns
+        if missing and self._sequence:
+            self._lost(at, missing, "the recorder did not keep up")
+        self._sequence = frame.sequence
+        if frame.is_event:
+            self._event(frame.topic, json.loads(frame.raw), at, frame.sequence)
+            return
+        stream = self._stream(self._resolve(frame.topic), frame.type, "engine", frame.topic)
+        self._ring.write(stream, at, frame.raw, frame.sequence, repeat=True)
+
+    def _event(self, kind: str, data: dict[str, Any], at: int, sequence: int) -> None:
+        text = json.dumps({"kind": kind, "data": data}, separators=(",", ":"))
+        self._ring.write(_EVENTS, at, text.encode(), sequence)
+        self._memory.take(kind, data)
+        if kind in ("began", "swapped"):
+            names = {self._resolve(name) for name in self._memory.topics}
+            self._leave_out(names)
+            # An engine that begins has heard nothing yet.
+            self._ring.keep_only("engine", names if kind == "swapped" else ())
+
+    def _lost(self, at: int, number: int, reason: str) -> None:
+        kind, data = to_data(Lost((at - self._lane.offset_ns) * 1e-9, number, reason))
+        text = json.dumps({"kind": kind, "data": data}, separators=(",", ":"))
+        self._ring.write(_EVENTS, at, text.encode(), self._sequence)
+
+    def _stream(self, name: str, kind: str, source: str, rule_topic: str) -> Stream:
+        key = (name, kind, source)
+        found = self._streams.get(key)
+        if found is None:
+            text = definition(kind)
+            schema = (kind, "ros2msg" if text else "", text.encode())
+            metadata = (("rule_topic", rule_topic), ("offered_qos_profiles", ""))
+            found = self._streams[key] = Stream(name, "cdr", schema, source, metadata)
+        return found
+
+    # -- files that stand alone ---------------------------------------------------------------
+
+    def _file_begins(self, at: int) -> None:
+        """Say in a new file which table is in force."""
+        data = self._memory.resumed((at - self._lane.offset_ns) * 1e-9)
+        if data is not None:
+            text = json.dumps({"kind": RESUMED, "data": data}, separators=(",", ":"))
+            self._ring.write(_EVENTS, at, text.encode(), self._sequence)
+
+    def _pick_up(self, folder: Path) -> None:
+        """Go on where an earlier recorder of the same stack was killed."""
+        with Recording(ring_files(folder)[-1:]) as recording:
+            if not recording.files or recording.files[0].life != str(self._lane.life):
+                return
+            for message in messages(recording.files, lambda track: bool(track.source)):
+                track = message.track
+                if track.source == "events":
+                    event = json.loads(message.data)
+                    self._memory.take(event["kind"], event["data"])
+                    self._sequence = max(self._sequence, message.sequence)
+                    continue
+                self._sequence = max(self._sequence, message.sequence)
+                if track.source != "tap":
+                    source = track.source.removesuffix(REPEAT)
+                    stream = self._stream(track.topic, track.type, source, track.rule_topic)
+                    self._ring.remember(stream, message.data, message.publish_time)
+        self._leave_out({self._resolve(name) for name in self._memory.topics})

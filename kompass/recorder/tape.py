@@ -1,0 +1,31 @@
+"""The monitor's end of the recorder: what the engine took, onto the lane."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from kompass.recorder.lane import Lane
+
+
+class LaneTape:
+    """A :class:`kompass.monitor.tape.Tape` that hands all to the recorder's process.
+
+    It costs some microseconds for each message, waits for nothing, and never raises for a
+    recorder that is slow or dead: what does not fit is counted, and the recording says so.
+    """
+
+    def __init__(self, lane: Lane) -> None:
+        self._lane = lane
+
+    def message(self, topic: str, type_name: str, raw: bytes, now_ns: int) -> None:
+        """A message, serialised as it came (CDR)."""
+        self._lane.write(now_ns, False, topic, type_name, raw)
+
+    def event(self, kind: str, data: dict[str, Any], now_ns: int) -> None:
+        """An event of :mod:`kompass.rulebook.tape` as JSON data."""
+        text = json.dumps(data, separators=(",", ":"), allow_nan=True)
+        self._lane.write(now_ns, True, kind, "", text.encode())
+
+    def close(self) -> None:
+        """Nothing follows; what is on the lane is recorded all the same."""
