@@ -35,6 +35,20 @@ class Began(NamedTuple):
     used: tuple[str, ...] = ()
 
 
+class Resumed(NamedTuple):
+    """The engine was under way when this part of the tape began; fields as of :class:`Began`.
+
+    What it knew from before is not on the tape, but for the table and the rules that are used up.
+    """
+
+    now: float
+    wall: float
+    epoch: str
+    revision: int
+    table: Table
+    used: tuple[str, ...] = ()
+
+
 class Heard(NamedTuple):
     """It took a message, or what stands for one: the word for a silent component, an answer of a
     polled function (topic ``callable/<name>``, no ``type``)."""
@@ -90,9 +104,10 @@ class Lost(NamedTuple):
     reason: str = ""
 
 
-TapeEvent: TypeAlias = Began | Heard | Ended | Fired | Swapped | Lost
+TapeEvent: TypeAlias = Began | Resumed | Heard | Ended | Fired | Swapped | Lost
 KINDS: dict[str, type[TapeEvent]] = {
     "began": Began,
+    "resumed": Resumed,
     "heard": Heard,
     "ended": Ended,
     "fired": Fired,

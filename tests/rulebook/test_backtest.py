@@ -1,0 +1,244 @@
+"""A back-test fires as reality did, and differs exactly where the table differs."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kompass.rulebook.backtest import backtest
+from kompass.rulebook.tape import Began, Ended, Fired, Heard, Resumed, Swapped, TapeEvent
+from kompass.rules.actions import Log
+from kompass.rules.conditions import Condition
+from kompass.rules.table import Table
+from tests.rulebook.taping import EPOCH_TIME, FLOAT, Shell
+from tests.rules.building import absent, both, compare, received, rule
+from tests.rules.strategies import EXAMPLES as ALL
+from tests.rules.strategies import GRID, callable_samples, samples, tables
+
+EXAMPLES = settings(ALL, max_examples=max(ALL.max_examples // 2, 1))
+happenings = st.one_of(samples, samples, samples, callable_samples)
+streams = st.lists(
+    st.tuples(st.sampled_from((0, 1, 1, 2, 2, 3, 4, 8, 13)), happenings), max_size=30
+)
+
+
+def play(shell: Shell, stream: list[Any]) -> None:
+    for gap, (topic, message) in stream:
+        shell.say(topic, message, shell.now + gap * GRID)
+
+
+@EXAMPLES
+@given(
+    tables(),
+    streams,
+    st.lists(st.sampled_from((0.0, 0.0625, 0.3, 1.0)), min_size=1, max_size=3),
+    st.sampled_from((0.0, 0.01)),
+)
+def test_the_same_table_fires_the_same_at_the_same_times(
+    table: Table, stream: list[Any], lengths: list[float], lag: float
+) -> None:
+    shell = Shell(table, tuple(lengths), lag)
+    play(shell, stream)
+    report = backtest(table, shell.tape, shell.tape)
+    fired = [e for e in shell.tape if isinstance(e, Fired)]
+    assert (report.same, report.new, report.gone) == (len(fired), 0, 0)
+    again = sorted((f.rule_id, f.at, f.leaves) for f in report.firings)
+    assert again == sorted((f.rule_id, f.now, f.leaves) for f in fired)
+    assert not any(firing.assumed for firing in report.firings)
+
+
+@EXAMPLES
+@given(tables(), tables(), streams, streams)
+def test_a_swap_in_the_recording_makes_the_new_rules_begin_there(
+    before: Table, after: Table, first: list[Any], second: list[Any]
+) -> None:
+    """Rules that both tables have fire as they did, whatever becomes of the others."""
+    strangers = [r.model_copy(update={"id": f"old-{r.id}"}) for r in before.rules]
+    shell = Shell(Table(rules=(*strangers, *after.rules)))
+    play(shell, first)
+    shell.swap(after, shell.now)
+    play(shell, second)
+    report = backtest(after, shell.tape, shell.tape)
+    kept = [f for f in shell.firings if not f.rule_id.startswith("old-")]
+    assert (report.same, report.new) == (len(kept), 0)
+    assert report.gone == len(shell.firings) - len(kept)
+
+
+def say(at: float, x: Any, topic: str = "a") -> Heard:
+    return Heard(at, topic, FLOAT, SimpleNamespace(x=x))
+
+
+def ramp() -> list[TapeEvent]:
+    """The field x of /a falls from 10 to 1 in steps of one, one a second, again and again."""
+    return [say(float(n), 10 - n % 10) for n in range(100)]
+
+
+def test_another_threshold_gives_exactly_the_firings_that_differ() -> None:
+    strict, lax = (
+        Table(rules=(rule(compare("a", "<", bound), trigger="edge", actions=(Log(text="!"),)),))
+        for bound in (3, 5)
+    )
+    shell = Shell(strict)
+    for event in ramp():
+        assert isinstance(event, Heard)
+        shell.say(event.topic, event.message, event.now)
+    assert [f.at for f in shell.firings][:2] == [8.0, 18.0]
+    report = backtest(lax, shell.tape, shell.tape)
+    assert (report.same, report.new, report.gone) == (0, 10, 10)
+    times = [(f.verdict, f.at) for f in report.firings[:2]]
+    assert times == [("new", 6.0), ("gone", 8.0)]
+    assert report.firings[0].time == EPOCH_TIME + 6.0
+    assert report.firings[0].leaves[0].value == 4
+
+
+def test_a_rule_that_is_removed_or_switched_off_says_so() -> None:
+    one = rule(compare("a", "<", 3), "one", trigger="edge")
+    shell = Shell(Table(rules=(one,)))
+    for event in ramp()[:10]:
+        assert isinstance(event, Heard)
+        shell.say(event.topic, event.message, event.now)
+    gone = backtest(Table(), shell.tape, shell.tape)
+    assert [(f.verdict, f.text) for f in gone.firings] == [("gone", "the table has no such rule")]
+    off = Table(rules=(one.model_copy(update={"enabled": False}),))
+    report = backtest(off, shell.tape, shell.tape)
+    assert [f.text for f in report.firings] == ["it is switched off"]
+    (tally,) = report.tallies
+    assert (tally.recorded, tally.proposed, tally.text) == (1, 0, "it is switched off")
+
+
+def test_a_run_that_did_not_happen_lasts_as_long_as_such_runs_did() -> None:
+    """Runs take 4 s: with a cooldown of 3 s the rule is free again 7 s after it fires."""
+    was = Table(rules=(rule(compare("a", "<", 3), cooldown=30.0),))
+    shell = Shell(was, lengths=(4.0,))
+    for event in ramp():
+        assert isinstance(event, Heard)
+        shell.say(event.topic, event.message, event.now)
+    assert [f.at for f in shell.firings] == [8.0, 48.0, 88.0]
+    report = backtest(
+        Table(rules=(rule(compare("a", "<", 3), cooldown=3.0),)), shell.tape, shell.tape
+    )
+    found = [(f.at, f.verdict, f.assumed) for f in report.firings]
+    assert found[:3] == [(8.0, "same", False), (18.0, "new", False), (28.0, "new", True)]
+    assert report.gone == 0
+
+
+def test_without_any_such_run_it_lasts_no_time() -> None:
+    shell = Shell(Table())
+    for event in ramp()[:20]:
+        assert isinstance(event, Heard)
+        shell.say(event.topic, event.message, event.now)
+    report = backtest(Table(rules=(rule(compare("a", "<", 3)),)), shell.tape, shell.tape)
+    assert [f.at for f in report.firings] == [8.0, 9.0, 18.0, 19.0]
+
+
+def test_what_time_alone_brings_fires_between_two_messages() -> None:
+    table = Table(rules=(rule(absent("a", 2.0), cooldown=1.0),))
+    report = backtest(table, [say(0.0, 1), say(10.0, 1), say(10.5, 1, "b")])
+    assert [f.at for f in report.firings] == [2.0]
+
+
+@pytest.mark.parametrize(
+    ("condition", "fields", "text"),
+    [
+        (compare("a", "<", 0), {}, "never true (a.x < 0: the lowest was 1)"),
+        (compare("a", ">", 20), {}, "never true (a.x > 20: the highest was 10)"),
+        (compare("b", "<", 1), {}, "the recording has nothing on b"),
+        (both(compare("a", "<", 3), received("b")), {}, "never true (a.x < 3: the lowest was 1); "),
+        (
+            compare("a", "<", 3),
+            {"hold": 2.5},
+            "was true, but never so that it fires; it came close 9 times, last: was true for 2 of",
+        ),
+    ],
+)
+def test_a_rule_that_never_fires_says_why(
+    condition: Condition, fields: dict[str, Any], text: str
+) -> None:
+    table = Table(rules=(rule(condition, **fields),))
+    report = backtest(table, ramp())
+    assert text in report.tallies[0].text
+
+
+def test_topics_that_the_recording_lacks_are_named() -> None:
+    table = Table(rules=(rule(both(compare("a", "<", 3), compare("b", "<", 3))),))
+    report = backtest(table, ramp())
+    assert report.missing_topics == ("b",)
+    assert report.tallies[0].unknown_time == pytest.approx(20.0)
+
+
+def test_a_message_of_another_type_is_not_heard() -> None:
+    table = Table(rules=(rule(compare("a", "<", 3)),))
+    tape = [Heard(1.0, "/a", "std_msgs/msg/Int8", SimpleNamespace(x=0))]
+    assert backtest(table, tape).firings == ()
+
+
+def test_a_recording_of_foreign_origin_counts_its_own_time_and_warms_up() -> None:
+    table = Table(rules=(rule(compare("a", "<", 3), hold=1.0),))
+    report = backtest(table, [say(1e9, 1), say(1e9 + 2, 5)])
+    assert (report.start, report.end, report.messages) == (1e9, 1e9 + 2, 2)
+    assert report.warm_up == 1.0
+    assert [f.verdict for f in report.firings] == ["new"]
+
+
+def test_a_file_that_goes_on_where_another_ended_changes_nothing() -> None:
+    table = Table(rules=(rule(compare("a", "<", 3), trigger="edge"),))
+    shell = Shell(table)
+    for event in ramp():
+        assert isinstance(event, Heard)
+        shell.say(event.topic, event.message, event.now)
+    middle = Resumed(55.0, EPOCH_TIME + 55.0, "life", 1, table)
+    index = next(i for i, e in enumerate(shell.tape) if e.now > 55.0)
+    split = [*shell.tape[:index], middle, *shell.tape[index:]]
+    assert backtest(table, split, split).firings == backtest(table, shell.tape, shell.tape).firings
+    rest = split[index:]
+    report = backtest(table, rest, rest)
+    assert (report.same, report.new, report.gone) == (5, 0, 0)
+    assert report.warm_up == 1.0
+
+
+def test_rules_that_are_used_up_stay_so() -> None:
+    table = Table(rules=(rule(compare("a", "<", 3), "r", once=True),))
+    tape: list[TapeEvent] = [Began(0.0, 100.0, "life", 1, table, ("r",)), say(1.0, 1)]
+    assert backtest(table, tape, tape).firings == ()
+
+
+def test_a_rule_that_was_reset_on_request_begins_anew() -> None:
+    table = Table(rules=(rule(compare("a", "<", 3), "r", once=True),))
+    shell = Shell(table)
+    shell.say("a", SimpleNamespace(x=1), 1.0)
+    shell.swap(table, 2.0, reset=("r",))
+    shell.say("a", SimpleNamespace(x=1), 3.0)
+    assert len(shell.firings) == 2
+    report = backtest(table, shell.tape, shell.tape)
+    assert (report.same, report.new, report.gone) == (2, 0, 0)
+
+
+def test_progress_is_told_and_may_cancel() -> None:
+    told: list[float] = []
+    tape = [say(0.01 * n, 5) for n in range(10_000)]
+    backtest(Table(), tape, total=len(tape), progress=told.append)
+    assert told == sorted(told)
+    assert (len(told) > 3, told[-1]) == (True, 1.0)
+
+    def cancel(_: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        backtest(Table(), tape, total=len(tape), progress=cancel)
+
+
+def test_more_firings_than_can_be_listed_are_counted() -> None:
+    table = Table(rules=(rule(compare("a", "<", 100)),))
+    report = backtest(table, ramp(), limit=7)
+    assert (len(report.firings), report.new, report.truncated) == (7, 100, True)
+
+
+def test_runs_of_the_recording_end_when_they_ended() -> None:
+    table = Table(rules=(rule(compare("a", "<", 100)),))
+    tape: list[TapeEvent] = [Began(0.0, 100.0, "life", 1, table)]
+    tape += [say(1.0, 1), Fired(1.0, "r", 1, 1.0, 1, "h"), say(2.0, 1), Ended(2.5, "r", 1)]
+    tape += [say(3.0, 1), Swapped(4.0, 2, table)]
+    report = backtest(table, tape, tape)
+    assert [(f.at, f.verdict) for f in report.firings] == [(1.0, "same"), (3.0, "new")]
