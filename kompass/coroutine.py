@@ -74,10 +74,8 @@ class Job:
             return
         self._awaited, self._stepping = None, True
         try:
-            if error is None:
-                awaited = self._coroutine.send(None)
-            else:
-                awaited = self._coroutine.throw(error)
+            run = self._coroutine
+            awaited = run.send(None) if error is None else run.throw(error)
         except StopIteration:
             self._finish(None)
         except BaseException as problem:  # noqa: BLE001 - handed to whoever started it

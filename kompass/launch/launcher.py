@@ -14,7 +14,9 @@ from kompass.launch.environment import check_environment
 from kompass.launch.host import host
 from kompass.launch.process import ProcessSpec, Report
 from kompass.launch.supervisor import Supervisor
-from kompass.monitor.monitor import NAME, run_monitor
+from kompass.monitor.catalog import RecipeCatalog
+from kompass.monitor.checking import check_recipe
+from kompass.monitor.process import NAME, run_monitor
 from kompass.recipe.table import recipe_rules
 from kompass.robot import RobotConfig, RobotFrames
 
@@ -192,9 +194,11 @@ class Launcher:
 
     def _monitor(self) -> ProcessSpec:
         rules = recipe_rules(self._events_actions, self._components)
+        catalog = RecipeCatalog(self._components, rules)
+        check_recipe(rules.table, catalog)
 
         def main(report: Report) -> None:
-            run_monitor(rules, report, spec.inbox, self.namespace)
+            run_monitor(rules, catalog, report, spec.inbox, self.namespace)
 
         spec = ProcessSpec(name=NAME, main=main, names=[NAME], listens=True)
         return spec

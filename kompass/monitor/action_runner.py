@@ -6,7 +6,6 @@ import json
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -16,26 +15,19 @@ from rclpy.action import ActionClient
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from kompass.coroutine import Cancelled
+from kompass.monitor.alarms import Alarms
+from kompass.monitor.outcome import Outcome
 from kompass.monitor.waiting import Waiting
 from kompass.recipe.fallbacks import Ladder
 from kompass.recipe.messages import fill, ros_class
 from kompass.recipe.table import Parsed
 from kompass.rules import actions as kinds
-from kompass.rules.arguments import resolve
+from kompass.rules.arguments import expand, resolve
 from kompass.rules.firing import Firing
 
 SEARCH = 2.0  # s in which a service or an action server must show up
-THREADS = 8
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """How one action ended."""
-
-    action: str
-    ok: bool
-    text: str
-    seconds: float
+THREADS = 64  # functions of the recipe at a time, in each lane
 
 
 class Failed(Exception):
@@ -51,6 +43,8 @@ class ActionRunner:
         Where coroutines run.
     functions
         What the recipe's opaque actions are called.
+    alarms
+        Where alarms are raised and cleared.
     """
 
     def __init__(
@@ -58,8 +52,10 @@ class ActionRunner:
         node: Node,
         executor: Executor,
         functions: Mapping[str, Callable[..., Any] | Parsed | Ladder],
+        alarms: Alarms,
     ) -> None:
         self._node = node
+        self._alarms = alarms
         self._functions = functions
         self._waiting = Waiting(node, executor)
         self._clients: dict[tuple[type, str], Any] = {}
@@ -78,7 +74,11 @@ class ActionRunner:
             client.destroy()
 
     async def run(self, firing: Firing, tell: Callable[[Outcome], None]) -> tuple[bool, str]:
-        """Carry out all actions; whether all went well, and the first error."""
+        """Carry out all actions; whether all went well, and the first error.
+
+        To be run as a :class:`kompass.coroutine.Job`. When that is cancelled, a goal that was sent
+        is cancelled too, and no further action begins; a function of the recipe runs to its end.
+        """
         error = ""
         for action in firing.actions:
             began = time.monotonic()
@@ -140,6 +140,13 @@ class ActionRunner:
             case kinds.Log():
                 getattr(self._node.get_logger(), action.level)(action.text)
                 return action.text
+            case kinds.RaiseAlarm():
+                self._alarms.raise_alarm(
+                    action.alarm, action.text, firing.rule_id, firing.severity.name.lower()
+                )
+                return action.text or "raised"
+            case kinds.ClearAlarm():
+                return "cleared" if self._alarms.clear(action.alarm) else "was not raised"
             case kinds.Method():
                 kwargs = {**arguments(action.kwargs), **made}
                 return await self._method(action.component, action.method, kwargs, action.timeout)
@@ -151,14 +158,16 @@ class ActionRunner:
                 return await self._reconfigure(action)
             case kinds.CallService():
                 given = made.get("srv_request_msg", made.get("request"))
-                request = given or fill(ros_class(action.type).Request(), arguments(action.request))
+                request = given or fill(
+                    ros_class(action.type).Request(), expand(arguments(action.request))
+                )
                 answer = await self._call(
                     ros_class(action.type), action.service, request, action.timeout
                 )
                 return _short(answer)
             case kinds.SendGoal():
                 given = made.get("action_request_msg", made.get("request_msg"))
-                goal = given or fill(ros_class(action.type).Goal(), arguments(action.goal))
+                goal = given or fill(ros_class(action.type).Goal(), expand(arguments(action.goal)))
                 return await self._goal(action, goal)
             case kinds.CancelGoal():
                 request = CancelGoalService.Request()
@@ -166,8 +175,10 @@ class ActionRunner:
                 await self._call(CancelGoalService, name, request, action.timeout)
                 return "cancelled"
             case kinds.Publish():
-                return await self._publish(action, made.get("msg"), arguments(action.message))
-        raise Failed(f"actions of kind '{action.kind}' are not carried out yet")
+                return await self._publish(
+                    action, made.get("msg"), expand(arguments(action.message))
+                )
+        raise Failed(f"actions of kind '{action.kind}' cannot be carried out")
 
     async def _call(self, kind: type, name: str, request: Any, timeout: float | None) -> Any:
         client = self._clients.get((kind, name))
@@ -227,9 +238,14 @@ class ActionRunner:
         )
         if not handle.accepted:
             raise Failed(f"{action.action} refused the goal")
-        ended = await self._waiting.result(
-            handle.get_result_async(), action.timeout, f"no end of the goal of {action.action}"
-        )
+        try:
+            ended = await self._waiting.result(
+                handle.get_result_async(), action.timeout, f"no end of the goal of {action.action}"
+            )
+        except (Cancelled, TimeoutError):
+            # Nobody is left to follow it: a goal must not go on behind everybody's back.
+            handle.cancel_goal_async()
+            raise
         text = getattr(ended.result, "message", "") or _STATUS.get(ended.status, "ended")
         if ended.status != GoalStatus.STATUS_SUCCEEDED:
             raise Failed(text)

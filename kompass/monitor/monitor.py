@@ -1,78 +1,156 @@
-"""The monitor: feeds the rule engine with messages and time, and carries out what fires."""
+"""The monitor: everything around the pure engine, put together on one node."""
 
 from __future__ import annotations
 
 import json
-import os
-import signal
-import threading
-import time
-from typing import Any
+from collections.abc import Collection
+from functools import partial
 
-import rclpy
 from builtin_interfaces.msg import Time
-from kompass_interfaces.msg import ProcessState, RuleFiring, StackState
+from kompass_interfaces.msg import ProcessState, StackState
 from rclpy.executors import Executor
-from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
+from rclpy.serialization import serialize_message
 
-from kompass.components.topic import LATCHED, QoSConfig
-from kompass.launch.process import Report
-from kompass.launch.pulse import beat
-from kompass.monitor.action_runner import ActionRunner, Outcome
-from kompass.monitor.rule_inputs import RuleInputs
+from kompass.components.topic import LATCHED
+from kompass.monitor.action_runner import ActionRunner
+from kompass.monitor.alarms import Alarms
+from kompass.monitor.catalog import RecipeCatalog
+from kompass.monitor.desk import Desk, InForce
+from kompass.monitor.engine_loop import EngineLoop, Swap
+from kompass.monitor.explaining import Explaining
+from kompass.monitor.firings import Firings
+from kompass.monitor.graph import Graph
+from kompass.monitor.linting import Linting
+from kompass.monitor.main_thread import MainThread
+from kompass.monitor.polled import Polled
+from kompass.monitor.recording import NoRecording, Recording
+from kompass.monitor.rule_inputs import RuleInputs, wanted
+from kompass.monitor.rules_state import RulesStatePublisher
+from kompass.monitor.runs import Runs
+from kompass.monitor.services import Services, Sources
+from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.spokesman import Spokesman
+from kompass.monitor.start import Start
+from kompass.monitor.wake_up import WakeUp
 from kompass.recipe.table import RecipeRules
-from kompass.rules.compiled import compile_table
-from kompass.rules.conditions import CallableCondition
-from kompass.rules.engine import initial_state, step
-from kompass.rules.firing import Done, Firing, Input, Note, Sample, Tick
-from kompass.rules.schedule import next_deadline
+from kompass.rulebook.views import Extras
+from kompass.rules.compiled import CompiledTable, compile_table
+from kompass.store import RuleStore
 
-NAME = "monitor"
-SPIN_TIMEOUT = 0.1  # s, as of the components' host
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
 REPEAT_PERIOD = 0.4  # s between repetitions for those who are silent
-POLL_RATE = 10.0  # Hz, for a function that states no rate of its own
+PROBATION_PERIOD = 0.2  # s between looks at the end of a probation
 SILENT = ("stuck", "dead", "given up")  # who cannot speak is spoken for
 
 
 class Monitor:
-    """The shell around the pure engine, on one node and one thread.
+    """Feeds the engine with messages and time, carries out what fires, serves the desk.
+
+    The engine, the subscriptions and the actions live on the executor's thread. Requests are
+    answered by workers, which come to that thread for the swap and nothing longer.
 
     Parameters
     ----------
     node, executor
         Where it runs.
     recipe
-        Rules, and the functions that they name.
+        The recipe's rules, and the functions that they name.
+    catalog
+        What rules are checked against.
+    start
+        The table to begin with.
+    store
+        None when nothing can be stored.
     """
 
-    def __init__(self, node: Node, executor: Executor, recipe: RecipeRules) -> None:
-        self._node, self._executor = node, executor
-        self._table = compile_table(recipe.table)
-        self._state = initial_state(self._table, time.monotonic())
-        self._runner = ActionRunner(node, executor, recipe.functions)
+    def __init__(
+        self,
+        node: Node,
+        executor: Executor,
+        recipe: RecipeRules,
+        catalog: RecipeCatalog,
+        start: Start,
+        store: RuleStore | None,
+        settings: MonitorSettings,
+        recording: Recording | None = None,
+    ) -> None:
+        self._node = node
+        self._recording = recording or NoRecording()
+        self._main = MainThread(executor)
         self._spokesman = Spokesman(node)
         self._processes: dict[str, ProcessState] = {}
-        self._firings = node.create_publisher(
-            RuleFiring, f"{NAME}/firings", QoSConfig(queue_size=100).to_ros()
+        self._stack = node.create_publisher(
+            StackState, f"{node.get_name()}/stack_state", LATCHED.to_ros()
         )
-        self._stack = node.create_publisher(StackState, f"{NAME}/stack_state", LATCHED.to_ros())
+        self._wake_up = WakeUp(node, lambda: self._loop.tick())
+        self._loop = EngineLoop(
+            compile_table(start.table),
+            start.revision,
+            start.epoch,
+            handle=lambda outputs: self._runs.take(outputs),
+            wake=self._wake_up.set,
+            used=start.used,
+            tape=self._recording.tape,
+        )
+        self._firings = Firings(node, self._loop, store, self._stamp, self._recording.fired)
+        self._runner = ActionRunner(node, executor, recipe.functions, Alarms(node))
+        self._runs = Runs(self._runner.run, self._loop.ended, self._firings)
         self._inputs = RuleInputs(node, self._receive)
-        types = self._table.topic_types()
-        self._inputs.follow((name, next(iter(kinds))) for name, kinds in types.items() if kinds)
-        self._alarm: Any = None
+        self._polled = Polled(
+            node,
+            self._main,
+            recipe.polled,
+            lambda name, answer: self._loop.answered(f"callable/{name}", answer),
+        )
+        self._graph = Graph(node, catalog, self._inputs.counts)
+        self._desk = Desk(
+            store,
+            self,
+            catalog,
+            InForce(start.table, start.revision, start.revision, notice=start.notice),
+            recipe=recipe.table,
+            robot=settings.robot,
+            lints=Linting(self._main, self._loop, self._graph),
+            changed=lambda: self._main.post(self._state.changed),
+            announce=lambda text: self._main.post(partial(self._firings.announce, text)),
+            merge=start.merge,
+            safe_mode=settings.safe_mode,
+            probation=settings.probation,
+        )
+        self._state = RulesStatePublisher(
+            node,
+            self._loop,
+            self._extras,
+            lambda: (self._desk.in_force, self._desk.probation_left),
+            self._stamp,
+        )
+        explaining = Explaining(self._main, self._loop, self._extras, store)
+        self._services = Services(
+            node,
+            self._main,
+            self._desk,
+            Sources(explaining.explain, explaining.firings, self._graph.view, self._recording.save),
+        )
+        self._recording.start(node, executor, store)
+        self._listen(self._loop.table)
         node.create_timer(FIT_PERIOD, self._inputs.fit)
         node.create_timer(REPEAT_PERIOD, self._repeat)
-        for name, function in recipe.polled.items():
-            self._poll(name, function)
-        self._schedule()
+        node.create_timer(1.0, self._graph.measure)
+        node.create_timer(PROBATION_PERIOD, self._look_at_probation)
+        self._loop.begin()
+        self._state.changed()
+        if start.notice:
+            self._firings.announce(start.notice)
 
     def close(self) -> None:
-        """Begin nothing any more."""
+        """End what runs, and begin nothing any more."""
+        self._main.close()
+        self._services.close()
+        self._runs.close()
+        self._polled.close()
         self._runner.close()
+        self._recording.close()
 
     def process_changed(self, line: str) -> None:
         """The supervisor says how a process is doing (a JSON line)."""
@@ -82,151 +160,77 @@ class Monitor:
         self._stack.publish(StackState(stamp=self._stamp(), processes=[*self._processes.values()]))
         for component in process.nodes:
             if process.state in SILENT:
-                message = self._spokesman.begin(component, process.reason)
-                self._speak_for(component, message)
+                self._speak_for(component, self._spokesman.begin(component, process.reason))
             elif process.state == "active":
                 self._spokesman.end(component)
 
-    # -- into the engine ----------------------------------------------------------------------
+    # -- the engine, as the desk uses it (kompass.monitor.desk.Engine) --------------------------
 
-    def _receive(self, topic: str, message: Any) -> None:
+    def prepare(self, table: CompiledTable) -> None:
+        """Listen to what a coming table needs; the engine goes on between two subscriptions."""
+        for name, kind in wanted(table.topic_types().items()).items():
+            self._main.call(partial(self._inputs.prepare, {name: kind}))
+
+    def swap(
+        self, table: CompiledTable, revision: int, reset: Collection[str], cancel: str
+    ) -> Swap:
+        """Put a table in force between two messages."""
+
+        def between_messages() -> Swap:
+            swap = self._loop.swap(table, revision, reset)
+            self._listen(table)
+            if cancel:
+                self._runs.cancel(swap.carried.running, cancel)
+            self._runs.forget((*swap.carried.reset, *swap.carried.removed))
+            return swap
+
+        return self._main.call(between_messages)
+
+    def running(self) -> frozenset[str]:
+        """Ids of rules whose actions are running."""
+        return self._main.call(self._runs.running)
+
+    # -- into the engine ------------------------------------------------------------------------
+
+    def _listen(self, table: CompiledTable) -> None:
+        self._inputs.follow(wanted(table.topic_types().items()))
+        self._polled.follow(table)
+
+    def _receive(self, topic: str, type_name: str, message: object, raw: bytes) -> None:
         # What comes on the status topics of a dead component comes from ourselves.
         if not self._spokesman.speaks_for(topic.removesuffix("/status").removesuffix("_status")):
-            self._feed(Sample(topic, message))
+            self._loop.heard(topic, type_name, message, raw)
 
-    def _speak_for(self, component: str, message: Any) -> None:
+    def _speak_for(self, component: str, message: object) -> None:
+        raw = serialize_message(message)
         for topic in (f"{component}/status", f"{component}_status"):
-            self._feed(Sample(topic, message))
+            self._loop.heard(topic, "automatika_ros_sugar/msg/ComponentStatus", message, raw)
 
     def _repeat(self) -> None:
         for component, message in self._spokesman.repeat().items():
             self._speak_for(component, message)
 
-    def _poll(self, name: str, function: Any) -> None:
-        rate = next(
-            leaf.condition.rate
-            for leaf in self._table.leaves
-            if isinstance(leaf.condition, CallableCondition) and leaf.condition.name == name
-        )
+    def _look_at_probation(self) -> None:
+        if self._desk.in_force.probation_ends is not None and not self._desk.probation_left:
+            self._services.worker.submit(self._take_back)
 
-        def ask() -> None:
-            try:
-                answer = function()
-            except Exception as error:  # noqa: BLE001 - a recipe's function; unknown, and said so
-                self._node.get_logger().error(
-                    f"the condition {name!r} raised {type(error).__name__}: {error}",
-                    throttle_duration_sec=5.0,
-                )
-                return
-            self._feed(Sample(f"callable/{name}", answer))
+    def _take_back(self) -> None:
+        try:
+            self._desk.tick()
+        except Exception as error:  # noqa: BLE001 - said, and tried again at the next look
+            self._node.get_logger().error(f"taking the table back failed: {error}")
 
-        self._node.create_timer(1.0 / (rate or POLL_RATE), ask)
+    # -- out of it ------------------------------------------------------------------------------
 
-    def _feed(self, event: Input) -> None:
-        self._state, outputs = step(self._table, self._state, event, time.monotonic())
-        for output in outputs:
-            if isinstance(output, Firing):
-                self._executor.create_task(self._run, output)
-            else:
-                self._note(output)
-        self._schedule()
-
-    def _schedule(self) -> None:
-        """Wake up when time alone may make a rule fire, and not before."""
-        if self._alarm is not None:
-            self._node.destroy_timer(self._alarm)
-            self._alarm = None
-        deadline = next_deadline(self._table, self._state)
-        if deadline is not None:
-            delay = max(deadline - time.monotonic(), 1e-4)
-            self._alarm = self._node.create_timer(delay, lambda: self._feed(Tick()))
-
-    # -- out of the engine --------------------------------------------------------------------
-
-    async def _run(self, firing: Firing) -> None:
-        leaves = [
-            {"text": leaf.text, "value": leaf.value, "age": leaf.age, "verdict": leaf.verdict}
-            for leaf in firing.leaves
-        ]
-        self._say(firing, "fired", True, firing.rule_id, {"leaves": leaves})
-
-        def tell(outcome: Outcome) -> None:
-            log = self._node.get_logger()
-            (log.info if outcome.ok else log.error)(
-                f"{firing.rule_id}: {outcome.action} "
-                f"{'done' if outcome.ok else 'failed'}: {outcome.text}"
-            )
-            details = {"action": outcome.action, "seconds": round(outcome.seconds, 3)}
-            self._say(firing, "action", outcome.ok, outcome.text, details)
-
-        ok, error = await self._runner.run(firing, tell)
-        self._feed(Done(firing.rule_id, firing.run_id, ok, error))
-        self._say(firing, "done", ok, error, {})
-
-    def _say(self, firing: Firing, phase: str, ok: bool, text: str, details: Any) -> None:
-        self._firings.publish(
-            RuleFiring(
-                stamp=self._stamp(),
-                rule_id=firing.rule_id,
-                revision=firing.revision_hash,
-                run_id=firing.run_id,
-                phase=phase,
-                ok=ok,
-                text=text,
-                details=json.dumps(details),
-            )
-        )
-
-    def _note(self, note: Note) -> None:
-        self._node.get_logger().error(f"{note.rule_id}: {note.text}")
-        self._firings.publish(
-            RuleFiring(
-                stamp=self._stamp(),
-                rule_id=note.rule_id,
-                revision=note.revision_hash,
-                phase="note",
-                text=note.text,
-                details="{}",
-            )
-        )
+    def _extras(self, rule_id: str) -> Extras:
+        extras = self._runs.extras(rule_id)
+        if self._inputs.broken:
+            table = self._loop.table
+            for topic in table.by_id[rule_id].topics:
+                why = self._inputs.broken.get(table.topics[topic].name)
+                if why:
+                    return extras._replace(broken=why)
+        return extras
 
     def _stamp(self) -> Time:
         return self._node.get_clock().now().to_msg()
-
-
-def run_monitor(recipe: RecipeRules, report: Report, inbox: int, namespace: str = "") -> None:
-    """Run the monitor in this process until SIGTERM.
-
-    Parameters
-    ----------
-    recipe
-        Rules and functions.
-    report
-        Tells the supervisor.
-    inbox
-        File descriptor on which the supervisor tells of processes, a JSON line each.
-    """
-    ended = threading.Event()
-    signal.signal(signal.SIGTERM, lambda *_: ended.set())
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node(NAME, namespace=namespace or None)
-    executor = EventsExecutor()
-    executor.add_node(node)
-    monitor = Monitor(node, executor, recipe)
-
-    def read() -> None:
-        with os.fdopen(inbox) as lines:
-            for line in lines:
-                executor.create_task(monitor.process_changed, line)
-
-    # Blocked in a read nearly always; the executor's thread stays the only one that does work.
-    threading.Thread(target=read, name="inbox", daemon=True).start()
-    report(f"active {NAME}")
-    try:
-        while not ended.is_set():
-            executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-            beat(NAME)
-    finally:
-        monitor.close()
-        node.destroy_node()
-        rclpy.shutdown()

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 
 from kompass.recipe.messages import ros_class
 
@@ -15,50 +19,141 @@ DEPTH = 100
 # publishers are known, the reader is made as good as they are.
 FIRST = (ReliabilityPolicy.BEST_EFFORT, DurabilityPolicy.VOLATILE)
 Offer = tuple[ReliabilityPolicy, DurabilityPolicy]
+# Topic, type, message, and the bytes that it came as.
+Receive = Callable[[str, str, Any, bytes], None]
+
+
+@dataclass
+class _Input:
+    """One subscription."""
+
+    type_name: str
+    kind: type[Any]
+    subscription: Any
+    offer: Offer
+    count: int = 0
+    # Messages that came before the table that asked for the topic; None once it is in force.
+    early: deque[tuple[Any, bytes]] | None = field(default=None)
 
 
 class RuleInputs:
-    """One subscription per topic of the table, whatever number of rules use it."""
+    """One subscription per topic of the table, whatever number of rules use it.
 
-    def __init__(self, node: Node, receive: Callable[[str, Any], None]) -> None:
+    Attributes
+    ----------
+    broken
+        Topics that cannot be listened to, and why.
+    """
+
+    def __init__(self, node: Node, receive: Receive) -> None:
         self._node = node
         self._receive = receive
-        self._open: dict[str, tuple[Any, Offer, Any]] = {}
+        self._open: dict[str, _Input] = {}
+        self._untyped: set[str] = set()
+        self.broken: dict[str, str] = {}
 
-    def follow(self, topics: Iterable[tuple[str, str]]) -> None:
-        """Listen to these topics (name without slash, ``package/msg/Name``), and to no others."""
-        wanted = dict(topics)
-        for name in [name for name in self._open if name not in wanted]:
-            self._node.destroy_subscription(self._open.pop(name)[0])
-        for name, kind in wanted.items():
-            if name not in self._open:
-                message = ros_class(kind)
-                self._open[name] = (self._subscribe(name, message, FIRST), FIRST, message)
+    def prepare(self, topics: Mapping[str, str]) -> None:
+        """Listen already to what a coming table needs; what comes early waits for it."""
+        for name in topics:
+            if topics[name] and name not in self._open:
+                self._begin(name, topics[name], early=True)
+
+    def follow(self, topics: Mapping[str, str]) -> None:
+        """Listen to these topics (``package/msg/Name`` by name without slash), and to no others.
+
+        A topic that stays is not touched. Without a type, the type that is on the graph is taken.
+        """
+        for name in [name for name in self._open if name not in topics]:
+            self._node.destroy_subscription(self._open.pop(name).subscription)
+        self.broken = {name: why for name, why in self.broken.items() if name in topics}
+        self._untyped = {name for name, kind in topics.items() if not kind}
+        for name, kind in topics.items():
+            known = self._open.get(name)
+            if known is None:
+                if kind:
+                    self._begin(name, kind, early=False)
+            elif known.early is not None:
+                waiting, known.early = known.early, None
+                for message, raw in waiting:
+                    self._receive(name, known.type_name, message, raw)
+
+    def counts(self) -> dict[str, int]:
+        """Messages received so far, by topic."""
+        return {name: each.count for name, each in self._open.items()}
 
     def fit(self) -> None:
         """Make each subscription as reliable, and as latched, as all of its publishers are."""
-        for name, (subscription, offer, message) in list(self._open.items()):
-            resolved = self._node.resolve_topic_name(name)
-            offers = [
-                (info.qos_profile.reliability, info.qos_profile.durability)
-                for info in self._node.get_publishers_info_by_topic(resolved)
-            ]
-            if not offers:
-                continue
-            reliable = all(each[0] == ReliabilityPolicy.RELIABLE for each in offers)
-            latched = all(each[1] == DurabilityPolicy.TRANSIENT_LOCAL for each in offers)
-            best = (
-                ReliabilityPolicy.RELIABLE if reliable else FIRST[0],
-                DurabilityPolicy.TRANSIENT_LOCAL if latched else FIRST[1],
-            )
-            if best != offer:
+        if self._untyped:
+            self._find_types()
+        for name, each in self._open.items():
+            best = self._offer(name, each.type_name)
+            if best != each.offer:
                 # The old one goes first: for the moment of the change a message may be missed, but
                 # none is handled twice.
-                self._node.destroy_subscription(subscription)
-                self._open[name] = (self._subscribe(name, message, best), best, message)
+                self._node.destroy_subscription(each.subscription)
+                each.offer = best
+                each.subscription = self._subscribe(name, each.kind, best)
 
-    def _subscribe(self, name: str, message: Any, offer: Offer) -> Any:
-        qos = QoSProfile(depth=DEPTH, reliability=offer[0], durability=offer[1])
-        return self._node.create_subscription(
-            message, name, lambda received: self._receive(name, received), qos
+    def _find_types(self) -> None:
+        known = dict(self._node.get_topic_names_and_types())
+        for name in sorted(self._untyped - set(self._open)):
+            types = known.get(self._node.resolve_topic_name(name))
+            if types:
+                self._begin(name, types[0], early=False)
+
+    def _begin(self, name: str, type_name: str, *, early: bool) -> None:
+        try:
+            kind = ros_class(type_name)
+        except ValueError as error:
+            # Of a table that was stored when the package was still there; the others go on.
+            self.broken[name] = str(error)
+            self._node.get_logger().error(f"cannot listen to {name}: {error}")
+            return
+        offer = self._offer(name, type_name)
+        held: deque[tuple[Any, bytes]] | None = deque(maxlen=DEPTH) if early else None
+        self._open[name] = _Input(
+            type_name, kind, self._subscribe(name, kind, offer), offer, early=held
         )
+
+    def _offer(self, name: str, type_name: str) -> Offer:
+        """The best that every publisher of a topic offers."""
+        infos = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(name))
+        offers = [
+            (info.qos_profile.reliability, info.qos_profile.durability)
+            for info in infos
+            if info.topic_type == type_name
+        ]
+        if infos and not offers:
+            self.broken[name] = f"/{name} is published as {infos[0].topic_type}, not as {type_name}"
+        else:
+            self.broken.pop(name, None)
+        if not offers:
+            known = self._open.get(name)
+            return known.offer if known else FIRST
+        reliable = all(each[0] == ReliabilityPolicy.RELIABLE for each in offers)
+        latched = all(each[1] == DurabilityPolicy.TRANSIENT_LOCAL for each in offers)
+        return (
+            ReliabilityPolicy.RELIABLE if reliable else FIRST[0],
+            DurabilityPolicy.TRANSIENT_LOCAL if latched else FIRST[1],
+        )
+
+    def _subscribe(self, name: str, kind: type[Any], offer: Offer) -> Any:
+        qos = QoSProfile(depth=DEPTH, reliability=offer[0], durability=offer[1])
+        # Raw, so that the tape gets the very bytes that the engine's message was made of.
+        return self._node.create_subscription(kind, name, partial(self._take, name), qos, raw=True)
+
+    def _take(self, name: str, raw: bytes) -> None:
+        each = self._open.get(name)
+        if each is None:
+            return  # was on its way when the subscription ended
+        each.count += 1
+        message = deserialize_message(raw, each.kind)
+        if each.early is not None:
+            each.early.append((message, raw))
+        else:
+            self._receive(name, each.type_name, message, raw)
+
+
+def wanted(types: Iterable[tuple[str, set[str]]]) -> dict[str, str]:
+    """One type for each topic of a compiled table; empty where the rules tell none."""
+    return {name: min(kinds) if kinds else "" for name, kinds in types}

@@ -1,4 +1,4 @@
-"""Wait inside coroutines of an rclpy executor: for a time, or for a future with a deadline."""
+"""Wait inside of jobs on an rclpy executor: for a time, or for a future with a deadline."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import Any
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.task import Future
+
+from kompass.coroutine import Until
 
 STEP = 0.02  # s between two looks at what has no future of its own
 
@@ -27,9 +29,9 @@ class Waiting:
     async def sleep(self, seconds: float) -> None:
         """Let others run for a while."""
         done = self.future()
-        timer = self._node.create_timer(max(seconds, 1e-3), lambda: done.set_result(None))
+        timer = self._node.create_timer(max(seconds, 1e-3), lambda: _finish(done))
         try:
-            await done
+            await Until(done)
         finally:
             self._node.destroy_timer(timer)
 
@@ -56,19 +58,19 @@ class Waiting:
             Naming ``what``, when there is none in time.
         """
         if timeout is None:
-            return await awaited
+            return await Until(awaited)
         done = self.future()
-
-        def finish(_: Any = None) -> None:
-            if not done.done():
-                done.set_result(None)
-
-        awaited.add_done_callback(finish)
-        timer = self._node.create_timer(timeout, finish)
+        awaited.add_done_callback(lambda _: _finish(done))
+        timer = self._node.create_timer(timeout, lambda: _finish(done))
         try:
-            await done
+            await Until(done)
         finally:
             self._node.destroy_timer(timer)
         if not awaited.done():
             raise TimeoutError(f"{what} within {timeout:g} s")
         return awaited.result()
+
+
+def _finish(future: Future) -> None:
+    if not future.done():
+        future.set_result(None)

@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 from pathlib import Path
 
@@ -16,10 +17,12 @@ RECIPE = Path(__file__).parents[2] / "recipes" / "01_point_navigation.py"
 
 
 class Stack:
-    """``kompass-console ARGUMENTS``, with its output at hand."""
+    """``kompass-console ARGUMENTS``, with its output at hand and a data folder of its own."""
 
     def __init__(self, *arguments: str, domain: int | None = None, **environment: str) -> None:
         self.domain = next_domain() if domain is None else domain
+        self._data = tempfile.TemporaryDirectory(prefix="kompass-data-")
+        self.data_dir = Path(environment.get("KOMPASS_DATA_DIR", self._data.name))
         command = [str(Path(sys.executable).with_name("kompass-console")), *arguments]
         self.process = subprocess.Popen(
             command,
@@ -31,6 +34,7 @@ class Stack:
                 **os.environ,
                 "PYTHONUNBUFFERED": "1",
                 "KOMPASS_CONSOLE_TOKEN": TOKEN,
+                "KOMPASS_DATA_DIR": str(self.data_dir),
                 **environment,
                 "ROS_DOMAIN_ID": str(self.domain),
             },
@@ -96,4 +100,5 @@ class Stack:
         self._reader.join(2.0)
         if self.process.stdout is not None:
             self.process.stdout.close()
+        self._data.cleanup()
         return code

@@ -1,0 +1,156 @@
+"""The engine with its table, its state and its clock: what goes in, and what comes out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Iterable
+from typing import Any, NamedTuple
+
+from kompass.monitor.tape import NoTape, Tape
+from kompass.rulebook.records import fired_event
+from kompass.rulebook.tape import Began, Ended, Heard, Swapped, TapeEvent, to_data
+from kompass.rules.carry import Carried, carry
+from kompass.rules.compiled import CompiledTable
+from kompass.rules.engine import initial_state, step
+from kompass.rules.firing import Done, Firing, Input, Output, Sample, Tick
+from kompass.rules.schedule import next_deadline
+from kompass.rules.state import State
+
+
+class Swap(NamedTuple):
+    """A table went into force."""
+
+    carried: Carried
+    pause: float  # s for which no message was taken
+
+
+class EngineLoop:
+    """Feeds the pure engine; not thread-safe, everything happens on one thread.
+
+    Parameters
+    ----------
+    table, revision
+        In force at first.
+    epoch
+        Name of this life of the monitor.
+    handle
+        Takes what the engine puts out, in its order.
+    wake
+        Told when :meth:`tick` is due, in monotonic seconds; None for not at all.
+    used
+        Ids of ``once`` rules that have fired in an earlier life of the same stack.
+    tape
+        Takes down all that the engine takes.
+    clock, wall
+        Monotonic nanoseconds, and seconds since the epoch.
+    """
+
+    def __init__(
+        self,
+        table: CompiledTable,
+        revision: int,
+        epoch: str,
+        *,
+        handle: Callable[[list[Output]], None],
+        wake: Callable[[float | None], None],
+        used: Iterable[str] = (),
+        tape: Tape | None = None,
+        clock: Callable[[], int] = time.monotonic_ns,
+        wall: Callable[[], float] = time.time,
+    ) -> None:
+        self.table, self.revision, self.epoch = table, revision, epoch
+        self._handle, self._wake, self._clock, self._wall = handle, wake, clock, wall
+        self._tape = tape or NoTape()
+        began = clock()
+        self.state: State = initial_state(table, began * 1e-9)
+        used = tuple(rule_id for rule_id in used if rule_id in table.by_id)
+        for rule_id in used:
+            self.state.rules[table.by_id[rule_id].index].fired = 1
+        now = began * 1e-9
+        self._record(Began(now, wall(), epoch, revision, table.table, used), began)
+
+    @property
+    def now(self) -> float:
+        """Monotonic seconds, as the engine counts them."""
+        return self._clock() * 1e-9
+
+    @property
+    def wall_offset(self) -> float:
+        """Seconds since the epoch at monotonic zero."""
+        return self._wall() - self.now
+
+    def begin(self) -> None:
+        """Have oneself woken up; once the shell is ready for it."""
+        self._schedule()
+
+    def heard(self, topic: str, type_name: str, message: Any, raw: bytes) -> None:
+        """Take a message of ROS."""
+        now = self._clock()
+        self._tape.message(topic, type_name, raw, now)
+        self._step(Sample(topic, message), now)
+
+    def answered(self, topic: str, answer: Any) -> None:
+        """Take the answer of a polled function (topic ``callable/<name>``)."""
+        now = self._clock()
+        self._record(Heard(now * 1e-9, topic, "", _plain(answer)), now)
+        self._step(Sample(topic, answer), now)
+
+    def ended(self, rule_id: str, run_id: int, ok: bool, error: str) -> None:
+        """Take the end of a run."""
+        now = self._clock()
+        self._record(Ended(now * 1e-9, rule_id, run_id, ok, error), now)
+        self._step(Done(rule_id, run_id, ok, error), now)
+
+    def tick(self) -> None:
+        """Take note that time has passed."""
+        self._step(Tick(), self._clock())
+
+    def swap(self, table: CompiledTable, revision: int, reset: Collection[str] = ()) -> Swap:
+        """Go on with another table: one step was the old table's, the next is the new one's.
+
+        What was due by now is handled by the old table first.
+
+        Raises
+        ------
+        KeyError
+            When a rule to be reset is not in the new table; nothing has changed then.
+        """
+        for rule_id in reset:
+            if rule_id not in table.by_id:
+                raise KeyError(f"rule {rule_id!r} cannot be reset: the table has no such rule")
+        begun = self._clock()
+        now = begun * 1e-9
+        self.state, outputs = step(self.table, self.state, Tick(), now)
+        self.state, carried = carry(self.table, self.state, table, now, reset)
+        self.table, self.revision = table, revision
+        pause = (self._clock() - begun) * 1e-9
+        self._record(Swapped(now, revision, table.table, tuple(reset)), begun)
+        self._put_out(outputs, begun)
+        self._schedule()
+        return Swap(carried, pause)
+
+    def _step(self, event: Input, now: int) -> None:
+        self.state, outputs = step(self.table, self.state, event, now * 1e-9)
+        if outputs:
+            self._put_out(outputs, now)
+        self._schedule()
+
+    def _put_out(self, outputs: list[Output], now: int) -> None:
+        for output in outputs:
+            if isinstance(output, Firing):
+                self._record(fired_event(output, self.revision), now)
+        if outputs:
+            self._handle(outputs)
+
+    def _record(self, event: TapeEvent, now: int) -> None:
+        kind, data = to_data(event)
+        self._tape.event(kind, data, now)
+
+    def _schedule(self) -> None:
+        self._wake(next_deadline(self.table, self.state))
+
+
+def _plain(answer: Any) -> Any:
+    return (
+        answer if answer is None or isinstance(answer, bool | int | float | str) else bool(answer)
+    )

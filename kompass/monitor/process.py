@@ -1,0 +1,87 @@
+"""The monitor's process, from its fork to its end."""
+
+from __future__ import annotations
+
+import gc
+import os
+import signal
+import sys
+import threading
+
+import rclpy
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from kompass.launch.process import Report
+from kompass.launch.pulse import beat
+from kompass.monitor.catalog import RecipeCatalog
+from kompass.monitor.monitor import Monitor
+from kompass.monitor.recording import Recording
+from kompass.monitor.settings import MonitorSettings
+from kompass.monitor.start import start_from_store
+from kompass.recipe.table import RecipeRules
+
+NAME = "monitor"
+SPIN_TIMEOUT = 0.1  # s, as of the components' host
+# s after which a worker that computes lets the engine in: a fifth of Python's own
+SWITCH_INTERVAL = 0.001
+
+
+def run_monitor(
+    recipe: RecipeRules,
+    catalog: RecipeCatalog,
+    report: Report,
+    inbox: int,
+    namespace: str = "",
+    recording: Recording | None = None,
+) -> None:
+    """Run the monitor in this process until SIGTERM.
+
+    Parameters
+    ----------
+    recipe
+        Rules and functions.
+    catalog
+        What rules are checked against.
+    report
+        Tells the supervisor.
+    inbox
+        File descriptor on which the supervisor tells of processes, a JSON line each.
+    recording
+        The flight recorder; None when it is off.
+    """
+    ended = threading.Event()
+    signal.signal(signal.SIGTERM, lambda *_: ended.set())
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    settings = MonitorSettings.of()
+    start, store = start_from_store(recipe.table, settings)
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node(NAME, namespace=namespace or None)
+    executor = EventsExecutor()
+    executor.add_node(node)
+    monitor = Monitor(node, executor, recipe, catalog, start, store, settings, recording)
+
+    def read() -> None:
+        with os.fdopen(inbox) as lines:
+            for line in lines:
+                executor.create_task(monitor.process_changed, line)
+
+    # Blocked in a read nearly always; the executor's thread stays the only one that does work.
+    threading.Thread(target=read, name="inbox", daemon=True).start()
+    # What is there now stays; the collector need not look through it while messages come.
+    gc.collect()
+    gc.freeze()
+    report(f"active {NAME}")
+    try:
+        while not ended.is_set():
+            executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+            beat(NAME)
+        # Not after an exception: that is a crash, and counts as one.
+        if store is not None:
+            store.end_life()
+    finally:
+        monitor.close()
+        if store is not None:
+            store.close()
+        node.destroy_node()
+        rclpy.shutdown()

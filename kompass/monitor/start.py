@@ -1,0 +1,75 @@
+"""Decide with which table the monitor begins."""
+
+from __future__ import annotations
+
+import logging
+import os
+import uuid
+from pathlib import Path
+from typing import NamedTuple
+
+from kompass.monitor.settings import MonitorSettings
+from kompass.rulebook.table_view import Merge
+from kompass.rules.table import Table, rule_hash
+from kompass.store import RuleStore, StoreError, robot_folder
+
+log = logging.getLogger("kompass.monitor")
+
+
+class Start(NamedTuple):
+    """The table to begin with.
+
+    Attributes
+    ----------
+    revision
+        0 when there is no store.
+    epoch
+        Name of this life of the monitor.
+    used
+        Ids of ``once`` rules that have fired already in this life of the stack.
+    """
+
+    table: Table
+    revision: int
+    epoch: str
+    notice: str = ""
+    merge: Merge | None = None
+    used: tuple[str, ...] = ()
+
+
+def start_from_store(recipe: Table, settings: MonitorSettings) -> tuple[Start, RuleStore | None]:
+    """Open the robot's store and begin a life in it.
+
+    Without a store that can be written, the recipe's table is in force and stays so: a table that
+    nobody could come back to is worse than one that cannot be edited.
+    """
+    epoch = uuid.uuid4().hex[:12]
+    try:
+        store = RuleStore.open(robot_folder())
+    except (StoreError, OSError) as error:
+        return _without(recipe, epoch, error), None
+    try:
+        boot = store.begin_life(
+            recipe, epoch=epoch, stack=this_stack(), safe_mode=settings.safe_mode
+        )
+        once = store.used_once()
+    except StoreError as error:
+        store.close()
+        return _without(recipe, epoch, error), None
+    used = tuple(rule.id for rule in boot.table.rules if (rule.id, rule_hash(rule)) in once)
+    assert boot.revision is not None
+    return Start(boot.table, boot.revision, epoch, boot.notice, boot.merge, used), store
+
+
+def _without(recipe: Table, epoch: str, error: Exception) -> Start:
+    notice = f"{error}. The recipe's rules are in force, and rules cannot be edited"
+    log.error("%s", notice)
+    return Start(recipe, 0, epoch, notice)
+
+
+def this_stack() -> str:
+    """What tells this run of the stack from all others: the supervisor, our parent process."""
+    parent = os.getppid()
+    # The 22nd field is the time at which it started; the name in front of it may hold anything.
+    fields = Path(f"/proc/{parent}/stat").read_text().rpartition(")")[2].split()
+    return f"{parent}-{fields[19]}"
