@@ -1,8 +1,8 @@
 """The actions of recipes."""
 
 from kompass.compat.services import make_services_instantiable
-from kompass.recipe.action import (
-    Action,
+from kompass.recipe.action import Action
+from kompass.recipe.verbs import (
     ComponentActions,
     LogInfo,
     log,
@@ -10,9 +10,13 @@ from kompass.recipe.action import (
     reconfigure,
     restart,
     send_action_goal,
+    send_component_action_server_goal,
     send_srv_request,
     start,
     stop,
+    trigger_action_server,
+    trigger_component_action_server,
+    trigger_service,
     update_parameter,
     update_parameters,
 )
@@ -28,9 +32,13 @@ __all__ = [
     "reconfigure",
     "restart",
     "send_action_goal",
+    "send_component_action_server_goal",
     "send_srv_request",
     "start",
     "stop",
+    "trigger_action_server",
+    "trigger_component_action_server",
+    "trigger_service",
     "update_parameter",
     "update_parameters",
 ]

@@ -11,6 +11,7 @@ from kompass.components.map_server import MapServer, MapServerConfig
 from kompass.components.mapper import LocalMapper, LocalMapperConfig, MapConfig
 from kompass.components.planner import Planner
 from kompass.components.planner_config import PlannerConfig
+from kompass.components.topics_keys import TopicsKeys
 
 __all__ = [
     "Component",
@@ -27,5 +28,6 @@ __all__ = [
     "MapServerConfig",
     "Planner",
     "PlannerConfig",
+    "TopicsKeys",
     "component_action",
 ]

@@ -51,7 +51,9 @@ class ComponentConfig(Settings):
         default=5.0, ge=1e-3, description="s to wait for the first message of an input"
     )
     topic_try_wait_timeout: float = Field(default=0.05, gt=0, description="s; without effect")
-    fallback_rate: float = Field(default=100.0, gt=0, description="Hz; without effect")
+    fallback_rate: float = Field(
+        default=100.0, gt=0, description="Hz; fallbacks are tried no more often, nor than at 0.5 Hz"
+    )
     executor_spin_timeout: float = Field(default=0.01, gt=0, description="s; without effect")
     wait_for_restart_time: float = Field(default=6000.0, gt=0, description="s; without effect")
     log_level: str = "info"

@@ -1,6 +1,7 @@
 """What a recipe says of a component: topics, settings, run type, fallbacks."""
 
 import copy
+import re
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
@@ -50,6 +51,8 @@ class Declaration:
     qos: ClassVar[Mapping[str, QoSConfig]] = {}
     # Whether it must end before all others, because it is what halts the robot.
     stops_robot: ClassVar[bool] = False
+    # The ROS action by which it is asked to do its work, when it has one.
+    main_action_type: ClassVar[type | None] = None
     # Whether the main loop does its step in every run type, not only in the timed one.
     steps_in_any_run_type: ClassVar[bool] = False
 
@@ -62,7 +65,10 @@ class Declaration:
         outputs: Mapping[str, Topic | list[Topic]] | None = None,
         *,
         node_name: str | None = None,
+        enable_health_broadcast: bool = True,
     ) -> None:
+        if not enable_health_broadcast:
+            notice_once(f"{component_name or node_name}: the status is always published")
         name = component_name or node_name
         if not name:
             raise ValueError(f"{type(self).__name__}: component_name is missing")
@@ -186,6 +192,25 @@ class Declaration:
     def status_topic(self) -> Topic:
         """Where the component publishes its health."""
         return Topic(name=f"{self.node_name}/status", msg_type=ComponentStatus)
+
+    @property
+    def main_action_name(self) -> str:
+        """Name of its main action, without the leading slash.
+
+        Raises
+        ------
+        TypeError
+            When it has none.
+        """
+        if self.main_action_type is None:
+            raise TypeError(f"{self.node_name}: a {type(self).__name__} has no action of its own")
+        snake = re.sub(r"(?<!^)(?=[A-Z])", "_", self.main_action_type.__name__).lower()
+        return f"{self.node_name}/{snake}"
+
+    @property
+    def ui_main_action_input(self) -> str:
+        """What older recipes hand to ``launcher.enable_ui``; see :attr:`main_action_name`."""
+        return self.main_action_name
 
     @property
     def available_actions(self) -> list[str]:

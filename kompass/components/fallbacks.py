@@ -5,6 +5,8 @@ from typing import Any
 
 from kompass.components.actions import actions_of
 
+KINDS = ("on_algorithm_fail", "on_component_fail", "on_system_fail", "on_fail", "on_giveup")
+
 
 @dataclass(frozen=True)
 class Fallback:

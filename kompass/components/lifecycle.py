@@ -178,6 +178,14 @@ class Lifecycle(Declaration):
     def custom_on_shutdown(self) -> None:
         """Before the process ends."""
 
+    @property
+    def longest_step(self) -> float:
+        """How long a step may take by design before its process counts as stuck [s].
+
+        What is shorter than the supervisor's own patience has no effect.
+        """
+        return 0.0
+
     def _execution_step(self) -> None:
         """One turn of the main loop. An exception becomes a component failure."""
 

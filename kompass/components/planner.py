@@ -70,11 +70,16 @@ class Planner(Located):
         "reached_end": [Topic(name="/reached_end", msg_type="Bool")],
     }
     qos: ClassVar = {"map": LATCHED, "plan": LATCHED}
+    main_action_type = PlanPath
     ignored_settings: ClassVar = {"algorithm": "the planner is always one of OMPL"}
     ignored_inputs: ClassVar = {"map_layer": "the key is 'map'"}
 
     def __init__(self, component_name: str = "planner", **kwargs: object) -> None:
         super().__init__(component_name, **kwargs)
+
+    @property
+    def longest_step(self) -> float:
+        return self.config.chosen_timeout + 5.0  # it is simplified and checked after it is found
 
     def init_variables(self) -> None:
         self._planner: GlobalPlanner | None = None
@@ -99,14 +104,14 @@ class Planner(Located):
             self._server = ActionServer(
                 self.node,
                 PlanPath,
-                f"{name}/plan_path",
+                self.main_action_name,
                 self._execute,
                 goal_callback=lambda _goal: (
                     GoalResponse.ACCEPT if self.is_active else GoalResponse.REJECT
                 ),
                 cancel_callback=lambda _handle: CancelResponse.ACCEPT,
             )
-            self._client = ActionClient(self.node, PlanPath, f"{name}/plan_path")
+            self._client = ActionClient(self.node, PlanPath, self.main_action_name)
 
     def custom_on_activate(self) -> None:
         super().custom_on_activate()
@@ -177,14 +182,16 @@ class Planner(Located):
     @component_action(active=True)
     async def trigger_main_action_server(
         self,
-        *,
         goal_x: float,
         goal_y: float,
-        goal_orientation: float | None = None,
         tolerance_dist: float = 0.1,
         tolerance_ori: float = 0.1,
+        *,
+        goal_orientation: float | None = None,
     ) -> bool:
         """Send the planner's own action a goal; True when it is accepted.
+
+        Without a name, the third and fourth argument are tolerances, as recipes mean them.
 
         Parameters
         ----------

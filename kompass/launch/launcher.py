@@ -11,9 +11,13 @@ from kompass.components.topic import Topic
 from kompass.launch.claim import claim
 from kompass.launch.companions import companions
 from kompass.launch.environment import check_environment
+from kompass.launch.failure_policies import FailurePolicies
 from kompass.launch.host import host
+from kompass.launch.older_names import OlderNames, processes_wanted
 from kompass.launch.process import ProcessSpec, Report
+from kompass.launch.restarts import Restarts
 from kompass.launch.supervisor import Supervisor
+from kompass.launch.vitals import Patience
 from kompass.monitor.catalog import RecipeCatalog
 from kompass.monitor.checking import check_recipe
 from kompass.monitor.process import NAME, run_monitor
@@ -21,7 +25,7 @@ from kompass.recipe.table import recipe_rules
 from kompass.robot import RobotConfig, RobotFrames
 
 
-class Launcher:
+class Launcher(FailurePolicies, OlderNames):
     """Collects the components of a recipe and runs them.
 
     Parameters
@@ -30,21 +34,42 @@ class Launcher:
         ROS namespace of all nodes.
     config_file
         Applied to each component when it is added; what the recipe sets afterwards wins.
+    enable_monitoring
+        Run the monitor, which carries out events, actions and fallbacks.
+    activation_timeout
+        Within which all components must be active [s]; the stack ends otherwise. None to wait.
+    multi_processing, activate_all_components_on_start
+        What :meth:`kompass` assumes where it is not told.
+    patience
+        When a process counts as busy or stuck, and when one that is stuck is killed.
     """
 
     def __init__(
         self,
         namespace: str = "",
         config_file: str | None = None,
-        *,
         enable_monitoring: bool = True,
         activation_timeout: float | None = None,
+        robot_plugin: Any = None,
+        *,
+        multi_processing: bool | None = None,
+        multiprocessing: bool | None = None,
+        activate_all_components_on_start: bool = True,
+        patience: Patience | None = None,
     ) -> None:
+        if robot_plugin is not None:
+            raise ValueError(
+                "robot_plugin: plugins of robots are not offered here; connect the robot's own "
+                "topics with launcher.inputs(…) and launcher.outputs(…)"
+            )
         self.namespace = namespace
         self.config_file = config_file
         self.enable_monitoring = enable_monitoring
         self.activation_timeout = activation_timeout
-        self._components: list[Component] = []
+        self.patience = patience or Patience()
+        self._in_processes = _either(multi_processing, multiprocessing)
+        self._activates = activate_all_components_on_start
+        super().__init__()
         self._activate: list[str] = []
         self._threaded: list[Component] = []
         self._events_actions: dict[Any, Any] = {}
@@ -53,11 +78,13 @@ class Launcher:
         self,
         components: list[Component],
         events_actions: Mapping[Any, Any] | None = None,
-        *,
-        activate_all_components_on_start: bool = True,
-        components_to_activate_on_start: list[Component] | None = None,
-        multi_processing: bool | None = None,
         multiprocessing: bool | None = None,
+        activate_all_components_on_start: bool | None = None,
+        components_to_activate_on_start: list[Component] | None = None,
+        ros_log_level: str | None = None,
+        rclpy_log_level: str | None = None,
+        *,
+        multi_processing: bool | None = None,
     ) -> None:
         """Add components.
 
@@ -71,6 +98,8 @@ class Launcher:
             Which become active at once.
         multi_processing, multiprocessing
             A process for each (the default), or one for all of them; both spellings are in use.
+        ros_log_level, rclpy_log_level
+            Of the components' loggers.
 
         Raises
         ------
@@ -79,6 +108,9 @@ class Launcher:
         TypeError
             When something in the list is not a component.
         """
+        all_active = activate_all_components_on_start
+        if all_active is None:
+            all_active = self._activates
         for component in components:
             if not isinstance(component, Component):
                 raise TypeError(f"components holds {component!r}, which is not a component")
@@ -90,11 +122,14 @@ class Launcher:
                 component.apply_config_file(self.config_file)
             self._components.append(component)
             chosen = components_to_activate_on_start
-            if component in chosen if chosen is not None else activate_all_components_on_start:
+            if component in chosen if chosen is not None else all_active:
                 self._activate.append(component.node_name)
+            for level in (ros_log_level, rclpy_log_level):
+                if level is not None:
+                    component.config.rclpy_log_level = level
         self._events_actions.update(events_actions or {})
-        flag = multi_processing if multi_processing is not None else multiprocessing
-        if flag is False:
+        stated = _either(multi_processing, multiprocessing)
+        if not processes_wanted(self._in_processes if stated is None else stated):
             self._threaded += components
 
     @property
@@ -121,6 +156,25 @@ class Launcher:
     def frames(self, value: RobotFrames) -> None:
         for component in self._components:
             component.frames = value
+
+    def configure(self, config_file: str, component_name: str | None = None) -> None:
+        """Apply a configuration file to all components, or to one.
+
+        Raises
+        ------
+        ValueError
+            When there is no such component.
+        ConfigFileError
+            When the file or a setting in it cannot be used.
+        """
+        chosen = [c for c in self._components if component_name in (None, c.node_name)]
+        if not chosen:
+            known = ", ".join(component.node_name for component in self._components)
+            raise ValueError(f"configure: no component '{component_name}'; there are {known}")
+        for component in chosen:
+            component.apply_config_file(config_file)
+
+    # -- topics -------------------------------------------------------------------------------
 
     def inputs(self, **topics: Topic | list[Topic]) -> None:
         """Set an input of every component that has it.
@@ -149,8 +203,21 @@ class Launcher:
                 known = sorted({k for c in self._components for k in getattr(c, allowed)})
                 raise ValueError(f"no component has '{key}'; known are {', '.join(known)}")
 
-    def bringup(self, config_file: str | None = None) -> None:
+    def bringup(
+        self,
+        config_file: str | None = None,
+        introspect: bool = False,
+        launch_debug: bool = False,
+        ros_log_level: str | None = None,
+    ) -> None:
         """Run the stack; blocks until SIGINT or SIGTERM, then stops the robot and all processes.
+
+        Parameters
+        ----------
+        config_file
+            Laid over the settings of all components.
+        introspect, launch_debug, ros_log_level
+            Accepted from older recipes; without effect.
 
         Raises
         ------
@@ -167,6 +234,7 @@ class Launcher:
         if config_file:
             for component in self._components:
                 component.apply_config_file(config_file)
+        self._apply_policies()
         _log_to_terminal()
         own = self._specs()
         if self.enable_monitoring:
@@ -177,7 +245,13 @@ class Launcher:
         names += [name for spec in beside for name in spec.names]
         held = claim(names, self.namespace)
         try:
-            Supervisor([*own, *beside], announced=[spec.name for spec in own]).run()
+            Supervisor(
+                [*own, *beside],
+                announced=[spec.name for spec in own],
+                patience=self.patience,
+                restarts=Restarts(self._retries),
+                activation_timeout=self.activation_timeout,
+            ).run()
         finally:
             for descriptor in held:
                 os.close(descriptor)
@@ -220,8 +294,13 @@ class Launcher:
             main=main,
             names=names,
             stops_robot=any(component.stops_robot for component in group),
+            allowed={component.node_name: component.longest_step for component in group},
         )
         return spec
+
+
+def _either(one: bool | None, other: bool | None) -> bool | None:
+    return one if one is not None else other
 
 
 def _log_to_terminal() -> None:

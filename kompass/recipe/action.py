@@ -4,26 +4,18 @@ from __future__ import annotations
 
 import inspect
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, get_type_hints
 
+from pydantic import PydanticSchemaGenerationError, PydanticUserError, TypeAdapter, ValidationError
+
+from kompass.components.actions import actions_of, signature_text
 from kompass.components.component import Component
-from kompass.components.topic import Topic
-from kompass.expressions import MessageField, reference_of, type_name
+from kompass.expressions import MessageField, reference_of
 from kompass.recipe.messages import to_plain
 from kompass.rules.actions import Action as RuleAction
-from kompass.rules.actions import (
-    CallService,
-    Lifecycle,
-    Log,
-    Method,
-    Publish,
-    Python,
-    Reconfigure,
-    SendGoal,
-    UpdateParameters,
-)
+from kompass.rules.actions import Lifecycle, Method, Python
 
 LIFECYCLE = ("start", "stop", "restart")
 # Seconds; a goal takes as long as it takes, and ends by itself.
@@ -68,6 +60,7 @@ class Action:
         self.description = description or ""
         self.parser: Parser | None = None
         self.method: Callable[..., Any] | None = method
+        self._given = tuple(given), dict(kwargs or {})
         self._data = _data_of(method, tuple(given), kwargs or {})
 
     @classmethod
@@ -75,6 +68,7 @@ class Action:
         """An action that is data from the start."""
         made = cls.__new__(cls)
         made.description, made.parser, made.method, made._data = "", None, None, data
+        made._given = (), {}
         return made
 
     def event_parser(
@@ -88,6 +82,38 @@ class Action:
         if not callable(method):
             raise TypeError(f"event_parser: method = {method!r} is not a function")
         self.parser = Parser(method, output_mapping, extra)
+
+    def missing(self) -> list[str]:
+        """Arguments without which the function cannot be called, and which nothing gives."""
+        if self.method is None:
+            return []
+        parameters = inspect.signature(self.method).parameters.values()
+        given = set(getattr(self._data, "kwargs", ()))
+        if self.parser is not None:
+            if self.parser.output is None:
+                return []  # what it makes is known only when it was called
+            given |= {self.parser.output, *self.parser.extra}
+        variable = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+        return [
+            one.name
+            for one in parameters
+            if one.default is one.empty and one.kind not in variable and one.name not in given
+        ]
+
+    def __call__(self) -> Any:
+        """Call the function here and now, as when it is the condition of an event.
+
+        Raises
+        ------
+        TypeError
+            When it is no function of the recipe.
+        """
+        if self.method is None or isinstance(getattr(self.method, "__self__", None), Component):
+            raise TypeError(
+                f"{self!r} is carried out by a rule; only plain functions can be called"
+            )
+        args, kwargs = self._given
+        return self.method(*args, **kwargs)
 
     def to_data(self) -> RuleAction:
         """The action as a rule holds it."""
@@ -109,6 +135,13 @@ def _data_of(
     name = getattr(method, "__name__", type(method).__name__)
     bound = _bind(method, name, args, kwargs)
     if isinstance(owner, Component):
+        known = actions_of(type(owner))
+        if name not in known:
+            raise TypeError(
+                f"Action: {owner.node_name}.{name} cannot be called by a rule; mark it with "
+                f"@component_action, or choose one of {', '.join(known)}"
+            )
+        _check_types(method, f"{owner.node_name}.{name}", bound)
         if name in LIFECYCLE and not bound:
             return Lifecycle(component=owner.node_name, action=name, timeout=30.0)  # type: ignore[arg-type]
         return Method(
@@ -139,186 +172,45 @@ def _bind(
     return flat
 
 
-def _arguments(name: str, bound: dict[str, Any]) -> dict[str, Any]:
-    made = {}
+def _check_types(method: Callable[..., Any], name: str, bound: dict[str, Any]) -> None:
+    """Raise TypeError when a value does not fit what the method says that it takes."""
+    hints = get_type_hints(inspect.unwrap(method))
     for key, value in bound.items():
-        made[key] = reference_of(value) if isinstance(value, MessageField) else to_plain(value)
+        if key not in hints or isinstance(value, MessageField):
+            continue
         try:
-            json.dumps(made[key])
-        except (TypeError, ValueError):
+            TypeAdapter(hints[key]).validate_python(value)
+        except ValidationError as error:
             raise TypeError(
-                f"Action: argument {key} = {value!r} of {name} cannot be stored as data; "
-                "give numbers, texts, lists or mappings, or make it inside the function"
+                f"Action: {name}{signature_text(inspect.signature(method))}: "
+                f"{key} = {value!r}: {error.errors()[0]['msg']}"
             ) from None
-    return made
+        except (PydanticSchemaGenerationError, PydanticUserError):
+            continue  # a type of the recipe's own, of which nothing is known
 
 
-def _component(name: str, component: Any) -> str:
-    if not isinstance(component, Component):
-        raise TypeError(f"{name}: component = {component!r} is not a component")
-    return component.node_name
+def _arguments(name: str, bound: dict[str, Any]) -> dict[str, Any]:
+    return {key: argument(name, key, value) for key, value in bound.items()}
 
 
-def start(*, component: Component) -> Action:
-    """Configure and activate a component."""
-    return Action.from_data(
-        Lifecycle(component=_component("start", component), action="start", timeout=30.0)
-    )
-
-
-def stop(*, component: Component) -> Action:
-    """Deactivate a component."""
-    return Action.from_data(
-        Lifecycle(component=_component("stop", component), action="stop", timeout=30.0)
-    )
-
-
-def restart(*, component: Component, wait_time: float | None = None) -> Action:
-    """Deactivate and activate a component."""
-    name = _component("restart", component)
-    if wait_time:
-        return Action.from_data(
-            Method(
-                component=name,
-                method="restart",
-                kwargs={"wait_time": wait_time},
-                timeout=METHOD_TIMEOUT,
-            )
-        )
-    return Action.from_data(Lifecycle(component=name, action="restart", timeout=30.0))
-
-
-def reconfigure(*, component: Component, new_config: Any, keep_alive: bool = False) -> Action:
-    """Give a component a new configuration: a config object, a mapping, or the path of a file."""
-    name = _component("reconfigure", component)
-    dump = getattr(new_config, "model_dump", None)
-    config = dump(mode="json") if dump is not None else new_config
-    return Action.from_data(
-        Reconfigure(component=name, config=config, keep_alive=keep_alive, timeout=30.0)
-    )
-
-
-def update_parameter(
-    *, component: Component, param_name: str, new_value: Any, keep_alive: bool = True
-) -> Action:
-    """Change one parameter; name and value are checked now, not in the night."""
-    return update_parameters(
-        component=component,
-        params_names=[param_name],
-        new_values=[new_value],
-        keep_alive=keep_alive,
-    )
-
-
-def update_parameters(
-    *,
-    component: Component,
-    params_names: Sequence[str],
-    new_values: Sequence[Any],
-    keep_alive: bool = True,
-) -> Action:
-    """Change several parameters; all of them or none.
+def argument(name: str, key: str, value: Any) -> Any:
+    """An argument of an action as data.
 
     Raises
     ------
-    ValueError
-        When there are not as many values as names, or a value does not fit its parameter.
+    TypeError
+        When it cannot be.
     """
-    name = _component("update_parameters", component)
-    if len(params_names) != len(new_values):
-        raise ValueError(
-            f"update_parameters: {len(params_names)} names, but {len(new_values)} values"
-        )
-    values = dict(zip(params_names, new_values, strict=True))
-    trial = component.config.model_copy(deep=True)
-    for key, value in values.items():
-        target = trial
-        *path, last = key.split(".")
-        for part in path:
-            target = getattr(target, part)
-        if last not in type(target).model_fields:
-            known = ", ".join(type(target).model_fields)
-            raise ValueError(f"{name} has no parameter '{key}'; known are {known}")
-        setattr(target, last, value)  # validated by the model
-    return Action.from_data(
-        UpdateParameters(
-            component=name,
-            parameters={
-                key: to_plain(getattr(value, "value", value)) for key, value in values.items()
-            },
-            keep_alive=keep_alive,
-        )
-    )
-
-
-def send_srv_request(*, srv_name: str, srv_type: type, srv_request_msg: Any = None) -> Action:
-    """Call a service of any node."""
-    return Action.from_data(
-        CallService(
-            service=srv_name, type=type_name(srv_type), request=to_plain(srv_request_msg) or {}
-        )
-    )
-
-
-def send_action_goal(
-    *,
-    action_name: str | None = None,
-    action_type: type | None = None,
-    action_request_msg: Any = None,
-    server_name: str | None = None,
-    server_type: type | None = None,
-    request_msg: Any = None,
-) -> Action:
-    """Send a goal to an action server of any node; both generations of keywords."""
-    name, kind = action_name or server_name, action_type or server_type
-    if name is None or kind is None:
-        raise TypeError("send_action_goal: action_name and action_type are needed")
-    goal = action_request_msg if action_request_msg is not None else request_msg
-    return Action.from_data(
-        SendGoal(action=name, type=type_name(kind), goal=to_plain(goal) or {}, timeout=None)
-    )
-
-
-def publish_message(
-    *,
-    topic: Topic,
-    msg: Any,
-    publish_rate: float | None = None,
-    publish_period: float | None = None,
-) -> Action:
-    """Publish a message: once, or at a rate, for a period or for ever."""
-    return Action.from_data(
-        Publish(
-            topic=topic.name,
-            type=type_name(topic.ros_msg_type),
-            message=to_plain(msg),
-            rate=publish_rate or (1.0 if publish_period else None),
-            period=publish_period,
-            timeout=None,
-        )
-    )
-
-
-def log(*, msg: str, logger_name: str | None = None) -> Action:
-    """Write a line to the log."""
-    return Action.from_data(Log(text=f"{logger_name}: {msg}" if logger_name else msg))
-
-
-def LogInfo(*, msg: str, logger_name: str | None = None) -> Action:
-    """Write a line to the log."""
-    return log(msg=msg, logger_name=logger_name)
-
-
-class ComponentActions:
-    """The same functions under the class of older recipes."""
-
-    start = staticmethod(start)
-    stop = staticmethod(stop)
-    restart = staticmethod(restart)
-    reconfigure = staticmethod(reconfigure)
-    update_parameter = staticmethod(update_parameter)
-    update_parameters = staticmethod(update_parameters)
-    send_srv_request = staticmethod(send_srv_request)
-    send_action_goal = staticmethod(send_action_goal)
-    publish_message = staticmethod(publish_message)
-    log = staticmethod(log)
+    if isinstance(value, MessageField):
+        return reference_of(value)
+    made = to_plain(value)
+    if isinstance(made, str) and made.startswith("$"):
+        return f"${made}"  # the text itself, and no reference
+    try:
+        json.dumps(made)
+    except (TypeError, ValueError):
+        raise TypeError(
+            f"Action: argument {key} = {value!r} of {name} cannot be stored as data; "
+            "give numbers, texts, lists or mappings, or make it inside the function"
+        ) from None
+    return made

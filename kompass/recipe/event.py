@@ -53,9 +53,10 @@ class Event:
         if isinstance(event_condition, MessageField):
             raise TypeError(f"{event_condition!r} is a value; compare it, or write .is_true()")
         if callable(event_condition) and not isinstance(event_condition, Topic):
-            self.function = _polled(event_condition)
+            asked = getattr(event_condition, "method", None) or event_condition
+            self.function = _polled(event_condition, asked)
             condition: Condition = CallableCondition(
-                name=getattr(event_condition, "__name__", "condition"), rate=check_rate or 10.0
+                name=getattr(asked, "__name__", "condition"), rate=check_rate or 10.0
             )
         else:
             condition = condition_of(event_condition)
@@ -70,12 +71,11 @@ class Event:
         return f"Event({self.name or describe(self.rule_event.condition)})"
 
 
-def _polled(function: Callable[..., Any]) -> Callable[[], bool]:
-    annotation = inspect.signature(function).return_annotation
+def _polled(function: Callable[..., Any], asked: Callable[..., Any]) -> Callable[[], bool]:
+    """``function`` as a truth value; ``asked`` is what it calls in the end."""
+    annotation = inspect.signature(asked).return_annotation
     if annotation not in (bool, "bool", inspect.Signature.empty):
-        raise TypeError(
-            f"{function!r} returns {annotation!r}; the function of an event returns bool"
-        )
+        raise TypeError(f"{asked!r} returns {annotation!r}; the function of an event returns bool")
     return lambda: bool(function())
 
 

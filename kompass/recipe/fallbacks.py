@@ -21,7 +21,7 @@ from kompass.rules.table import Rule
 # A failure that passes by itself within this time, as while the first messages arrive, is left to
 # do so.
 HOLD = 1.0  # s
-PAUSE = 2.0  # s between two tries
+PAUSE = 2.0  # s at least between two tries
 RECOVERED = 5.0  # s of health after which a failure is a new one
 LEVELS = {
     "on_algorithm_fail": ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL,
@@ -64,6 +64,7 @@ def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule
     declared = component.fallbacks
     status = component.status_topic.msg.status
     giveup = _actions(declared.on_giveup)
+    pause = max(PAUSE, 1.0 / component.config.fallback_rate)
     rules, ladders = [], []
     for kind in (*LEVELS, "on_fail"):
         fallback = getattr(declared, kind)
@@ -83,7 +84,7 @@ def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule
             Rule(
                 id=name.replace(" ", "-").replace("_", "-"),
                 name=name,
-                event=Event(condition=condition, hold=HOLD, cooldown=PAUSE),
+                event=Event(condition=condition, hold=HOLD, cooldown=pause),
                 actions=(Python(name=name, timeout=None),),
                 source="recipe",
             )

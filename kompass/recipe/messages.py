@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import array
+import enum
 import importlib
 from typing import Any
 
@@ -16,6 +17,8 @@ def to_plain(value: Any) -> Any:
         return {name: to_plain(getattr(value, name)) for name in fields()}
     if isinstance(value, list | tuple | array.array | np.ndarray):
         return [to_plain(item) for item in value]
+    if isinstance(value, enum.Enum):
+        return value.value
     if isinstance(value, bytes):
         return list(value)
     return value.item() if isinstance(value, np.generic) else value
@@ -39,6 +42,26 @@ def fill(message: Any, data: dict[str, Any]) -> Any:
             )
         setattr(message, name, _fitted(getattr(message, name), types[name], value))
     return message
+
+
+def copy_fields(source: Any, target: Any) -> Any:
+    """Set the fields that two messages have in common, by name and type; returns the target.
+
+    Raises
+    ------
+    TypeError
+        When there are none.
+    """
+    there, wanted = source.get_fields_and_field_types(), target.get_fields_and_field_types()
+    common = [name for name, kind in wanted.items() if there.get(name) == kind]
+    if not common:
+        raise TypeError(
+            f"a {type(source).__name__} has no field of a {type(target).__name__}; "
+            f"those are {', '.join(wanted)}; give the action an event_parser"
+        )
+    for name in common:
+        setattr(target, name, getattr(source, name))
+    return target
 
 
 def _fitted(now: Any, kind: str, value: Any) -> Any:

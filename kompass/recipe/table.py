@@ -101,11 +101,31 @@ def _action(
             f"{event!r}: '{component}' is not among the components of the launcher; "
             f"those are {', '.join(names)}"
         )
+    missing = action.missing()
+    if missing:
+        raise ValueError(
+            f"{event!r}: {action!r} lacks {', '.join(missing)}; give it with args or kwargs, or "
+            "let an event_parser make it"
+        )
+    if action.parser is not None and isinstance(data, Python) and action.method is not None:
+        parsed = _parsed_call(action.method, action.parser)
+        kwargs = {**data.kwargs, "msg": "$msg"}
+        return _register(made, parsed, data.name, data.model_copy(update={"kwargs": kwargs}))
     if action.parser is not None:
         return _register(made, Parsed(data, action.parser), _title(data, action.parser), data)
     if isinstance(data, Python) and action.method is not None:
         return _register(made, action.method, data.name, data)
     return data
+
+
+def _parsed_call(method: Callable[..., Any], parser: Parser) -> Callable[..., Any]:
+    """A function of the recipe that takes what another one makes of the message."""
+
+    def call(msg: Any, **kwargs: Any) -> Any:
+        made = parser.function(msg=msg, trigger=msg, **parser.extra)
+        return method(**{**kwargs, **({parser.output: made} if parser.output else made)})
+
+    return call
 
 
 def _title(data: RuleAction, parser: Parser) -> str:

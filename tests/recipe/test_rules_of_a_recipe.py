@@ -171,7 +171,7 @@ def test_an_action_on_a_component_that_was_not_added_is_refused() -> None:
 def test_wrong_arguments_are_refused_when_the_recipe_is_read() -> None:
     with pytest.raises(TypeError, match="does not take"):
         Action(DRIVER.set_input, args=(1, 2))
-    with pytest.raises(ValueError, match="has no parameter 'scan_timeot'"):
+    with pytest.raises(ValueError, match=r"did you mean 'scan_timeout'"):
         update_parameter(component=DRIVER, param_name="scan_timeot", new_value=1.0)
     with pytest.raises(ValueError, match="scan_timeout"):
         update_parameter(component=DRIVER, param_name="scan_timeout", new_value=-1.0)

@@ -1,0 +1,194 @@
+"""The launcher takes what recipes of every generation ask of it."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kompass.components import Controller, DriveManager, LocalMapper, Planner
+from kompass.launch.companions import companions
+from kompass.launch.process import ProcessSpec
+from kompass.launcher import Launcher
+from kompass.recipe.table import recipe_rules
+
+
+def processes(launcher: Launcher) -> list[list[str]]:
+    """Names of the nodes in each process of the components."""
+    return [spec.names for spec in launcher._specs()]
+
+
+@pytest.mark.parametrize("keyword", ["multi_processing", "multiprocessing"])
+@pytest.mark.parametrize("flag", [True, False])
+def test_both_spellings_choose_processes_or_threads(keyword: str, flag: bool) -> None:
+    launcher = Launcher()
+    launcher.kompass([Planner(), DriveManager()], **{keyword: flag})
+    apart = [["planner"], ["drive_manager"]]
+    assert processes(launcher) == (apart if flag else [["planner", "drive_manager"]])
+
+
+def test_the_launcher_itself_may_say_how_to_run() -> None:
+    launcher = Launcher(multi_processing=False, activate_all_components_on_start=False)
+    launcher.kompass([Planner(), DriveManager()])
+    assert processes(launcher) == [["planner", "drive_manager"]]
+    assert launcher._activate == []
+
+
+@pytest.mark.parametrize(("override", "count"), [("0", 1), ("1", 2)])
+def test_the_environment_overrides_the_recipe(
+    monkeypatch: pytest.MonkeyPatch, override: str, count: int
+) -> None:
+    monkeypatch.setenv("KOMPASS_MULTI_PROCESSING", override)
+    launcher = Launcher()
+    launcher.kompass([Planner(), DriveManager()], multi_processing=override == "0")
+    assert len(processes(launcher)) == count
+
+
+def test_another_override_names_the_two(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("KOMPASS_MULTI_PROCESSING", "yes")
+    with pytest.raises(ValueError, match="'yes' is neither 0 nor 1"):
+        Launcher().kompass([Planner()])
+
+
+def test_packages_are_added_with_threads_unless_told_otherwise() -> None:
+    launcher = Launcher()
+    launcher.add_pkg([Planner(), DriveManager()], package_name="kompass")
+    launcher.add_pkg(
+        components=[LocalMapper()], package_name="kompass", multiprocessing=True, events_actions={}
+    )
+    assert sorted(processes(launcher), key=len) == [["mapper"], ["planner", "drive_manager"]]
+
+
+def test_agents_are_components_too() -> None:
+    launcher = Launcher()
+    launcher.agents([Planner()], {}, True, False)
+    assert launcher._activate == []
+    assert [component.node_name for component in launcher.components] == ["planner"]
+
+
+def test_only_the_chosen_components_become_active() -> None:
+    planner, driver = Planner(), DriveManager()
+    launcher = Launcher()
+    launcher.kompass([planner, driver], components_to_activate_on_start=[driver])
+    assert launcher._activate == ["drive_manager"]
+
+
+def test_a_general_fallback_is_for_all_that_have_none_of_their_own() -> None:
+    planner, driver = Planner(), DriveManager()
+    driver.on_fail(driver.move_to_unblock)
+    launcher = Launcher()
+    launcher.kompass([planner, driver])
+    launcher.on_fail(action_name="restart", max_retries=2)
+    launcher._apply_policies()
+    assert planner.fallbacks.on_fail is not None
+    assert planner.fallbacks.on_fail.actions == (planner.restart,)
+    assert planner.fallbacks.on_fail.max_retries == 2
+    assert driver.fallbacks.on_fail is not None
+    assert driver.fallbacks.on_fail.actions == (driver.move_to_unblock,)
+
+
+@pytest.mark.parametrize(
+    "kind", ["on_algorithm_fail", "on_component_fail", "on_system_fail", "on_giveup"]
+)
+def test_each_kind_of_failure_has_a_general_fallback(kind: str) -> None:
+    planner = Planner()
+    launcher = Launcher()
+    launcher.kompass([planner])
+    getattr(launcher, kind)(action_name="restart")
+    launcher._apply_policies()
+    assert getattr(planner.fallbacks, kind) is not None
+
+
+def test_a_general_fallback_that_nobody_has_is_refused() -> None:
+    launcher = Launcher()
+    launcher.kompass([Planner()])
+    with pytest.raises(ValueError, match=r"no component has an action 'restrat'; known are .*rest"):
+        launcher.on_fail(action_name="restrat")
+
+
+def test_the_fallback_rate_is_the_pause_between_two_tries() -> None:
+    driver = DriveManager()
+    driver.on_fail(driver.restart)
+    launcher = Launcher()
+    launcher.kompass([driver])
+    launcher.fallback_rate = 1 / 10
+    assert launcher.fallback_rate == {"drive_manager": 0.1}
+    rules = recipe_rules({}, [driver]).table.rules
+    assert rules[0].event.cooldown == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize("given", [0, -1, 1.5, True])
+def test_tries_of_processes_are_counted_in_whole_numbers(given: Any) -> None:
+    with pytest.raises(ValueError, match=r"on_process_fail: max_retries"):
+        Launcher().on_process_fail(max_retries=given)
+
+
+def test_one_component_may_be_configured_apart(tmp_path: Path) -> None:
+    path = tmp_path / "robot.yaml"
+    path.write_text("/**: {loop_rate: 3.0}\n")
+    planner, driver = Planner(), DriveManager()
+    launcher = Launcher()
+    launcher.kompass([planner, driver])
+    launcher.configure(str(path), component_name="planner")
+    assert planner.config.loop_rate == 3.0
+    assert driver.config.loop_rate != 3.0
+    with pytest.raises(ValueError, match="no component 'planer'; there are planner, drive_manager"):
+        launcher.configure(str(path), component_name="planer")
+
+
+def test_frames_and_log_levels_reach_all() -> None:
+    from kompass.robot import RobotFrames
+
+    planner, controller = Planner(), Controller()
+    launcher = Launcher()
+    launcher.kompass([planner, controller], rclpy_log_level="error")
+    launcher.frames = RobotFrames(world="world", scan="LDS-01", rgb="camera")
+    assert {frames.world for frames in launcher.frames.values()} == {"world"}
+    assert controller.config.rclpy_log_level == "error"
+
+
+def test_programs_and_functions_run_beside_the_components(tmp_path: Path) -> None:
+    program = tmp_path / "battery.py"
+    program.write_text("print('charging')\n")
+    done: list[tuple[int, str]] = []
+
+    def once(number: int, text: str) -> None:
+        done.append((number, text))
+
+    launcher = Launcher()
+    before = len(companions())
+    try:
+        launcher.add_py_executable(str(program))
+        launcher.add_method(once, args=(1,), kwargs={"text": "a"})
+        added: list[ProcessSpec] = companions()[before:]
+        assert [(spec.name, spec.restart) for spec in added] == [("battery", True), ("once", False)]
+        added[1].main(lambda line: None)
+        assert done == [(1, "a")]
+    finally:
+        del launcher_companions()[before:]
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.py"):
+        launcher.add_py_executable("nowhere.py")
+
+
+def launcher_companions() -> list[ProcessSpec]:
+    from kompass.launch import companions as module
+
+    return module._companions
+
+
+def test_words_without_meaning_here_are_accepted() -> None:
+    launcher = Launcher(enable_monitoring=True, activation_timeout=5.0)
+    planner = Planner(enable_health_broadcast=True)
+    launcher.kompass([planner], ros_log_level="warn")
+    launcher.enable_ui(inputs=[planner.ui_main_action_input], outputs=[], port=5001)
+    launcher.setup_launch_description()
+    with pytest.raises(ValueError, match="robot_plugin"):
+        Launcher(robot_plugin=object())
+
+
+def test_a_long_plan_is_given_its_time() -> None:
+    from kompass.components import PlannerConfig
+
+    launcher = Launcher()
+    launcher.kompass([Planner(config=PlannerConfig(planning_timeout=30.0))])
+    (spec,) = launcher._specs()
+    assert spec.allowed["planner"] > 30.0
