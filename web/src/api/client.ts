@@ -25,7 +25,7 @@ interface Options {
  * @throws ApiError with the server's own words, or with status 0 when no answer came in time.
  * @throws DOMException "AbortError" when the caller's `signal` was aborted.
  */
-async function request<T>(method: Method, path: string, options: Options = {}): Promise<T> {
+export async function request<T>(method: Method, path: string, options: Options = {}): Promise<T> {
   const timeout = AbortSignal.timeout(options.timeoutMs ?? 5000);
   const init: RequestInit = {
     method,

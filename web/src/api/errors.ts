@@ -7,6 +7,8 @@ export class ApiError extends Error {
     readonly status: number,
     readonly title: string,
     readonly remedy: string,
+    /** The whole answer, for those that say more than a sentence. */
+    readonly body: unknown = null,
   ) {
     super(title);
   }
@@ -25,7 +27,7 @@ export function errorFromBody(status: number, body: unknown): ApiError {
   const detail = isRecord(body) ? body.detail : undefined;
   if (isRecord(detail) && typeof detail.title === "string") {
     const remedy = detail.remedy;
-    return new ApiError(status, detail.title, typeof remedy === "string" ? remedy : "");
+    return new ApiError(status, detail.title, typeof remedy === "string" ? remedy : "", body);
   }
   if (typeof detail === "string") return new ApiError(status, detail, "");
   return new ApiError(

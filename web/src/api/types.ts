@@ -7,7 +7,7 @@ type Schemas = components["schemas"];
  * An answer of the server. Its schema calls every field with a default optional; in an answer the
  * server sends them all.
  */
-type Sent<T> = T extends readonly (infer Item)[]
+export type Sent<T> = T extends readonly (infer Item)[]
   ? Sent<Item>[]
   : T extends object
     ? { [Key in keyof T]-?: Sent<T[Key]> }

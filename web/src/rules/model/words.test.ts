@@ -1,0 +1,51 @@
+import { expect, test } from "vitest";
+import type { Rule, RuleStatus } from "../../api/ruleTypes";
+import { leftText, secondsText, statusLevel, statusText, whenText } from "./words";
+
+const rule = { id: "a", name: "", enabled: true, event: { hold: 2 } } as unknown as Rule;
+const status = (part: Partial<RuleStatus>): RuleStatus => ({
+  rule_id: "a",
+  state: "ready",
+  text: "",
+  left: null,
+  verdict: null,
+  leaves: [],
+  evaluated: 0,
+  true: 0,
+  fired: 0,
+  dropped: 0,
+  failed: 0,
+  outranked: 0,
+  last_fired: null,
+  last_ok: null,
+  error: "",
+  ...part,
+});
+
+test("times are relative within a minute and clock time after", () => {
+  expect(whenText(1000, 1000.4)).toBe("just now");
+  expect(whenText(1000, 1012.9)).toBe("12 s ago");
+  expect(whenText(1000, 1075)).toMatch(/^\d\d:\d\d:\d\d$/);
+});
+
+test("settings keep their precision, countdowns do not jump about", () => {
+  expect(secondsText(0.25)).toBe("0.25 s");
+  expect(secondsText(200)).toBe("3 min 20 s");
+  expect(leftText(41.4)).toBe("41 s");
+  expect(leftText(1.23)).toBe("1.2 s");
+});
+
+test("a state says how long it lasts", () => {
+  expect(statusText(status({ state: "holding", left: 0.8 }), rule)).toBe("holding 1.2/2 s");
+  expect(statusText(status({ state: "cooling", left: 41 }), rule)).toBe("cooling 41 s");
+  expect(statusText(status({ state: "unknown", text: "scan silent for 3 s" }), rule)).toBe(
+    "unknown: scan silent for 3 s",
+  );
+});
+
+test("only what needs a person is loud", () => {
+  expect(statusLevel(status({ state: "cooling" }))).toBe("healthy");
+  expect(statusLevel(status({ state: "broken" }))).toBe("failed");
+  expect(statusLevel(status({ state: "ready", last_ok: false }))).toBe("degraded");
+  expect(statusLevel(status({ state: "disabled" }))).toBe("unknown");
+});

@@ -1,0 +1,95 @@
+/** Times, states and kinds as an operator reads them. */
+import type { Rule, RuleStatus, Trigger } from "../../api/ruleTypes";
+import type { Level } from "../../state/overall";
+
+/** A duration as it was set: `30 s`, `0.25 s`, `3 min 20 s`. */
+export function secondsText(seconds: number): string {
+  if (seconds < 120 || !Number.isInteger(seconds)) return `${Number(seconds.toPrecision(6))} s`;
+  const minutes = Math.floor(seconds / 60);
+  const rest = seconds % 60;
+  if (minutes < 120) return rest === 0 ? `${minutes} min` : `${minutes} min ${rest} s`;
+  const left = minutes % 60;
+  return left === 0 ? `${Math.floor(minutes / 60)} h` : `${Math.floor(minutes / 60)} h ${left} min`;
+}
+
+/** Time left or gone, for a display that counts: `1.2 s`, `41 s`, `3 min`. */
+export function leftText(seconds: number): string {
+  if (seconds < 9.95) return `${Math.max(0, seconds).toFixed(1)} s`;
+  return seconds < 120 ? `${Math.round(seconds)} s` : secondsText(Math.round(seconds / 60) * 60);
+}
+
+const clock = new Intl.DateTimeFormat(undefined, { timeStyle: "medium", hour12: false });
+const dated = new Intl.DateTimeFormat(undefined, {
+  day: "numeric",
+  month: "short",
+  hour: "2-digit",
+  minute: "2-digit",
+  hour12: false,
+});
+
+/** Relative within a minute, clock time after, with the date on another day. Epoch seconds. */
+export function whenText(time: number, now: number): string {
+  const age = now - time;
+  if (age >= -1 && age < 1) return "just now";
+  if (age >= 1 && age < 60) return `${Math.floor(age)} s ago`;
+  return age < 12 * 3600 ? clockText(time) : dated.format(time * 1000);
+}
+
+export const clockText = (time: number): string => clock.format(time * 1000);
+
+export const ruleName = (rule: { id: string; name: string }): string => rule.name || rule.id;
+
+/** How loud a rule's state is: calm while all is normal. */
+export function statusLevel(status: RuleStatus | null): Level {
+  if (status === null) return "unknown";
+  switch (status.state) {
+    case "broken":
+      return "failed";
+    case "latched":
+      return "degraded";
+    case "unknown":
+    case "disabled":
+    case "shadow":
+      return "unknown";
+    default:
+      return status.last_ok === false ? "degraded" : "healthy";
+  }
+}
+
+/** The state in a word or two, with its time: `cooling 41 s`, `holding 1.2/2 s`. */
+export function statusText(status: RuleStatus | null, rule: Rule): string {
+  if (status === null) return rule.enabled ? "not in force yet" : "disabled";
+  const { state, left } = status;
+  switch (state) {
+    case "cooling":
+      return left === null ? "cooling" : `cooling ${leftText(left)}`;
+    case "holding": {
+      if (left === null) return "holding";
+      const hold = rule.event.hold;
+      return `holding ${Math.max(0, hold - left).toFixed(1)}/${Number(hold.toPrecision(3))} s`;
+    }
+    case "unknown":
+    case "broken": {
+      const why = status.error || status.text;
+      return why === "" ? state : `${state}: ${why}`;
+    }
+    case "waiting":
+      return "waits to re-arm";
+    case "latched":
+      return "latched: fired too often";
+    case "ready":
+    case "running":
+    case "used up":
+    case "disabled":
+    case "shadow":
+      return state;
+  }
+}
+
+export const TRIGGER_WORDS: Record<Trigger, string> = {
+  level: "every message, while it is true",
+  edge: "when it becomes true",
+  change: "when a value changes, while it is true",
+};
+
+export const SEVERITIES = ["info", "warning", "error", "critical"] as const;
