@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import JsonValue
 
 from kompass.rulebook.diffing import field_changes
+from kompass.rulebook.recipe_code import functions_of
 from kompass.rulebook.report import Finding
 from kompass.rulebook.wording import describe_action
 from kompass.rules.actions import (
@@ -78,7 +79,7 @@ def guard(
         return [_viewer(role)] if changed else []
     recipe = {rule.id: rule for rule in recipe_table.rules}
     found = list(_protection(before, after, role, recipe))
-    functions = _functions(recipe_table)
+    functions = functions_of(recipe_table)
     for rule in after.rules:
         own = recipe.get(rule.id)
         if own is not None and rule_hash(own) == rule_hash(rule):
@@ -261,15 +262,6 @@ def _place(table: Table, rule_id: str) -> int:
 
 
 # -- actions --------------------------------------------------------------------------------------
-
-
-def _functions(recipe: Table) -> set[str]:
-    names = {a.name for rule in recipe.rules for a in rule.actions if isinstance(a, Python)}
-    for rule in recipe.rules:
-        for _, leaf in leaves(rule.event.condition):
-            if isinstance(leaf, CallableCondition):
-                names.add(leaf.name)
-    return names
 
 
 def _polled(rule: Rule, functions: set[str]) -> Iterator[Finding]:

@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 from kompass.rulebook.explanation import ExplanationView, GateView
 from kompass.rulebook.journal import FiringRecord
+from kompass.rulebook.recipe_code import has_code
 from kompass.rulebook.report import Effect, Finding
 from kompass.rulebook.status import LeafReading, RuleState, RuleStatus
 from kompass.rulebook.table_view import Merge, TableView
 from kompass.rulebook.wording import describe_action, seconds
-from kompass.rules.actions import Python
 from kompass.rules.carry import Carried
 from kompass.rules.compiled import CompiledTable, RulePlan
 from kompass.rules.conditions import CallableCondition, leaves, timeout_of, topic_of
@@ -317,17 +317,6 @@ def table_view(
         from_recipe=tuple(rule.id for rule in table.rules if has_code(rule)),
         merge=merge,
         safe_mode=safe_mode,
-    )
-
-
-def has_code(rule: Rule) -> bool:
-    """Whether a rule names a function of the recipe."""
-    event = rule.event
-    conditions = [event.condition] if event.clear is None else [event.condition, event.clear]
-    return any(isinstance(action, Python) for action in rule.actions) or any(
-        isinstance(leaf, CallableCondition)
-        for condition in conditions
-        for _, leaf in leaves(condition)
     )
 
 

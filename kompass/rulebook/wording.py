@@ -1,7 +1,7 @@
 """Rules, actions and times as a person would say them."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from pydantic import JsonValue
 
@@ -58,14 +58,14 @@ def describe_action(action: Action) -> str:
     return f"run {action.name} of the recipe"
 
 
-def describe_actions(rule: Rule) -> str:
-    """Return the actions of a rule in one line."""
-    return ", then ".join(map(describe_action, rule.actions))
+def describe_actions(actions: Iterable[Action]) -> str:
+    """Return a list of actions in one line."""
+    return ", then ".join(map(describe_action, actions))
 
 
 def describe_rule(rule: Rule) -> str:
     """Return a rule in one sentence: ``when … for 2 s, then …``."""
-    return f"when {describe_event(rule.event)}, then {describe_actions(rule)}"
+    return f"when {describe_event(rule.event)}, then {describe_actions(rule.actions)}"
 
 
 def describe_event(event: Event) -> str:
