@@ -2,6 +2,7 @@
 
 from kompass.store.boot import Boot, choose
 from kompass.store.errors import (
+    MalformedTable,
     NoSuchRevision,
     StaleRevision,
     StoreBusy,
@@ -18,6 +19,7 @@ from kompass.store.store import RuleStore
 __all__ = [
     "Boot",
     "Bounds",
+    "MalformedTable",
     "NoSuchRevision",
     "Refusal",
     "RuleStore",

@@ -7,7 +7,7 @@ import sqlite3
 from pydantic import ValidationError
 
 from kompass.rules.table import Rule, Table
-from kompass.store.errors import StoreCorrupt
+from kompass.store.errors import MalformedTable, StoreCorrupt
 
 
 def content_hash(text: str) -> str:
@@ -21,11 +21,24 @@ def table_content(table: Table) -> str:
 
 
 def write_table(connection: sqlite3.Connection, table: Table) -> str:
-    """Store a table, within a transaction; its content hash."""
-    texts = {content_hash(text): text for text in (rule.model_dump_json() for rule in table.rules)}
-    listing = _listing([content_hash(rule.model_dump_json()) for rule in table.rules])
+    """Store a table, within a transaction; its content hash.
+
+    Raises
+    ------
+    MalformedTable
+        When what would be stored could not be read back.
+    """
+    contents = []
+    for rule in table.rules:
+        text = rule.model_dump_json()
+        contents.append(content_hash(text))
+        cursor = connection.execute(
+            "INSERT OR IGNORE INTO rules VALUES (?, ?)", (contents[-1], text)
+        )
+        if cursor.rowcount:
+            _check_readable(text)
+    listing = _listing(contents)
     content = content_hash(listing)
-    connection.executemany("INSERT OR IGNORE INTO rules VALUES (?, ?)", texts.items())
     connection.execute("INSERT OR IGNORE INTO tables VALUES (?, ?)", (content, listing))
     return content
 
@@ -55,6 +68,18 @@ def read_table(connection: sqlite3.Connection, content: str, what: str) -> Table
                 f"{what} cannot be read by this release: rule {place + 1}, {where}: {first['msg']}"
             ) from None
     return Table(rules=tuple(rules))
+
+
+def _check_readable(text: str) -> None:
+    """A rule may have been made around its validation; the next start would fall over it."""
+    try:
+        Rule.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise MalformedTable(
+            f"a rule cannot be stored: {where} = {first['input']!r}: {first['msg']}"
+        ) from None
 
 
 def _listing(contents: list[str]) -> str:

@@ -125,8 +125,9 @@ def _open(path: Path, kind: Format) -> sqlite3.Connection:
     elif path.stat().st_size == 0:
         # Ours are complete before they have this name.
         raise _Damaged("the file is empty")
-    connection = _connect(path, kind)
+    connection = _connect(path)
     try:
+        _configure(connection, kind)
         _examine(connection, path, kind)
         _migrate(connection, kind)
     except sqlite3.DatabaseError as error:
@@ -140,14 +141,16 @@ def _open(path: Path, kind: Format) -> sqlite3.Connection:
     return connection
 
 
-def _connect(path: Path, kind: Format) -> sqlite3.Connection:
-    connection = sqlite3.connect(
+def _connect(path: Path) -> sqlite3.Connection:
+    return sqlite3.connect(
         path, timeout=BUSY_TIMEOUT, isolation_level=None, check_same_thread=False
     )
+
+
+def _configure(connection: sqlite3.Connection, kind: Format) -> None:
     connection.execute(f"PRAGMA synchronous = {kind.synchronous}")
     connection.execute("PRAGMA foreign_keys = ON")
     connection.execute("PRAGMA journal_size_limit = 1048576")
-    return connection
 
 
 def _examine(connection: sqlite3.Connection, path: Path, kind: Format) -> None:
@@ -177,8 +180,9 @@ def _make(path: Path, kind: Format) -> None:
     growing = path.with_name(f"{path.name}.new")
     for name in (growing, *(Path(f"{growing}{companion}") for companion in COMPANIONS)):
         name.unlink(missing_ok=True)
-    connection = _connect(growing, kind)
+    connection = _connect(growing)
     try:
+        _configure(connection, kind)
         connection.execute(f"PRAGMA application_id = {kind.application}")
         _migrate(connection, kind)
         connection.execute("PRAGMA journal_mode = WAL")

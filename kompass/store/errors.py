@@ -25,6 +25,10 @@ class StoreClosed(StoreError):
     """The store was closed."""
 
 
+class MalformedTable(StoreError):
+    """A table breaks the rules of its own model."""
+
+
 class NoSuchRevision(StoreError):
     """There is no revision with this number."""
 

@@ -85,7 +85,7 @@ class JournalFile:
         self._sql, self.notice = open_database(self._path, FORMAT)
         self._reading = threading.Lock()
         self._numbering = threading.Lock()
-        self._queue: queue.Queue[_Work | None] = queue.Queue(WAITING)
+        self._queue: queue.Queue[_Work | threading.Event | None] = queue.Queue(WAITING)
         self._lost = 0
         self._complained = float("-inf")
         self._held = {minor: self._count(minor) for minor in (0, 1)}
@@ -101,7 +101,7 @@ class JournalFile:
         if self._closed:
             return
         with self._numbering:
-            self._hand_over(lambda sql: sql.execute(_SET_COUNTER, (self._next - 1,)))
+            self._enqueue(lambda sql: sql.execute(_SET_COUNTER, (self._next - 1,)))
         self._closed = True
         with suppress(queue.Full):  # the disk hangs: the thread ends with the process
             self._queue.put(None, timeout=timeout)
@@ -178,7 +178,7 @@ class JournalFile:
         done = threading.Event()
         deadline = time.monotonic() + timeout
         try:
-            self._queue.put(lambda _: done.set(), timeout=timeout)
+            self._queue.put(done, timeout=timeout)
         except queue.Full:
             return False
         return done.wait(max(deadline - time.monotonic(), 0.0))
@@ -233,12 +233,17 @@ class JournalFile:
     # -- the thread ---------------------------------------------------------------------------
 
     def _hand_over(self, work: _Work) -> None:
+        if not self._enqueue(work):
+            self._lose(1, "the disk is too slow")
+
+    def _enqueue(self, work: _Work) -> bool:
         if self._closed:
             raise StoreClosed("the journal is closed")
         try:
             self._queue.put_nowait(work)
         except queue.Full:
-            self._lose(1, "the disk is too slow")
+            return False
+        return True
 
     def _write(self) -> None:
         ended = False
@@ -250,7 +255,10 @@ class JournalFile:
                 except queue.Empty:
                     break
             ended = batch[-1] is None
-            self._commit([work for work in batch if work is not None])
+            self._commit([work for work in batch if callable(work)])
+            for waiting in batch:
+                if isinstance(waiting, threading.Event):
+                    waiting.set()
 
     def _commit(self, batch: list[_Work]) -> None:
         held = dict(self._held)
@@ -347,8 +355,9 @@ class JournalFile:
         return int(max(newest, reserved)) + 1
 
     def _reserve(self) -> None:
-        self._reserved = reserved = self._next + NUMBERS
-        self._hand_over(lambda sql: sql.execute(_SET_COUNTER, (reserved,)))
+        wanted = self._next + NUMBERS
+        if self._enqueue(lambda sql: sql.execute(_SET_COUNTER, (wanted,))):
+            self._reserved = wanted
 
 
 _SET_COUNTER = "UPDATE counter SET reserved = ?"

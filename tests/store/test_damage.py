@@ -1,0 +1,158 @@
+"""Damaged, foreign, newer, busy, full and read-only files: said clearly, and nothing is lost."""
+
+import os
+import sqlite3
+from pathlib import Path
+
+import pytest
+
+from kompass.store import RuleStore, StoreBusy, StoreCorrupt, StoreTooNew, StoreUnwritable
+from tests.store.tables import BY, RECIPE, Robot, edited, entry
+
+
+def grown(robot: Robot) -> Path:
+    """A store with some history, closed; its main file."""
+    robot.start()
+    for number in range(20):
+        robot.store.append(edited(str(number)), confirmed=True, **BY)
+    robot.stop()
+    return robot.folder / "rules.db"
+
+
+@pytest.mark.parametrize(
+    "how", ["not SQLite", "empty", "cut in half", "a page of zeros", "foreign"]
+)
+def test_a_damaged_file_is_set_aside_and_said(robot: Robot, how: str) -> None:
+    file = grown(robot)
+    good = file.read_bytes()
+    damaged = {
+        "not SQLite": b"hello" * 1000,
+        "empty": b"",
+        "cut in half": good[: len(good) // 2],
+        "a page of zeros": good[:4096] + bytes(4096) + good[8192:],
+        "foreign": None,
+    }[how]
+    if damaged is None:
+        file.unlink()
+        with sqlite3.connect(file) as other:
+            other.execute("CREATE TABLE mine (x)")
+        other.close()
+        damaged = file.read_bytes()
+    file.write_bytes(damaged)
+    boot = robot.start()
+    (aside,) = robot.folder.glob("rules.db.corrupt-*")
+    assert aside.read_bytes() == damaged
+    assert "rules.db was damaged" in boot.notice
+    assert str(aside) in boot.notice
+    assert boot.table == RECIPE
+    robot.store.append(edited("works"), confirmed=True, **BY)
+
+
+def test_a_database_that_is_gone_while_its_log_is_not_is_said(robot: Robot) -> None:
+    robot.start()
+    robot.store.append(edited("x"), confirmed=True, **BY)
+    log = (robot.folder / "rules.db-wal").read_bytes()
+    robot.crash()
+    (robot.folder / "rules.db").unlink()
+    (robot.folder / "rules.db-wal").write_bytes(log)
+    assert "only its write-ahead log is left" in robot.start().notice
+    (aside,) = robot.folder.glob("rules.db.corrupt-*-wal")
+    assert aside.read_bytes() == log
+
+
+def test_a_rule_that_was_tampered_with_is_not_put_in_force(robot: Robot) -> None:
+    file = grown(robot)
+    other = sqlite3.connect(file)
+    other.executescript(
+        "DROP TRIGGER rules_stay; UPDATE rules SET json = replace(json, '\"19\"', '\"99\"');"
+    )
+    other.close()
+    boot = robot.start()
+    assert boot.table == edited("18")  # the newest that is whole
+    assert "revision 21 is damaged: rule 2 is not what was written" in boot.notice
+    with pytest.raises(StoreCorrupt, match="revision 21 is damaged"):
+        robot.store.table(21)
+
+
+def test_a_damaged_journal_does_not_touch_the_revisions(robot: Robot) -> None:
+    grown(robot)
+    (robot.folder / "journal.db").write_bytes(b"no journal at all")
+    boot = robot.start()
+    assert boot.table == edited("19")
+    assert "journal.db was damaged" in boot.notice
+    robot.store.record_firing(entry())
+    assert len(robot.store.journal().firings) == 1
+
+
+def test_a_file_of_a_newer_release_is_left_alone(robot: Robot) -> None:
+    file = grown(robot)
+    other = sqlite3.connect(file)
+    other.execute("PRAGMA user_version = 99")
+    other.close()
+    before = file.read_bytes()
+    with pytest.raises(
+        StoreTooNew, match=r"newer release \(schema 99, this one knows 1\); install"
+    ):
+        robot.start()
+    assert file.read_bytes() == before
+    assert not list(robot.folder.glob("*.corrupt-*"))
+
+
+def test_a_second_writer_is_told_who_the_first_is(robot: Robot) -> None:
+    robot.start()
+    with pytest.raises(StoreBusy, match=rf"in use by process {os.getpid()}; .*--data-dir"):
+        RuleStore.open(robot.folder)
+    robot.crash()
+    robot.start()
+
+
+@pytest.mark.parametrize("place", ["/proc/kompass", "/dev/null/robot"])
+def test_a_folder_that_cannot_be_written_is_named(place: str) -> None:
+    with pytest.raises(StoreUnwritable, match=rf"cannot write {place}.*--data-dir"):
+        RuleStore.open(Path(place))
+
+
+def test_on_a_full_disk_the_old_table_stays(robot: Robot) -> None:
+    robot.start()
+    (pages,) = robot.store._sql.execute("PRAGMA page_count").fetchone()
+    robot.store._sql.execute(f"PRAGMA max_page_count = {pages}")
+    good = 1
+    try:
+        for _ in range(100):
+            good = robot.store.append(edited("x" * 1000), confirmed=True, **BY).number
+    except StoreUnwritable as error:
+        assert "full; free some space" in str(error)  # noqa: PT017 - not the first one need fail
+    assert robot.store.active == robot.store.confirmed == good < 100
+    robot.store._sql.execute("PRAGMA max_page_count = 100000")
+    robot.store.append(edited("there is room again"), confirmed=True, **BY)
+    robot.stop()
+    assert robot.start().table == edited("there is room again")
+
+
+def test_on_a_disk_that_became_read_only_the_old_table_stays(robot: Robot) -> None:
+    robot.start()
+    robot.store._sql.execute("PRAGMA query_only = 1")
+    with pytest.raises(StoreUnwritable, match="make the disk and the file writable"):
+        robot.store.append(edited("x"), **BY)
+    with pytest.raises(StoreUnwritable):
+        robot.store.take_back("x")
+    assert (robot.store.active, robot.store.confirmed) == (1, 1)
+    assert robot.store.table(1) == RECIPE
+
+
+def test_a_journal_on_a_full_disk_loses_entries_and_says_so(
+    robot: Robot, caplog: pytest.LogCaptureFixture
+) -> None:
+    robot.start()
+    journal = robot.store._journal
+    robot.store.flush()
+    journal._sql.execute("PRAGMA max_page_count = 1")
+    for _ in range(50):
+        robot.store.record_firing(entry(text="x" * 10_000))
+    robot.store.flush()
+    assert robot.store.lost_entries > 0
+    assert "entries of the journal are lost" in caplog.text
+    robot.store.append(edited("x"), confirmed=True, **BY)  # the revisions do not suffer
+    journal._sql.execute("PRAGMA max_page_count = 100000")
+    kept = robot.store.record_firing(entry(text="again"))
+    assert robot.store.journal(count=1).firings == (kept,)
