@@ -128,10 +128,9 @@ JUNK = st.one_of(
     st.dictionaries(st.text(max_size=5), st.integers(), max_size=2),
     st.lists(st.integers(), max_size=2),
 )
-FIELDS = st.sampled_from(
-    "id event event.condition event.hold event.trigger event.mode actions severity lane enabled "
-    "note".split()
-)
+EVENT_FIELDS = ("condition", "hold", "trigger", "mode")
+RULE_FIELDS = ("id", "event", "actions", "severity", "lane", "enabled", "note")
+FIELDS = st.sampled_from([*RULE_FIELDS, *(f"event.{name}" for name in EVENT_FIELDS)])
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # pydantic's, on what it serializes
