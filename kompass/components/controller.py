@@ -1,5 +1,6 @@
 """The controller: follows the path, to its very end."""
 
+import time
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,7 +20,8 @@ from kompass.components.controllers_id import ControllersID
 from kompass.components.convert import Pose2D, grid_of, path_poses, quaternion_msg
 from kompass.components.follower_settings import SECTIONS, FollowerSettings, make_follower
 from kompass.components.located import Located
-from kompass.components.obstacle_source import ObstacleSource
+from kompass.components.obstacle_source import HANDOVER, ObstacleSource
+from kompass.components.progress import Progress
 from kompass.components.topic import LATCHED, AllowedTopics, QoSConfig, Topic
 
 STILL = Command()
@@ -119,7 +121,10 @@ class Controller(Located):
 
     def init_variables(self) -> None:
         self._follower = self._make_follower()
+        self._incoming: PathFollower | None = None
+        self._incoming_since = 0.0
         self._has_path = False
+        self._progress = Progress()
         self._obstacles: ObstacleSource | None = None
 
     def wants_input(self, key: str) -> bool:
@@ -139,17 +144,17 @@ class Controller(Located):
 
     def on_config_changed(self, names: set[str]) -> None:
         follower = self._make_follower()
-        if self._has_path:
-            old = self._follower.tracker
-            assert old is not None
-            follower.set_path(self._path)
-            # It joined the path at its start as far as it knows; the robot is farther along.
-            assert follower.tracker is not None
-            follower.tracker.advance(*old.point_at(old.progress))
-            follower.tracker.progress = old.progress
-        self._follower = follower
         if self._obstacles is not None and self.is_active:
             self._obstacles.want(self._sensor)
+        if isinstance(follower, DWA) and not isinstance(self._follower, DWA) and self._has_path:
+            # The old one drives on until the new one can see.
+            self._incoming, self._incoming_since = follower, time.monotonic()
+            return
+        self._change_to(follower)
+
+    def _change_to(self, follower: PathFollower) -> None:
+        follower.take_over(self._follower)
+        self._follower, self._incoming = follower, None
 
     def _make_follower(self) -> PathFollower:
         algorithm = self.config.algorithm
@@ -179,7 +184,6 @@ class Controller(Located):
         if not self._has_path:
             self._follower.reset()
         self._follower.set_path(poses)
-        self._path = poses
         self._has_path = True
 
     def _place_scan(self, scan: Any) -> NDArray[np.float64]:
@@ -207,6 +211,10 @@ class Controller(Located):
     # -- the loop -----------------------------------------------------------------------------
 
     def _execution_step(self) -> None:
+        if self._incoming is not None and self._obstacles is not None:
+            sees = self._obstacles.points(self.config.sensor_timeout) is not None
+            if sees or time.monotonic() - self._incoming_since > HANDOVER:
+                self._change_to(self._incoming)
         pose = self._located()
         seen = self._seen() if pose is not None else None
         if pose is None or seen is None:
@@ -214,8 +222,10 @@ class Controller(Located):
             if self._has_path:
                 self._halt()
                 self._follower.reset()
+            self._progress.reset()
             return
         if not self._has_path:
+            self._progress.reset()
             self.health.set_healthy()
             return
         vx, _, omega = self.speed()
@@ -230,12 +240,23 @@ class Controller(Located):
             self.health.set_fail_algorithm([self.config.algorithm.value], str(error))
             self._halt()
             self._follower.reset()
+            self._progress.reset()
             return
-        self.health.set_healthy()
+        self._judge_progress(step, pose)
         self._command(step.command)
         self._publish_tracked_point(step, pose)
         if step.phase == "arrived":
             self._has_path = False
+
+    def _judge_progress(self, step: FollowStep, pose: Pose2D) -> None:
+        """Commands that lead nowhere are a failure too; they go on, for the way may come free."""
+        turning = step.phase in ("turning", "aligning")
+        stalled = self._progress.stalled(pose, time.monotonic(), turning=turning)
+        if step.phase == "arrived" or stalled < self.config.progress_timeout:
+            self.health.set_healthy()
+            return
+        algorithm = self.config.algorithm.value
+        self.health.set_fail_algorithm([algorithm], f"no progress for {stalled:.0f} s")
 
     def _located(self) -> Pose2D | None:
         """The pose, or None with the reason in the health."""
@@ -255,7 +276,7 @@ class Controller(Located):
     def _seen(self) -> NDArray[np.float64] | None:
         """Obstacles (N, 2) in the world's frame, or None with the reason in the health."""
         source = self._obstacles.input if self._obstacles is not None else None
-        if self._obstacles is None or source is None:
+        if self._obstacles is None or source is None or not isinstance(self._follower, DWA):
             return np.empty((0, 2))
         points = self._obstacles.points(self.config.sensor_timeout)
         if points is not None:

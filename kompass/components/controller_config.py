@@ -50,6 +50,9 @@ class ControllerConfig(ComponentConfig):
         default=0.5, gt=0, description="s; an older scan or local map stops the robot"
     )
     location_timeout: float = Field(default=0.5, gt=0, description="s; an older pose stops")
+    progress_timeout: float = Field(
+        default=5.0, gt=0, description="s; a robot that gets nowhere for so long is stuck"
+    )
     goal_dist_tolerance: float = Field(default=0.03, gt=0, description="m")
     goal_orientation_tolerance: float = Field(default=0.05, gt=0, description="rad")
     DWA: DWAConfig = Field(default_factory=DWAConfig)

@@ -36,6 +36,7 @@ class Stage:
         self.at = (0.0, 0.0)
         self.scans = self.maps = True
         self.odometry = True
+        self.obeys = False  # reports the commanded speed
         self.ring: float | None = None  # radius of a wall all around the robot [m]
         node = self.alive.node
         self._odometry = node.create_publisher(Odometry, "/odom", 10)
@@ -53,6 +54,8 @@ class Stage:
             odometry.header.frame_id = "map"
             odometry.pose.pose.position.x, odometry.pose.pose.position.y = self.at
             odometry.pose.pose.orientation.w = 1.0
+            if self.obeys and self.commands:
+                odometry.twist.twist.linear.x = self.speed
             self._odometry.publish(odometry)
         if self.scans:
             scan = LaserScan(range_min=0.05, range_max=3.5, angle_increment=math.radians(1))
@@ -191,6 +194,34 @@ def test_another_algorithm_goes_on_where_the_last_one_was(run: Run) -> None:
     assert stage.alive.execute("set_algorithm", algorithm_value="Stanley").success
     assert stage.controller.algorithm is ControllersID.STANLEY
     assert stage.progress >= progress - 1e-6
+
+
+def test_another_algorithm_drives_on_without_a_dip_in_speed(run: Run) -> None:
+    stage = Stage(run, algorithm="PurePursuit")
+    stage.plan(*STRAIGHT)
+    wait_until(stage.drives, 10, "motion")
+    stage.obeys = True
+    wait_until(lambda: stage.speed > 0.19, 5, "full speed")
+    before = len(stage.commands)
+    for name in ("Stanley", "DWA", "PurePursuit"):
+        assert stage.alive.execute("set_algorithm", algorithm_value=name).success
+        now = len(stage.commands)
+        wait_until(lambda: len(stage.commands) > now + 5, 5, f"commands of {name}")  # noqa: B023
+    slowest = min(one.linear_velocities.x[0] for one in stage.commands[before:])
+    assert slowest > 0.9 * 0.19
+
+
+def test_a_robot_that_gets_nowhere_is_an_algorithm_failure_until_it_moves(run: Run) -> None:
+    stage = Stage(run, algorithm="Stanley", progress_timeout=0.6)
+    stage.plan(*STRAIGHT)
+    wait_until(stage.drives, 10, "motion")
+    wait_until(lambda: stage.status().status == 1, 5, "an ALGORITHM failure")
+    assert list(stage.status().src_algorithms) == ["Stanley"]
+    assert "no progress" in stage.status().msg
+    assert stage.drives()
+    stage.at = (0.1, 0.0)
+    wait_until(lambda: stage.status().status == 0, 5, "health")
+    assert list(stage.status().src_algorithms) == []
 
 
 def test_an_unknown_algorithm_is_refused_and_nothing_changes(run: Run) -> None:

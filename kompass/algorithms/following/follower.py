@@ -132,6 +132,11 @@ class PathFollower(ABC):
         self._poses = given
         self._phase = "driving"
 
+    def take_over(self, other: PathFollower) -> None:
+        """Go on where another follower is: same path, same place on it, same velocity."""
+        self._poses, self._tracker = other._poses, other._tracker
+        self._phase, self._last = other._phase, other._last
+
     def reset(self) -> None:
         """Forget the commanded velocity, after something else has driven or stopped the robot."""
         self._last = Command()
