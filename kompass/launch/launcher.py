@@ -22,6 +22,7 @@ from kompass.monitor.catalog import RecipeCatalog
 from kompass.monitor.checking import check_recipe
 from kompass.monitor.process import NAME, run_monitor
 from kompass.recipe.table import recipe_rules
+from kompass.recorder.process import flight_recorder
 from kompass.robot import RobotConfig, RobotFrames
 
 
@@ -72,6 +73,7 @@ class Launcher(FailurePolicies, OlderNames):
         super().__init__()
         self._activate: list[str] = []
         self._threaded: list[Component] = []
+        self._recorder: list[ProcessSpec] = []
         self._events_actions: dict[Any, Any] = {}
 
     def kompass(
@@ -241,7 +243,8 @@ class Launcher(FailurePolicies, OlderNames):
             own.append(self._monitor())
         names = [name for spec in own for name in spec.names]
         # A node of the recipe's own takes the place of a companion of that name.
-        beside = [spec for spec in companions() if not set(spec.names) & set(names)]
+        more = [*self._recorder, *companions()]
+        beside = [spec for spec in more if not set(spec.names) & set(names)]
         names += [name for spec in beside for name in spec.names]
         held = claim(names, self.namespace)
         try:
@@ -271,8 +274,10 @@ class Launcher(FailurePolicies, OlderNames):
         catalog = RecipeCatalog(self._components, rules)
         check_recipe(rules.table, catalog)
 
+        recording, self._recorder = flight_recorder(self._components, self.namespace)
+
         def main(report: Report) -> None:
-            run_monitor(rules, catalog, report, spec.inbox, self.namespace)
+            run_monitor(rules, catalog, report, spec.inbox, self.namespace, recording)
 
         spec = ProcessSpec(name=NAME, main=main, names=[NAME], listens=True)
         return spec

@@ -93,6 +93,19 @@ class Lane:
         words[_HEAD] = at + size
         return True
 
+    def wait_for_disk(self, timeout: float) -> bool:
+        """Wait until all that is on the lane now is on disk; False when it is not in time.
+
+        From any thread.
+        """
+        head = self._words[_HEAD]
+        deadline = time.monotonic() + timeout
+        while self._words[_TAIL] < head:
+            if time.monotonic() >= deadline:
+                return False
+            time.sleep(0.02)
+        return True
+
     def _copy_in(self, at: int, data: bytes) -> None:
         begin = at % self._capacity
         room = self._capacity - begin

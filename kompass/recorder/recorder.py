@@ -9,34 +9,27 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
-from kompass.recorder.definitions import definition
-from kompass.recorder.engine_memory import RESUMED, EngineMemory
+from kompass.recorder.engine_memory import EngineMemory
+from kompass.recorder.keeping import KEEP, Keep, Keeps
 from kompass.recorder.lane import Frame, Lane
+from kompass.recorder.places import ring_folder
 from kompass.recorder.recording import Recording, messages
-from kompass.recorder.ring import REPEAT, Bounds, Ring, Stream, ring_files
+from kompass.recorder.ring import Bounds, Ring, ring_files
+from kompass.recorder.streams import (
+    EVENTS,
+    REPEAT,
+    Stream,
+    event_json,
+    message_stream,
+    read_event,
+)
 from kompass.recorder.taps import Taken
-from kompass.rulebook.tape import Lost, to_data
+from kompass.rulebook.tape import Began, Lost, Swapped, TapeEvent, from_data
 
 log = logging.getLogger("kompass.recorder")
 
-ENGINE_TOPIC = "/monitor/engine"
 FLUSH_PERIOD = 1.0  # s, after which what was heard survives the death of everything
 CROWDED = 0.3  # part of the lane, beyond which it is not put off
-
-_EVENT_SCHEMA = json.dumps(
-    {
-        "title": "kompass.EngineEvent",
-        "type": "object",
-        "properties": {
-            "kind": {"type": "string"},
-            "data": {"type": "object", "additionalProperties": True},
-        },
-        "required": ["kind", "data"],
-    }
-).encode()
-_EVENTS = Stream(
-    ENGINE_TOPIC, "json", ("kompass.EngineEvent", "jsonschema", _EVENT_SCHEMA), "events"
-)
 
 
 class Recorder:
@@ -46,8 +39,8 @@ class Recorder:
     ----------
     lane
         From the monitor.
-    folder
-        Of the ring.
+    recordings
+        Folder of all recordings.
     resolve
         What a topic of the rules is called on the graph.
     leave_out
@@ -64,13 +57,15 @@ class Recorder:
     def __init__(
         self,
         lane: Lane,
-        folder: Path,
+        recordings: Path,
         resolve: Callable[[str], str],
-        leave_out: Callable[[Collection[str]], None],
+        leave_out: Callable[[Collection[str]], object],
         bounds: Bounds = Bounds(),  # noqa: B008 - immutable
     ) -> None:
         self._lane, self._resolve, self._leave_out = lane, resolve, leave_out
         metadata = {"life": str(lane.life), "offset_ns": str(lane.offset_ns)}
+        folder = ring_folder(recordings)
+        self._keeps = Keeps(recordings)
         self._ring = Ring(folder, metadata, self._now, bounds, self._file_begins)
         self._memory = EngineMemory()
         self._streams: dict[tuple[str, str, str], Stream] = {}
@@ -80,9 +75,9 @@ class Recorder:
         self._pick_up(folder)
 
     @property
-    def ring(self) -> Ring:
-        """Where it all goes."""
-        return self._ring
+    def engine_topics(self) -> set[str]:
+        """Topics (as on the graph) that the engine supplies."""
+        return {self._resolve(name) for name in self._memory.topics}
 
     def _now(self) -> int:
         return time.monotonic_ns() + self._lane.offset_ns
@@ -94,6 +89,7 @@ class Recorder:
         now = time.monotonic()
         if now - self._flushed >= FLUSH_PERIOD or self._lane.fill > CROWDED:
             self.flush()
+            self._keeps.carry_out(self._now())
 
     def flush(self) -> None:
         """Bring all to disk. When that cannot be done, say so in the log and in the recording."""
@@ -136,44 +132,49 @@ class Recorder:
             self._lost(at, missing, "the recorder did not keep up")
         self._sequence = frame.sequence
         if frame.is_event:
-            self._event(frame.topic, json.loads(frame.raw), at, frame.sequence)
+            try:
+                self._event(frame.topic, json.loads(frame.raw), at, frame.sequence)
+            except (ValueError, TypeError) as error:
+                log.error("an event of the engine is not recorded: %s", error)
+                self._lost(at, 1, "an event could not be understood")
             return
         stream = self._stream(self._resolve(frame.topic), frame.type, "engine", frame.topic)
         self._ring.write(stream, at, frame.raw, frame.sequence, repeat=True)
 
     def _event(self, kind: str, data: dict[str, Any], at: int, sequence: int) -> None:
-        text = json.dumps({"kind": kind, "data": data}, separators=(",", ":"))
-        self._ring.write(_EVENTS, at, text.encode(), sequence)
-        self._memory.take(kind, data)
-        if kind in ("began", "swapped"):
-            names = {self._resolve(name) for name in self._memory.topics}
+        if kind == KEEP:
+            self._keeps.order(Keep(**data))
+            return
+        event = from_data(kind, data)
+        self._write_event(event, at, sequence)
+        self._memory.take(event)
+        if isinstance(event, Began | Swapped):
+            names = self.engine_topics
             self._leave_out(names)
             # An engine that begins has heard nothing yet.
-            self._ring.keep_only("engine", names if kind == "swapped" else ())
+            self._ring.keep_only("engine", names if isinstance(event, Swapped) else ())
+
+    def _write_event(self, event: TapeEvent, at: int, sequence: int = 0) -> None:
+        data = event_json(event, at - self._lane.offset_ns)
+        self._ring.write(EVENTS, at, data, sequence or self._sequence)
 
     def _lost(self, at: int, number: int, reason: str) -> None:
-        kind, data = to_data(Lost((at - self._lane.offset_ns) * 1e-9, number, reason))
-        text = json.dumps({"kind": kind, "data": data}, separators=(",", ":"))
-        self._ring.write(_EVENTS, at, text.encode(), self._sequence)
+        self._write_event(Lost((at - self._lane.offset_ns) * 1e-9, number, reason), at)
 
     def _stream(self, name: str, kind: str, source: str, rule_topic: str) -> Stream:
         key = (name, kind, source)
         found = self._streams.get(key)
         if found is None:
-            text = definition(kind)
-            schema = (kind, "ros2msg" if text else "", text.encode())
-            metadata = (("rule_topic", rule_topic), ("offered_qos_profiles", ""))
-            found = self._streams[key] = Stream(name, "cdr", schema, source, metadata)
+            found = self._streams[key] = message_stream(name, kind, source, rule_topic)
         return found
 
     # -- files that stand alone ---------------------------------------------------------------
 
     def _file_begins(self, at: int) -> None:
         """Say in a new file which table is in force."""
-        data = self._memory.resumed((at - self._lane.offset_ns) * 1e-9)
-        if data is not None:
-            text = json.dumps({"kind": RESUMED, "data": data}, separators=(",", ":"))
-            self._ring.write(_EVENTS, at, text.encode(), self._sequence)
+        resumed = self._memory.resumed((at - self._lane.offset_ns) * 1e-9)
+        if resumed is not None:
+            self._write_event(resumed, at)
 
     def _pick_up(self, folder: Path) -> None:
         """Go on where an earlier recorder of the same stack was killed."""
@@ -182,14 +183,10 @@ class Recorder:
                 return
             for message in messages(recording.files, lambda track: bool(track.source)):
                 track = message.track
-                if track.source == "events":
-                    event = json.loads(message.data)
-                    self._memory.take(event["kind"], event["data"])
-                    self._sequence = max(self._sequence, message.sequence)
-                    continue
                 self._sequence = max(self._sequence, message.sequence)
-                if track.source != "tap":
+                if track.source == EVENTS.source:
+                    self._memory.take(read_event(message.data).event)
+                elif track.source != "tap":
                     source = track.source.removesuffix(REPEAT)
                     stream = self._stream(track.topic, track.type, source, track.rule_topic)
                     self._ring.remember(stream, message.data, message.publish_time)
-        self._leave_out({self._resolve(name) for name in self._memory.topics})

@@ -25,9 +25,11 @@ class Track(NamedTuple):
     Attributes
     ----------
     source
-        As in :class:`kompass.recorder.ring.Stream`; empty for a file of another recorder.
+        As in :class:`kompass.recorder.streams.Stream`; empty for a file of another recorder.
     rule_topic
         The topic's name in the rules.
+    schema
+        Name, encoding and text of the definition of its messages.
     """
 
     topic: str
@@ -35,6 +37,7 @@ class Track(NamedTuple):
     encoding: str
     source: str
     rule_topic: str
+    schema: tuple[str, str, bytes]
     channel: Channel
 
 
@@ -60,11 +63,6 @@ class File(NamedTuple):
     def life(self) -> str:
         """The life of the stack that it was written in; empty for a file of another recorder."""
         return self.contents.metadata.get("kompass", {}).get("life", "")
-
-    @property
-    def offset_ns(self) -> int:
-        """Nanoseconds of ``log_time`` at monotonic zero."""
-        return int(self.contents.metadata.get("kompass", {}).get("offset_ns", "0"))
 
 
 class Recording:
@@ -117,15 +115,16 @@ class Recording:
         """Nanoseconds of the last message; 0 for an empty recording."""
         return max((f.contents.end_time for f in self.files), default=0)
 
-    def lives(self) -> list[list[File]]:
-        """Files by the life of the stack that they were written in, in order."""
-        found: list[list[File]] = []
-        for file in self.files:
-            if found and found[-1][0].life == file.life:
-                found[-1].append(file)
-            else:
-                found.append([file])
-        return found
+
+def lives(files: Sequence[File]) -> list[list[File]]:
+    """Files by the life of the stack that they were written in, in order."""
+    found: list[list[File]] = []
+    for file in files:
+        if found and found[-1][0].life == file.life:
+            found[-1].append(file)
+        else:
+            found.append([file])
+    return found
 
 
 def messages(
@@ -230,6 +229,7 @@ def _tracks(contents: Contents) -> dict[int, Track]:
             encoding=channel.message_encoding,
             source=channel.metadata.get("source", "") if contents.metadata.get("kompass") else "",
             rule_topic=channel.metadata.get("rule_topic") or channel.topic.removeprefix("/"),
+            schema=(schema.name, schema.encoding, schema.data) if schema else ("", "", b""),
             channel=channel,
         )
     return made

@@ -16,13 +16,13 @@ from kompass.recorder.contents import NotMcap
 from kompass.recorder.mcap_writer import McapWriter
 from kompass.recorder.places import SUFFIX
 from kompass.recorder.recover import recover
+from kompass.recorder.streams import REPEAT, Stream
 
 log = logging.getLogger("kompass.recorder")
 
 _NAME = re.compile(r"(\d{8})-\d{8}T\d{6}Z\.mcap")
 # What these minutes may never do is fill the disk.
 RESERVE = 64 << 20  # bytes that stay free for others
-REPEAT = " repeat"
 LARGEST_REPEAT = 1 << 20  # bytes of a message, beyond which a new file does not begin with it
 
 
@@ -33,25 +33,6 @@ class Bounds(NamedTuple):
     age: float = 900.0  # s
     file_size: int = 16 << 20
     file_age: float = 30.0
-
-
-class Stream(NamedTuple):
-    """What messages of one kind are written under.
-
-    Attributes
-    ----------
-    source
-        ``engine``: as the rules heard it · ``tap``: as the recorder heard it · either with
-        `` repeat``: said before the file began, and valid still · ``events``: what the engine did.
-    schema
-        Name, encoding and text of the definition.
-    """
-
-    topic: str
-    encoding: str
-    schema: tuple[str, str, bytes]
-    source: str
-    metadata: tuple[tuple[str, str], ...] = ()
 
 
 class RingInUse(RuntimeError):
@@ -193,11 +174,11 @@ class Ring:
         writer = McapWriter(self._folder / f"{number:08d}-{stamp}{SUFFIX}")
         writer.add_metadata("kompass", self._metadata)
         self._writer, self._channels, self._began = writer, {}, self._clock()
+        self._begins(log_time)
         for stream, data, said in self._latest.values():
             again = stream._replace(source=f"{stream.source}{REPEAT}")
             channel = self._channel(writer, again)
             writer.add_message(channel, log_time, data, said)
-        self._begins(log_time)
         return writer
 
     def _channel(self, writer: McapWriter, stream: Stream) -> int:

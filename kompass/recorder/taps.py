@@ -57,14 +57,10 @@ class Taps:
     ----------
     node
         Must not be in an executor.
-    take
-        Gets what arrived.
     """
 
-    def __init__(
-        self, node: Node, topics: Iterable[TapTopic], take: Callable[[Taken], None]
-    ) -> None:
-        self._node, self._take = node, take
+    def __init__(self, node: Node, topics: Iterable[TapTopic]) -> None:
+        self._node = node
         self._taps = {}
         for topic in topics:
             try:
@@ -109,13 +105,18 @@ class Taps:
                 tap.offer = best
                 self._open(tap)
 
-    def drain(self) -> None:
+    def drain(self, take: Callable[[Taken], None]) -> None:
         """Take all that has arrived."""
         for tap in self._taps.values():
             if tap.subscription is not None:
-                self._drain(tap)
+                self._drain(tap, take)
 
-    def _drain(self, tap: _Tap) -> None:
+    def close(self) -> None:
+        """Listen no more."""
+        for tap in self._taps.values():
+            self._close(tap)
+
+    def _drain(self, tap: _Tap, take: Callable[[Taken], None]) -> None:
         handle = tap.subscription.handle
         period = int(tap.topic.period * 1e9)
         latched = tap.offer[1] == DurabilityPolicy.TRANSIENT_LOCAL
@@ -126,7 +127,7 @@ class Taps:
             if latched or at - tap.last >= period:
                 tap.last = at
                 sent = info["source_timestamp"] or at
-                self._take(Taken(tap.topic, tap.name, latched, at, sent, raw))
+                take(Taken(tap.topic, tap.name, latched, at, sent, raw))
 
     def _open(self, tap: _Tap) -> None:
         qos = QoSProfile(depth=DEPTH, reliability=tap.offer[0], durability=tap.offer[1])
@@ -134,7 +135,6 @@ class Taps:
 
     def _close(self, tap: _Tap) -> None:
         if tap.subscription is not None:
-            self._drain(tap)
             self._node.destroy_subscription(tap.subscription)
             tap.subscription = None
 

@@ -1,0 +1,97 @@
+"""The flight recorder, as the monitor sees it."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+from rclpy.executors import Executor
+from rclpy.node import Node
+
+from kompass.monitor.tape import NoTape, Tape
+from kompass.recorder.backtest_server import BacktestServer
+from kompass.recorder.keeping import KEEP, Keeper
+from kompass.recorder.lane import Lane
+from kompass.recorder.places import saved_path
+from kompass.recorder.tape import LaneTape
+from kompass.recorder.worker import Worker
+from kompass.rulebook.journal import FiringRecord
+from kompass.rules.table import Severity
+
+SETTLE = 3.0  # s within which what was just heard must be on disk
+
+
+class NotRecording(RuntimeError):
+    """The flight recorder is off."""
+
+
+class FlightRecorder:
+    """A :class:`kompass.monitor.recording.Recording`.
+
+    Parameters
+    ----------
+    recordings
+        Folder of all recordings.
+    lane
+        To the recorder's process; None when nothing is recorded.
+    least
+        Severity from which on firings are kept; None for none.
+    """
+
+    def __init__(self, recordings: Path, lane: Lane | None, least: Severity | None) -> None:
+        self._recordings, self._lane = recordings, lane
+        self.tape: Tape = NoTape() if lane is None else LaneTape(lane)
+        self._keeper = Keeper(recordings, least)
+        self._store: Any = None
+        self._server: BacktestServer | None = None
+
+    def start(self, node: Node, executor: Executor, store: Any) -> None:
+        """Offer ``~/backtest_rules``."""
+        self._store = store
+        self._server = BacktestServer(node, executor, self._recordings)
+
+    def fired(self, entry: FiringRecord) -> None:
+        """Have what surrounds a firing kept, if it is severe enough."""
+        if entry.kind != "firing" or self._lane is None:
+            return
+        now_ns = time.monotonic_ns()
+        keep = self._keeper.fired(entry.rule_id, entry.severity, now_ns + self._lane.offset_ns)
+        if keep is not None:
+            self._lane.write(now_ns, True, KEEP, "", json.dumps(keep._asdict()).encode())
+            if self._store is not None:
+                self._store.keep_recording(entry.number, keep.path)
+
+    def save(self, seconds: float, name: str) -> str:
+        """Keep the last seconds (0: all there is) under a name; the path of the file.
+
+        Raises
+        ------
+        NotRecording
+            When nothing is recorded.
+        BadName
+            When the name could leave the folder of kept recordings.
+        ValueError
+            When ``seconds`` is no length of time.
+        WorkerFailed
+            When there is such a file already, nothing to keep, or the disk is full.
+        """
+        if self._lane is None:
+            raise NotRecording(
+                "the flight recorder is off; start the stack without --no-record (KOMPASS_RECORD=0)"
+            )
+        if not (math.isfinite(seconds) and seconds >= 0):
+            raise ValueError(f"seconds = {seconds!r} is no length of time; give 0 for all there is")
+        name = name or time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
+        path = saved_path(self._recordings, name)
+        self._lane.wait_for_disk(SETTLE)
+        job = {"kind": "save", "recordings": str(self._recordings), "path": str(path)}
+        with Worker(**job, seconds=seconds) as worker:
+            return str(worker.answer())
+
+    def close(self) -> None:
+        """End back-tests under way."""
+        if self._server is not None:
+            self._server.close()
