@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -39,6 +39,7 @@ from kompass_console.api.rule_models import (
     ProbeRequest,
     RulesLive,
 )
+from kompass_console.body_limit import BodyLimit
 from kompass_console.console import Console
 from kompass_console.errors import ConsoleError
 from kompass_console.state import build_state
@@ -107,7 +108,8 @@ def create_app(console: Console | None) -> FastAPI:
         return openapi(app)
 
     app.include_router(page.router)  # last: it takes every path that is left
-    app.add_middleware(
+    app.add_middleware(BodyLimit)
+    app.add_middleware(  # the last added is the first to see a request
         WebGuard, allow_hosts=() if console is None else console.settings.allow_hosts
     )
     app.add_exception_handler(ConsoleError, _console_error)
@@ -136,7 +138,7 @@ def _builder(console: Console) -> Any:
 
 
 def _answer(
-    status: int, title: str, remedy: str, headers: dict[str, str] | None = None
+    status: int, title: str, remedy: str, headers: Mapping[str, str] | None = None
 ) -> Response:
     body = ErrorAnswer(detail=ErrorDetail(title=title, remedy=remedy))
     return JSONResponse(body.model_dump(), status, headers)
@@ -144,7 +146,7 @@ def _answer(
 
 async def _console_error(_: Request, error: Exception) -> Response:
     assert isinstance(error, ConsoleError)
-    return _answer(error.status, error.title, error.remedy, error.headers)
+    return _answer(error.status_code, error.title, error.remedy, error.headers)
 
 
 async def _invalid(_: Request, error: Exception) -> Response:

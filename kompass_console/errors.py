@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from starlette.exceptions import HTTPException
 
-class ConsoleError(Exception):
+
+class ConsoleError(HTTPException):
     """An answer other than success: HTTP status, one sentence of what and why, one of remedy."""
 
     def __init__(
         self, status: int, title: str, remedy: str, headers: Mapping[str, str] | None = None
     ) -> None:
-        super().__init__(title)
-        self.status = status
+        super().__init__(status, title, dict(headers or {}))
         self.title = title
         self.remedy = remedy
-        self.headers = dict(headers or {})

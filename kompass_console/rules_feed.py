@@ -11,6 +11,8 @@ import contextlib
 import logging
 from collections.abc import Iterator
 
+from pydantic import TypeAdapter
+
 from kompass.rulebook.status import RuleStatus
 from kompass_console.api.rule_models import RulesLive
 from kompass_console.link.rules import Rules
@@ -19,6 +21,7 @@ _PERIOD = 0.2  # s between two messages
 _SILENCE = 1.0  # s after which a page is told even so: ages grow, and silence is news
 _STEPS = 100  # in one message
 
+_STATUSES = TypeAdapter(list[RuleStatus])
 _logger = logging.getLogger(__name__)
 
 
@@ -49,7 +52,7 @@ class RulesFeed:
         self._spoken = asyncio.Event()
         self._rules: Rules | None = None
         self._robot = ""
-        self._unreadable = ""
+        self._seen = ("", "[]")
 
     @property
     def count(self) -> int:
@@ -96,20 +99,28 @@ class RulesFeed:
             probation_left=info.probation_left,
             notice=info.notice,
             robot=self._robot,
-            statuses=self._statuses(),
+            statuses=[],
             firings=steps,
             missed=max(0, count - told - len(steps)),
             alarms=list(self._rules.alarms()),
             age=info.age,
         )
-        return live.model_dump_json(), count
+        head = live.model_dump_json(exclude={"statuses"})
+        return f'{head[:-1]},"statuses":{self._statuses()}}}', count
 
-    def _statuses(self) -> list[RuleStatus]:
+    def _statuses(self) -> str:
+        """Looked at once, however many pages get it."""
         assert self._rules is not None
-        try:
-            return self._rules.statuses()
-        except ValueError as error:
-            if str(error) != self._unreadable:  # once, not five times a second
-                self._unreadable = str(error)
-                _logger.error("the monitor's rules_state cannot be read: %s", error)
-            return []
+        said = self._rules.statuses()
+        if said is not self._seen[0]:
+            self._seen = said, said if _readable(said) else "[]"
+        return self._seen[1]
+
+
+def _readable(statuses: str) -> bool:
+    try:
+        _STATUSES.validate_json(statuses)
+    except ValueError as error:
+        _logger.error("what the monitor says of the rules cannot be read: %s", error)
+        return False
+    return True

@@ -44,6 +44,7 @@ class Console:
         self.tokens = {
             "operator": self.token or secrets.token_urlsafe(24),
             "viewer": secrets.token_urlsafe(24),
+            "engineer": secrets.token_urlsafe(24),
         }
 
     def _listen(self) -> socket.socket:
@@ -70,7 +71,11 @@ class Console:
 
     def announce(self) -> None:
         """Print the addresses."""
-        typer.echo(f"\n  Console:    {self.url()}\n  To watch:   {self.url('viewer')}\n")
+        typer.echo(
+            f"\n  Console:    {self.url()}"
+            f"\n  To watch:   {self.url('viewer')}"
+            f"\n  Engineer:   {self.url('engineer')}\n"
+        )
 
     def serve(self, report: Report | None = None) -> None:
         """Serve until SIGTERM or SIGINT."""

@@ -27,13 +27,16 @@ def build_state(seq: int, robot_name: str, world: World, link: RosLink, viewers:
         m = motion.value
         pose = PoseInfo(x=m.pose.x, y=m.pose.y, yaw=m.pose.yaw, v=m.v, w=m.w, age=motion.age())
     rate = link.streams.simulation_rate
+    streams = link.streams.infos()
     return State(
         seq=seq,
         time=time.time(),
         robot=RobotInfo(name=robot_name, radius=robot_radius(world)),
         pose=pose,
-        streams=link.streams.infos(),
-        components=link.components.infos(link.processes.of),
+        streams=streams,
+        components=link.components.infos(
+            link.processes.of, lambda name: link.inputs.infos(name, streams)
+        ),
         drive=link.drive.info(),
         goal=link.goals.follower.info(),
         simulation=None if rate is None else SimulationInfo(rate=rate.value, age=rate.age()),

@@ -1,4 +1,4 @@
-"""Tables on their way through the console: bounded, read beside the event loop, and handed on as
+"""Tables on their way through the console: read beside the event loop, and handed on as
 they came. The monitor judges them; a console that judged too would only disagree one day."""
 
 from __future__ import annotations
@@ -12,8 +12,6 @@ from pydantic import BaseModel, ValidationError
 
 from kompass_console.api.models import ErrorDetail
 from kompass_console.errors import ConsoleError
-
-LARGEST_TABLE = 4 * 2**20  # bytes; a rule is about 1 kB
 
 _Envelope = TypeVar("_Envelope", bound=BaseModel)
 
@@ -29,33 +27,9 @@ def body_of(model: type[BaseModel]) -> dict[str, Any]:
 async def read_table(request: Request, rest: type[_Envelope]) -> tuple[str, _Envelope]:
     """The table of a request as JSON text, and what else its body says.
 
-    Raises ConsoleError 413 for a body that is too large, before any of it is parsed, and 422 for
-    one that is no JSON object with a table.
+    Raises ConsoleError 422 for a body that is no JSON object with a table.
     """
-    raw = await _bounded(request)
-    return await asyncio.to_thread(_split, raw, rest)
-
-
-async def _bounded(request: Request) -> bytes:
-    chunks, size = [], 0
-    announced = request.headers.get("content-length", "")
-    if announced.isdigit() and int(announced) > LARGEST_TABLE:
-        raise _too_large(int(announced))
-    async for chunk in request.stream():
-        size += len(chunk)
-        if size > LARGEST_TABLE:
-            raise _too_large(size)
-        chunks.append(chunk)
-    return b"".join(chunks)
-
-
-def _too_large(size: int) -> ConsoleError:
-    return ConsoleError(
-        413,
-        f"The table is too large: {size / 2**20:.1f} MB, and at most "
-        f"{LARGEST_TABLE / 2**20:.0f} MB can be sent.",
-        "Split it, or remove rules that are not needed.",
-    )
+    return await asyncio.to_thread(_split, await request.body(), rest)
 
 
 def _split(raw: bytes, rest: type[_Envelope]) -> tuple[str, _Envelope]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, JsonValue
 
@@ -194,3 +194,15 @@ class ProbeReading(BaseModel):
     clear_leaves: list[LeafReading]
     clear_verdict: bool | None
     error: str
+
+    @classmethod
+    def failed(cls, probe_id: str, error: str) -> Self:
+        """Of a condition that cannot be looked at."""
+        return cls(
+            id=probe_id,
+            leaves=[],
+            verdict=None,
+            clear_leaves=[],
+            clear_verdict=None,
+            error=error,
+        )

@@ -133,12 +133,12 @@ async def _change(
     console.audit.record(
         session.user, session.role, what, outcome, in_force=int(answer.revision), **details
     )
-    if answer.outcome == ApplyRules.Response.APPLIED:
+    if answer.outcome == ApplyRules.Request.APPLIED:
         return passed_on(answer.answer)
-    if answer.outcome == ApplyRules.Response.CONFLICT:
+    if answer.outcome == ApplyRules.Request.CONFLICT:
         remedy = "Look at both changes, choose what to keep, and apply again."
         return refusal(409, outcome, remedy, "conflict", answer.answer)
-    if answer.outcome == ApplyRules.Response.REFUSED:
+    if answer.outcome == ApplyRules.Request.REFUSED:
         remedy = "Correct what the findings name, and apply again."
         return refusal(422, outcome, remedy, "report", answer.answer)
     raise ConsoleError(

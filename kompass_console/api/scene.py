@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Response, WebSocket
 
 from kompass_console.api.access import CurrentConsole, LoggedIn, console_of, session_of
-from kompass_console.api.state import NOT_LOGGED_IN
+from kompass_console.api.sockets import NOT_LOGGED_IN
 from kompass_console.api.views import unknown_view
 from kompass_console.errors import ConsoleError
 from kompass_console.scene_page import SCENE_POLICY, scene_page

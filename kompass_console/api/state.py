@@ -2,46 +2,33 @@
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
-
-from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
 
 from kompass_console import __version__
-from kompass_console.api.access import console_of, session_of
+from kompass_console.api.access import console_of
 from kompass_console.api.models import Hello, Ping, Pong, SessionInfo
-from kompass_console.errors import ConsoleError
+from kompass_console.api.sockets import admitted, telling, texts
 from kompass_console.state_feed import Listener
 
 router = APIRouter()
-
-NOT_LOGGED_IN = 4401  # close code
 
 
 @router.websocket("/api/state")
 async def state(websocket: WebSocket) -> None:
     """See `StateMessage` in the schema."""
-    try:
-        session = session_of(websocket)
-    except ConsoleError as error:
-        await websocket.close(NOT_LOGGED_IN, error.title)
+    session = await admitted(websocket)
+    if session is None:
         return
-    await websocket.accept()
     hello = Hello(session=SessionInfo(user=session.user, role=session.role), version=__version__)
-    with console_of(websocket).feed.listen() as listener, contextlib.suppress(WebSocketDisconnect):
-        await websocket.send_text(hello.model_dump_json())
-        pushing = asyncio.create_task(_push(websocket, listener))
-        try:
-            while True:
-                await _answer(websocket, await websocket.receive_text())
-        finally:
-            pushing.cancel()
-            with contextlib.suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
-                await pushing
+    with console_of(websocket).feed.listen() as listener:
+        async with telling(_push(websocket, hello, listener)):
+            async for text in texts(websocket):
+                await _answer(websocket, text)
 
 
-async def _push(websocket: WebSocket, listener: Listener) -> None:
+async def _push(websocket: WebSocket, hello: Hello, listener: Listener) -> None:
+    await websocket.send_text(hello.model_dump_json())
     while True:
         await websocket.send_text(await listener.get())
 

@@ -10,7 +10,7 @@ from typing import Any
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.node import Node
 
-from kompass_console.api.models import ComponentInfo, ComponentState, ProcessInfo
+from kompass_console.api.models import ComponentInfo, ComponentState, InputInfo, ProcessInfo
 from kompass_console.link.discovery import Graph, status_topics
 from kompass_console.link.reader import Reader
 from kompass_console.world import Latest
@@ -96,7 +96,11 @@ class Components:
                 self._readers.pop(name).close()
                 self._reports = {k: v for k, v in self._reports.items() if k != name}
 
-    def infos(self, process_of: Callable[[str], ProcessInfo | None]) -> list[ComponentInfo]:
+    def infos(
+        self,
+        process_of: Callable[[str], ProcessInfo | None],
+        inputs_of: Callable[[str], list[InputInfo]],
+    ) -> list[ComponentInfo]:
         """State of every component, by name."""
         infos = []
         for name, latest in sorted(self._reports.items()):
@@ -118,6 +122,7 @@ class Components:
                     src_components=list(report.components),
                     src_algorithms=list(report.algorithms),
                     process=process_of(name),
+                    inputs=inputs_of(name),
                     age=age,
                     topic="" if reader is None else reader.topic or "",
                 )

@@ -21,11 +21,13 @@ from kompass_console.link.backtests import Backtests
 from kompass_console.link.components import Components
 from kompass_console.link.drive import Drive
 from kompass_console.link.goals import Goals, pose_message
+from kompass_console.link.inputs import Inputs
 from kompass_console.link.monitor import Monitor
 from kompass_console.link.processes import Processes
 from kompass_console.link.rules import Rules
 from kompass_console.link.services import ServicePool
 from kompass_console.link.streams import Streams
+from kompass_console.link.taps import Taps
 from kompass_console.settings import ConsoleSettings
 from kompass_console.world import World
 
@@ -85,11 +87,13 @@ class RosLink:
         self.streams = Streams(self._node, world, settings.topics)
         self.processes = Processes(self._node, changed)
         self.components = Components(self._node, changed)
+        self.inputs = Inputs(self._node)
         self.drive = Drive(self._node, changed)
         self.goals = Goals(self._node, world, changed)
         self.monitor = Monitor(self._node)
         self.rules = Rules(self._node, changed, rules_said)
         self.backtests = Backtests(self._node, self._run)
+        self.taps = Taps(self._node, self._run)
         self._checks = ServicePool(self._node, CheckGoal, "kompass_interfaces/srv/CheckGoal")
         self._node.create_timer(_LOOK_AROUND, self._look_around)
         self._node.create_timer(_TICK, self.goals.tick)
@@ -159,6 +163,7 @@ class RosLink:
         services = {n: t for n, t in named.items() if self._node.count_services(n) > 0}
         self.streams.refresh(published)
         self.components.refresh(published)
+        self.inputs.refresh(self.components.names)
         self.drive.refresh(published, services)
         self.goals.refresh(published, services)
         self._checks.refresh(services)
@@ -166,3 +171,4 @@ class RosLink:
         self.rules.refresh(published)
         self.monitor.refresh(services)
         self.backtests.refresh(published)
+        self.taps.refresh(published)

@@ -14,7 +14,6 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from kompass.rulebook.alarm import Alarm
-from kompass.rulebook.status import RuleStatus
 from kompass_console.api.models import RulesInfo
 from kompass_console.api.rule_models import FiringStep
 from kompass_console.link.convert import seconds
@@ -25,7 +24,6 @@ from kompass_console.world import Latest
 AVAILABLE_WITHIN = 2.0  # s; the monitor speaks at 4 Hz while anybody listens
 
 _STEPS_KEPT = 200
-_STATUSES = TypeAdapter(list[RuleStatus])
 _ALARMS = TypeAdapter(list[Alarm])
 
 
@@ -37,7 +35,7 @@ class Said:
     confirmed: int
     probation_left: float
     notice: str
-    statuses: str  # JSON, read only when somebody wants it
+    statuses: str  # JSON, list of RuleStatus
 
     @property
     def what_matters(self) -> tuple[object, ...]:
@@ -90,13 +88,10 @@ class Rules:
             age=age,
         )
 
-    def statuses(self) -> list[RuleStatus]:
-        """How each rule is doing, as last said.
-
-        Raises ValueError when the monitor says it in words of another version.
-        """
+    def statuses(self) -> str:
+        """How each rule is doing as last said: JSON, a list of RuleStatus as the monitor says."""
         said = self._said.get()
-        return [] if said is None else _STATUSES.validate_json(said.value.statuses or "[]")
+        return "[]" if said is None else said.value.statuses or "[]"
 
     def alarms(self) -> tuple[Alarm, ...]:
         """Those that stand."""
