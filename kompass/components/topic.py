@@ -71,11 +71,15 @@ LATCHED = QoSConfig(queue_size=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SENSOR = QoSConfig(queue_size=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
+DATA_TIMEOUT = 1.0  # s
+
+
 class Topic:
     """A named stream of messages.
 
     Names are equal with and without the leading slash; without a ``qos_profile`` the component
-    that uses the topic chooses what fits the message.
+    that uses the topic chooses what fits the message. ``data_timeout`` is how long a message counts
+    in events [s]: 1 s unless stated, and without end on a latched topic (``TRANSIENT_LOCAL``).
 
     Raises
     ------
@@ -89,16 +93,19 @@ class Topic:
         name: str,
         msg_type: str | type,
         qos_profile: QoSConfig | None = None,
-        data_timeout: float = 1.0,
+        data_timeout: float | None = None,
     ) -> None:
         self.name = name.strip().removeprefix("/")
         if not self.name:
             raise ValueError(f"Topic name = {name!r} is empty")
         self.ros_msg_type = message_class(msg_type)
-        if data_timeout <= 0:
+        if data_timeout is not None and data_timeout <= 0:
             raise ValueError(f"Topic {name!r}: data_timeout = {data_timeout!r} must be above 0 s")
         self.qos_profile = qos_profile
-        self.data_timeout = float(data_timeout)
+        durability = DurabilityPolicy.VOLATILE if qos_profile is None else qos_profile.durability
+        latched = durability == DurabilityPolicy.TRANSIENT_LOCAL
+        usual = None if latched else DATA_TIMEOUT
+        self.data_timeout = usual if data_timeout is None else float(data_timeout)
 
     @property
     def msg_type(self) -> str:

@@ -2,9 +2,10 @@
 
 import pytest
 from kompass_interfaces.msg import TwistArray
+from rclpy.qos import DurabilityPolicy
 
 from kompass.components import Planner
-from kompass.components.topic import Topic
+from kompass.components.topic import QoSConfig, Topic
 from kompass.expressions import condition_of, reference_of
 from kompass.rules.conditions import AllOf, AnyOf, Compare, Not, Received
 from kompass.rules.describe import describe
@@ -95,3 +96,12 @@ def test_a_field_can_stand_for_an_argument() -> None:
 
 def test_a_condition_reads_as_one_writes_it() -> None:
     assert "status" in describe(condition_of(STATUS.msg.status == 1))
+
+
+def test_a_value_counts_for_a_second_unless_stated_and_for_ever_when_latched() -> None:
+    latched = QoSConfig(durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    assert Topic(name="mode", msg_type="Bool").data_timeout == 1.0
+    assert Topic(name="mode", msg_type="Bool", data_timeout=60.0).data_timeout == 60.0
+    assert Topic(name="mode", msg_type="Bool", qos_profile=latched).data_timeout is None
+    asked = Topic(name="mode", msg_type="Bool", qos_profile=latched, data_timeout=5.0)
+    assert asked.data_timeout == 5.0
