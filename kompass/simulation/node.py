@@ -61,6 +61,7 @@ def run_simulator(
 
     from kompass.simulation.broadcast import Broadcast
     from kompass.simulation.command_input import CommandInput
+    from kompass.simulation.costmap import Costmap
     from kompass.simulation.fault_service import FaultService
     from kompass.simulation.robot import Robot
 
@@ -75,6 +76,7 @@ def run_simulator(
             commands = CommandInput(node, robot.command)
             broken = FaultService(node, robot, orders)
             undo.callback(broken.close)
+            Costmap(node)
             loop = _Loop(robot, broadcast, commands, broken, node.get_logger().warning)
             node.create_timer(PERIOD, lambda: loop.tick(time.monotonic()))
             executor.add_node(node)
