@@ -40,7 +40,7 @@ class LintContext(NamedTuple):
     components
         Of the stack, by node name.
     verdicts
-        What each rule's condition would say if the table were in force now
+        What the conditions of new and changed rules would say if the table were in force now
         (:func:`verdicts_after`).
     publishes
         Topics that each component publishes on, without the leading slash.
@@ -57,6 +57,13 @@ class LintContext(NamedTuple):
 def verdicts_after(
     old: CompiledTable, state: State, new: CompiledTable, now: float
 ) -> dict[str, Verdict]:
-    """Return the verdict of each rule of a new table on what is known now (monotonic seconds)."""
-    carried, _ = carry(old, state, new, now)
-    return {plan.rule.id: explain(new, carried, plan.rule.id, now).verdict for plan in new.rules}
+    """Return what the conditions of new and changed rules would say right after a swap.
+
+    Unchanged rules go on as they were: nothing new is to be said of them. ``now`` is in monotonic
+    seconds; nothing is changed.
+    """
+    state_after, carried = carry(old, state, new, now)
+    return {
+        rule_id: explain(new, state_after, rule_id, now).verdict
+        for rule_id in (*carried.added, *carried.reset)
+    }

@@ -14,8 +14,9 @@ FEW = settings(EXAMPLES, max_examples=max(EXAMPLES.max_examples // 2, 1))
 
 
 def recipe(rule_id: str = "stuck", **fields: Any) -> Rule:
-    fields = {"condition": compare("a", "<", 1), "source": "recipe", "cooldown": 60.0} | fields
-    return rule(fields.pop("condition"), rule_id, **fields)
+    made = {"condition": compare("a", "<", 1), "source": "recipe", "cooldown": 60.0, **fields}
+    condition: Any = made.pop("condition")
+    return rule(condition, rule_id, **made)
 
 
 def edited(rule_id: str = "stuck", **fields: Any) -> Rule:
