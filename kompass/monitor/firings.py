@@ -14,6 +14,7 @@ from rclpy.node import Node
 from kompass.components.topic import QoSConfig
 from kompass.monitor.brief import brief
 from kompass.monitor.engine_loop import EngineLoop
+from kompass.monitor.log_line import write_log
 from kompass.monitor.outcome import Outcome
 from kompass.monitor.runs import Entry
 from kompass.rulebook.journal import ActionRecord, FiringRecord
@@ -84,9 +85,11 @@ class Firings:
 
     def acted(self, entry: Entry, number: int, outcome: Outcome) -> None:
         """One action of a run has ended."""
-        (self._log.info if outcome.ok else self._log.error)(
-            f"{entry.rule_id}: {outcome.action} "
-            f"{'done' if outcome.ok else 'failed'}: {outcome.text}"
+        how = "done" if outcome.ok else "failed"
+        write_log(
+            self._log,
+            "info" if outcome.ok else "error",
+            f"{entry.rule_id}: {outcome.action} {how}: {outcome.text}",
         )
         seconds = round(outcome.seconds, 3)
         self._actions.setdefault(number, []).append(
