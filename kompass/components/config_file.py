@@ -37,6 +37,8 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
         content = reader(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise ConfigFileError(f"{path}: there is no such configuration file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigFileError(f"{path}: cannot be read: {error}") from error
     except (yaml.YAMLError, json.JSONDecodeError, tomllib.TOMLDecodeError) as error:
         detail = " ".join(str(error).split())
         raise ConfigFileError(f"{path}: not well formed: {detail}") from error

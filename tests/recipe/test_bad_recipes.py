@@ -1,0 +1,159 @@
+"""A recipe with a mistake is refused before anything moves: file, line, field, remedy, one line."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+GOOD = """\
+from kompass import event
+from kompass.actions import Action, ComponentActions, LogInfo, update_parameter
+from kompass.components import Controller, DriveManager, LocalMapper, Planner, PlannerConfig
+from kompass.ros import Event, Launcher, Topic
+
+planner, driver, mapper = Planner(), DriveManager(), LocalMapper()
+number = Topic(name="/number", msg_type="Float64")
+events = {}
+launcher = Launcher()
+MISTAKE
+launcher.kompass(components=[planner, driver, mapper], events_actions=events)
+launcher.bringup()
+"""
+LINE = GOOD.splitlines().index("MISTAKE") + 1
+BRINGUP = LINE + 2
+
+
+class Mistake(NamedTuple):
+    """A line of a recipe, where it is told of, and what must be said."""
+
+    text: str
+    said: str
+    line: int = LINE
+
+
+MISTAKES = {
+    "unknown attribute": Mistake(
+        "planner.status_topic.msg.statuss == 1",
+        r"ComponentStatus has no field 'statuss'; did you mean 'status'\?",
+    ),
+    "wrong type": Mistake(
+        "Event(number.msg.data == 'high')", r"/number data == 'high': it is a number, and .* text"
+    ),
+    "unknown message type": Mistake(
+        "Topic(name='/scan', msg_type='LaserScann')", r"msg_type = 'LaserScann': no such message"
+    ),
+    "unknown attribute of an older event": Mistake(
+        "event.OnEqual('e', number, 1.0, ['dta'])", r"no field 'dta'; did you mean 'data'\?"
+    ),
+    "missing component method": Mistake(
+        "Action(driver.move_to_unblok)", r"no attribute 'move_to_unblok'"
+    ),
+    "method that rules may not call": Mistake(
+        "Action(driver.publish_status)", r"drive_manager\.publish_status cannot be called by a rule"
+    ),
+    "wrong arguments": Mistake(
+        "Action(driver.move_forward, kwargs={'distance': 1.0})",
+        r"move_forward\(max_distance: 'float'\).* does not take|move_forward\(.*does not take",
+    ),
+    "missing argument": Mistake(
+        "events[Event(number)] = Action(driver.move_forward)",
+        r"lacks max_distance; give it with args or kwargs",
+        BRINGUP,
+    ),
+    "unknown parameter": Mistake(
+        "update_parameter(component=driver, param_name='scan_timeot', new_value=1.0)",
+        r"'scan_timeot' is not a setting of DriveManagerConfig; did you mean 'scan_timeout'\?",
+    ),
+    "parameter out of range": Mistake(
+        "update_parameter(component=driver, param_name='scan_timeout', new_value=-1.0)",
+        r"'scan_timeout' = -1\.0: .*greater than",
+    ),
+    "setting out of range": Mistake("PlannerConfig(loop_rate=-1.0)", r"loop_rate = -1\.0: .*great"),
+    "mistyped setting": Mistake("PlannerConfig(loop_rat=1.0)", r"loop_rat"),
+    "duplicate id": Mistake(
+        "events.update({event.OnAny('same', number): LogInfo(msg='a'), "
+        "event.OnAny('same', mapper.status_topic): LogInfo(msg='b')})",
+        r"two events are called 'same'; names must differ",
+        BRINGUP,
+    ),
+    "duplicate component": Mistake(
+        "launcher.kompass(components=[Planner(), Planner()])",
+        r"two components are called 'planner'; names must differ",
+    ),
+    "missing configuration": Mistake(
+        "Planner(config_file='nowhere.yaml')", r"nowhere\.yaml: there is no such configuration file"
+    ),
+    "unreadable configuration": Mistake(
+        "Planner(config_file=__file__)", r"a configuration file ends in \.yaml, \.yml"
+    ),
+    "action of a component that is not there": Mistake(
+        "events[Event(number)] = Action(Controller().restart)",
+        r"'controller' is not among the components of the launcher; those are planner, drive_man",
+        BRINGUP,
+    ),
+    "no event": Mistake(
+        "events['battery low'] = LogInfo(msg='x')", r"'battery low' is not an event", BRINGUP
+    ),
+    "no action": Mistake("events[Event(number)] = print", r"is not an action", BRINGUP),
+    "python's own and": Mistake(
+        "Event((number.msg.data > 1) and (number.msg.data < 2))", r"combine conditions with & \| ~"
+    ),
+}
+
+
+# The command itself, forked from an interpreter that has imported all: a second each is saved.
+FORKER = """
+import os, sys, traceback
+import kompass_console.cli, kompass_console.stack, kompass.ros, kompass.actions
+for recipe in sys.argv[1:]:
+    pid = os.fork()
+    if pid == 0:
+        said = os.open(recipe + ".said", os.O_WRONLY | os.O_CREAT)
+        os.dup2(said, 1), os.dup2(said, 2)
+        sys.argv = ["kompass-console", "run", recipe, "--no-browser", "--port", "0"]
+        code = 0
+        try:
+            kompass_console.cli.main()
+        except SystemExit as ended:
+            code = ended.code
+        except BaseException:
+            traceback.print_exc()
+            code = 99
+        sys.stdout.flush(), sys.stderr.flush()
+        os._exit(code)
+    _, status = os.waitpid(pid, 0)
+    print(os.waitstatus_to_exitcode(status), flush=True)
+"""
+
+
+@pytest.fixture(scope="module")
+def refused(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str]]:
+    """The exit code and the words of each bad recipe."""
+    folder = tmp_path_factory.mktemp("bad")
+    recipes = []
+    for number, mistake in enumerate(MISTAKES.values()):
+        recipes.append(folder / f"bad_{number}.py")
+        recipes[-1].write_text(GOOD.replace("MISTAKE", mistake.text))
+    ran = subprocess.run(
+        [sys.executable, "-c", FORKER, *map(str, recipes)],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=True,
+    )
+    codes = map(int, ran.stdout.split())
+    said = [Path(f"{recipe}.said").read_text() for recipe in recipes]
+    return dict(zip(MISTAKES, zip(codes, said, strict=True), strict=True))
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_told_in_one_line(refused: dict[str, tuple[int, str]], name: str) -> None:
+    (code, output), mistake = refused[name], MISTAKES[name]
+    assert code == 3, output
+    said = [line for line in output.splitlines() if line and "http://" not in line]
+    assert len(said) == 1, output
+    assert re.search(rf"bad_\d+\.py:{mistake.line}: \w+: ", said[0]), said[0]
+    assert re.search(mistake.said, said[0]), said[0]

@@ -1,0 +1,184 @@
+"""What dies, hangs or goes blind on a driving robot is noticed in time, answered, and mended."""
+
+import json
+import os
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from automatika_ros_sugar.msg import ComponentStatus
+from automatika_ros_sugar.srv import ChangeParameter
+from kompass_interfaces.msg import RuleFiring, StackState
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+
+from tests.support.processes import wait_until
+from tests.support.robot import LATCHED, Robot
+from tests.support.stack import Stack
+
+pytestmark = pytest.mark.ros
+
+RECIPE = Path(__file__).parents[1] / "recipes" / "supervised_robot.py"
+HEALTHY, COMPONENT, SYSTEM = 0, 2, 3
+SUCCEEDED = 4
+# Places to drive to and fro between, with room all around.
+PLACES = ((-1.5, 0.5), (-1.5, -0.6))
+
+
+class Watched(Robot):
+    """A robot whose firings and processes are watched; it lends its scan to the mapper."""
+
+    def __init__(self, domain: int) -> None:
+        super().__init__(domain)
+        self.firings: list[RuleFiring] = []
+        self.blind = False
+        self._goals = 0
+        scans = self.node.create_publisher(
+            LaserScan, "/scan_of_the_mapper", qos_profile_sensor_data
+        )
+        self.node.create_subscription(
+            LaserScan,
+            "/scan",
+            lambda scan: None if self.blind else scans.publish(scan),
+            qos_profile_sensor_data,
+        )
+        self.node.create_subscription(RuleFiring, "/monitor/firings", self.firings.append, 100)
+        self.subscribe(StackState, "/monitor/stack_state", LATCHED)
+        for name in ("mapper", "controller"):
+            self.subscribe(ComponentStatus, f"/{name}/status", LATCHED)
+
+    def state(self, name: str) -> str:
+        """Of a process, as the supervisor tells it."""
+        stack = self.newest.get("/monitor/stack_state")
+        found = [one.state for one in stack.processes if one.name == name] if stack else []
+        return found[0] if found else ""
+
+    def level(self, name: str) -> int:
+        """Of a component, as its status says."""
+        message = self.newest.get(f"/{name}/status")
+        return -1 if message is None else int(message.status)
+
+    def fired(self) -> list[float]:
+        """When the rule on the mapper fired [s since the epoch]."""
+        return [
+            firing.stamp.sec + firing.stamp.nanosec * 1e-9
+            for firing in self.firings
+            if firing.phase == "fired" and "mapper" in firing.rule_id
+        ]
+
+    def drive_somewhere(self) -> Any:
+        """A goal under way, with the local map in use."""
+        request = ChangeParameter.Request(
+            name="use_direct_sensor", value=json.dumps(False), keep_alive=True
+        )
+        answer = self.call(ChangeParameter, "/controller/update_config_parameter", request)
+        assert answer.success, answer.error_msg
+        wait_until(lambda: self.level("mapper") == HEALTHY, 15, "a healthy mapper")
+        self.firings.clear()
+        handle = self.send_goal(*PLACES[self._goals % 2])
+        self._goals += 1
+        wait_until(lambda: self.speed > 0.1, 20, "motion")
+        return handle
+
+    def drives_on(self, handle: Any, began: float, within: float) -> None:
+        """The rule fired once, in time; the robot goes on with the scan and arrives."""
+        wait_until(self.fired, 5, "the firing of the rule")
+        assert self.fired()[0] - began <= within
+        ended = self.result(handle)
+        assert ended.status == SUCCEEDED, ended.result.message
+        assert len(self.fired()) == 1
+        done = [firing for firing in self.firings if firing.phase == "done"]
+        assert [firing.ok for firing in done] == [True], [firing.text for firing in done]
+        assert self.contacts == 0
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[Stack]:
+    running = Stack.simulated(recipe=RECIPE)
+    try:
+        yield running
+    finally:
+        running.close()
+
+
+@pytest.fixture(scope="module")
+def robot(stack: Stack) -> Iterator[Watched]:
+    client = Watched(stack.domain)
+    try:
+        client.ready()
+        yield client
+    finally:
+        client.close()
+
+
+def test_a_killed_mapper_is_answered_within_half_a_second(stack: Stack, robot: Watched) -> None:
+    handle = robot.drive_somewhere()
+    began = time.time()
+    os.kill(stack.pid_of("mapper"), signal.SIGKILL)
+    robot.drives_on(handle, began, within=0.5)
+    wait_until(lambda: robot.state("mapper") == "active", 10, "the mapper's second life")
+    assert robot.level("mapper") == HEALTHY
+
+
+def test_a_stopped_mapper_is_answered_within_a_second_and_may_go_on(
+    stack: Stack, robot: Watched
+) -> None:
+    handle = robot.drive_somewhere()
+    pid = stack.pid_of("mapper")
+    began = time.time()
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        wait_until(lambda: robot.state("mapper") == "stuck", 2, "word of the stuck mapper")
+        wait_until(lambda: robot.level("mapper") == COMPONENT, 2, "word on its status topic")
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    wait_until(lambda: robot.state("mapper") == "active", 3, "word of its recovery")
+    robot.drives_on(handle, began, within=1.0)
+    assert stack.pid_of("mapper") == pid
+
+
+def test_a_blind_mapper_is_answered_within_a_second(stack: Stack, robot: Watched) -> None:
+    handle = robot.drive_somewhere()
+    began = time.time()
+    robot.blind = True
+    robot.drives_on(handle, began, within=1.0)
+    assert robot.level("mapper") == SYSTEM
+    assert list(robot.newest["/mapper/status"].src_topics) == ["/scan_of_the_mapper"]
+    robot.blind = False
+    wait_until(lambda: robot.level("mapper") == HEALTHY, 3, "health")
+    assert list(robot.newest["/mapper/status"].src_topics) == []
+
+
+def test_monitor_and_console_come_back_while_the_robot_drives_on(
+    stack: Stack, robot: Watched
+) -> None:
+    handle = robot.drive_somewhere()
+    killed, hung = stack.pid_of("monitor"), stack.pid_of("console")
+    os.kill(killed, signal.SIGKILL)
+    os.kill(hung, signal.SIGSTOP)
+    wait_until(lambda: stack.pid_of("monitor") != killed, 10, "another monitor")
+    stack.wait_for_line("console is killed: it was stuck", 10)
+    wait_until(lambda: robot.state("console") == "active", 20, "another console")
+    ended = robot.result(handle)
+    assert ended.status == SUCCEEDED, ended.result.message
+    # The new monitor knows its rules.
+    handle = robot.drive_somewhere()
+    began = time.time()
+    robot.blind = True
+    robot.drives_on(handle, began, within=1.0)
+    robot.blind = False
+
+
+def test_a_hung_monitor_is_noticed_though_nobody_can_speak_for_it(
+    stack: Stack, robot: Watched
+) -> None:
+    hung = stack.pid_of("monitor")
+    os.kill(hung, signal.SIGSTOP)
+    stack.wait_for_line("monitor is killed: it was stuck", 10)
+    wait_until(lambda: stack.pid_of("monitor") != hung, 10, "another monitor")
+    robot.newest.pop("/monitor/stack_state")
+    wait_until(lambda: robot.state("monitor") == "active", 15, "its word")
+    assert {robot.state(name) for name in ("planner", "controller", "mapper")} == {"active"}
