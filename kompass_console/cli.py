@@ -1,4 +1,4 @@
-"""The command line: ``kompass-console run | demo | attach``."""
+"""The command line: ``kompass-console run | demo | attach | rules``."""
 
 from __future__ import annotations
 
@@ -10,11 +10,17 @@ from typing import Annotated
 import typer
 
 from kompass.simulation.faults import FAULTS
+from kompass.store.paths import DATA_DIR, ROBOT_NAME
+from kompass_console.domain import choose_domain
 from kompass_console.problem import Problem
+from kompass_console.rules_cli.app import app as rules
 
 # What each command needs is imported when it runs: help answers at once, and Ctrl-C during the
 # imports finds somebody who knows what it means.
 DEFAULT_WORLD = "hexagon"
+# What the monitor and the recorder read; they are not imported here, for they bring ROS.
+SAFE_MODE = "KOMPASS_SAFE_MODE"
+RECORD = "KOMPASS_RECORD"
 EXIT_CODES = """
 Exit codes: 0 ended by Ctrl-C or by itself, 1 the stack could not start or run, 2 something in
 the command is wrong (a missing file, a port in use), 3 the recipe has an error.
@@ -29,6 +35,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+app.add_typer(rules)
 
 Host = Annotated[
     str, typer.Option(help="Address to listen on. Others than loopback are seen by the network.")
@@ -64,6 +72,22 @@ Fault = Annotated[
     ),
 ]
 
+DataDir = Annotated[
+    Path | None,
+    typer.Option(
+        help="Where robots keep their rules and recordings; else KOMPASS_DATA_DIR, else 'kompass' "
+        "in the XDG state folder.",
+        show_default=False,
+    ),
+]
+SafeMode = Annotated[
+    bool,
+    typer.Option(
+        "--safe-mode", help="Begin with the recipe's rules; edits are kept for the next start."
+    ),
+]
+NoRecord = Annotated[bool, typer.Option("--no-record", help="Start without the flight recorder.")]
+
 
 @app.command()
 def run(
@@ -76,14 +100,18 @@ def run(
     domain_id: DomainId = None,
     name: Name = None,
     token: Token = None,
+    data_dir: DataDir = None,
+    safe_mode: SafeMode = False,
+    no_record: NoRecord = False,
 ) -> None:
     """Run a recipe, and the console beside it."""
     if not recipe.is_file():
         raise Problem(2, f"there is no recipe {recipe}; give the path of a Python file")
-    _choose_domain(domain_id, alone=sim is not None)
+    choose_domain(domain_id, alone=sim is not None)
     from kompass_console.stack import Console, run_recipe
 
-    console = Console(host, port, not no_browser, name or _robot_name(sim), token)
+    robot = _prepare(name, sim, data_dir, safe_mode=safe_mode, no_record=no_record)
+    console = Console(host, port, not no_browser, robot, token)
     run_recipe(recipe, console, sim, fault or [])
 
 
@@ -97,13 +125,17 @@ def demo(
     domain_id: DomainId = None,
     name: Name = None,
     token: Token = None,
+    data_dir: DataDir = None,
+    safe_mode: SafeMode = False,
+    no_record: NoRecord = False,
 ) -> None:
     """Try it: an embedded robot, the navigation stack and the console."""
-    _choose_domain(domain_id, alone=True)
+    choose_domain(domain_id, alone=True)
     from kompass.share import recipe_path
     from kompass_console.stack import Console, run_recipe
 
-    console = Console(host, port, not no_browser, name or _robot_name(world), token)
+    robot = _prepare(name, world, data_dir, safe_mode=safe_mode, no_record=no_record)
+    console = Console(host, port, not no_browser, robot, token)
     run_recipe(recipe_path("01_point_navigation.py"), console, world, fault or [])
 
 
@@ -117,29 +149,32 @@ def attach(
     token: Token = None,
 ) -> None:
     """Show a stack that something else started, on this machine or another of the ROS domain."""
-    _choose_domain(domain_id, alone=False)
+    choose_domain(domain_id, alone=False)
     from kompass_console.stack import Console, run_attached
 
     run_attached(Console(host, port, not no_browser, name or _robot_name(None), token))
 
 
-def _choose_domain(domain_id: int | None, *, alone: bool) -> None:
-    """Set what rclpy reads from the environment; a robot of our own stays on this machine.
-
-    Comes before rclpy is imported: with a middleware it does not find it ends the process.
-    """
-    from kompass.launch.environment import EnvironmentProblem, check_environment
-    from kompass.middleware import RANGE, prepare_middleware
-
-    if domain_id is not None:
-        os.environ["ROS_DOMAIN_ID"] = str(domain_id)
-    if alone:
-        os.environ.setdefault(RANGE, "LOCALHOST")
-        prepare_middleware()
-    try:
-        check_environment()
-    except EnvironmentProblem as error:
-        raise Problem(1, str(error)) from None
+def _prepare(
+    name: str | None,
+    world: str | None,
+    data_dir: Path | None,
+    *,
+    safe_mode: bool,
+    no_record: bool,
+) -> str:
+    """Tell the stack what the command says, through the environment; the robot's name."""
+    robot = name or os.environ.get(ROBOT_NAME) or _robot_name(world)
+    os.environ[ROBOT_NAME] = robot
+    if data_dir is not None:
+        if data_dir.exists() and not data_dir.is_dir():
+            raise Problem(2, f"--data-dir {data_dir} is a file; give a folder")
+        os.environ[DATA_DIR] = str(data_dir.absolute())
+    if safe_mode:
+        os.environ[SAFE_MODE] = "1"
+    if no_record:
+        os.environ[RECORD] = "0"
+    return robot
 
 
 def _robot_name(world: str | None) -> str:

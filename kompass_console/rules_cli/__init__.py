@@ -1,0 +1,1 @@
+"""``kompass-console rules …``: the rules of a running robot, from any machine of its domain."""

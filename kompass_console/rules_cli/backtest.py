@@ -1,0 +1,57 @@
+"""The command that tries a table on what the robot has recorded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from kompass_console.rules_cli.options import Robot, command
+from kompass_console.rules_cli.table_file import TableFile
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add the command."""
+    command(app, "backtest")(backtest)
+
+
+def backtest(
+    robot: Robot,
+    file: Annotated[
+        Path | None,
+        typer.Argument(help="A table in JSON or YAML; else the one in force."),
+    ] = None,
+    recording: Annotated[
+        str, typer.Option(help="An MCAP file on the robot; else the flight recorder's ring.")
+    ] = "",
+    seconds: Annotated[float, typer.Option(min=0.0, help="The last ones of it; 0 for all.")] = 0.0,
+) -> None:
+    """Try a table on a recording: what would have fired, beside what did."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from kompass_console.rules_cli import printing
+
+    table = None if file is None else TableFile(file).table
+    bar = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %"),
+        TimeElapsedColumn(),
+        console=printing.console(error=True),
+        transient=True,
+        disable=robot.json,
+    )
+    with robot.connect() as client, bar:
+        task = bar.add_task("back-test", total=1.0)
+
+        def show(progress: float, text: str) -> None:
+            bar.update(task, completed=progress, description=text or "back-test")
+
+        answer = client.backtest(
+            client.table().table if table is None else table,
+            recording=recording,
+            seconds=seconds,
+            progress=show,
+        )
+    robot.tell(answer, lambda: printing.show_backtest(answer))

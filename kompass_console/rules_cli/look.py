@@ -1,0 +1,162 @@
+"""Commands that look at the rules and change nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from kompass.rules.table import Table
+from kompass_console.problem import Problem
+from kompass_console.rules_cli.options import ROLE, Robot, command
+from kompass_console.rules_cli.table_file import TableFile
+from kompass_console.rules_cli.table_text import Format, as_text
+
+RevisionOption = Annotated[
+    int, typer.Option(min=0, help="A revision of the history; 0 for the one in force.")
+]
+Before = Annotated[int, typer.Option(min=0, help="Only those below this number.")]
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add the commands."""
+    command(app, "show")(show)
+    command(app, "check")(check)
+    command(app, "history")(history)
+    command(app, "diff")(diff)
+    command(app, "explain")(explain)
+    command(app, "firings")(firings)
+    command(app, "export")(export)
+    app.command("schema")(schema)
+
+
+def show(robot: Robot, revision: RevisionOption = 0) -> None:
+    """Show the rules, and how each is doing."""
+    from kompass_console.rules_cli import printing
+
+    with robot.connect() as client:
+        view = client.table(revision)
+        current = view.revision == view.active
+        statuses = client.statuses() if current and not robot.json else {}
+    robot.tell(view, lambda: printing.show_table(view, statuses))
+
+
+def check(
+    robot: Robot,
+    file: Annotated[Path, typer.Argument(help="A table in JSON or YAML.")],
+) -> None:
+    """Say what is wrong with a table, and what applying it would do; changes nothing."""
+    from kompass_console.rules_cli import printing
+    from kompass_console.rules_cli.client import Refused
+
+    source = TableFile(file)
+    with robot.connect() as client:
+        report = client.check(source.table, ROLE)
+
+    def tell() -> None:
+        printing.show_findings(report.findings, map(source.locate, report.findings))
+        printing.show_diff(report.diff, title=f"against revision {report.revision}")
+        printing.show_effect(report.effect, done=False)
+
+    robot.tell(report, tell)
+    if not report.ok:
+        raise Refused(f"{file} cannot be applied; nothing was changed")
+
+
+def history(
+    robot: Robot,
+    count: Annotated[int, typer.Option(min=1, max=1000, help="At most so many.")] = 20,
+    before: Before = 0,
+) -> None:
+    """List the revisions, newest first: who, when, why, and what changed."""
+    from kompass_console.rules_cli import printing
+
+    with robot.connect() as client:
+        answer = client.history(before, count)
+    robot.tell(answer, lambda: printing.show_history(answer))
+
+
+def diff(
+    robot: Robot,
+    before: Annotated[int, typer.Argument(metavar="A", min=1, help="A revision.")],
+    after: Annotated[
+        int, typer.Argument(metavar="[B]", min=0, help="Another; else the one in force.")
+    ] = 0,
+) -> None:
+    """Show what differs between two revisions."""
+    from kompass_console.rules_cli import printing
+
+    with robot.connect() as client:
+        answer = client.diff(before, after or client.table().active)
+    title = f"from revision {answer.before} to {answer.after}"
+    robot.tell(answer, lambda: printing.show_diff(answer, title=title))
+
+
+def explain(
+    robot: Robot,
+    rule: Annotated[str, typer.Argument(help="Id of a rule.")],
+    run: Annotated[
+        int, typer.Option(min=0, help="A firing (column 'run' of 'firings'); 0 for now.")
+    ] = 0,
+    epoch: Annotated[
+        str, typer.Option(help="Life of the monitor that the run belongs to; else this one.")
+    ] = "",
+) -> None:
+    """Say why a rule fires or does not: each value, its age, and what holds the rule back."""
+    from kompass_console.rules_cli import printing
+
+    with robot.connect() as client:
+        answer = client.explain(rule, run, epoch)
+    robot.tell(answer, lambda: printing.show_explanation(answer))
+
+
+def firings(
+    robot: Robot,
+    rule: Annotated[str, typer.Option(help="Of this rule only.")] = "",
+    count: Annotated[int, typer.Option(min=1, max=1000, help="At most so many.")] = 30,
+    before: Before = 0,
+) -> None:
+    """List what fired, newest first, and what came of it."""
+    from kompass_console.rules_cli import printing
+
+    with robot.connect() as client:
+        answer = client.firings(before, count, rule)
+    robot.tell(answer, lambda: printing.show_firings(answer))
+
+
+def export(
+    robot: Robot,
+    format_: Annotated[
+        Format, typer.Option("--format", help="JSON, YAML, or a fragment of a recipe.")
+    ] = "yaml",
+    revision: RevisionOption = 0,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="A new file; else the terminal.")
+    ] = None,
+    merge: Annotated[
+        bool, typer.Option("--merge", help="The table that a changed recipe waits to merge.")
+    ] = False,
+) -> None:
+    """Write the rules as JSON or YAML to edit and apply, or as Python for a recipe."""
+    with robot.connect() as client:
+        view = client.table(revision)
+    if merge and view.merge is None:
+        raise Problem(1, "no edits wait to be merged")
+    text = as_text(view.merge.table if merge else view.table, "json" if robot.json else format_)
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    try:
+        with output.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise Problem(2, f"{output} exists already; give a new file") from None
+    except OSError as error:
+        raise Problem(2, f"cannot write {output}: {error.strerror}; give another file") from None
+
+
+def schema() -> None:
+    """Print the JSON Schema of a table, for editors that check while one types."""
+    typer.echo(json.dumps(Table.model_json_schema(), indent=2))

@@ -1,0 +1,126 @@
+"""What all commands have: which robot, who asks, and how to print."""
+
+from __future__ import annotations
+
+import getpass
+import inspect
+from collections.abc import Callable
+from typing import Annotated, Any, NamedTuple
+
+import typer
+
+from kompass.rules.model import Model
+from kompass_console.problem import Problem
+
+ROLE = "engineer"  # whoever has the network of the robot is one
+DomainId = Annotated[
+    int | None, typer.Option(min=0, max=232, help="ROS domain; else ROS_DOMAIN_ID, else 0.")
+]
+Namespace = Annotated[
+    str | None, typer.Option(help="Of the robot; needed only where there are several.")
+]
+Timeout = Annotated[float, typer.Option(min=0.1, help="Seconds that the robot may take.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the robot's answer as JSON.")]
+Author = Annotated[
+    str | None, typer.Option(help="Who does it, for the history; else the login name.")
+]
+
+
+class Robot(NamedTuple):
+    """The robot that a command is for, and how to print what it says."""
+
+    domain_id: int | None
+    namespace: str | None
+    timeout: float
+    json: bool
+
+    def connect(self) -> Any:
+        """Find its monitor.
+
+        Raises
+        ------
+        Problem
+            When there is none.
+        """
+        from kompass_console.domain import choose_domain
+
+        choose_domain(self.domain_id, alone=False)
+        from kompass_console.rules_cli.client import RulesClient
+
+        return RulesClient(self.namespace, self.timeout)
+
+    def tell(self, answer: Model, show: Callable[[], None]) -> None:
+        """Print an answer as JSON, or as ``show`` does."""
+        if self.json:
+            typer.echo(answer.model_dump_json(indent=2))
+        else:
+            show()
+
+
+def command(app: typer.Typer, name: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Add a command whose first parameter is the :class:`Robot`, from options of its own."""
+
+    def add(function: Callable[..., None]) -> Callable[..., None]:
+        signature = inspect.signature(function, eval_str=True)
+        own = [p for p in signature.parameters.values() if p.annotation is not Robot]
+
+        def run(**given: Any) -> None:
+            robot = Robot(*(given.pop(field) for field in Robot._fields))
+            function(robot, **given)
+
+        run.__signature__ = inspect.Signature([*own, *_COMMON])  # type: ignore[attr-defined]
+        run.__doc__ = function.__doc__
+        app.command(name)(run)
+        return function
+
+    return add
+
+
+def _option(name: str, annotation: Any, default: Any) -> inspect.Parameter:
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Parameter(name, keyword, default=default, annotation=annotation)
+
+
+_COMMON = (
+    _option("domain_id", DomainId, None),
+    _option("namespace", Namespace, None),
+    _option("timeout", Timeout, 10.0),
+    _option("json", Json, False),
+)
+
+
+def author_of(given: str | None) -> str:
+    """Who asks.
+
+    Raises
+    ------
+    Problem
+        When nobody knows.
+    """
+    if given:
+        return given
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        raise Problem(2, "nobody knows your login name here; give --author") from None
+
+
+def probation_seconds(text: str) -> float:
+    """What ``--probation`` says, in seconds: 0 for none, -1 for the robot's default.
+
+    Raises
+    ------
+    Problem
+        When it is neither seconds nor ``off``.
+    """
+    if text == "default":
+        return -1.0
+    if text == "off":
+        return 0.0
+    try:
+        seconds = float(text.removesuffix("s"))
+    except ValueError:
+        seconds = -1.0
+    if not 0.0 < seconds <= 86_400.0:
+        raise Problem(2, f"--probation {text}: give seconds (at most a day), or 'off'")
+    return seconds

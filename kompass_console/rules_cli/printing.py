@@ -1,0 +1,333 @@
+"""What the robot answers, for a person at a terminal."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterable, Mapping
+
+from rich.console import Console
+from rich.table import Table as Grid
+from rich.text import Text
+
+from kompass.rulebook.backtest_report import BacktestReport
+from kompass.rulebook.diff import TableDiff
+from kompass.rulebook.explanation import ExplanationView
+from kompass.rulebook.journal import FiringRecord, Journal
+from kompass.rulebook.report import ApplyReport, CheckReport, Conflict, Effect, Finding
+from kompass.rulebook.revision import History, Revision
+from kompass.rulebook.status import LeafReading, RuleStatus
+from kompass.rulebook.table_view import TableView
+from kompass.rulebook.wording import seconds
+
+PIPE_WIDTH = 200  # columns, where there is no terminal to ask
+# Never colour alone: a shape and a word go with it.
+_STATES = {
+    "ready": ("●", "green"),
+    "holding": ("◐", "cyan"),
+    "running": ("▶", "cyan"),
+    "cooling": ("◔", "cyan"),
+    "waiting": ("◌", "green"),
+    "used up": ("◌", "green"),
+    "latched": ("▲", "yellow"),
+    "unknown": ("○", "yellow"),
+    "disabled": ("–", "dim"),
+    "shadow": ("◍", "magenta"),
+    "broken": ("■", "red"),
+}
+_OUTCOMES = {"confirmed": "green", "active": "cyan", "taken back": "red", "superseded": "dim"}
+_CHANGES = {"added": "green", "removed": "red", "changed": "yellow", "moved": "cyan"}
+_VERDICTS = {True: ("true", "green"), False: ("false", "red"), None: ("unknown", "yellow")}
+_MARKS = {"same": ("●", "dim"), "new": ("+", "green"), "gone": ("−", "red")}
+
+
+def console(*, error: bool = False) -> Console:
+    """Where to print; colours only on a terminal, and wide enough for whoever reads a pipe."""
+    stream = sys.stderr if error else sys.stdout
+    width = None if stream.isatty() else PIPE_WIDTH
+    return Console(file=stream, width=width, highlight=False)
+
+
+def show_table(view: TableView, statuses: Mapping[str, RuleStatus]) -> None:
+    """The rules, one a line, with how they are doing where that is known."""
+    out = console()
+    out.print(_headline(view))
+    for line in view.notice.splitlines():
+        out.print(f"[yellow]▲[/] {line}")
+    if view.merge is not None:
+        out.print(
+            f"[yellow]▲[/] edits of revision {view.merge.revision} wait to be merged "
+            "(rules export --merge)"
+        )
+        for line in view.merge.conflicts:
+            out.print(f"    {line}")
+    grid = Grid(box=None, pad_edge=False, header_style="bold")
+    for name in ("", "rule", "when", "then", "state", "fired", "last"):
+        grid.add_column(name, overflow="fold", justify="right" if name == "fired" else "left")
+    for rule in view.table.rules:
+        status = statuses.get(rule.id)
+        mark, colour = _STATES[status.state] if status else (" ", "dim")
+        flags = " (protected)" if rule.protected else ""
+        grid.add_row(
+            Text(mark, colour),
+            Text(rule.id + flags),
+            Text(view.conditions.get(rule.id, "")),
+            Text(", then ".join(view.actions.get(rule.id, ()))),
+            Text(_state(status) if status else "enabled" if rule.enabled else "disabled", colour),
+            str(status.fired) if status else "",
+            _ago(status.last_fired) if status and status.last_fired else "",
+        )
+    out.print(grid)
+    show_findings(view.findings)
+
+
+def show_history(history: History) -> None:
+    """Revisions, newest first."""
+    grid = Grid(box=None, pad_edge=False, header_style="bold")
+    for name in ("rev", "", "outcome", "when", "who", "why", "what"):
+        grid.add_column(name, overflow="fold")
+    for revision in history.revisions:
+        colour = _OUTCOMES[revision.outcome]
+        in_force = "◀ in force" if revision.number == history.active else ""
+        grid.add_row(
+            str(revision.number),
+            in_force,
+            Text(_outcome(revision), colour),
+            moment(revision.time),
+            f"{revision.author} ({revision.role})",
+            Text(revision.reason),
+            Text("\n".join(_changes(revision.diff)[:5])),
+        )
+    out = console()
+    out.print(grid)
+    if history.more:
+        out.print(f"older ones: --before {history.revisions[-1].number}")
+
+
+def show_diff(diff: TableDiff, *, title: str = "") -> None:
+    """What differs, rule by rule."""
+    out = console()
+    if title:
+        out.print(title, style="bold")
+    if not diff.changes:
+        out.print("  nothing differs")
+    for change in diff.changes:
+        mark = {"added": "+", "removed": "−", "changed": "~", "moved": "↕"}[change.kind]
+        text = Text(f"  {mark} {change.rule_id}", _CHANGES[change.kind])
+        text.append(f"  {change.summary}", "default" if change.semantic else "dim")
+        out.print(text)
+
+
+def show_findings(findings: Iterable[Finding], places: Iterable[str] | None = None) -> None:
+    """Errors and lints; ``places`` are the same as lines that name a place in a file."""
+    out = console()
+    lines = list(places) if places is not None else [None] * len(tuple(findings))
+    for finding, line in zip(findings, lines, strict=True):
+        mark, colour = ("■ error", "red") if finding.level == "error" else ("▲ lint", "yellow")
+        text = Text(f"{mark}  ", colour)
+        text.append(line or _sentence(finding), "default")
+        out.print(text)
+
+
+def show_effect(effect: Effect, *, done: bool) -> None:
+    """What happens, or has happened, to the state of the rules."""
+    out = console()
+    out.print(f"  {len(effect.carried)} rules {'were' if done else 'are'} carried on unchanged")
+    for ids, text in (
+        (effect.reset, "start afresh"),
+        (effect.added, "are new"),
+        (effect.removed, "are removed"),
+        (effect.running, "have actions running"),
+    ):
+        if ids:
+            out.print(Text(f"  {', '.join(ids)}: {text}"))
+
+
+def show_applied(report: ApplyReport) -> None:
+    """A table went into force, and how to keep it or to go back."""
+    out = console()
+    out.print(
+        f"[green]●[/] revision {report.revision} is in force (before: {report.previous}); "
+        f"the engine paused for {report.pause * 1e3:.2f} ms"
+    )
+    show_effect(report.effect, done=True)
+    if report.probation:
+        out.print(
+            f"[yellow]▲[/] it is taken back in {seconds(report.probation)} unless it is "
+            "confirmed:\n"
+            f"  keep it:      kompass-console rules confirm {report.revision}\n"
+            "  take it back: kompass-console rules rollback"
+        )
+    else:
+        out.print("  it stays; to go back: kompass-console rules rollback")
+
+
+def show_refusal(report: CheckReport, places: Iterable[str] | None = None) -> None:
+    """Why a table cannot be applied."""
+    show_findings(report.findings, places)
+
+
+def show_conflict(conflict: Conflict) -> None:
+    """Somebody else was faster."""
+    out = console()
+    out.print(
+        f"[red]■[/] revision {conflict.revision} ({conflict.author}, {moment(conflict.time)}: "
+        f"{conflict.reason or 'no reason given'}) is in force; yours began from "
+        f"{conflict.expected}. Nothing was applied."
+    )
+    show_diff(conflict.theirs, title="what they changed")
+    show_diff(conflict.yours, title="what you changed")
+    if conflict.both:
+        out.print(Text(f"both changed: {', '.join(conflict.both)}", "red"))
+    out.print("to go on: export the revision in force, make your change in it, and apply again")
+
+
+def show_explanation(view: ExplanationView) -> None:
+    """Why a rule fires, or not."""
+    out = console()
+    when = f"at {moment(view.time)}" if view.firing else "now"
+    out.print(f"[bold]{view.rule_id}[/] {when} (revision {view.revision})")
+    out.print(Text(f"  {view.text}"))
+    out.print(Text(f"  condition: {view.condition}"))
+    _leaves(out, view.leaves)
+    if view.clear_leaves:
+        out.print("  fires again after:")
+        _leaves(out, view.clear_leaves)
+    for gate in view.gates:
+        out.print(Text(f"  ▲ {gate.text}", "yellow"))
+    if view.firing is not None:
+        _show_run(out, view.firing)
+    if view.changed_since:
+        out.print("  the rule has been changed since (rules history)")
+    for miss in view.near_misses:
+        out.print(Text(f"  near miss, {moment(miss.time)}: {miss.text}", "dim"))
+
+
+def show_firings(journal: Journal) -> None:
+    """Entries of the journal, newest first."""
+    out = console()
+    grid = Grid(box=None, pad_edge=False, header_style="bold")
+    for name in ("no", "when", "rule", "what", "rev", "run", "came of it"):
+        grid.add_column(name, overflow="fold", justify="right" if name == "no" else "left")
+    for entry in journal.firings:
+        mark, colour = _result(entry)
+        grid.add_row(
+            str(entry.number),
+            moment(entry.time),
+            Text(entry.rule_id),
+            entry.kind,
+            str(entry.revision),
+            str(entry.run_id or ""),
+            Text(mark, colour) + Text(f" {entry.error or entry.text}", "default"),
+        )
+    out.print(grid)
+    if not journal.firings:
+        out.print("nothing has fired")
+    if journal.more:
+        out.print(f"older ones: --before {journal.firings[-1].number}")
+
+
+def show_backtest(report: BacktestReport) -> None:
+    """What a table would have done, beside what was done."""
+    out = console()
+    length = report.end - report.start
+    out.print(
+        f"{report.messages} messages over {seconds(length)}, {moment(report.start)} to "
+        f"{moment(report.end)}, replayed in {seconds(report.seconds)}"
+    )
+    out.print(
+        f"[dim]●[/] {report.same} firings the same   [green]+[/] {report.new} new   "
+        f"[red]−[/] {report.gone} gone"
+    )
+    for topic in report.missing_topics:
+        out.print(Text(f"▲ the recording does not hold {topic}: not judged", "yellow"))
+    for firing in report.firings:
+        mark, colour = _MARKS[firing.verdict]
+        text = Text(f"{mark} {firing.at:9.3f} s  {firing.rule_id}", colour)
+        text.append(f"  {firing.text}{' (assumed)' if firing.assumed else ''}", "default")
+        out.print(text)
+    if report.truncated:
+        out.print("… and more than are listed")
+    for tally in report.tallies:
+        if tally.proposed == 0 and tally.text:
+            out.print(Text(f"  {tally.rule_id} never fires: {tally.text}", "dim"))
+
+
+def moment(time_: float) -> str:
+    """A time of day of this machine, with the date where it is not today."""
+    at = time.localtime(time_)
+    today = at[:3] == time.localtime()[:3]
+    return time.strftime("%H:%M:%S" if today else "%Y-%m-%d %H:%M:%S", at)
+
+
+# -- pieces ---------------------------------------------------------------------------------------
+
+
+def _headline(view: TableView) -> str:
+    if view.revision != view.active:
+        return f"[bold]{view.robot}[/] revision {view.revision} (in force: {view.active})"
+    if view.probation_left:
+        state = f"[yellow]▲ on probation, {seconds(view.probation_left)} left[/]"
+    elif view.revision == view.confirmed:
+        state = "[green]✓ confirmed[/]"
+    else:
+        state = "not confirmed"
+    safe = "  [yellow]▲ safe mode[/]" if view.safe_mode else ""
+    return f"[bold]{view.robot}[/] revision {view.revision}  {state}{safe}"
+
+
+def _state(status: RuleStatus) -> str:
+    return status.text or status.state
+
+
+def _outcome(revision: Revision) -> str:
+    marks = {"confirmed": "✓", "active": "▲", "taken back": "■", "superseded": "○"}
+    word = "not confirmed yet" if revision.outcome == "active" else revision.outcome
+    return f"{marks[revision.outcome]} {word}"
+
+
+def _changes(diff: TableDiff) -> list[str]:
+    return [f"{change.rule_id}: {change.summary}" for change in diff.changes]
+
+
+def _sentence(finding: Finding) -> str:
+    rule = f"{finding.rule_id}: " if finding.rule_id else ""
+    field = f"{finding.field}: " if finding.field else ""
+    return f"{rule}{field}{finding.text}; {finding.remedy}"
+
+
+def _leaves(out: Console, leaves: Iterable[LeafReading]) -> None:
+    for leaf in leaves:
+        word, colour = _VERDICTS[leaf.verdict]
+        text = Text(f"  {'  ' * len(leaf.path)}{word:8}", colour)
+        age = "never received" if leaf.age is None else f"{seconds(leaf.age)} old"
+        text.append(f"{leaf.text}  (now {_value(leaf)}, {age})", "default")
+        out.print(text)
+
+
+def _value(leaf: LeafReading) -> str:
+    if isinstance(leaf.value, float):
+        return f"{leaf.value:.4g}"
+    return "nothing" if leaf.value is None else str(leaf.value)
+
+
+def _show_run(out: Console, entry: FiringRecord) -> None:
+    mark, colour = _result(entry)
+    out.print(Text(f"  {mark} {entry.error}", colour))
+    for action in entry.actions:
+        sign, tone = ("●", "green") if action.ok else ("■", "red")
+        out.print(Text(f"    {sign} {action.action}: {action.text} ({action.seconds:.2f} s)", tone))
+    if entry.recording:
+        out.print(Text(f"  recording: {entry.recording}"))
+
+
+def _result(entry: FiringRecord) -> tuple[str, str]:
+    if entry.kind == "firing" and entry.ended is None:
+        return "▶ running", "cyan"
+    if entry.ok is None:
+        return "○", "dim"
+    return ("● done", "green") if entry.ok else ("■ failed", "red")
+
+
+def _ago(time_: float) -> str:
+    return f"{seconds(time.time() - time_)} ago"
