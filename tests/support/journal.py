@@ -1,0 +1,72 @@
+"""What rules did, as anybody can read it on the monitor's topic."""
+
+import json
+import time
+from typing import Any, NamedTuple
+
+from kompass_interfaces.msg import RuleFiring
+
+from tests.support.processes import wait_until
+from tests.support.robot import Robot
+
+
+class Step(NamedTuple):
+    """One message of ``/monitor/firings``."""
+
+    at: float  # when it was received [s, monotonic]
+    stamp: float  # when it was published [s, system]
+    rule: str
+    run: int
+    phase: str
+    ok: bool
+    text: str
+    details: Any
+
+
+class Journal:
+    """Collects firings from when it is made; a rule is meant by a part of its id."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.steps: list[Step] = []
+        self._subscription = robot.node.create_subscription(
+            RuleFiring, "/monitor/firings", self._note, 1000
+        )
+        wait_until(
+            lambda: robot.node.count_publishers("/monitor/firings") > 0, 10, "the monitor's firings"
+        )
+
+    def _note(self, message: RuleFiring) -> None:
+        self.steps.append(
+            Step(
+                time.monotonic(),
+                message.stamp.sec + 1e-9 * message.stamp.nanosec,
+                message.rule_id,
+                message.run_id,
+                message.phase,
+                message.ok,
+                message.text,
+                json.loads(message.details or "{}"),
+            )
+        )
+
+    def of(self, rule: str, phase: str, since: int = 0) -> list[Step]:
+        """Steps of one phase of the rules whose id holds ``rule``."""
+        return [step for step in self.steps[since:] if rule in step.rule and step.phase == phase]
+
+    @property
+    def mark(self) -> int:
+        """For ``since``: what comes from now on."""
+        return len(self.steps)
+
+    def done(self, rule: str, since: int = 0, timeout: float = 10.0) -> Step:
+        """Wait for the end of a run of a rule."""
+        wait_until(lambda: self.of(rule, "done", since), timeout, f"the end of a run of '{rule}'")
+        return self.of(rule, "done", since)[0]
+
+    def actions(self, step: Step) -> list[Step]:
+        """The actions of a run, in the order in which they ended."""
+        return [
+            one
+            for one in self.steps
+            if (one.rule, one.run, one.phase) == (step.rule, step.run, "action")
+        ]
