@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import inspect
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Self
 
 from kompass.components.topic import Topic
 from kompass.expressions import MessageField, condition_of, signal_of
@@ -66,6 +67,50 @@ class Event:
             cooldown=float(keep_event_delay),
             once=handle_once,
         )
+
+    # What `as_rule` has stated of the rule, beside its event; and of the event, beside the above.
+    rule_fields: Mapping[str, Any] = {}
+    event_fields: Mapping[str, Any] = {}
+
+    def as_rule(self, rule_id: str = "", **fields: Any) -> Self:
+        """State more of the rule that this event becomes; returns the event itself.
+
+        Parameters
+        ----------
+        rule_id
+            By which history and journal know the rule; made of the name or condition unless given.
+        fields
+            Of the rule (:class:`kompass.rules.Rule`): ``name``, ``note``, ``severity``, ``lane``,
+            ``enabled``, ``protected`` (nobody may edit it away), ``shadow``. Of when it fires
+            (:class:`kompass.rules.Event`): ``trigger``, ``hold`` [s], ``clear`` (a condition),
+            ``cooldown`` [s], ``once``, ``mode``, ``max_rate``, ``first_true_is_edge``.
+
+        Raises
+        ------
+        TypeError
+            For a field that neither has.
+        ValueError
+            When a value does not fit.
+        """
+        of_rule = {"name", "note", "severity", "lane", "enabled", "protected", "shadow"}
+        of_event = set(RuleEvent.model_fields) - {"condition"}
+        unknown = [name for name in fields if name not in of_rule | of_event]
+        if unknown:
+            close = difflib.get_close_matches(unknown[0], of_rule | of_event, n=1)
+            remedy = f"did you mean '{close[0]}'?" if close else f"known: {sorted(of_event)}"
+            raise TypeError(f"{self!r}: a rule has no field '{unknown[0]}'; {remedy}")
+        if fields.get("clear") is not None:
+            fields["clear"] = condition_of(fields["clear"])
+        stated = {name: value for name, value in fields.items() if name in of_event}
+        known = {name: getattr(self.rule_event, name) for name in RuleEvent.model_fields}
+        self.rule_event = RuleEvent(**{**known, **stated})
+        self.event_fields = {**self.event_fields, **stated}
+        self.rule_fields = {
+            **self.rule_fields,
+            **{name: value for name, value in fields.items() if name in of_rule},
+            **({"id": rule_id} if rule_id else {}),
+        }
+        return self
 
     def __repr__(self) -> str:
         return f"Event({self.name or describe(self.rule_event.condition)})"

@@ -66,22 +66,20 @@ def _rule(
     event: Event, actions: tuple[RuleAction, ...], taken: set[str], made: RecipeRules
 ) -> Rule:
     text = describe(event.rule_event.condition)
-    wanted = slug(event.name or text)
-    if event.name and wanted in taken:
-        raise ValueError(f"two events are called {event.name!r}; names must differ")
+    stated = event.rule_fields.get("id")
+    wanted = stated or slug(event.name or text)
+    if (event.name or stated) and wanted in taken:
+        raise ValueError(f"two events are called {stated or event.name!r}; names must differ")
     rule_event = event.rule_event
     if event.function is not None:
         made.polled[rule_event.condition.name] = event.function  # type: ignore[union-attr]
     # A goal runs for minutes; the next one is to take over and not to be dropped meanwhile.
-    if any(isinstance(_base(action, made), SendGoal) for action in actions):
+    goal = any(isinstance(_base(action, made), SendGoal) for action in actions)
+    if goal and "mode" not in event.event_fields:
         rule_event = rule_event.model_copy(update={"mode": Parallel()})
-    return Rule(
-        id=_free(wanted, taken),
-        name=event.name or text,
-        event=rule_event,
-        actions=actions,
-        source="recipe",
-    )
+    fields: dict[str, Any] = {"name": event.name or text, **event.rule_fields}
+    fields["id"] = _free(wanted, taken)
+    return Rule(event=rule_event, actions=actions, source="recipe", **fields)
 
 
 def _base(action: RuleAction, made: RecipeRules) -> RuleAction:
