@@ -6,6 +6,7 @@ Schemas and channels stand outside of the chunks: a torn file is mended without 
 """
 
 import io
+import os
 import struct
 import zlib
 from collections.abc import Mapping, Sequence
@@ -194,7 +195,7 @@ class McapWriter:
         self._parts, self._index, self._offset = [], {}, 0
 
     def finish(self) -> None:
-        """Flush, write the summary, and close."""
+        """Flush, write the summary, have all of it on the disk itself, and close."""
         self.flush()
         self._put(
             summary(
@@ -206,6 +207,7 @@ class McapWriter:
                 self._counts,
             )
         )
+        os.fdatasync(self._file.fileno())
         self._file.close()
 
     def abandon(self) -> None:

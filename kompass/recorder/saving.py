@@ -67,8 +67,6 @@ def _write(files: list[File], path: Path, start: int, end: int | None) -> None:
             for message in stretch(life, lambda _: True, start, end):
                 _put(writer, channels, message)
         writer.finish()
-        with path.open("rb") as made:
-            os.fsync(made.fileno())
     finally:
         writer.abandon()
 

@@ -1,0 +1,87 @@
+"""Whether a back-test tells the truth: a faulted run, replayed with the table that ran and another.
+
+    python benchmarks/backtest_reality.py [MINUTES]
+
+The same table must give the same firings: rules, times, leaves. With one threshold moved, exactly
+that rule's firings may differ, and must be those that its scans call for (worked out apart from
+the engine).
+"""
+
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from kompass.rulebook.backtest_report import BacktestFiring
+from tests.recorder.reality import (
+    EDITED,
+    NEAR,
+    Reality,
+    expected_near,
+    reality_table,
+    recorded,
+    same_times,
+    since,
+)
+from tests.support.robot import Robot
+from tests.support.stack import Stack
+
+THRESHOLD = 0.45  # m
+
+
+def _verdicts(firings: list[BacktestFiring]) -> str:
+    count = Counter(f.verdict for f in firings)
+    return ", ".join(f"{count[verdict]} {verdict}" for verdict in ("same", "new", "gone"))
+
+
+def main() -> None:
+    minutes = float(sys.argv[1]) if len(sys.argv) > 1 else 5.0
+    stack = Stack.simulated()
+    robot = Robot(stack.domain)
+    try:
+        robot.ready()
+        reality = Reality(robot)
+        table = reality_table(THRESHOLD)
+        reality.apply(table)
+        reality.drive(minutes * 60)
+        path = reality.save("reality")
+        record = recorded(path)
+        print(f"{path.stat().st_size / 1e6:.1f} MB, {len(record.firings)} firings recorded")
+
+        shares: list[float] = []
+        began = time.monotonic()
+        report = reality.backtest(table, "reality", progress=shares.append)
+        seconds = time.monotonic() - began
+        length = report.end - report.start
+        same = since(report, record.in_force)
+        identical = sorted((f.rule_id, round(f.time, 5), f.verdict) for f in same) == sorted(
+            (f.rule_id, round(f.time, 5), "same") for f in record.firings
+        )
+        print(
+            f"same table: {_verdicts(same)}; {length:.0f} s ({report.messages} messages) in "
+            f"{seconds:.1f} s = {length / seconds:.0f} x real time ({length / report.seconds:.0f} "
+            f"x without starting), progress told {len(shares)} times"
+        )
+        print("  " + ", ".join(f"{t.rule_id} {t.recorded}/{t.proposed}" for t in report.tallies))
+
+        edited = THRESHOLD - EDITED
+        other = since(reality.backtest(reality_table(edited), "reality"), record.in_force)
+        touched = sorted({f.rule_id for f in other if f.verdict != "same"})
+        near = [f.time for f in other if f.rule_id == NEAR and f.verdict != "gone"]
+        wanted = expected_near(path, edited, record.in_force)
+        print(
+            f"threshold {THRESHOLD} -> {edited:.2f} m: {_verdicts(other)}, all of rules {touched}; "
+            f"'{NEAR}' fires {len(near)} times, expected {len(wanted)}"
+        )
+        as_expected = same_times(near, wanted) and set(touched) <= {NEAR, "not-near"}
+        print("identical:", identical, " difference as expected:", as_expected)
+        sys.exit(0 if identical and as_expected else 1)
+    finally:
+        robot.close()
+        stack.close()
+
+
+if __name__ == "__main__":
+    main()
