@@ -5,6 +5,7 @@ import re
 import signal
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
@@ -31,18 +32,37 @@ def recipe_of(document: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-@pytest.fixture(scope="module", params=list(SEEDS))
-def recipe(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+class Run(NamedTuple):
+    """Which recipe, and whether the environment overrides that it asks for processes."""
+
+    name: str
+    processes: str = ""
+    goal: tuple[float, float] = (-1.5, 0.5)
+
+
+RUNS = [Run("S1"), Run("S2"), Run("S1", "0", (-1.6, 0.0)), Run("S2", "0", (-1.6, 0.0))]
+
+
+IDS = ["S1", "S2", "S1-threads", "S2-threads"]
+
+
+@pytest.fixture(scope="module", params=RUNS, ids=IDS)
+def run(request: pytest.FixtureRequest) -> Run:
+    return request.param  # type: ignore[no-any-return]
+
+
+@pytest.fixture(scope="module")
+def recipe(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     if not DOCUMENTS.is_dir():
         pytest.skip(f"the two documents are not in {DOCUMENTS}")
-    path = tmp_path_factory.mktemp("seeds") / f"{request.param}.py"
-    path.write_text(recipe_of((DOCUMENTS / SEEDS[request.param]).read_text()))
+    path = tmp_path_factory.mktemp("seeds") / f"{run.name}.py"
+    path.write_text(recipe_of((DOCUMENTS / SEEDS[run.name]).read_text()))
     return path
 
 
 @pytest.fixture(scope="module")
-def stack(recipe: Path) -> Iterator[Stack]:
-    running = Stack.simulated(recipe=recipe)
+def stack(run: Run, recipe: Path) -> Iterator[Stack]:
+    running = Stack.simulated(recipe=recipe, KOMPASS_MULTI_PROCESSING=run.processes)
     try:
         yield running
     finally:
@@ -60,12 +80,13 @@ def robot(stack: Stack) -> Iterator[Robot]:
 
 
 def test_a_clicked_point_drives_the_robot_there_and_the_goal_succeeds(
-    stack: Stack, robot: Robot
+    stack: Stack, robot: Robot, run: Run
 ) -> None:
+    assert ("components is process" in stack.output) == (run.processes == "0")
     firings: list[RuleFiring] = []
     robot.node.create_subscription(RuleFiring, "/monitor/firings", firings.append, 100)
-    robot.click(-1.5, 0.5)
-    wait_until(lambda: robot.distance_to(-1.5, 0.5) < 0.10, 40, "arrival at the clicked point")
+    robot.click(*run.goal)
+    wait_until(lambda: robot.distance_to(*run.goal) < 0.10, 40, "arrival at the clicked point")
     wait_until(
         lambda: any(f.phase == "done" and "rviz" in f.rule_id for f in firings),
         20,
@@ -78,10 +99,10 @@ def test_a_clicked_point_drives_the_robot_there_and_the_goal_succeeds(
 
 
 def test_a_killed_mapper_switches_the_controller_to_the_sensor_once(
-    stack: Stack, robot: Robot, recipe: Path
+    stack: Stack, robot: Robot, run: Run
 ) -> None:
-    if recipe.stem != "S2":
-        return  # only that recipe has a rule for it
+    if run.name != "S2" or run.processes:
+        return  # only that recipe has a rule for it, and only a process of its own can be killed
     robot.subscribe(ComponentStatus, "/mapper/status", LATCHED)
     firings: list[RuleFiring] = []
     robot.node.create_subscription(RuleFiring, "/monitor/firings", firings.append, 100)

@@ -25,7 +25,7 @@ RECIPE = Path(__file__).parents[1] / "recipes" / "supervised_robot.py"
 HEALTHY, COMPONENT, SYSTEM = 0, 2, 3
 SUCCEEDED = 4
 # Places to drive to and fro between, with room all around.
-PLACES = ((-1.5, 0.5), (-1.5, -0.6))
+PLACES = ((-1.5, 0.3), (-1.5, -0.4))
 
 
 class Watched(Robot):
@@ -77,10 +77,11 @@ class Watched(Robot):
         answer = self.call(ChangeParameter, "/controller/update_config_parameter", request)
         assert answer.success, answer.error_msg
         wait_until(lambda: self.level("mapper") == HEALTHY, 15, "a healthy mapper")
-        self.firings.clear()
         handle = self.send_goal(*PLACES[self._goals % 2])
         self._goals += 1
         wait_until(lambda: self.speed > 0.1, 20, "motion")
+        wait_until(lambda: self.level("mapper") == HEALTHY, 5, "a healthy mapper still")
+        self.firings.clear()
         return handle
 
     def drives_on(self, handle: Any, began: float, within: float) -> None:
