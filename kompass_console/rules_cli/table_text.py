@@ -29,10 +29,10 @@ def as_text(table: Table, format_: Format) -> str:
 def _told(model: BaseModel) -> dict[str, Any]:
     """The fields of a model that differ from their defaults, and what kind it is."""
     dumped = model.model_dump(mode="json")
-    told: dict[str, Any] = {}
+    told: dict[str, Any] = {"kind": dumped["kind"]} if "kind" in dumped else {}
     for name, field in type(model).model_fields.items():
         value = getattr(model, name)
-        if name == "kind" or value != field.get_default(call_default_factory=True):
+        if name != "kind" and value != field.get_default(call_default_factory=True):
             told[name] = _value(value, dumped[name])
     return told
 
