@@ -2,7 +2,7 @@ import type { ReactNode } from "react";
 import classes from "./Band.module.css";
 
 interface Props {
-  tone: "stale" | "stopped" | "alarm" | "notice";
+  tone: "stale" | "stopped" | "alarm" | "notice" | "failed";
   title: string;
   children?: ReactNode;
   action?: ReactNode;
@@ -16,7 +16,7 @@ export function Band({ tone, title, children, action, testId }: Props) {
       className={classes.band}
       data-tone={tone}
       data-testid={testId}
-      role={tone === "alarm" ? "alert" : "status"}
+      role={tone === "alarm" || tone === "failed" ? "alert" : "status"}
     >
       <div className={classes.text}>
         <strong>{title}</strong>

@@ -1,9 +1,13 @@
 import { UnstyledButton } from "@mantine/core";
-import { IconDatabase, IconHeartbeat } from "@tabler/icons-react";
+import { IconBolt, IconDatabase, IconHeartbeat } from "@tabler/icons-react";
 import { useState } from "react";
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
+import { DraftBar } from "../rules/DraftBar";
+import { FiringsPanel } from "../rules/firings/FiringsPanel";
+import { useNav } from "../rules/live/RulesNav";
+import { RulesSheet } from "../rules/RulesSheet";
 import { StopButton } from "../stop/StopButton";
 import classes from "./BottomPanel.module.css";
 
@@ -16,12 +20,33 @@ const TABS: { key: Tab; label: string; Icon: typeof IconHeartbeat }[] = [
 
 /** What the right column is on a tablet or a phone: a sheet that opens from the bottom. */
 export function BottomPanel({ startOpen }: { startOpen: boolean }) {
-  const [open, setOpen] = useState<Tab | null>(startOpen ? "health" : null);
+  const rules = useNav();
+  const [tab, setTab] = useState<Tab | null>(startOpen ? "health" : null);
+  const open = rules.open ? null : tab;
+  const show = (next: Tab | null) => {
+    rules.close();
+    setTab(next);
+  };
   return (
     <aside className={classes.bottom} aria-label="Robot">
       {open !== null && (
         <div className={classes.sheet} id="sheet">
-          {open === "health" ? <HealthPanel /> : <DataPanel />}
+          {open === "health" ? (
+            <>
+              <HealthPanel />
+              <FiringsPanel />
+            </>
+          ) : (
+            <DataPanel />
+          )}
+        </div>
+      )}
+      {rules.open && (
+        <div className={classes.rules} id="sheet">
+          <RulesSheet />
+          <div className={classes.draft}>
+            <DraftBar />
+          </div>
         </div>
       )}
       <div className={classes.bar}>
@@ -35,12 +60,22 @@ export function BottomPanel({ startOpen }: { startOpen: boolean }) {
                 aria-expanded={open === key}
                 aria-controls="sheet"
                 data-testid={`tab-${key}`}
-                onClick={() => setOpen(open === key ? null : key)}
+                onClick={() => show(open === key ? null : key)}
               >
                 <Icon size={20} aria-hidden />
                 {label}
               </UnstyledButton>
             ))}
+            <UnstyledButton
+              className={classes.tab}
+              aria-expanded={rules.open}
+              aria-controls="sheet"
+              data-testid="tab-rules"
+              onClick={rules.toggle}
+            >
+              <IconBolt size={20} aria-hidden />
+              Rules
+            </UnstyledButton>
           </div>
         </div>
         <StopButton />

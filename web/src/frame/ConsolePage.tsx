@@ -6,6 +6,10 @@ import { GoalHint } from "../goal/GoalHint";
 import { GoalOverlay } from "../goal/GoalOverlay";
 import { type GoalTool, useGoalTool } from "../goal/useGoalTool";
 import { useKeys } from "../keys";
+import { AlarmsBand } from "../rules/live/AlarmsBand";
+import { ProbationBand } from "../rules/live/ProbationBand";
+import { RulesProvider } from "../rules/live/RulesContext";
+import { RulesNavProvider, useNav } from "../rules/live/RulesNav";
 import { DriveBand } from "../scene/DriveBand";
 import scene from "../scene/Scene.module.css";
 import { SceneFrame } from "../scene/SceneFrame";
@@ -28,7 +32,11 @@ export function ConsolePage({ onRefused }: { onRefused: () => void }) {
   return (
     <RobotProvider onRefused={onRefused}>
       <StopProvider>
-        <Workplace />
+        <RulesNavProvider>
+          <RulesProvider>
+            <Workplace />
+          </RulesProvider>
+        </RulesNavProvider>
       </StopProvider>
     </RobotProvider>
   );
@@ -40,6 +48,7 @@ function Workplace() {
   const handle = useView();
   const { view, change } = handle;
   const goal = useGoalTool(view?.id ?? null);
+  const rules = useNav();
   const [layersOpen, setLayersOpen] = useState(false);
   const [helpOpen, setHelpOpen] = useState(false);
   const narrow = useMediaQuery("(max-width: 1100px)", false, { getInitialValueInEffect: false });
@@ -59,6 +68,9 @@ function Workplace() {
       case "l":
         setLayersOpen(!layersOpen);
         return true;
+      case "r":
+        rules.toggle();
+        return true;
       case "?":
       case "h":
         setHelpOpen(!helpOpen);
@@ -71,15 +83,17 @@ function Workplace() {
       case "escape":
         if (layersOpen) return false;
         if (goal.back()) return true;
-        setHelpOpen(false);
-        return helpOpen;
+        if (helpOpen) setHelpOpen(false);
+        else if (rules.open) rules.close();
+        else return false;
+        return true;
       default:
         return false;
     }
   });
 
   return (
-    <div className={classes.page}>
+    <div className={classes.page} data-rules={rules.open || undefined}>
       <TopBar />
       <main className={scene.scene}>
         <SceneStack handle={handle} goal={goal} />
@@ -102,6 +116,7 @@ function Workplace() {
 /** The scene, and what lies over it, from far to near. */
 function SceneStack({ handle, goal }: { handle: ViewHandle; goal: GoalTool }) {
   const { view, error } = handle;
+  const { open: rulesOpen } = useNav();
   return (
     <>
       {view === null ? (
@@ -123,6 +138,8 @@ function SceneStack({ handle, goal }: { handle: ViewHandle; goal: GoalTool }) {
         <StopBand />
         <StaleBand />
         <DriveBand />
+        <AlarmsBand />
+        {!rulesOpen && <ProbationBand />}
         {view !== null && error !== null && (
           <Band tone="notice" title={error.title} testId="view-error">
             {error.remedy}

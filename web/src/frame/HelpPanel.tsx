@@ -9,6 +9,7 @@ const KEYS: [string, string][] = [
   ["F", "Follow the robot"],
   ["T", "Top view"],
   ["L", "Layers"],
+  ["R", "Rules"],
   ["?", "This help"],
 ];
 

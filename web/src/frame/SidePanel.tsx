@@ -1,11 +1,33 @@
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
+import { DraftBar } from "../rules/DraftBar";
+import { FiringsPanel } from "../rules/firings/FiringsPanel";
+import { useNav } from "../rules/live/RulesNav";
+import { RulesSheet } from "../rules/RulesSheet";
 import { StopButton } from "../stop/StopButton";
 import classes from "./SidePanel.module.css";
 
-/** The right column of a wide page. STOP has its own corner, which nothing scrolls under. */
+/**
+ * The right column of a wide page, or the rules in its place. STOP has its own corner, which nothing
+ * scrolls under.
+ */
 export function SidePanel() {
+  const { open } = useNav();
+  if (open) {
+    return (
+      <aside className={classes.side} aria-label="Rules and goal">
+        <RulesSheet />
+        <div className={classes.foot}>
+          <div className={classes.footText}>
+            <GoalStatus />
+            <DraftBar />
+          </div>
+          <StopButton />
+        </div>
+      </aside>
+    );
+  }
   return (
     <aside className={classes.side} aria-label="Robot">
       <div className={classes.scroll}>
@@ -13,6 +35,7 @@ export function SidePanel() {
           <GoalStatus />
         </div>
         <HealthPanel />
+        <FiringsPanel />
         <DataPanel />
       </div>
       <div className={classes.stop}>

@@ -1,5 +1,6 @@
 import { UnstyledButton } from "@mantine/core";
 import {
+  IconBolt,
   IconCurrentLocation,
   IconHelpCircle,
   IconMapPin,
@@ -7,6 +8,7 @@ import {
 } from "@tabler/icons-react";
 import type { ReactNode } from "react";
 import type { GoalTool } from "../goal/useGoalTool";
+import { useNav } from "../rules/live/RulesNav";
 import { LayersMenu } from "../scene/LayersMenu";
 import type { ViewHandle } from "../scene/useView";
 import { useSession } from "../session/SessionContext";
@@ -24,6 +26,7 @@ interface Props {
 export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }: Props) {
   const { session } = useSession();
   const { view, change } = scene;
+  const rules = useNav();
   const viewer = session.role === "viewer";
   return (
     <nav className={classes.rail} aria-label="Tools">
@@ -56,6 +59,15 @@ export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }
         icon={<IconSquareArrowDown size={22} aria-hidden />}
       />
       <Tool
+        testId="rules"
+        label="Rules"
+        hint="What the robot does when something happens (R)"
+        wide
+        on={rules.open}
+        onClick={rules.toggle}
+        icon={<IconBolt size={22} aria-hidden />}
+      />
+      <Tool
         testId="help"
         label="Help"
         hint="Keys and gestures (?)"
@@ -73,15 +85,19 @@ interface ToolProps {
   hint: string;
   on: boolean;
   disabled?: boolean;
+  /** Only where there is room beside the scene; elsewhere it is a tab of the sheet. */
+  wide?: boolean;
   onClick: () => void;
   icon: ReactNode;
 }
 
-function Tool({ testId, label, hint, on, disabled = false, onClick, icon }: ToolProps) {
+function Tool(props: ToolProps) {
+  const { testId, label, hint, on, disabled = false, wide = false, onClick, icon } = props;
   return (
     <UnstyledButton
       className={classes.tool}
       data-testid={testId}
+      data-wide={wide || undefined}
       aria-pressed={on}
       title={hint}
       disabled={disabled}

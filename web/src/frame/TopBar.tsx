@@ -8,6 +8,7 @@ import {
   IconUser,
 } from "@tabler/icons-react";
 import { StatusMark } from "../health/StatusMark";
+import { RevisionBadge } from "../rules/live/RevisionBadge";
 import { useSession } from "../session/SessionContext";
 import { overall } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
@@ -26,6 +27,7 @@ export function TopBar() {
       </span>
       <OverallState />
       <span className={classes.gap} />
+      <RevisionBadge />
       <SimulationRate />
       <ThemeToggle />
       <UserMenu />

@@ -1,12 +1,19 @@
+import type { ReactNode } from "react";
 import type { Component } from "../api/types";
 import { ageText } from "../format";
 import { componentLevel, componentWord, FROZEN_S } from "../state/overall";
 import classes from "./Health.module.css";
 import { HealthRow } from "./HealthRow";
+import { ProcessFacts } from "./ProcessFacts";
 
 export function ComponentRow({ component, elapsed }: { component: Component; elapsed: number }) {
   const age = component.age + elapsed;
   const level = componentLevel(component, elapsed);
+  const complaints = [
+    ["Topics", component.src_topics],
+    ["Components", component.src_components],
+    ["Algorithms", component.src_algorithms],
+  ] as const;
   return (
     <HealthRow
       level={level}
@@ -18,21 +25,41 @@ export function ComponentRow({ component, elapsed }: { component: Component; ela
     >
       <p>{component.message === "" ? "No message." : component.message}</p>
       <dl className={classes.facts}>
-        {component.sources.length > 0 && (
-          <>
-            <dt>Source</dt>
-            <dd>
-              {component.sources.map((source) => (
-                <code key={source}>{source}</code>
-              ))}
-            </dd>
-          </>
+        {complaints.map(
+          ([what, names]) =>
+            names.length > 0 && (
+              <Fact key={what} name={what}>
+                {names.map((source) => (
+                  <code key={source}>{source}</code>
+                ))}
+              </Fact>
+            ),
         )}
-        <dt>Topic</dt>
-        <dd>
+        {component.process !== null && <ProcessFacts process={component.process} />}
+        {component.inputs.length > 0 && (
+          <Fact name="Inputs">
+            {component.inputs.map((input) => (
+              <span key={input.topic} data-late={input.stale || undefined}>
+                <code>{input.topic}</code>{" "}
+                {input.age === null ? "never" : ageText(input.age + elapsed)}
+                {input.stale && " ▲ late"}
+              </span>
+            ))}
+          </Fact>
+        )}
+        <Fact name="Topic">
           <code>{component.topic}</code>
-        </dd>
+        </Fact>
       </dl>
     </HealthRow>
+  );
+}
+
+function Fact({ name, children }: { name: string; children: ReactNode }) {
+  return (
+    <>
+      <dt>{name}</dt>
+      <dd>{children}</dd>
+    </>
   );
 }

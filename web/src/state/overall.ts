@@ -27,12 +27,22 @@ const WORDS: Record<Component["status"], string> = {
   silent: "Silent",
 };
 
+/** What its supervisor knows better than a component that cannot speak. */
+const LOST_WORDS: Partial<Record<NonNullable<Component["process"]>["state"], string>> = {
+  dead: "Dead",
+  stuck: "Stuck",
+  "given up": "Given up",
+};
+
 /** @param elapsed seconds since the snapshot came; a value goes on ageing while nothing arrives. */
 export function componentLevel(component: Component, elapsed: number): Level {
+  if (LOST_WORDS[component.process?.state ?? "unknown"] !== undefined) return "failed";
   return component.age + elapsed > FROZEN_S ? "unknown" : LEVELS[component.status];
 }
 
 export function componentWord(component: Component, elapsed: number): string {
+  const lost = LOST_WORDS[component.process?.state ?? "unknown"];
+  if (lost !== undefined) return lost;
   return component.age + elapsed > FROZEN_S ? WORDS.silent : WORDS[component.status];
 }
 

@@ -116,23 +116,28 @@ export function signalText(signal: Signal): string {
   return signal.aggregate === null ? text : `${signal.aggregate}(${text})`;
 }
 
+/** What a message type calls a number; null where it has no name for it. */
+export type ConstantName = (signal: Signal, literal: Literal) => string | null;
+
+const noNames: ConstantName = () => null;
+
 /** A condition in one line, worded as the robot words it. */
-export function conditionText(condition: Condition): string {
+export function conditionText(condition: Condition, names: ConstantName = noNames): string {
   switch (condition.kind) {
     case "all":
     case "any":
       return condition.conditions
-        .map((child) => inner(child, condition))
+        .map((child) => inner(child, condition, names))
         .join(condition.kind === "all" ? " and " : " or ");
     case "not":
-      return `not ${inner(condition.condition, condition)}`;
+      return `not ${inner(condition.condition, condition, names)}`;
     case "compare": {
       const signal = signalText(condition.signal);
       if (condition.operator === "between" && Array.isArray(condition.value)) {
         const [low, high] = condition.value;
         return `${literalText(low ?? "")} <= ${signal} <= ${literalText(high ?? "")}`;
       }
-      const text = `${signal} ${condition.operator.replaceAll("_", " ")} ${literalText(condition.value)}`;
+      const text = `${signal} ${condition.operator.replaceAll("_", " ")} ${names(condition.signal, condition.value) ?? literalText(condition.value)}`;
       return condition.tolerance > 0 ? `${text} (±${condition.tolerance})` : text;
     }
     case "changed":
@@ -153,8 +158,8 @@ export function conditionText(condition: Condition): string {
   }
 }
 
-function inner(condition: Condition, outer: Condition): string {
-  const text = conditionText(condition);
+function inner(condition: Condition, outer: Condition, names: ConstantName): string {
+  const text = conditionText(condition, names);
   const many = isGroup(condition) && condition.conditions.length > 1;
   const spaced = outer.kind === "not" && condition.kind !== "not" && condition.kind !== "callable";
   return spaced || (many && condition.kind !== outer.kind) ? `(${text})` : text;

@@ -1,0 +1,57 @@
+import { Button } from "@mantine/core";
+import { useRules } from "./live/RulesContext";
+import { useNav } from "./live/RulesNav";
+import classes from "./Sheet.module.css";
+
+/** What is not yet on the robot, and the way there and back. */
+export function DraftBar() {
+  const { draft, check, mayEdit } = useRules();
+  const nav = useNav();
+  if (!mayEdit) {
+    return (
+      <p className={classes.muted} data-testid="viewer-note">
+        Viewers read everything here. To change a rule, log in as an operator.
+      </p>
+    );
+  }
+  const count = draft.changes.length;
+  if (count === 0) {
+    return (
+      <div className={classes.draft}>
+        <span className={classes.muted} data-testid="draft-state">
+          No unsaved changes
+        </span>
+        {draft.undo !== null && (
+          <Button variant="subtle" size="compact-md" onClick={draft.undo} data-testid="draft-undo">
+            Undo
+          </Button>
+        )}
+      </div>
+    );
+  }
+  const errors = check.findings.filter((finding) => finding.level === "error").length;
+  return (
+    <div className={classes.draft}>
+      <strong data-testid="draft-state">
+        {count === 1 ? "1 unsaved change" : `${count} unsaved changes`}
+        {errors > 0 && `, ${errors === 1 ? "1 problem" : `${errors} problems`}`}
+      </strong>
+      {draft.undo !== null && (
+        <Button variant="subtle" onClick={draft.undo} data-testid="draft-undo">
+          Undo
+        </Button>
+      )}
+      <Button variant="default" onClick={draft.discardAll} data-testid="draft-discard">
+        Discard
+      </Button>
+      {nav.place.at !== "review" && nav.place.at !== "conflict" && (
+        <Button
+          onClick={() => nav.go({ at: draft.overtaken ? "conflict" : "review" })}
+          data-testid="draft-review"
+        >
+          {draft.overtaken ? "Merge" : "Review & apply"}
+        </Button>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,76 @@
+import { CloseButton, UnstyledButton } from "@mantine/core";
+import { ExportMenu } from "./ExportMenu";
+import { RuleEditor } from "./editor/RuleEditor";
+import { FiringsPage } from "./firings/FiringsPage";
+import { HistoryPage } from "./history/HistoryPage";
+import { RulesBands } from "./live/RulesBands";
+import { type Place, useNav } from "./live/RulesNav";
+import { ConflictPage } from "./review/ConflictPage";
+import { ReviewPage } from "./review/ReviewPage";
+import classes from "./Sheet.module.css";
+import { RuleTable } from "./table/RuleTable";
+import { WhyPage } from "./why/WhyPage";
+
+const TABS: { label: string; place: Place; holds: Place["at"][] }[] = [
+  { label: "Rules", place: { at: "table" }, holds: ["table", "edit", "why", "review", "conflict"] },
+  { label: "Firings", place: { at: "firings", rule: null }, holds: ["firings"] },
+  { label: "History", place: { at: "history", revision: null }, holds: ["history"] },
+];
+
+/** The rules of the robot, beside the scene: what is in force, what is being written, what was. */
+export function RulesSheet() {
+  const nav = useNav();
+  return (
+    <section className={classes.sheet} aria-label="Rules" data-testid="rules-sheet">
+      <header className={classes.head}>
+        {TABS.map(({ label, place, holds }) => (
+          <UnstyledButton
+            key={label}
+            className={classes.tab}
+            aria-current={holds.includes(nav.place.at) ? "page" : undefined}
+            data-testid={`rules-tab-${place.at}`}
+            onClick={() => nav.go(place)}
+          >
+            {label}
+          </UnstyledButton>
+        ))}
+        <span className={classes.gap} />
+        <ExportMenu />
+        <CloseButton
+          size="lg"
+          aria-label="Close the rules"
+          title="Close (R)"
+          data-testid="rules-close"
+          onClick={nav.close}
+        />
+      </header>
+      <div className={classes.bands}>
+        <RulesBands />
+      </div>
+      <div className={classes.body} key={nav.place.at}>
+        <Page place={nav.place} />
+      </div>
+    </section>
+  );
+}
+
+function Page({ place }: { place: Place }) {
+  switch (place.at) {
+    case "table":
+      return <RuleTable />;
+    case "edit":
+      return <RuleEditor id={place.id} />;
+    case "why":
+      return (
+        <WhyPage key={`${place.id} ${place.firing?.number}`} id={place.id} firing={place.firing} />
+      );
+    case "review":
+      return <ReviewPage />;
+    case "conflict":
+      return <ConflictPage />;
+    case "firings":
+      return <FiringsPage rule={place.rule} />;
+    case "history":
+      return <HistoryPage revision={place.revision} />;
+  }
+}

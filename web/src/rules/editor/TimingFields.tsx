@@ -1,0 +1,162 @@
+import { Select } from "@mantine/core";
+import type { Mode, RuleEvent, Trigger } from "../../api/ruleTypes";
+import { FindingList } from "../FindingList";
+import { findingsAt } from "../model/findings";
+import { blank } from "../model/presets";
+import { TRIGGER_WORDS } from "../model/words";
+import { NumberField } from "../NumberField";
+import sheet from "../Sheet.module.css";
+import { Toggle } from "../Toggle";
+import { ConditionEditor } from "./ConditionEditor";
+import classes from "./Editor.module.css";
+import { useEditor } from "./EditorContext";
+import { VerdictMark, verdictWord } from "./VerdictMark";
+
+interface Props {
+  event: RuleEvent;
+  onChange: (event: RuleEvent) => void;
+  clearVerdict: boolean | null;
+}
+
+const MODES: { value: Mode["kind"]; label: string }[] = [
+  { value: "single", label: "are dropped and counted" },
+  { value: "queued", label: "wait in a queue" },
+  { value: "restart", label: "start the actions again" },
+  { value: "parallel", label: "run beside it" },
+];
+
+/** How the truth of the condition over time becomes firings. */
+export function TimingFields({ event, onChange, clearVerdict }: Props) {
+  const { findings, graph } = useEditor();
+  const put = (part: Partial<RuleEvent>) => onChange({ ...event, ...part });
+  const { mode, max_rate: limit } = event;
+  return (
+    <section className={sheet.section} aria-label="How often">
+      <div className={classes.grid}>
+        <Select
+          size="sm"
+          label="It fires"
+          className={classes.wide}
+          allowDeselect={false}
+          data={Object.entries(TRIGGER_WORDS).map(([value, label]) => ({ value, label }))}
+          value={event.trigger}
+          onChange={(trigger) => {
+            if (trigger !== null) put({ trigger: trigger as Trigger });
+          }}
+          data-testid="trigger"
+        />
+        <NumberField
+          label="once true for"
+          suffix=" s"
+          min={0}
+          value={event.hold}
+          onChange={(hold) => put({ hold })}
+          testId="hold"
+        />
+        <NumberField
+          label="cooldown after it"
+          suffix=" s"
+          min={0}
+          value={event.cooldown}
+          onChange={(cooldown) => put({ cooldown })}
+          testId="cooldown"
+        />
+        <Select
+          size="sm"
+          label="While its actions run, further ones"
+          className={classes.wide}
+          allowDeselect={false}
+          data={MODES}
+          value={mode.kind}
+          onChange={(kind) => {
+            if (kind === "queued" || kind === "parallel") put({ mode: { kind, size: 10 } });
+            else if (kind === "single" || kind === "restart") put({ mode: { kind } });
+          }}
+        />
+        {(mode.kind === "queued" || mode.kind === "parallel") && (
+          <NumberField
+            label="up to"
+            min={1}
+            max={1000}
+            allowDecimal={false}
+            value={mode.size}
+            onChange={(size) => put({ mode: { ...mode, size } })}
+          />
+        )}
+      </div>
+      <FindingList
+        findings={[
+          ...findingsAt(findings, "event.hold"),
+          ...findingsAt(findings, "event.cooldown"),
+        ]}
+      />
+      <div className={sheet.line}>
+        <Toggle on={event.once} label="Only once" onChange={(once) => put({ once })} testId="once">
+          only once, until the stack starts again
+        </Toggle>
+        {event.trigger === "edge" && (
+          <Toggle
+            on={event.first_true_is_edge}
+            label="True from the start counts"
+            onChange={(first_true_is_edge) => put({ first_true_is_edge })}
+          >
+            true from the start counts
+          </Toggle>
+        )}
+      </div>
+      <div className={sheet.line}>
+        <Toggle
+          on={limit !== null}
+          label="Limit how often"
+          onChange={(on) => put({ max_rate: on ? { count: 5, window: 60 } : null })}
+        >
+          {limit === null ? "no limit on how often" : "latches beyond"}
+        </Toggle>
+        {limit !== null && (
+          <>
+            <NumberField
+              aria-label="Number of firings"
+              suffix=" firings"
+              w={120}
+              min={1}
+              max={1000}
+              allowDecimal={false}
+              value={limit.count}
+              onChange={(count) => put({ max_rate: { ...limit, count } })}
+            />
+            in
+            <NumberField
+              aria-label="Seconds for them"
+              suffix=" s"
+              w={96}
+              min={0.01}
+              value={limit.window}
+              onChange={(window) => put({ max_rate: { ...limit, window } })}
+            />
+          </>
+        )}
+      </div>
+      <Toggle
+        on={event.clear !== null}
+        label="Fires again only after another condition"
+        onChange={(on) => put({ clear: on ? blank("compare", graph, null) : null })}
+      >
+        {event.clear === null
+          ? "no other condition before it fires again"
+          : "fires again only after this was true:"}
+      </Toggle>
+      {event.clear !== null && (
+        <>
+          <ConditionEditor
+            root="event.clear"
+            condition={event.clear}
+            onChange={(clear) => put({ clear })}
+          />
+          <span className={classes.verdict}>
+            now <VerdictMark verdict={clearVerdict} /> {verdictWord(clearVerdict)}
+          </span>
+        </>
+      )}
+    </section>
+  );
+}

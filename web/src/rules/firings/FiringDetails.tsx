@@ -1,0 +1,133 @@
+import { Button } from "@mantine/core";
+import { useState } from "react";
+import { type ApiError, asApiError } from "../../api/errors";
+import { rollbackRules, saveRecording } from "../../api/rulesClient";
+import type { Firing } from "../../api/ruleTypes";
+import { StatusMark } from "../../health/StatusMark";
+import { useRules } from "../live/RulesContext";
+import { useNav } from "../live/RulesNav";
+import { clockText, leftText } from "../model/words";
+import sheet from "../Sheet.module.css";
+import { LeafList } from "../why/LeafList";
+import classes from "./Firings.module.css";
+import { outcomeText } from "./outcome";
+
+/** Seconds of the flight recorder that are kept with a firing looked at soon after it. */
+const KEEP_S = 60;
+
+/** One firing: what made it fire, what was done, and what came of each step. */
+export function FiringDetails({ firing }: { firing: Firing }) {
+  const nav = useNav();
+  return (
+    <section className={sheet.section} aria-label="This firing" data-testid="firing-details">
+      <p className={classes.head}>
+        <strong>{clockText(firing.time)}</strong> {outcomeText(firing)}
+        {firing.topic !== null && (
+          <>
+            , by a message of <code>/{firing.topic}</code>
+          </>
+        )}
+        , rule of{" "}
+        <button
+          type="button"
+          className={classes.link}
+          onClick={() => nav.go({ at: "history", revision: firing.revision })}
+        >
+          revision {firing.revision}
+        </button>
+      </p>
+      {firing.text !== "" && <p className={classes.text}>{firing.text}</p>}
+      {firing.error !== "" && <p className={sheet.problem}>{firing.error}</p>}
+      <LeafList leaves={firing.leaves} then />
+      {firing.actions.length > 0 && (
+        <ol className={classes.steps}>
+          {firing.actions.map((action, index) => (
+            // biome-ignore lint/suspicious/noArrayIndexKey: steps of the past keep their place
+            <li key={index}>
+              <StatusMark level={action.ok ? "healthy" : "failed"} />
+              <span>
+                {action.action}: {action.ok ? "ok" : "failed"} after {leftText(action.seconds)}
+                {action.text !== "" && <span className={sheet.muted}> {action.text}</span>}
+              </span>
+            </li>
+          ))}
+        </ol>
+      )}
+      {firing.message !== null && (
+        <details>
+          <summary className={sheet.muted}>The message</summary>
+          <pre className={classes.message}>{JSON.stringify(firing.message, null, 1)}</pre>
+        </details>
+      )}
+      {firing.recording !== "" && (
+        <p className={sheet.muted}>
+          Recorded in <code>{firing.recording}</code>
+        </p>
+      )}
+      <FiringActions firing={firing} />
+    </section>
+  );
+}
+
+/** What can be done about it: back to the table before this one, or keep the recording. */
+function FiringActions({ firing }: { firing: Firing }) {
+  const { view, mayEdit, reload } = useRules();
+  const [busy, setBusy] = useState(false);
+  const [done, setDone] = useState("");
+  const [error, setError] = useState<ApiError | null>(null);
+  if (!mayEdit || view === null) return null;
+  const run = (what: Promise<string>) => {
+    setBusy(true);
+    setError(null);
+    what
+      .then(setDone, (failure: unknown) => setError(asApiError(failure)))
+      .finally(() => setBusy(false));
+  };
+  const rollBack = async (revision: number | null) => {
+    const report = await rollbackRules(
+      revision,
+      view.revision,
+      `after the firing of "${firing.name || firing.rule_id}" at ${clockText(firing.time)}`,
+    );
+    reload();
+    return `Revision ${report.revision} is in force.`;
+  };
+  const keep = async () => (await saveRecording(KEEP_S, "")).message;
+  return (
+    <>
+      <div className={sheet.line}>
+        {firing.revision === view.revision ? (
+          <Button
+            variant="default"
+            loading={busy}
+            disabled={view.revision <= 1}
+            onClick={() => run(rollBack(null))}
+            data-testid="firing-rollback"
+          >
+            Roll back this revision
+          </Button>
+        ) : (
+          <Button
+            variant="default"
+            loading={busy}
+            onClick={() => run(rollBack(firing.revision))}
+            data-testid="firing-rollback"
+          >
+            Roll back to revision {firing.revision}
+          </Button>
+        )}
+        {firing.recording === "" && (
+          <Button variant="subtle" loading={busy} onClick={() => run(keep())}>
+            Keep the last minute recorded
+          </Button>
+        )}
+      </div>
+      {done !== "" && <p className={sheet.muted}>{done}</p>}
+      {error !== null && (
+        <p className={sheet.problem} role="alert">
+          {error.title} {error.remedy}
+        </p>
+      )}
+    </>
+  );
+}

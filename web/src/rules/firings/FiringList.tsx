@@ -1,0 +1,34 @@
+import { UnstyledButton } from "@mantine/core";
+import { IconChevronRight } from "@tabler/icons-react";
+import type { Firing } from "../../api/ruleTypes";
+import { StatusMark } from "../../health/StatusMark";
+import { useNav } from "../live/RulesNav";
+import { useNow } from "../live/useNow";
+import { whenText } from "../model/words";
+import classes from "./Firings.module.css";
+import { outcomeLevel, outcomeText } from "./outcome";
+
+/** Entries of the journal; each opens to its explanation. */
+export function FiringList({ firings }: { firings: readonly Firing[] }) {
+  const nav = useNav();
+  const now = useNow();
+  return (
+    <ul className={classes.list}>
+      {firings.map((firing) => (
+        <li key={firing.number} data-testid={`firing-${firing.rule_id}`} data-kind={firing.kind}>
+          <UnstyledButton
+            className={classes.row}
+            onClick={() => nav.go({ at: "why", id: firing.rule_id, firing })}
+          >
+            <StatusMark level={outcomeLevel(firing)} />
+            <span className={classes.when}>{whenText(firing.time, now)}</span>
+            <span className={classes.name}>{firing.name || firing.rule_id}</span>
+            <span className={classes.outcome}>{outcomeText(firing)}</span>
+            <span className={classes.revision}>rev {firing.revision}</span>
+            <IconChevronRight size={16} aria-hidden className={classes.chevron} />
+          </UnstyledButton>
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -1,0 +1,90 @@
+import { Button, Select } from "@mantine/core";
+import { useState } from "react";
+import type { Firing } from "../../api/ruleTypes";
+import { useRules } from "../live/RulesContext";
+import { useNav } from "../live/RulesNav";
+import { ruleName } from "../model/words";
+import sheet from "../Sheet.module.css";
+import { FiringList } from "./FiringList";
+import { useFirings } from "./useFirings";
+
+const OUTCOMES = [
+  { value: "all", label: "everything" },
+  { value: "fired", label: "firings" },
+  { value: "failed", label: "failed" },
+  { value: "running", label: "still running" },
+  { value: "shadow", label: "shadow" },
+  { value: "near miss", label: "near misses" },
+  { value: "outranked", label: "outranked" },
+  { value: "note", label: "notes" },
+];
+
+function fits(firing: Firing, outcome: string): boolean {
+  switch (outcome) {
+    case "all":
+      return true;
+    case "fired":
+      return firing.kind === "firing";
+    case "failed":
+      return firing.ok === false;
+    case "running":
+      return firing.kind === "firing" && firing.ended === null;
+    default:
+      return firing.kind === outcome;
+  }
+}
+
+/** The journal: what fired and what came of it, newest first. */
+export function FiringsPage({ rule }: { rule: string | null }) {
+  const { view } = useRules();
+  const nav = useNav();
+  const [outcome, setOutcome] = useState("all");
+  const { firings, more, error, older } = useFirings(50, rule);
+  const shown = firings?.filter((firing) => fits(firing, outcome)) ?? [];
+  const rules = (view?.table.rules ?? []).map((each) => ({
+    value: each.id,
+    label: ruleName(each),
+  }));
+  const known = rule === null || rules.some(({ value }) => value === rule);
+  return (
+    <div className={sheet.page} data-testid="firings">
+      <div className={sheet.line}>
+        <Select
+          size="sm"
+          aria-label="Of which rule"
+          placeholder="of any rule"
+          clearable
+          searchable
+          data={known ? rules : [...rules, { value: rule, label: rule }]}
+          value={rule}
+          onChange={(id) => nav.go({ at: "firings", rule: id })}
+        />
+        <Select
+          size="sm"
+          aria-label="Which outcome"
+          allowDeselect={false}
+          data={OUTCOMES}
+          value={outcome}
+          onChange={(value) => value !== null && setOutcome(value)}
+        />
+      </div>
+      {error !== null && (
+        <p className={sheet.problem}>
+          {error.title} {error.remedy}
+        </p>
+      )}
+      {firings === null && error === null && <p className={sheet.muted}>Reading the journal…</p>}
+      {firings !== null && shown.length === 0 && (
+        <p className={sheet.empty}>
+          {firings.length === 0 ? "Nothing has fired yet." : "Nothing like that lately."}
+        </p>
+      )}
+      <FiringList firings={shown} />
+      {more && (
+        <Button variant="default" onClick={older}>
+          Older
+        </Button>
+      )}
+    </div>
+  );
+}

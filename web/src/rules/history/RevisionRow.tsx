@@ -1,0 +1,98 @@
+import { Button } from "@mantine/core";
+import { useState } from "react";
+import { type ApiError, asApiError } from "../../api/errors";
+import { rollbackRules } from "../../api/rulesClient";
+import type { Revision } from "../../api/ruleTypes";
+import { useRules } from "../live/RulesContext";
+import { useNow } from "../live/useNow";
+import { whenText } from "../model/words";
+import { DiffList } from "../review/DiffList";
+import sheet from "../Sheet.module.css";
+import classes from "./History.module.css";
+
+const ORIGIN_WORDS: Record<Revision["origin"], string> = {
+  recipe: "from the recipe",
+  edit: "edited",
+  rollback: "rolled back",
+  "taken back": "taken back",
+  merge: "merged",
+};
+
+interface Props {
+  revision: Revision;
+  active: number;
+  startOpen: boolean;
+}
+
+/** One revision: who, when, why, what; and one click back to it. Probation is the undo. */
+export function RevisionRow({ revision, active, startOpen }: Props) {
+  const { mayEdit, reload } = useRules();
+  const now = useNow();
+  const [open, setOpen] = useState(startOpen);
+  const [busy, setBusy] = useState(false);
+  const [error, setError] = useState<ApiError | null>(null);
+  const { number, author, role, time, reason, origin, outcome, restores, diff } = revision;
+  const current = number === active;
+  const count = diff.changes.length;
+  const rollBack = () => {
+    setBusy(true);
+    setError(null);
+    rollbackRules(number, active, `back to revision ${number}`)
+      .then(reload, (failure: unknown) => setError(asApiError(failure)))
+      .finally(() => setBusy(false));
+  };
+  return (
+    <li
+      className={classes.revision}
+      data-testid={`revision-${number}`}
+      data-current={current || undefined}
+    >
+      <div className={classes.head}>
+        <strong>rev {number}</strong>
+        <span>
+          {author}, {role}
+        </span>
+        <span className={classes.outcome}>
+          {current ? (outcome === "confirmed" ? "in force ✓" : "in force, on probation") : outcome}
+        </span>
+        <time className={classes.when} dateTime={new Date(time * 1000).toISOString()}>
+          {whenText(time, now)}
+        </time>
+      </div>
+      <div className={classes.why}>
+        {ORIGIN_WORDS[origin]}
+        {restores !== null && ` to revision ${restores}`}
+        {reason !== "" && `: ${reason}`}
+      </div>
+      <div className={sheet.line}>
+        {count > 0 && (
+          <Button
+            variant="subtle"
+            size="compact-md"
+            aria-expanded={open}
+            onClick={() => setOpen(!open)}
+          >
+            {count === 1 ? "1 change" : `${count} changes`}
+          </Button>
+        )}
+        {mayEdit && !current && (
+          <Button
+            variant="default"
+            size="compact-md"
+            loading={busy}
+            onClick={rollBack}
+            data-testid="roll-back"
+          >
+            Roll back to this
+          </Button>
+        )}
+      </div>
+      {error !== null && (
+        <p className={sheet.problem} role="alert">
+          {error.title} {error.remedy}
+        </p>
+      )}
+      {open && <DiffList changes={diff.changes} />}
+    </li>
+  );
+}

@@ -1,0 +1,123 @@
+import { Button, Progress, Select } from "@mantine/core";
+import { useState } from "react";
+import type { Table } from "../../api/ruleTypes";
+import { secondsText } from "../model/words";
+import sheet from "../Sheet.module.css";
+import { BacktestTimeline } from "./BacktestTimeline";
+import classes from "./Review.module.css";
+import { type BacktestRun, isOver, useBacktest } from "./useBacktest";
+
+const STRETCHES = [
+  { value: "60", label: "the last minute" },
+  { value: "300", label: "the last 5 minutes" },
+  { value: "600", label: "the last 10 minutes" },
+  { value: "0", label: "all that is recorded" },
+];
+
+interface Props {
+  table: Table;
+  names: ReadonlyMap<string, string>;
+  /** Whether the robot would take the table at all. */
+  ready: boolean;
+}
+
+/** What the rules would have done on what the robot has just lived through. */
+export function BacktestPanel({ table, names, ready }: Props) {
+  const [seconds, setSeconds] = useState("300");
+  const { run, start, cancel } = useBacktest();
+  const over = run === null || isOver(run);
+  return (
+    <section className={sheet.section} aria-label="Back-test">
+      <h3>Back-test first</h3>
+      <div className={sheet.line}>
+        <span className={sheet.muted}>What would it have done over</span>
+        <Select
+          size="sm"
+          aria-label="Over which stretch"
+          allowDeselect={false}
+          data={STRETCHES}
+          value={seconds}
+          onChange={(value) => value !== null && setSeconds(value)}
+        />
+        {over ? (
+          <Button
+            variant="default"
+            disabled={!ready}
+            onClick={() => start(table, Number(seconds))}
+            data-testid="backtest-start"
+          >
+            {run === null ? "Back-test" : "Again"}
+          </Button>
+        ) : (
+          <Button variant="default" onClick={cancel} data-testid="backtest-cancel">
+            Cancel
+          </Button>
+        )}
+      </div>
+      {run !== null && <Outcome run={run} names={names} stale={run.of !== table} />}
+    </section>
+  );
+}
+
+function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; stale: boolean }) {
+  const { run, names, stale } = props;
+  const { answer, error } = run;
+  if (error !== null) {
+    return (
+      <p className={sheet.problem} role="alert" data-testid="backtest-error">
+        {error.title} {error.remedy}
+      </p>
+    );
+  }
+  if (answer === null || answer.state === "waiting" || answer.state === "running") {
+    const share = Math.round((answer?.progress ?? 0) * 100);
+    return (
+      <div className={classes.progress} data-testid="backtest-progress">
+        <Progress value={share} aria-label="Back-test" transitionDuration={120} />
+        <span className={sheet.muted}>
+          {share} % {answer?.text}
+        </span>
+      </div>
+    );
+  }
+  if (answer.report === null) {
+    return (
+      <p className={sheet.problem} role="alert" data-testid="backtest-error">
+        {answer.error ?? (answer.state === "canceled" ? "It was cancelled." : "It has failed.")}
+      </p>
+    );
+  }
+  const { report } = answer;
+  return (
+    <div className={classes.backtest} data-testid="backtest-report">
+      {stale && (
+        <p className={sheet.note}>The rules have changed since: this is of the ones before.</p>
+      )}
+      <p className={classes.tally}>
+        <span>● {report.same} the same</span>
+        <span>▲ {report.new} new</span>
+        <span>○ {report.gone} no longer</span>
+        <span className={sheet.muted}>
+          {secondsText(Math.round(report.end - report.start))} in {report.seconds.toFixed(1)} s,{" "}
+          {report.messages.toLocaleString()} messages
+        </span>
+      </p>
+      {report.missing_topics.length > 0 && (
+        <p className={sheet.note}>
+          Not recorded, so not judged: {report.missing_topics.join(", ")}. They are recorded from
+          now on if you apply.
+        </p>
+      )}
+      {report.warm_up > 0 && (
+        <p className={sheet.muted}>
+          In its first {secondsText(Math.round(report.warm_up))}, holds and cooldowns of before are
+          not known.
+        </p>
+      )}
+      <BacktestTimeline report={report} names={names} />
+      {report.truncated && (
+        <p className={sheet.muted}>More firings than are listed: look at a shorter stretch.</p>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,203 @@
+import { Button, Radio, Select, Textarea } from "@mantine/core";
+import { IconArrowLeft } from "@tabler/icons-react";
+import { useState } from "react";
+import { type ApiError, asApiError } from "../../api/errors";
+import { applyRules, conflictOf, reportOf } from "../../api/rulesClient";
+import type { ApplyReport, Finding } from "../../api/ruleTypes";
+import { FindingList } from "../FindingList";
+import { useRules } from "../live/RulesContext";
+import { useNav } from "../live/RulesNav";
+import type { Draft } from "../model/draft";
+import { ruleName } from "../model/words";
+import sheet from "../Sheet.module.css";
+import { Applied } from "./Applied";
+import { BacktestPanel } from "./BacktestPanel";
+import { DiffList } from "./DiffList";
+import { EffectView } from "./EffectView";
+import classes from "./Review.module.css";
+
+/** What will change, what it would have done, and the button that does it. */
+export function ReviewPage() {
+  const { draft } = useRules();
+  const nav = useNav();
+  const [applied, setApplied] = useState<ApplyReport | null>(null);
+  return (
+    <div className={sheet.page} data-testid="review">
+      <div className={sheet.title}>
+        <Button
+          variant="subtle"
+          px="xs"
+          leftSection={<IconArrowLeft size={16} aria-hidden />}
+          onClick={() => nav.go({ at: "table" })}
+        >
+          Rules
+        </Button>
+        <h2>{applied === null ? "Review & apply" : "Applied"}</h2>
+      </div>
+      {applied !== null ? (
+        <Applied report={applied} />
+      ) : draft.draft === null ? (
+        <p className={sheet.muted}>There is nothing to apply.</p>
+      ) : (
+        <Review draft={draft.draft} onApplied={setApplied} />
+      )}
+    </div>
+  );
+}
+
+const PROBATIONS = [
+  { value: "60", label: "60 s on probation, then back unless kept" },
+  { value: "300", label: "5 min on probation" },
+  { value: "1800", label: "30 min on probation" },
+  { value: "0", label: "no probation: it stays" },
+];
+
+interface Props {
+  draft: Draft;
+  onApplied: (report: ApplyReport) => void;
+}
+
+function Review({ draft, onApplied }: Props) {
+  const { draft: handle, check, reload } = useRules();
+  const nav = useNav();
+  const [probation, setProbation] = useState("60");
+  const [cancelRunning, setCancelRunning] = useState(false);
+  const [busy, setBusy] = useState(false);
+  const [error, setError] = useState<ApiError | null>(null);
+  const [refused, setRefused] = useState<Finding[]>([]);
+  const report = check.report;
+  const names = new Map(
+    [...draft.baseTable.rules, ...draft.table.rules].map((rule) => [rule.id, ruleName(rule)]),
+  );
+  const errors = check.findings.filter((finding) => finding.level === "error");
+  const lints = check.findings.filter((finding) => finding.level === "lint");
+  const running = report?.effect.running ?? [];
+
+  const apply = () => {
+    setBusy(true);
+    setError(null);
+    setRefused([]);
+    applyRules(draft.table, {
+      expectedRevision: draft.base,
+      reason: draft.reason,
+      probation: Number(probation),
+      cancelRunning,
+      reset: [],
+    }).then(
+      (answer) => {
+        // The page may be gone by now; the draft has done its work all the same.
+        handle.take(null);
+        onApplied(answer);
+        reload();
+      },
+      (failure: unknown) => {
+        setBusy(false);
+        if (conflictOf(failure) !== null) {
+          reload();
+          nav.go({ at: "conflict" });
+          return;
+        }
+        setRefused(reportOf(failure)?.findings.filter(({ level }) => level === "error") ?? []);
+        setError(asApiError(failure));
+      },
+    );
+  };
+
+  return (
+    <>
+      <section className={sheet.section} aria-label="Changes">
+        <DiffList changes={report?.diff.changes ?? handle.changes} />
+        {report !== null && <EffectView effect={report.effect} names={names} />}
+        {report === null && check.error === null && errors.length === 0 && (
+          <p className={sheet.muted}>Asking the robot what it makes of it…</p>
+        )}
+        {check.error !== null && (
+          <p className={sheet.problem}>
+            {check.error.title} {check.error.remedy}
+          </p>
+        )}
+      </section>
+      {errors.length > 0 && <Findings title="To be mended first" findings={errors} names={names} />}
+      {lints.length > 0 && <Findings title="To think about" findings={lints} names={names} />}
+      <BacktestPanel table={draft.table} names={names} ready={check.ok} />
+      <section className={sheet.section} aria-label="Apply">
+        <Textarea
+          label="Reason"
+          placeholder="Why, for who reads the history"
+          size="sm"
+          autosize
+          minRows={1}
+          maxRows={4}
+          value={draft.reason}
+          data-testid="apply-reason"
+          onChange={(event) => handle.say(event.currentTarget.value)}
+        />
+        {running.length > 0 && (
+          <Radio.Group
+            size="sm"
+            label={`Running right now: ${running.map((id) => names.get(id) ?? id).join(", ")}`}
+            value={cancelRunning ? "cancel" : "finish"}
+            onChange={(choice) => setCancelRunning(choice === "cancel")}
+          >
+            <Radio value="finish" label="let their actions finish" mt={4} />
+            <Radio value="cancel" label="cancel their actions" mt={4} />
+          </Radio.Group>
+        )}
+        <div className={classes.apply}>
+          <Select
+            size="sm"
+            aria-label="Probation"
+            allowDeselect={false}
+            data={PROBATIONS}
+            value={probation}
+            data-testid="apply-probation"
+            onChange={(value) => value !== null && setProbation(value)}
+          />
+          <Button
+            loading={busy}
+            disabled={!check.ok || handle.overtaken}
+            onClick={apply}
+            data-testid="apply"
+          >
+            Apply to the robot
+          </Button>
+        </div>
+        {error !== null && (
+          <p className={sheet.problem} role="alert" data-testid="apply-error">
+            {error.title} {error.remedy}
+          </p>
+        )}
+        <FindingList findings={refused} />
+      </section>
+    </>
+  );
+}
+
+function Findings(props: {
+  title: string;
+  findings: Finding[];
+  names: ReadonlyMap<string, string>;
+}) {
+  const { title, findings, names } = props;
+  const nav = useNav();
+  const rules = [...new Set(findings.map((finding) => finding.rule_id))];
+  return (
+    <section className={sheet.section} aria-label={title}>
+      <h3>{title}</h3>
+      {rules.map((id) => (
+        <div key={id}>
+          {id !== "" && (
+            <button
+              type="button"
+              className={classes.more}
+              onClick={() => nav.go({ at: "edit", id })}
+            >
+              {names.get(id) ?? id}
+            </button>
+          )}
+          <FindingList findings={findings.filter((finding) => finding.rule_id === id)} />
+        </div>
+      ))}
+    </section>
+  );
+}

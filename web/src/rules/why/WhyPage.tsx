@@ -1,0 +1,187 @@
+import { Button } from "@mantine/core";
+import { IconArrowLeft } from "@tabler/icons-react";
+import { useEffect, useState } from "react";
+import { type ApiError, asApiError } from "../../api/errors";
+import { explainRule } from "../../api/rulesClient";
+import type { Explanation, Firing } from "../../api/ruleTypes";
+import { FiringDetails } from "../firings/FiringDetails";
+import { useRules } from "../live/RulesContext";
+import { useNav } from "../live/RulesNav";
+import { useNow } from "../live/useNow";
+import { actionText } from "../model/actions";
+import { ruleOf } from "../model/draft";
+import { leftText, ruleName, whenText } from "../model/words";
+import sheet from "../Sheet.module.css";
+import { LeafList } from "./LeafList";
+import classes from "./Why.module.css";
+
+/** While the page is open it is asked again: an explanation is of a moment. */
+const AGAIN_MS = 1000;
+
+/** Why a rule fires or does not, right now; or why it did. */
+export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
+  const { view } = useRules();
+  const nav = useNav();
+  const [found, setFound] = useState<Explanation | null>(null);
+  const [error, setError] = useState<ApiError | null>(null);
+  const run = firing?.kind === "firing" || firing?.kind === "shadow" ? firing : null;
+  const runId = run?.run_id;
+  const epoch = run?.epoch;
+
+  useEffect(() => {
+    let left = false;
+    let timer: number | undefined;
+    const ask = () => {
+      const of = runId === undefined || epoch === undefined ? undefined : { run_id: runId, epoch };
+      explainRule(id, of)
+        .then(
+          (answer) => {
+            if (left) return;
+            setFound(answer);
+            setError(null);
+          },
+          (failure: unknown) => {
+            if (!left) setError(asApiError(failure));
+          },
+        )
+        .finally(() => {
+          if (!left) timer = window.setTimeout(ask, AGAIN_MS);
+        });
+    };
+    ask();
+    return () => {
+      left = true;
+      window.clearTimeout(timer);
+    };
+  }, [id, runId, epoch]);
+
+  const rule = view === null ? null : ruleOf(view.table, id);
+  const name = firing?.name || (rule === null ? id : ruleName(rule));
+  return (
+    <div className={sheet.page} data-testid="why">
+      <div className={sheet.title}>
+        <Button
+          variant="subtle"
+          px="xs"
+          leftSection={<IconArrowLeft size={16} aria-hidden />}
+          onClick={nav.back}
+        >
+          Back
+        </Button>
+        <h2>{name}</h2>
+      </div>
+      {error !== null && (
+        <p className={sheet.problem} role="alert">
+          {error.title} {error.remedy}
+        </p>
+      )}
+      {firing !== null && <FiringDetails firing={found?.firing ?? firing} />}
+      {found === null && error === null && firing === null && (
+        <p className={sheet.muted}>Asking the robot…</p>
+      )}
+      {found !== null && (run === null ? <Now found={found} /> : <Then found={found} />)}
+    </div>
+  );
+}
+
+function Now({ found }: { found: Explanation }) {
+  const nav = useNav();
+  const now = useNow();
+  const { status, gates, leaves, clear_leaves, near_misses } = found;
+  return (
+    <>
+      <p className={classes.answer} data-testid="why-answer">
+        {sentence(found.text)}
+      </p>
+      {gates.length > 0 && (
+        <ul className={classes.gates} data-testid="gates">
+          {gates.map((gate) => (
+            <li key={gate.kind}>
+              {sentence(gate.text)}
+              {gate.left !== null && (
+                <span className={sheet.muted}> {leftText(gate.left)} left</span>
+              )}
+            </li>
+          ))}
+        </ul>
+      )}
+      <section className={sheet.section} aria-label="When">
+        <h3>When {found.condition}</h3>
+        <LeafList leaves={leaves} />
+      </section>
+      {clear_leaves.length > 0 && (
+        <section className={sheet.section} aria-label="Again after">
+          <h3>Fires again after</h3>
+          <LeafList leaves={clear_leaves} />
+        </section>
+      )}
+      {status !== null && (
+        <p className={sheet.muted}>
+          Evaluated {status.evaluated.toLocaleString()}×, true {status.true.toLocaleString()}×,
+          fired {status.fired}×, dropped {status.dropped}×, failed {status.failed}×
+          {status.last_fired !== null && `; last fired ${whenText(status.last_fired, now)}`}.
+        </p>
+      )}
+      <section className={sheet.section} aria-label="Near misses">
+        <h3>Near misses</h3>
+        {near_misses.length === 0 ? (
+          <p className={sheet.muted}>It has not come close lately.</p>
+        ) : (
+          <ul className={classes.misses}>
+            {near_misses.map((miss) => (
+              <li key={miss.number}>
+                <strong>{whenText(miss.time, now)}</strong> {sentence(miss.text)}
+                <LeafList leaves={miss.leaves} then />
+              </li>
+            ))}
+          </ul>
+        )}
+      </section>
+      <Button
+        variant="default"
+        style={{ alignSelf: "flex-start" }}
+        onClick={() => nav.go({ at: "firings", rule: found.rule_id })}
+      >
+        Its firings
+      </Button>
+    </>
+  );
+}
+
+function Then({ found }: { found: Explanation }) {
+  const nav = useNav();
+  return (
+    <section className={sheet.section} aria-label="The rule as it was">
+      <h3>The rule as it was, in revision {found.revision}</h3>
+      <p>
+        When {found.condition}, then {found.rule.actions.map(actionText).join(", then ")}.
+      </p>
+      {found.changed_since ? (
+        <p className={sheet.note} data-testid="changed-since">
+          It has been changed since.{" "}
+          <button
+            type="button"
+            className={classes.link}
+            onClick={() => nav.go({ at: "history", revision: found.revision })}
+          >
+            Look at the history
+          </button>
+        </p>
+      ) : (
+        <p className={sheet.muted}>It is the same today.</p>
+      )}
+      <Button
+        variant="default"
+        style={{ alignSelf: "flex-start" }}
+        onClick={() => nav.go({ at: "why", id: found.rule_id, firing: null })}
+      >
+        Why, or why not, now
+      </Button>
+    </section>
+  );
+}
+
+function sentence(text: string): string {
+  const begun = text.charAt(0).toUpperCase() + text.slice(1);
+  return begun === "" || /[.!?]$/.test(begun) ? begun : `${begun}.`;
+}
