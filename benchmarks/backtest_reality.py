@@ -44,7 +44,7 @@ def main() -> None:
         robot.ready()
         reality = Reality(robot)
         table = reality_table(THRESHOLD)
-        reality.apply(table)
+        reality.begin(stack, table)
         reality.drive(minutes * 60)
         path = reality.save("reality")
         record = recorded(path)
@@ -66,11 +66,15 @@ def main() -> None:
         )
         print("  " + ", ".join(f"{t.rule_id} {t.recorded}/{t.proposed}" for t in report.tallies))
 
+        for firing in same:
+            if firing.verdict != "same":
+                print(f"  {firing.verdict}: {firing.rule_id} at {firing.at:.6f} s {firing.text}")
+
         edited = THRESHOLD - EDITED
         other = since(reality.backtest(reality_table(edited), "reality"), record.in_force)
         touched = sorted({f.rule_id for f in other if f.verdict != "same"})
         near = [f.time for f in other if f.rule_id == NEAR and f.verdict != "gone"]
-        wanted = expected_near(path, edited, record.in_force)
+        wanted = expected_near(path, edited, record)
         print(
             f"threshold {THRESHOLD} -> {edited:.2f} m: {_verdicts(other)}, all of rules {touched}; "
             f"'{NEAR}' fires {len(near)} times, expected {len(wanted)}"

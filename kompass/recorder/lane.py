@@ -15,7 +15,7 @@ from typing import NamedTuple
 CAPACITY = 4 << 20  # bytes: some 15 s of a thousand small messages per second
 
 # The words of the header.
-_HEAD, _TAIL, _SEQUENCE, _OFFSET, _LIFE = range(5)
+_HEAD, _TAIL, _SEQUENCE, _OFFSET, _LIFE, _COMMITTED = range(6)
 _HEADER = 64
 _SIZES = struct.Struct("<II")  # of the body, and its checksum
 _BODY = struct.Struct("<QIBHH")
@@ -62,6 +62,7 @@ class Lane:
         self._words = memoryview(self._memory)[:_HEADER].cast("Q")
         self._frames = memoryview(self._memory)[_HEADER:]
         self._position = 0  # up to where the reader has read
+        self._read = 0  # number of the last frame that it has read
         self._words[_OFFSET] = time.time_ns() - time.monotonic_ns()
         self._words[_LIFE] = time.time_ns()
 
@@ -117,9 +118,13 @@ class Lane:
 
     # -- the reader's end ---------------------------------------------------------------------
 
-    def resume(self) -> None:
-        """Read again from the first frame that is not on disk, after the death of a reader."""
-        self._position = self._words[_TAIL]
+    def resume(self) -> int:
+        """Read again from the first frame that is not on disk, after the death of a reader.
+
+        Returns the number of the frame before it.
+        """
+        self._position, self._read = self._words[_TAIL], self._words[_COMMITTED]
+        return self._read
 
     def read(self) -> list[Frame]:
         """All frames that have arrived since the last call."""
@@ -144,10 +149,12 @@ class Lane:
                 )
             )
             self._position += _SIZES.size + size
+            self._read = sequence
         return frames
 
     def commit(self) -> None:
         """Give back what was read: it is on disk."""
+        self._words[_COMMITTED] = self._read
         self._words[_TAIL] = self._position
 
     @property

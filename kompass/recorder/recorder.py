@@ -17,6 +17,7 @@ from kompass.recorder.recording import Recording, messages
 from kompass.recorder.ring import Bounds, Ring, ring_files
 from kompass.recorder.streams import (
     EVENTS,
+    LATCHED,
     REPEAT,
     Stream,
     event_json,
@@ -68,10 +69,9 @@ class Recorder:
         self._keeps = Keeps(recordings)
         self._ring = Ring(folder, metadata, self._now, bounds, self._file_begins)
         self._memory = EngineMemory()
-        self._streams: dict[tuple[str, str, str], Stream] = {}
-        self._sequence = 0
+        self._streams: dict[tuple[str, str, str, bool], Stream] = {}
+        self._sequence = lane.resume()
         self._flushed = time.monotonic()
-        lane.resume()
         self._pick_up(folder)
 
     @property
@@ -114,7 +114,9 @@ class Recorder:
         """A message that the recorder heard itself."""
         # The clock of the day may be set meanwhile; that of the recording must not leap.
         shift = self._lane.offset_ns - (time.time_ns() - time.monotonic_ns())
-        stream = self._stream(taken.name, taken.topic.type, "tap", taken.topic.name)
+        stream = self._stream(
+            taken.name, taken.topic.type, "tap", taken.topic.name, latched=taken.latched
+        )
         self._ring.write(
             stream,
             taken.received_ns + shift,
@@ -161,11 +163,14 @@ class Recorder:
     def _lost(self, at: int, number: int, reason: str) -> None:
         self._write_event(Lost((at - self._lane.offset_ns) * 1e-9, number, reason), at)
 
-    def _stream(self, name: str, kind: str, source: str, rule_topic: str) -> Stream:
-        key = (name, kind, source)
+    def _stream(
+        self, name: str, kind: str, source: str, rule_topic: str, *, latched: bool = False
+    ) -> Stream:
+        key = (name, kind, source, latched)
         found = self._streams.get(key)
         if found is None:
-            found = self._streams[key] = message_stream(name, kind, source, rule_topic)
+            found = message_stream(name, kind, source, rule_topic, latched=latched)
+            self._streams[key] = found
         return found
 
     # -- files that stand alone ---------------------------------------------------------------
@@ -186,7 +191,12 @@ class Recorder:
                 self._sequence = max(self._sequence, message.sequence)
                 if track.source == EVENTS.source:
                     self._memory.take(read_event(message.data).event)
-                elif track.source != "tap":
-                    source = track.source.removesuffix(REPEAT)
-                    stream = self._stream(track.topic, track.type, source, track.rule_topic)
+                elif track.source != "tap" or LATCHED in track.channel.metadata:
+                    stream = self._stream(
+                        track.topic,
+                        track.type,
+                        track.source.removesuffix(REPEAT),
+                        track.rule_topic,
+                        latched=LATCHED in track.channel.metadata,
+                    )
                     self._ring.remember(stream, message.data, message.publish_time)

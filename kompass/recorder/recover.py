@@ -21,7 +21,7 @@ def recover(path: Path) -> Contents:
     OSError
         When it cannot be written.
     """
-    with path.open("r+b", buffering=0) as file:
+    with path.open("r+b") as file:
         contents = read_contents(file, str(path))
         if contents.complete:
             return contents
@@ -38,6 +38,7 @@ def recover(path: Path) -> Contents:
         file.truncate(contents.end)
         file.seek(contents.end)
         file.write(rest)
+        file.flush()
         os.fsync(file.fileno())
     contents.complete = True
     contents.end = end

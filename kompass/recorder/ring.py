@@ -23,6 +23,7 @@ log = logging.getLogger("kompass.recorder")
 _NAME = re.compile(r"(\d{8})-\d{8}T\d{6}Z\.mcap")
 # What these minutes may never do is fill the disk.
 RESERVE = 64 << 20  # bytes that stay free for others
+DAMAGED = ".damaged"
 LARGEST_REPEAT = 1 << 20  # bytes of a message, beyond which a new file does not begin with it
 
 
@@ -209,6 +210,9 @@ class Ring:
         sizes = [path.stat().st_size for path in files]
         total = sum(sizes) + (self._writer.size if self._writer else 0)
         oldest = time.time() - self._bounds.age
+        for path in self._folder.glob(f"*{DAMAGED}"):
+            if path.stat().st_mtime < oldest:
+                path.unlink()
         for path, size in zip(files, sizes, strict=True):
             if total > self._bounds.size or path.stat().st_mtime < oldest:
                 path.unlink()
@@ -237,8 +241,8 @@ class Ring:
             try:
                 recover(path)
             except NotMcap as error:
-                path.unlink()
-                log.error("%s: dropped", error)
+                path.rename(path.with_name(path.name + DAMAGED))
+                log.error("%s; set aside", error)
 
 
 def ring_files(folder: Path) -> list[Path]:

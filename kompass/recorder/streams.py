@@ -10,6 +10,7 @@ from kompass.rulebook.tape import TapeEvent, from_data, to_data
 
 ENGINE_TOPIC = "/monitor/engine"
 REPEAT = " repeat"
+LATCHED = "latched"
 
 
 class Stream(NamedTuple):
@@ -49,17 +50,26 @@ EVENTS = Stream(
 )
 
 
-def message_stream(name: str, kind: str, source: str, rule_topic: str) -> Stream:
+def message_stream(
+    name: str, kind: str, source: str, rule_topic: str, *, latched: bool = False
+) -> Stream:
     """The stream of a topic of ROS, with the definition of its messages.
 
     Parameters
     ----------
     name, rule_topic
         As it is called on the graph, and in the rules.
+    latched
+        Whether its last message stays valid until the next, however old.
     """
     text = definition(kind)
     schema = (kind, "ros2msg" if text else "", text.encode())
-    metadata = (("rule_topic", rule_topic), ("offered_qos_profiles", ""))
+    metadata: tuple[tuple[str, str], ...] = (
+        ("rule_topic", rule_topic),
+        ("offered_qos_profiles", ""),
+    )
+    if latched:
+        metadata += ((LATCHED, "1"),)
     return Stream(name, "cdr", schema, source, metadata)
 
 

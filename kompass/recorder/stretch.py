@@ -8,7 +8,7 @@ from mcap.records import Channel
 
 from kompass.recorder.engine_memory import EngineMemory
 from kompass.recorder.recording import File, Recorded, Track, messages
-from kompass.recorder.streams import EVENTS, REPEAT, event_json, read_event
+from kompass.recorder.streams import EVENTS, LATCHED, REPEAT, event_json, read_event
 from kompass.rulebook.tape import Began
 
 _EVENTS = Track(
@@ -81,7 +81,7 @@ class _Before:
             self._shift = message.log_time - found.now_ns
             if isinstance(found.event, Began):  # an engine that begins has heard nothing yet
                 self._valid = {key: m for key, m in self._valid.items() if key[1] != "engine"}
-        elif source == "engine" or source.endswith(REPEAT):
+        elif source != "tap" or LATCHED in message.track.channel.metadata:
             self._valid[message.track.topic, source.removesuffix(REPEAT)] = message
 
     def head(self, at: int) -> Iterator[Recorded]:

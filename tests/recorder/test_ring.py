@@ -11,7 +11,7 @@ from typing import NamedTuple
 import pytest
 from mcap.reader import make_reader
 
-from kompass.recorder import ring as ring_module
+from kompass.recorder.mcap_writer import McapWriter
 from kompass.recorder.recording import Recording, messages
 from kompass.recorder.ring import Bounds, Ring, RingInUse, ring_files
 from kompass.recorder.streams import Stream
@@ -167,15 +167,15 @@ def test_a_full_disk_costs_the_oldest_and_not_the_newest(
         ring.flush()
     ring.write(SCAN, clock.now + 1, b"newest")
     before = ring_files(tmp_path)
-    flush = ring_module.McapWriter.flush
+    flush = McapWriter.flush
     failures = [OSError(errno.ENOSPC, "No space left on device")]
 
-    def full(writer: ring_module.McapWriter) -> None:
+    def full(writer: McapWriter) -> None:
         if failures:
             raise failures.pop()
         flush(writer)
 
-    monkeypatch.setattr(ring_module.McapWriter, "flush", full)
+    monkeypatch.setattr(McapWriter, "flush", full)
     ring.flush()
     ring.close()
 
@@ -188,7 +188,7 @@ def test_what_is_left_to_others_is_not_touched(
 ) -> None:
     free = 10 << 20
     usage = shutil.disk_usage(tmp_path)._replace(free=free)
-    monkeypatch.setattr(ring_module.shutil, "disk_usage", lambda _: usage)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
     ring = opened(tmp_path, Clock())
 
     with pytest.raises(OSError, match="left to others"):

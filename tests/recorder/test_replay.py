@@ -1,0 +1,360 @@
+"""A replay gives the engine what it took: no more, no less, and in its order."""
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import PointStamped
+from rclpy.serialization import serialize_message
+from std_msgs.msg import Float64
+
+from kompass.recorder.backtest import NoRecording, backtest_files, recorded_files
+from kompass.recorder.contents import NotMcap
+from kompass.recorder.definitions import definition
+from kompass.recorder.lane import Lane
+from kompass.recorder.mcap_writer import McapWriter
+from kompass.recorder.places import BadName, saved_path
+from kompass.recorder.recorder import Recorder
+from kompass.recorder.recording import Recording
+from kompass.recorder.replay import Replay
+from kompass.recorder.ring import ring_files
+from kompass.recorder.saving import CannotSave, save
+from kompass.recorder.tape import LaneTape
+from kompass.recorder.taps import Taken
+from kompass.recorder.topics import TapTopic
+from kompass.rulebook.tape import Began, Ended, Fired, Heard, Resumed, Swapped, TapeEvent, to_data
+from kompass.rules.compiled import compile_table
+from kompass.rules.table import Table, rule_hash
+
+FLOAT = "std_msgs/msg/Float64"
+NS = 1_000_000_000
+
+
+def table(*bounds: float, topic: str = "level", once: bool = False) -> Table:
+    """A rule for each bound: fires when the level rises above it."""
+    signal = {"topic": topic, "type": FLOAT, "path": ["data"], "timeout": None}
+    return Table.model_validate(
+        {
+            "rules": [
+                {
+                    "id": f"above-{bound:g}",
+                    "event": {
+                        "condition": {
+                            "kind": "compare",
+                            "signal": signal,
+                            "operator": ">",
+                            "value": bound,
+                        },
+                        "trigger": "edge",
+                        "once": once,
+                    },
+                    "actions": [{"kind": "log", "text": "above"}],
+                }
+                for bound in bounds
+            ]
+        }
+    )
+
+
+def level(value: float) -> bytes:
+    return bytes(serialize_message(Float64(data=value)))
+
+
+class Life:
+    """A stack's life: a monitor that writes its tape, and a recorder that takes it."""
+
+    def __init__(self, recordings: Path) -> None:
+        self.recordings = recordings
+        self.lane = Lane()
+        self.tape = LaneTape(self.lane)
+        self.now_ns = 100 * NS
+        self.left_out: set[str] = set()
+        self.recorder = self.start()
+
+    def start(self) -> Recorder:
+        """Another recorder's process."""
+        return Recorder(self.lane, self.recordings, lambda name: f"/{name}", self._leave_out)
+
+    def _leave_out(self, names: Iterable[str]) -> None:
+        self.left_out = set(names)
+
+    def event(self, event: TapeEvent) -> None:
+        kind, data = to_data(event)
+        self.tape.event(kind, data, self.now_ns)
+
+    def begin(self, first: Table, epoch: str = "first") -> None:
+        now = self.now_ns * 1e-9
+        wall = (self.now_ns + self.lane.offset_ns) * 1e-9
+        self.event(Began(now, wall, epoch, 1, first))
+
+    def hear(self, value: float, topic: str = "level") -> None:
+        self.now_ns += NS // 10 + 7
+        self.tape.message(topic, FLOAT, level(value), self.now_ns)
+
+    def fire(self, rule: Any, run: int) -> None:
+        now = self.now_ns * 1e-9
+        self.event(Fired(now, rule.id, run, now, 1, rule_hash(rule), "level"))
+        self.now_ns += 1000
+        self.event(Ended(self.now_ns * 1e-9, rule.id, run))
+
+    def tap(self, value: float, topic: str = "level", *, latched: bool = False) -> None:
+        self.now_ns += NS // 10
+        at = self.now_ns + self.lane.offset_ns
+        self.recorder.take(
+            Taken(TapTopic(topic, FLOAT), f"/{topic}", latched, at, at, level(value))
+        )
+
+
+def replayed(paths: list[Path], of: Table, seconds: float = 0.0) -> list[TapeEvent]:
+    with Recording(paths) as recording:
+        return list(Replay(recording, compile_table(of), seconds).events())
+
+
+def heard(events: list[TapeEvent]) -> list[tuple[float, str, float]]:
+    return [(e.now, e.topic, e.message.data) for e in events if isinstance(e, Heard)]
+
+
+@pytest.fixture
+def life(tmp_path: Path) -> Life:
+    return Life(tmp_path)
+
+
+def test_what_the_engine_took_comes_back_to_the_nanosecond(life: Life) -> None:
+    rules = table(5.0)
+    life.begin(rules)
+    sent = []
+    for value in (1.0, 7.0, 3.0):
+        life.hear(value)
+        sent.append((life.now_ns * 1e-9, "level", value))
+    life.fire(rules.rules[0], 1)
+    life.event(Heard(life.now_ns * 1e-9, "callable/ask", "", True))
+    life.event(Swapped(life.now_ns * 1e-9, 2, table(6.0), ("above-6",)))
+    life.recorder.close()
+
+    events = replayed(ring_files(life.recordings / "ring"), rules)
+
+    assert heard(events) == sent, "exact equality of times"
+    kinds = [type(event).__name__ for event in events]
+    assert kinds == ["Began", "Heard", "Heard", "Heard", "Fired", "Ended", "Swapped"]
+    assert isinstance(events[0], Began)
+    assert events[0].table == rules
+    assert isinstance(events[-1], Swapped)
+    assert (events[-1].table, events[-1].reset) == (table(6.0), ("above-6",))
+
+
+def test_the_recorders_own_ears_serve_only_where_the_engine_did_not_listen(life: Life) -> None:
+    life.tap(1.0)  # before the engine began
+    life.begin(table(5.0, topic="other"))
+    life.tap(2.0)
+    life.hear(20.0, "other")
+    life.recorder.tick()
+    assert life.left_out == {"/other"}
+    life.event(Swapped(life.now_ns * 1e-9, 2, table(5.0)))
+    life.hear(3.0)
+    life.recorder.tick()
+    assert life.left_out == {"/level"}
+    life.tap(3.5)  # was on its way while the engine began to listen
+    life.hear(4.0)
+    life.recorder.close()
+
+    events = replayed(ring_files(life.recordings / "ring"), table(5.0))
+
+    assert [value for _, _, value in heard(events)] == [2.0, 3.0, 4.0]
+
+
+def test_a_recorder_that_is_killed_neither_loses_nor_doubles_what_the_engine_took(
+    life: Life,
+) -> None:
+    life.begin(table(5.0))
+    values = [float(number) for number in range(40)]
+    for number, value in enumerate(values):
+        life.hear(value)
+        if number % 4 == 0:
+            life.recorder.tick()
+        if number % 8 == 0:
+            # Flushed, but killed before it could say so; what came later, only read.
+            life.recorder._ring.flush()
+            life.hear(-value)
+            life.recorder.tick()
+        if number % 12 == 5:
+            life.recorder._ring._lock.close()  # as the kernel does with those of the dead
+            life.recorder._ring._writer.abandon()  # type: ignore[union-attr]
+            life.recorder = life.start()
+            assert life.left_out == {"/level"} or number < 4
+    life.recorder.close()
+
+    events = replayed(ring_files(life.recordings / "ring"), table(5.0))
+
+    expected = [v for n, v in enumerate(values) for v in ([v, -v] if n % 8 == 0 else [v])]
+    assert [value for _, _, value in heard(events)] == expected
+    assert [type(e).__name__ for e in events].count("Began") == 1
+
+
+def test_what_did_not_fit_is_told(life: Life) -> None:
+    life.begin(table(5.0))
+    life.recorder.tick()
+    for _ in range(3):
+        life.tape.message("level", FLOAT, bytes(5 << 20), life.now_ns)
+    life.hear(1.0)
+    life.recorder.close()
+
+    events = replayed(ring_files(life.recordings / "ring"), table(5.0))
+
+    (lost,) = [event for event in events if type(event).__name__ == "Lost"]
+    assert lost.number == 3  # type: ignore[union-attr]
+
+
+def test_a_kept_stretch_begins_with_the_table_in_force_and_what_was_valid(life: Life) -> None:
+    first = table(5.0, once=True)
+    life.begin(first)
+    life.tap(9.0, "map", latched=True)
+    life.hear(7.0)
+    life.fire(first.rules[0], 1)
+    second = table(5.0, 6.0, once=True)
+    life.event(Swapped(life.now_ns * 1e-9, 2, second))
+    life.hear(8.0)
+    life.now_ns += 60 * NS
+    start = life.now_ns + life.lane.offset_ns
+    life.hear(1.0)
+    life.recorder.tick()
+    life.recorder.flush()
+
+    path = save(life.recordings, saved_path(life.recordings, "stretch"), start)
+    life.recorder.close()
+    events = replayed([path], table(0.5))
+
+    resumed, valid, fresh = events
+    assert isinstance(resumed, Resumed)
+    assert (resumed.table, resumed.revision, resumed.used) == (second, 2, ("above-5",))
+    assert isinstance(valid, Heard)
+    assert valid.message.data == 8.0
+    assert isinstance(fresh, Heard)
+    assert (fresh.now, fresh.message.data) == (life.now_ns * 1e-9, 1.0)
+    assert [value for _, _, value in heard(replayed([path], table(0.5, topic="map")))] == [9.0]
+    with pytest.raises(CannotSave, match=r"stretch\.mcap already; choose another name"):
+        save(life.recordings, path, start)
+    assert [p.name for p in path.parent.iterdir()] == ["stretch.mcap"]
+
+
+def test_a_backtest_over_two_lives_of_the_stack_finds_the_firings_of_both(tmp_path: Path) -> None:
+    rules = table(5.0)
+    for epoch in ("one", "two"):
+        life = Life(tmp_path)
+        life.begin(rules, epoch)
+        for run, value in enumerate((1.0, 7.0, 2.0, 9.0)):
+            life.hear(value)
+            if value > 5.0:
+                life.fire(rules.rules[0], run)
+        life.recorder.close()
+    files = recorded_files(tmp_path, "")
+
+    same = backtest_files(rules, files)
+    other = backtest_files(table(8.0), files)
+
+    assert (same.same, same.new, same.gone) == (4, 0, 0)
+    assert (other.same, other.new, other.gone) == (0, 2, 4)
+    assert same.messages == 8
+
+
+def test_only_the_end_is_replayed_when_only_the_end_is_asked_for(life: Life) -> None:
+    life.begin(table(5.0))
+    for value in range(50):
+        life.hear(float(value))
+    life.recorder.close()
+
+    events = replayed(ring_files(life.recordings / "ring"), table(5.0), seconds=1.0)
+
+    assert isinstance(events[0], Resumed)
+    values = [value for _, _, value in heard(events)]
+    # The last before the stretch is valid at its beginning.
+    assert values == [float(value) for value in range(50 - len(values), 50)]
+    assert 9 <= len(values) <= 12
+
+
+@pytest.mark.parametrize("chunked", [True, False])
+def test_a_recording_of_another_tool_is_replayed(tmp_path: Path, chunked: bool) -> None:
+    from mcap.writer import CompressionType, Writer
+
+    path = tmp_path / "foreign.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream, compression=CompressionType.LZ4, use_chunking=chunked)
+        writer.start("ros2", "another tool")
+        schema = writer.register_schema(FLOAT, "ros2msg", definition(FLOAT).encode())
+        channel = writer.register_channel("/level", "cdr", schema)
+        other = writer.register_schema("foo", "ros1msg", b"string data")
+        noise = writer.register_channel("/noise", "ros1", other)
+        for number, value in enumerate((1.0, 7.0, 2.0, 9.0)):
+            at = (1_700_000_000 + number) * NS
+            writer.add_message(noise, at, b"?", at)
+            writer.add_message(channel, at, level(value), at)
+        writer.finish()  # type: ignore[no-untyped-call]
+
+    report = backtest_files(table(5.0), [path])
+
+    assert [(f.rule_id, f.time, f.verdict) for f in report.firings] == [
+        ("above-5", 1_700_000_001.0, "new"),
+        ("above-5", 1_700_000_003.0, "new"),
+    ]
+    assert report.messages == 4
+    data = path.read_bytes()
+    path.write_bytes(data[:150] if chunked else data[: data.rindex(level(9.0))])
+    assert backtest_files(table(5.0), [path]).messages == (0 if chunked else 3)
+
+
+def test_a_topic_of_another_type_is_missing_and_not_misread(tmp_path: Path) -> None:
+    path = tmp_path / "other.mcap"
+    writer = McapWriter(path)
+    kind = "geometry_msgs/msg/PointStamped"
+    schema = (kind, "ros2msg", definition(kind).encode())
+    channel = writer.add_channel("/level", "cdr", schema, {})
+    writer.add_message(channel, NS, bytes(serialize_message(PointStamped())), NS)
+    writer.finish()
+
+    report = backtest_files(table(5.0), [path])
+
+    assert report.missing_topics == ("level",)
+    assert report.messages == 0
+
+
+def test_bytes_that_are_no_message_are_refused_by_name(tmp_path: Path) -> None:
+    path = tmp_path / "bad.mcap"
+    writer = McapWriter(path)
+    channel = writer.add_channel("/level", "cdr", (FLOAT, "ros2msg", b"float64 data"), {})
+    writer.add_message(channel, NS, b"\0\1", NS)
+    writer.finish()
+
+    with pytest.raises(NotMcap, match="a message on /level is no std_msgs/msg/Float64"):
+        backtest_files(table(5.0), [path])
+
+
+def test_nothing_recorded_is_said(tmp_path: Path) -> None:
+    with pytest.raises(NoRecording, match="is the flight recorder running"):
+        backtest_files(table(5.0), recorded_files(tmp_path, ""))
+
+
+@pytest.mark.parametrize("name", ["../out", "/etc/passwd", "saved/../../x", ".hidden", "a/b", ""])
+def test_names_cannot_leave_the_folder(tmp_path: Path, name: str) -> None:
+    (tmp_path / "out.mcap").write_bytes(b"")
+    with pytest.raises(BadName):
+        saved_path(tmp_path / "recordings", name)
+    if name:
+        with pytest.raises(BadName, match="none of the robot's"):
+            recorded_files(tmp_path / "recordings", name)
+
+
+def test_the_engines_channel_is_json_with_a_schema(life: Life) -> None:
+    life.begin(table(5.0))
+    life.hear(1.0)
+    life.recorder.close()
+
+    with Recording(ring_files(life.recordings / "ring")) as recording:
+        (file,) = recording.files
+        tracks = {track.topic: track for track in file.tracks.values()}
+
+    engine = tracks["/monitor/engine"]
+    assert (engine.encoding, engine.schema[1]) == ("json", "jsonschema")
+    assert json.loads(engine.schema[2])["type"] == "object"
+    assert tracks["/level"].schema == (FLOAT, "ros2msg", definition(FLOAT).encode())
+    assert tracks["/level"].channel.metadata["offered_qos_profiles"] == ""
