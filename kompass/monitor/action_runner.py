@@ -17,7 +17,9 @@ from rclpy.node import Node
 
 from kompass.coroutine import Cancelled
 from kompass.monitor.alarms import Alarms
+from kompass.monitor.log_line import write_log
 from kompass.monitor.outcome import Outcome
+from kompass.monitor.timers import Timers
 from kompass.monitor.waiting import Waiting
 from kompass.recipe.fallbacks import Ladder
 from kompass.recipe.messages import fill, ros_class
@@ -41,6 +43,8 @@ class ActionRunner:
     ----------
     node, executor
         Where coroutines run.
+    timers
+        On the executor's thread.
     functions
         What the recipe's opaque actions are called.
     alarms
@@ -51,13 +55,14 @@ class ActionRunner:
         self,
         node: Node,
         executor: Executor,
+        timers: Timers,
         functions: Mapping[str, Callable[..., Any] | Parsed | Ladder],
         alarms: Alarms,
     ) -> None:
         self._node = node
         self._alarms = alarms
         self._functions = functions
-        self._waiting = Waiting(node, executor)
+        self._waiting = Waiting(timers, executor)
         self._clients: dict[tuple[type, str], Any] = {}
         self._actions: dict[tuple[type, str], ActionClient] = {}
         # A slow function of one lane never holds up the other.
@@ -138,7 +143,7 @@ class ActionRunner:
 
         match action:
             case kinds.Log():
-                getattr(self._node.get_logger(), action.level)(action.text)
+                write_log(self._node.get_logger(), action.level, action.text)
                 return action.text
             case kinds.RaiseAlarm():
                 self._alarms.raise_alarm(

@@ -27,7 +27,6 @@ from kompass.rules.signals import path_text
 # Of the machinery that every node has, and no rule is made of.
 _HIDDEN_TOPICS = ("rosout", "parameter_events")
 _HIDDEN_SERVICES = ("rcl_interfaces/", "type_description_interfaces/", "lifecycle_msgs/")
-RATE_WINDOW = 1.0  # s at least over which a rate is measured
 
 
 class Graph:
@@ -47,11 +46,9 @@ class Graph:
         self._before: tuple[float, dict[str, int]] = (time.monotonic(), {})
 
     def measure(self) -> None:
-        """Take note of how fast messages come; to be called every second or so."""
+        """Take note of how fast messages come; to be called every two seconds or so."""
         now, counts = time.monotonic(), self._counts()
         then, before = self._before
-        if now - then < RATE_WINDOW:
-            return
         self._rates = {
             name: (count - before[name]) / (now - then)
             for name, count in counts.items()

@@ -32,6 +32,7 @@ from kompass.monitor.services import Services, Sources
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.spokesman import Spokesman
 from kompass.monitor.start import Start
+from kompass.monitor.timers import Timers
 from kompass.monitor.wake_up import WakeUp
 from kompass.recipe.table import RecipeRules
 from kompass.rulebook.views import Extras
@@ -40,6 +41,7 @@ from kompass.store import RuleStore
 
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
 REPEAT_PERIOD = 0.4  # s between repetitions for those who are silent
+RATE_PERIOD = 2.0  # s between two measurements of how fast messages come
 PROBATION_PERIOD = 0.2  # s between looks at the end of a probation
 SILENT = ("stuck", "dead", "given up")  # who cannot speak is spoken for
 
@@ -83,7 +85,8 @@ class Monitor:
         self._stack = node.create_publisher(
             StackState, f"{node.get_name()}/stack_state", LATCHED.to_ros()
         )
-        self._wake_up = WakeUp(node, lambda: self._loop.tick())
+        timers = Timers(node)
+        self._wake_up = WakeUp(timers, lambda: self._loop.tick())
         self._loop = EngineLoop(
             compile_table(start.table),
             start.revision,
@@ -94,11 +97,12 @@ class Monitor:
             tape=self._recording.tape,
         )
         self._firings = Firings(node, self._loop, store, self._stamp, self._recording.fired)
-        self._runner = ActionRunner(node, executor, recipe.functions, Alarms(node))
+        self._runner = ActionRunner(node, executor, timers, recipe.functions, Alarms(node))
         self._runs = Runs(self._runner.run, self._loop.ended, self._firings)
         self._inputs = RuleInputs(node, self._receive)
         self._polled = Polled(
-            node,
+            timers,
+            node.get_logger(),
             self._main,
             recipe.polled,
             lambda name, answer: self._loop.answered(f"callable/{name}", answer),
@@ -124,6 +128,7 @@ class Monitor:
             self._extras,
             lambda: (self._desk.in_force, self._desk.probation_left),
             self._stamp,
+            timers,
         )
         explaining = Explaining(self._main, self._loop, self._extras, store)
         self._services = Services(
@@ -134,10 +139,10 @@ class Monitor:
         )
         self._recording.start(node, executor, store)
         self._listen(self._loop.table)
-        node.create_timer(FIT_PERIOD, self._inputs.fit)
-        node.create_timer(REPEAT_PERIOD, self._repeat)
-        node.create_timer(1.0, self._graph.measure)
-        node.create_timer(PROBATION_PERIOD, self._look_at_probation)
+        timers.every(FIT_PERIOD, self._inputs.fit)
+        timers.every(REPEAT_PERIOD, self._repeat)
+        timers.every(RATE_PERIOD, self._graph.measure)
+        timers.every(PROBATION_PERIOD, self._look_at_probation)
         self._loop.begin()
         self._state.changed()
         if start.notice:

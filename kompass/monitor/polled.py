@@ -7,9 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
-from rclpy.node import Node
+from rclpy.impl.rcutils_logger import RcutilsLogger as Log
 
 from kompass.monitor.main_thread import MainThread
+from kompass.monitor.timers import Timer, Timers
 from kompass.rules.compiled import CompiledTable
 from kompass.rules.conditions import CallableCondition
 
@@ -30,14 +31,15 @@ class Polled:
 
     def __init__(
         self,
-        node: Node,
+        timers: Timers,
+        log: Log,
         main: MainThread,
         functions: Mapping[str, Callable[[], Any]],
         answered: Callable[[str, Any], None],
     ) -> None:
-        self._node, self._main = node, main
+        self._timed, self._log, self._main = timers, log, main
         self._functions, self._answered = functions, answered
-        self._timers: dict[str, tuple[float, Any]] = {}
+        self._timers: dict[str, tuple[float, Timer]] = {}
         self._asked: set[str] = set()
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="polled")
 
@@ -51,11 +53,11 @@ class Polled:
         }
         for name, (rate, timer) in list(self._timers.items()):
             if wanted.get(name) != rate:
-                self._node.destroy_timer(timer)
+                timer.cancel()
                 del self._timers[name]
         for name, rate in wanted.items():
             if name not in self._timers:
-                timer = self._node.create_timer(1.0 / rate, partial(self._ask, name))
+                timer = self._timed.every(1.0 / rate, partial(self._ask, name))
                 self._timers[name] = (rate, timer)
 
     def close(self) -> None:
@@ -71,7 +73,7 @@ class Polled:
         try:
             answer = self._functions[name]()
         except Exception as error:  # noqa: BLE001 - a recipe's function; unknown, and said so
-            self._node.get_logger().error(
+            self._log.error(
                 f"the condition {name!r} raised {type(error).__name__}: {error}",
                 throttle_duration_sec=5.0,
             )

@@ -14,7 +14,10 @@ from rclpy.serialization import deserialize_message
 
 from kompass.recipe.messages import ros_class
 
-DEPTH = 100
+# Messages that wait for a monitor that is held up: a second of a fast topic. Of large ones fewer.
+DEPTH = 1000
+DEPTH_OF_LARGE = 10
+LARGE = ("Image", "CompressedImage", "PointCloud2", "OccupancyGrid")
 # A best-effort reader matches every publisher at once, so nothing waits for discovery. Once the
 # publishers are known, the reader is made as good as they are.
 FIRST = (ReliabilityPolicy.BEST_EFFORT, DurabilityPolicy.VOLATILE)
@@ -110,7 +113,7 @@ class RuleInputs:
             self._node.get_logger().error(f"cannot listen to {name}: {error}")
             return
         offer = self._offer(name, type_name)
-        held: deque[tuple[Any, bytes]] | None = deque(maxlen=DEPTH) if early else None
+        held: deque[tuple[Any, bytes]] | None = deque(maxlen=_depth(kind)) if early else None
         self._open[name] = _Input(
             type_name, kind, self._subscribe(name, kind, offer), offer, early=held
         )
@@ -138,7 +141,7 @@ class RuleInputs:
         )
 
     def _subscribe(self, name: str, kind: type[Any], offer: Offer) -> Any:
-        qos = QoSProfile(depth=DEPTH, reliability=offer[0], durability=offer[1])
+        qos = QoSProfile(depth=_depth(kind), reliability=offer[0], durability=offer[1])
         # Raw, so that the tape gets the very bytes that the engine's message was made of.
         return self._node.create_subscription(kind, name, partial(self._take, name), qos, raw=True)
 
@@ -152,6 +155,10 @@ class RuleInputs:
             each.early.append((message, raw))
         else:
             self._receive(name, each.type_name, message, raw)
+
+
+def _depth(kind: type[Any]) -> int:
+    return DEPTH_OF_LARGE if kind.__name__ in LARGE else DEPTH
 
 
 def wanted(types: Iterable[tuple[str, set[str]]]) -> dict[str, str]:

@@ -13,6 +13,7 @@ from rclpy.node import Node
 from kompass.components.topic import LATCHED
 from kompass.monitor.desk import InForce
 from kompass.monitor.engine_loop import EngineLoop
+from kompass.monitor.timers import Timers
 from kompass.rulebook.status import RuleStatus
 from kompass.rulebook.views import Extras, rule_status
 
@@ -40,6 +41,7 @@ class RulesStatePublisher:
         extras: Callable[[str], Extras],
         in_force: Callable[[], tuple[InForce, float]],
         stamp: Callable[[], Time],
+        timers: Timers,
     ) -> None:
         self._loop, self._extras, self._in_force, self._stamp = loop, extras, in_force, stamp
         self._publisher = node.create_publisher(
@@ -48,20 +50,21 @@ class RulesStatePublisher:
         self._made: list[str] = []
         self._revision = 0  # of the table whose rules are in `_made`
         self._again = False
-        self._slice = node.create_timer(PAUSE, self._go_on)
-        self._slice.cancel()
-        node.create_timer(PERIOD, self._look)
+        self._timers = timers
+        self._busy = False
+        timers.every(PERIOD, self._look)
 
     def changed(self) -> None:
         """Something that matters has changed: say so now."""
-        if self._slice.is_canceled():
-            self._made, self._revision = [], self._loop.revision
-            self._go_on()
-        else:
+        if self._busy:
             self._again = True
+            return
+        self._busy = True
+        self._made, self._revision = [], self._loop.revision
+        self._go_on()
 
     def _look(self) -> None:
-        if self._publisher.get_subscription_count() and self._slice.is_canceled():
+        if not self._busy and self._publisher.get_subscription_count():
             self.changed()
 
     def _go_on(self) -> None:
@@ -78,9 +81,9 @@ class RulesStatePublisher:
             )
             self._made.append(status.model_dump_json())
         if len(self._made) < len(rules):
-            self._slice.reset()
+            self._timers.after(PAUSE, self._go_on)
             return
-        self._slice.cancel()
+        self._busy = False
         self._publish()
         if self._again:
             self._again = False

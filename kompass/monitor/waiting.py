@@ -7,19 +7,19 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.executors import Executor
-from rclpy.node import Node
 from rclpy.task import Future
 
 from kompass.coroutine import Until
+from kompass.monitor.timers import Timers
 
 STEP = 0.02  # s between two looks at what has no future of its own
 
 
 class Waiting:
-    """Awaitables on one node. No thread sleeps."""
+    """Awaitables on one executor. No thread sleeps."""
 
-    def __init__(self, node: Node, executor: Executor) -> None:
-        self._node = node
+    def __init__(self, timers: Timers, executor: Executor) -> None:
+        self._timers = timers
         self._executor = executor
 
     def future(self) -> Future:
@@ -29,11 +29,11 @@ class Waiting:
     async def sleep(self, seconds: float) -> None:
         """Let others run for a while."""
         done = self.future()
-        timer = self._node.create_timer(max(seconds, 1e-3), lambda: _finish(done))
+        timer = self._timers.after(seconds, lambda: _finish(done))
         try:
             await Until(done)
         finally:
-            self._node.destroy_timer(timer)
+            timer.cancel()
 
     async def until(self, condition: Callable[[], bool], timeout: float, what: str) -> None:
         """Wait until a condition holds.
@@ -61,11 +61,11 @@ class Waiting:
             return await Until(awaited)
         done = self.future()
         awaited.add_done_callback(lambda _: _finish(done))
-        timer = self._node.create_timer(timeout, lambda: _finish(done))
+        timer = self._timers.after(timeout, lambda: _finish(done))
         try:
             await Until(done)
         finally:
-            self._node.destroy_timer(timer)
+            timer.cancel()
         if not awaited.done():
             raise TimeoutError(f"{what} within {timeout:g} s")
         return awaited.result()

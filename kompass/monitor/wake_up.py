@@ -1,39 +1,34 @@
-"""One timer that is set to when it is next needed."""
+"""One call that is moved to when it is next needed."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
 
-from rclpy.node import Node
-
-SOONEST = 1e-4  # s
-LATEST = 3600.0  # s; later than that, it looks again
+from kompass.monitor.timers import Timer, Timers
 
 
 class WakeUp:
     """Calls a function at a time of the monotonic clock, early at times and never late.
 
-    Setting a later time leaves the timer alone: at a message every millisecond, that saves a
-    thousand changes for each time it goes off for nothing.
+    Setting a later time changes nothing: at a message every millisecond, that saves a thousand
+    changes for each time it rings for nothing.
     """
 
-    def __init__(self, node: Node, function: Callable[[], None]) -> None:
-        self._function = function
-        self._at: float | None = None
-        self._timer = node.create_timer(LATEST, self._ring)
-        self._timer.cancel()
+    def __init__(self, timers: Timers, function: Callable[[], None]) -> None:
+        self._timers, self._function = timers, function
+        self._at = float("inf")
+        self._timer: Timer | None = None
 
     def set(self, at: float | None) -> None:
         """Ring at this time [s]; None asks for nothing."""
-        if at is None or (self._at is not None and self._at <= at):
+        if at is None or self._at <= at:
             return
-        delay = min(max(at - time.monotonic(), SOONEST), LATEST)
+        if self._timer is not None:
+            self._timer.cancel()
         self._at = at
-        self._timer.timer_period_ns = int(delay * 1e9)
-        self._timer.reset()
+        self._timer = self._timers.after(at - time.monotonic(), self._ring)
 
     def _ring(self) -> None:
-        self._timer.cancel()
-        self._at = None
+        self._timer, self._at = None, float("inf")
         self._function()
