@@ -21,6 +21,7 @@ from kompass.rulebook.table_view import TableView
 from kompass.rulebook.wording import seconds
 
 PIPE_WIDTH = 200  # columns, where there is no terminal to ask
+CHANGES = 5  # of a revision that its line in the history tells
 # Never colour alone: a shape and a word go with it.
 _STATES = {
     "ready": ("●", "green"),
@@ -96,7 +97,7 @@ def show_history(history: History) -> None:
             moment(revision.time),
             f"{revision.author} ({revision.role})",
             Text(revision.reason),
-            Text("\n".join(_changes(revision.diff)[:5])),
+            Text("\n".join(_changes(revision))),
         )
     out = console()
     out.print(grid)
@@ -132,7 +133,9 @@ def show_findings(findings: Iterable[Finding], places: Iterable[str] | None = No
 def show_effect(effect: Effect, *, done: bool) -> None:
     """What happens, or has happened, to the state of the rules."""
     out = console()
-    out.print(f"  {len(effect.carried)} rules {'were' if done else 'are'} carried on unchanged")
+    count = len(effect.carried)
+    verb = ("was" if count == 1 else "were") if done else ("is" if count == 1 else "are")
+    out.print(f"  {count} {'rule' if count == 1 else 'rules'} {verb} carried on unchanged")
     for ids, text in (
         (effect.reset, "start afresh"),
         (effect.added, "are new"),
@@ -189,10 +192,10 @@ def show_explanation(view: ExplanationView) -> None:
     out.print(f"[bold]{view.rule_id}[/] {when} (revision {view.revision})")
     out.print(Text(f"  {view.text}"))
     out.print(Text(f"  condition: {view.condition}"))
-    _leaves(out, view.leaves)
+    _leaves(out, view.leaves, "was" if view.firing else "now")
     if view.clear_leaves:
         out.print("  fires again after:")
-        _leaves(out, view.clear_leaves)
+        _leaves(out, view.clear_leaves, "now")
     for gate in view.gates:
         out.print(Text(f"  ▲ {gate.text}", "yellow"))
     if view.firing is not None:
@@ -286,8 +289,12 @@ def _outcome(revision: Revision) -> str:
     return f"{marks[revision.outcome]} {word}"
 
 
-def _changes(diff: TableDiff) -> list[str]:
-    return [f"{change.rule_id}: {change.summary}" for change in diff.changes]
+def _changes(revision: Revision) -> list[str]:
+    changes = revision.diff.changes
+    if revision.parent is None:
+        return [f"{len(changes)} rules"]
+    lines = [f"{change.rule_id}: {change.summary}" for change in changes[:CHANGES]]
+    return [*lines, f"… and {len(changes) - CHANGES} more"] if len(changes) > CHANGES else lines
 
 
 def _sentence(finding: Finding) -> str:
@@ -296,12 +303,12 @@ def _sentence(finding: Finding) -> str:
     return f"{rule}{field}{finding.text}; {finding.remedy}"
 
 
-def _leaves(out: Console, leaves: Iterable[LeafReading]) -> None:
+def _leaves(out: Console, leaves: Iterable[LeafReading], tense: str) -> None:
     for leaf in leaves:
         word, colour = _VERDICTS[leaf.verdict]
         text = Text(f"  {'  ' * len(leaf.path)}{word:8}", colour)
         age = "never received" if leaf.age is None else f"{seconds(leaf.age)} old"
-        text.append(f"{leaf.text}  (now {_value(leaf)}, {age})", "default")
+        text.append(f"{leaf.text}  ({tense} {_value(leaf)}, {age})", "default")
         out.print(text)
 
 

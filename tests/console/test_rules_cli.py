@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +19,8 @@ from kompass.rulebook.revision import History
 from kompass.rules.table import Table
 from kompass_console.cli import app
 from kompass_console.problem import Problem
+from kompass_console.rules_cli.client import RulesClient
+from kompass_console.rules_cli.options import Robot as CommandRobot
 from kompass_console.rules_cli.table_file import TableFile
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
@@ -80,21 +83,33 @@ def stack(folder: Path) -> Iterator[Stack]:
         running.close()
 
 
+@pytest.fixture(scope="module")
+def connection(stack: Stack) -> Iterator[RulesClient]:
+    """One for all tests: to find a robot takes longer than to ask it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(stack.domain))
+        client = RulesClient(None, timeout=30.0)
+    with client:
+        yield client
+
+
 @pytest.fixture
-def run(stack: Stack, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+def run(
+    connection: RulesClient, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Run:
     """Run a command in this process, as the entry point does."""
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(stack.domain))
+    monkeypatch.setattr(CommandRobot, "connect", lambda robot: nullcontext(connection))
+    return lambda *arguments: in_this_process(capsys, *arguments)
 
-    def call(*arguments: str) -> Ran:
-        code = 0
-        try:
-            app(["rules", *arguments, "--timeout", "30"], standalone_mode=False)
-        except Problem as problem:
-            code = problem.code
-            print(problem, file=sys.stderr)  # noqa: T201 - as the entry point does
-        return Ran(code, *capsys.readouterr())
 
-    return call
+def in_this_process(capsys: pytest.CaptureFixture[str], *arguments: str) -> Ran:
+    code = 0
+    try:
+        app(["rules", *arguments], standalone_mode=False)
+    except Problem as problem:
+        code = problem.code
+        print(problem, file=sys.stderr)  # noqa: T201 - as the entry point does
+    return Ran(code, *capsys.readouterr())
 
 
 @pytest.fixture
@@ -254,10 +269,14 @@ def test_a_table_is_tried_on_what_was_recorded(run: Run, edited: Path) -> None:
 @pytest.mark.ros
 @pytest.mark.parametrize("arguments", [["--namespace", "/r7"], ["--domain-id", "101"]])
 def test_without_a_monitor_it_says_what_to_do(
-    run: Run, arguments: list[str], monkeypatch: pytest.MonkeyPatch
+    stack: Stack,
+    arguments: list[str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(stack.domain))
     monkeypatch.setattr("kompass_console.rules_cli.client.SEARCH", 1.0)
-    found = run("show", *arguments)
+    found = in_this_process(capsys, "show", *arguments)
     assert found.code == 1
     assert "no monitor was found on ROS domain" in found.error
     assert "start a stack with 'kompass-console run'" in found.error
@@ -292,7 +311,11 @@ GOOD = f"rules:{MORE.replace(chr(10), chr(10) + '  ')}"
 @pytest.mark.parametrize(
     ("change", "line", "words"),
     [
-        (("value: true", "valu: true"), 5, ["'more'", "condition.value", "bad.yaml:8: rule 'more'"]),
+        (
+            ("value: true", "valu: true"),
+            5,
+            ["'more'", "condition.value", "bad.yaml:8: rule 'more'"],
+        ),
         (("kind: log", "kind: lok"), 10, ["'more'", "actions[0]", "'log'"]),
         (("id: more", "id: More!"), 2, ["id", '"More!"']),
         (("operator", "operator: '<'\n        operator"), 8, ["'operator' is given twice"]),
