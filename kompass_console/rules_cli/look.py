@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -12,8 +12,8 @@ from kompass.rules.table import Table
 from kompass_console.problem import Problem
 from kompass_console.rules_cli.options import ROLE, Robot, command
 from kompass_console.rules_cli.table_file import TableFile
-from kompass_console.rules_cli.table_text import Format, as_text
 
+Format = Literal["json", "yaml", "python"]
 RevisionOption = Annotated[
     int, typer.Option(min=0, help="A revision of the history; 0 for the one in force.")
 ]
@@ -140,11 +140,15 @@ def export(
     ] = False,
 ) -> None:
     """Write the rules as JSON or YAML to edit and apply, or as Python for a recipe."""
+    from kompass.recipe.export import export as as_text
+
     with robot.connect() as client:
         view = client.table(revision)
     if merge and view.merge is None:
         raise Problem(1, "no edits wait to be merged")
-    text = as_text(view.merge.table if merge else view.table, "json" if robot.json else format_)
+    table = view.merge.table if merge and view.merge is not None else view.table
+    title = f"{view.robot}, revision {view.revision}"
+    text = as_text(table, "json" if robot.json else format_, title=title)
     if output is None:
         typer.echo(text, nl=False)
         return
