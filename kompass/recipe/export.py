@@ -88,13 +88,29 @@ def to_json(table: Table) -> str:
 
 
 def to_yaml(table: Table) -> str:
-    """Return a table as YAML."""
+    """Return a table as YAML for a person to edit: what is as usual is left out."""
     import yaml
 
-    text: str = yaml.safe_dump(
-        table.model_dump(mode="json"), sort_keys=False, allow_unicode=True, width=100
-    )
+    data = {"rules": [_told(rule) for rule in table.rules]}
+    text: str = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=100)
     return text
+
+
+def _told(model: BaseModel) -> dict[str, Any]:
+    """The fields that differ from their defaults, after the kind that tells the model."""
+    dumped = model.model_dump(mode="json")
+    told: dict[str, Any] = {"kind": dumped["kind"]} if "kind" in dumped else {}
+    for name, field in type(model).model_fields.items():
+        value = getattr(model, name)
+        if name == "kind" or value == field.get_default(call_default_factory=True):
+            continue
+        if isinstance(value, BaseModel):
+            told[name] = _told(value)
+        elif isinstance(value, tuple) and any(isinstance(item, BaseModel) for item in value):
+            told[name] = [_told(item) for item in value]
+        else:
+            told[name] = dumped[name]
+    return told
 
 
 def to_python(table: Table, *, title: str = "") -> str:
