@@ -101,10 +101,7 @@ function ActionPicker({ label, choices, action, onChoose, testId }: PickerProps)
   const data =
     known || action === null
       ? groups
-      : [
-          ...groups,
-          { group: "Not on the graph now", items: [{ value: key, label: actionText(action) }] },
-        ];
+      : [...groups, { group: "As it is", items: [{ value: key, label: actionText(action) }] }];
   return (
     <Select
       size="sm"

@@ -24,7 +24,7 @@ export function CompareFields({ leaf, onChange }: Props) {
       <FieldPicker signal={leaf.signal} onChange={(choice) => onChange(withField(leaf, choice))} />
       <Select
         size="sm"
-        label="is"
+        label="comparison"
         allowDeselect={false}
         data={known ? operators : [...operators, { value: leaf.operator, label: leaf.operator }]}
         value={leaf.operator}

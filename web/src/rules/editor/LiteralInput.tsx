@@ -1,6 +1,7 @@
 import { MultiSelect, Select, TagsInput, TextInput } from "@mantine/core";
 import type { Literal, Operator } from "../../api/ruleTypes";
 import { type FieldChoice, fitLiteral, takesList, type ValueKind } from "../model/signals";
+import { constantText } from "../model/words";
 import { NumberField } from "../NumberField";
 
 interface Props {
@@ -42,7 +43,7 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
         label="these"
         data={constants.map(([name, number]) => ({
           value: String(number),
-          label: named(name, number),
+          label: named(field, name, number),
         }))}
         value={items}
         onChange={put}
@@ -84,7 +85,10 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
           searchable
           allowDeselect={false}
           data={[
-            ...constants.map(([name, each]) => ({ value: String(each), label: named(name, each) })),
+            ...constants.map(([name, each]) => ({
+              value: String(each),
+              label: named(field, name, each),
+            })),
             ...(known ? [] : [{ value: String(number), label: String(number) }]),
           ]}
           value={String(number)}
@@ -114,7 +118,8 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
   );
 }
 
-const named = (name: string, number: number) => `${name} (${number})`;
+const named = (field: FieldChoice | null, name: string, number: number) =>
+  `${constantText(name, String(field?.path.at(-1) ?? ""))} (${number})`;
 
 function scalarKind(field: FieldChoice | null, value: Literal): ValueKind | null {
   if (field !== null) {

@@ -1,5 +1,5 @@
 /** What a rule can do: the choices on this robot, and each as a line of text. */
-import type { Action, Graph } from "../../api/ruleTypes";
+import type { Action, Graph, GraphComponent } from "../../api/ruleTypes";
 
 type Values = Record<string, unknown>;
 
@@ -61,6 +61,21 @@ export interface ActionChoice {
 
 const COMMON = { timeout: 10, on_error: "abort" } as const;
 
+/** Methods that have an action of their own kind, or are of no use in a rule. */
+const OTHERWISE = new Set([
+  "start",
+  "stop",
+  "restart",
+  "reconfigure",
+  "set_param",
+  "set_params",
+  "broadcast_status",
+]);
+const STOP_ROBOT = "kompass_interfaces/srv/StopRobot";
+
+const offered = (component: GraphComponent) =>
+  component.methods.filter((method) => !OTHERWISE.has(method.name));
+
 /** Everything that a rule can do on this robot, the everyday things first. */
 export function actionChoices(graph: Graph | null): ActionChoice[] {
   const general: ActionChoice[] = [
@@ -88,7 +103,7 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
     const group = title(component.name);
     const name = component.name;
     return [
-      ...component.methods.map((method) =>
+      ...offered(component).map((method) =>
         choice(
           `method:${name}:${method.name}`,
           group,
@@ -165,7 +180,28 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
       }),
     ),
   ]);
-  const services = graph.services.map((service) =>
+  const stop = graph.services
+    .filter((service) => service.type === STOP_ROBOT)
+    .slice(0, 1)
+    .map((service) =>
+      choice(
+        `call_service:${bare(service.name)}`,
+        "General",
+        "Stop the robot",
+        "Stays stopped until a person releases it",
+        (): Action => ({
+          ...COMMON,
+          kind: "call_service",
+          service: bare(service.name),
+          type: service.type,
+          request: { operator_name: "rule", reason: "" },
+        }),
+      ),
+    );
+  const others = graph.services.filter(
+    (service) => !stop.some(({ key }) => key === `call_service:${bare(service.name)}`),
+  );
+  const services = others.map((service) =>
     choice(
       `call_service:${bare(service.name)}`,
       "Services",
@@ -205,7 +241,7 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
       kwargs: {},
     })),
   );
-  return [...general, ...components, ...goals, ...services, ...functions, ...topics];
+  return [...general, ...stop, ...components, ...goals, ...services, ...functions, ...topics];
 }
 
 function choice(

@@ -12,6 +12,8 @@ export interface Preset {
 
 const LASER = "sensor_msgs/msg/LaserScan";
 const STATUS = /\/ComponentStatus$/;
+/** Topics that never pause while all is well. */
+const STREAMS = /(LaserScan|Odometry|Imu|OccupancyGrid|PointCloud2|Image)$/;
 /** Topics that carry what a person asks for, one message each time. */
 const ASKED = /PointStamped$|PoseStamped$/;
 
@@ -72,11 +74,12 @@ export function presets(graph: Graph | null): Preset[] {
         signal: signal(topic),
       }));
     }
-    if (!topic.latched && topic.rate !== null) {
+    if (!topic.latched && topic.publishers > 0 && STREAMS.test(topic.type)) {
       add(`absent:${name}`, "Silence", `${slashed(name)} is silent for …`, () => ({
         kind: "absent",
         signal: signal(topic),
-        seconds: Math.max(1, Math.round(10 / (topic.rate ?? 1))),
+        seconds:
+          topic.rate !== null && topic.rate > 0 ? Math.max(1, Math.round(10 / topic.rate)) : 2,
         from_start: true,
       }));
     }

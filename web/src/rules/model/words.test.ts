@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Rule, RuleStatus } from "../../api/ruleTypes";
-import { leftText, secondsText, statusLevel, statusText, whenText } from "./words";
+import { constantText, leftText, secondsText, statusLevel, statusText, whenText } from "./words";
 
 const rule = { id: "a", name: "", enabled: true, event: { hold: 2 } } as unknown as Rule;
 const status = (part: Partial<RuleStatus>): RuleStatus => ({
@@ -41,6 +41,11 @@ test("a state says how long it lasts", () => {
   expect(statusText(status({ state: "unknown", text: "scan silent for 3 s" }), rule)).toBe(
     "unknown: scan silent for 3 s",
   );
+});
+
+test("constants are words, without the name of their field", () => {
+  expect(constantText("STATUS_FAILURE_ALGORITHM_LEVEL", "status")).toBe("failure algorithm level");
+  expect(constantText("UNKNOWN", "reason")).toBe("unknown");
 });
 
 test("only what needs a person is loud", () => {

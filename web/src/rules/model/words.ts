@@ -92,4 +92,13 @@ export const TRIGGER_WORDS: Record<Trigger, string> = {
   change: "when a value changes, while it is true",
 };
 
+/** A constant of a message as a person says it: `STATUS_FAILURE_ALGORITHM` of `status`. */
+export function constantText(name: string, field: string): string {
+  const prefix = `${field.toUpperCase()}_`;
+  return name
+    .slice(name.toUpperCase().startsWith(prefix) ? prefix.length : 0)
+    .toLowerCase()
+    .replaceAll("_", " ");
+}
+
 export const SEVERITIES = ["info", "warning", "error", "critical"] as const;

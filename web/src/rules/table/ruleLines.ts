@@ -2,7 +2,7 @@
 import type { Graph, Literal, Rule, Signal } from "../../api/ruleTypes";
 import { actionText } from "../model/actions";
 import { type ConstantName, conditionText } from "../model/condition";
-import { secondsText, TRIGGER_WORDS } from "../model/words";
+import { constantText, secondsText, TRIGGER_WORDS } from "../model/words";
 
 export interface RuleLines {
   when: string;
@@ -18,7 +18,10 @@ export function constantNames(graph: Graph | null): ConstantName {
     for (const field of fields) {
       const entries = Object.entries(field.constants);
       if (entries.length === 0) continue;
-      known.set(`${type} ${field.path.join(".")}`, new Map(entries.map(([name, n]) => [n, name])));
+      known.set(
+        `${type} ${field.path.join(".")}`,
+        new Map(entries.map(([name, n]) => [n, constantText(name, String(field.path.at(-1)))])),
+      );
     }
   }
   return (signal: Signal, literal: Literal) =>
