@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -29,6 +30,7 @@ from kompass.rules.arguments import expand, resolve
 from kompass.rules.firing import Firing
 
 SEARCH = 2.0  # s in which a service or an action server must show up
+LET_IN = 0.001  # s for which a function may keep the engine waiting until it has begun
 THREADS = 64  # functions of the recipe at a time, in each lane
 
 
@@ -122,14 +124,18 @@ class ActionRunner:
             return await self._known(entry.action, firing, {output: made} if output else made)
         kwargs = resolve(action.kwargs, firing.message, firing.messages)
         done = self._waiting.future()
+        begun = threading.Event()
 
         def call() -> None:
+            begun.set()
             try:
                 done.set_result(entry(**kwargs))
             except Exception as problem:  # noqa: BLE001 - raised again where it is awaited
                 done.set_exception(problem)
 
         self._threads[firing.lane].submit(call)
+        # Python goes on with this thread; the other one waits its turn unless it is let in.
+        begun.wait(LET_IN)
         result = await self._waiting.result(done, action.timeout, f"{action.name} did not return")
         if result is False:
             raise Failed(f"{action.name} returned False")

@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Sequence
 from typing import Literal, NamedTuple, Protocol
 
 from kompass.monitor.engine_loop import Swap
+from kompass.monitor.names import name_findings
 from kompass.monitor.reading import Unreadable, read_table
 from kompass.rulebook.diff import TableDiff
 from kompass.rulebook.diffing import conflict, diff_tables
@@ -392,6 +393,8 @@ class Desk:
             return self._forbid(who, origin, _first(errors), report)
         try:
             store = self._stored()
+            # What can fail comes before it is stored: listening to what it needs, too.
+            self._engine.prepare(compiled)
             # Durable before it is in force: what was acknowledged is never lost, and what is in
             # force is never unknown.
             made = store.append(
@@ -405,7 +408,6 @@ class Desk:
             )
         except StoreError as error:
             return self._fail(error)
-        self._engine.prepare(compiled)
         by = f"{who.author or who.role} put revision {made.number} in force"
         swap = self._engine.swap(compiled, made.number, tuple(reset), by if cancel else "")
         ends = self._clock() + probation if probation else None
@@ -427,6 +429,7 @@ class Desk:
         now = self._in_force
         findings = [
             *guard(now.table, table, role=role, recipe_table=self._recipe),
+            *name_findings(table),
             *findings_of(check_table(table, self._catalog)),
         ]
         ok = not findings

@@ -68,12 +68,15 @@ class Firings:
         self._actions: dict[int, list[ActionRecord]] = {}
         self._numbers = 0
 
+    def begins(self, entry: Entry) -> None:
+        """A run is about to begin; that of a rule that fires once must not begin again."""
+        plan = self._loop.table.by_id.get(entry.rule_id)
+        if plan is not None and plan.rule.event.once and self._journal is not None:
+            self._journal.use_once(entry.rule_id, entry.rule_hash)
+
     def fired(self, entry: Entry, message: Any) -> int:
         """A rule fired, or would have; the number of its entry in the journal."""
         if entry.kind == "firing":
-            plan = self._loop.table.by_id.get(entry.rule_id)
-            if plan is not None and plan.rule.event.once and self._journal is not None:
-                self._journal.use_once(entry.rule_id, entry.rule_hash)
             self._say(entry, "fired", True, entry.rule_id, self._details(entry))
         else:
             if entry.kind == "note":

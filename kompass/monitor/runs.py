@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Coroutine, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, Protocol
 
 from kompass.coroutine import Job
@@ -20,6 +20,9 @@ Tell = Callable[[Outcome], None]
 
 class Teller(Protocol):
     """Hears of every step in the life of a run."""
+
+    def begins(self, entry: Entry) -> None:
+        """A run is about to begin; what must be kept before it does is kept now."""
 
     def fired(self, entry: Entry, message: Any) -> int:
         """A rule fired, or would have; the number of the entry in the journal."""
@@ -66,6 +69,15 @@ class Run:
     ok: bool = False
     error: str = ""
     stopped: str = ""  # why it was cancelled
+    # What is to be told of it once its beginning has been told; None from then on.
+    untold: list[Callable[[], None]] | None = field(default_factory=list)
+
+    def tell(self, step: Callable[[], None]) -> None:
+        """Tell a step of its life, after its beginning."""
+        if self.untold is None:
+            step()
+        else:
+            self.untold.append(step)
 
 
 class Runs:
@@ -183,14 +195,18 @@ class Runs:
 
     def _start(self, firing: Firing) -> None:
         run = Run(firing, _entry(firing, "firing"), _wanted(firing))
-        run.number = self._teller.fired(run.entry, firing.message)
         self._runs[(firing.rule_id, firing.run_id)] = run
-        job = Job(self._carry_out(run), lambda error: self._over(run, error))
-        run.job = job
+        self._teller.begins(run.entry)
+        # What it starts is started first: telling of it takes longer.
+        run.job = Job(self._carry_out(run), lambda error: self._over(run, error))
+        run.number = self._teller.fired(run.entry, firing.message)
+        untold, run.untold = run.untold or (), None
+        for step in untold:
+            step()
 
     async def _carry_out(self, run: Run) -> None:
         def tell(outcome: Outcome) -> None:
-            self._teller.acted(run.entry, run.number, outcome)
+            run.tell(lambda: self._teller.acted(run.entry, run.number, outcome))
 
         run.ok, run.error = await self._perform(run.firing, tell)
 
@@ -201,8 +217,8 @@ class Runs:
             run.ok = False
             run.error = f"cancelled: {run.stopped}" if run.stopped else f"{error!r}"
         self._extras[firing.rule_id] = self.extras(firing.rule_id)._replace(last_ok=run.ok)
-        self._teller.ended(run.entry, run.number, run.ok, run.error)
-        self._done(firing.rule_id, firing.run_id, run.ok, run.error)
+        run.tell(lambda: self._teller.ended(run.entry, run.number, run.ok, run.error))
+        run.tell(lambda: self._done(firing.rule_id, firing.run_id, run.ok, run.error))
 
 
 def _entry(firing: Firing, kind: Kind, text: str = "") -> Entry:
