@@ -158,7 +158,7 @@ class Recorder:
 
     def _write_event(self, event: TapeEvent, at: int, sequence: int = 0) -> None:
         data = event_json(event, at - self._lane.offset_ns)
-        self._ring.write(EVENTS, at, data, sequence or self._sequence)
+        self._ring.write(EVENTS, at, data, sequence)
 
     def _lost(self, at: int, number: int, reason: str) -> None:
         self._write_event(Lost((at - self._lane.offset_ns) * 1e-9, number, reason), at)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 from rclpy.serialization import deserialize_message
 
 from kompass.recipe.messages import ros_class
 from kompass.recorder.contents import NotMcap
+from kompass.recorder.partial import Decode, Path, partial_decoder
 from kompass.recorder.recording import File, Recorded, Recording, Track, lives, messages
 from kompass.recorder.streams import REPEAT, read_event
 from kompass.recorder.stretch import is_event, stretch
@@ -35,7 +37,9 @@ class Replay:
     def __init__(self, recording: Recording, table: CompiledTable, seconds: float = 0.0) -> None:
         self._types = table.topic_types()
         self._callables = {plan.name for plan in table.topics if plan.callable}
+        self._paths = _paths(table)
         self._classes: dict[str, type[Any] | None] = {}
+        self._decoders: dict[tuple[str, str], Decode] = {}
         self._lives = lives(recording.files)
         self._start = 0
         if seconds:
@@ -109,9 +113,9 @@ class Replay:
 
     def _heard(self, message: Recorded, now: float) -> Heard:
         track = message.track
-        kind = self._class(track.type)
+        decode = self._decoder(track)
         try:
-            content = deserialize_message(message.data, kind)
+            content = decode(message.data)
         except Exception as error:
             raise NotMcap(f"a message on {track.topic} is no {track.type}: {error}") from error
         return Heard(now, track.rule_topic, track.type, content)
@@ -121,6 +125,16 @@ class Replay:
             return False
         return self._class(track.type) is not None
 
+    def _decoder(self, track: Track) -> Decode:
+        key = (track.rule_topic, track.type)
+        found = self._decoders.get(key)
+        if found is None:
+            found = partial_decoder(track.type, self._paths.get(track.rule_topic, ()))
+            if found is None:
+                found = partial(deserialize_message, message_type=self._class(track.type))
+            self._decoders[key] = found
+        return found
+
     def _class(self, name: str) -> type[Any] | None:
         if name not in self._classes:
             try:
@@ -128,6 +142,16 @@ class Replay:
             except ValueError:
                 self._classes[name] = None
         return self._classes[name]
+
+
+def _paths(table: CompiledTable) -> dict[str, list[Path]]:
+    """What the rules read of the messages of each topic."""
+    found: dict[str, list[Path]] = {}
+    for leaf in table.leaves:
+        signal = getattr(leaf.condition, "signal", None)
+        if signal is not None and leaf.probe >= 0:
+            found.setdefault(table.topics[leaf.topic].name, []).append(signal.path)
+    return found
 
 
 def _has_engine(files: list[File]) -> bool:
