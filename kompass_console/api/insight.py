@@ -15,6 +15,7 @@ from kompass_interfaces.srv import (
     GetRules,
 )
 
+from kompass.recipe.export import Format
 from kompass.rulebook.diff import TableDiff
 from kompass.rulebook.explanation import ExplanationView
 from kompass.rulebook.graph_view import GraphView
@@ -26,7 +27,7 @@ from kompass_console.api.monitor_answers import asked
 from kompass_console.api.payload import passed_on
 from kompass_console.api.rule_models import Revision
 from kompass_console.api.rules import RuleName
-from kompass_console.rules_text import Format, table_text
+from kompass_console.rules_text import SUFFIX, table_text
 
 router = APIRouter(prefix="/api", tags=["rules"])
 
@@ -82,8 +83,7 @@ async def export_rules(
     """A revision of the table (0: in force) as a file."""
     answer = await asked(console, GetRules.Request(revision=revision), 404, _RELOAD)
     text, number = await asyncio.to_thread(table_text, answer.answer, as_format)
-    suffix = {"json": "json", "yaml": "yaml", "python": "py"}[as_format]
-    name = f"rules-{number}.{suffix}"
+    name = f"rules-{number}.{SUFFIX[as_format]}"
     headers = {"Content-Disposition": f'attachment; filename="{name}"'}
     return PlainTextResponse(text, headers=headers)
 

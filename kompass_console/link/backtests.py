@@ -37,7 +37,7 @@ class TooMany(Exception):
 class _Job:
     progress: BacktestProgress
     handle: Any = None
-    server: str = ""
+    servers: frozenset[bytes] = frozenset()
     canceled: bool = False
 
     @property
@@ -60,17 +60,20 @@ class Backtests:
         """Follow the action server that is there now; jobs of one that has gone have failed."""
         names = action_names(published, f"{_TYPE}_FeedbackMessage")
         server = names[0] if names else None
-        if server == self._server:
-            return
-        old, self._client = self._client, None
-        if server is not None:
-            self._client = ActionClient(self._node, BacktestRules, server)
-        self._server = server
-        if old is not None:
-            old.destroy()
-        for job in self._listed():
-            if not job.ended and job.server != server:
-                self._update(job, state="failed", error="The monitor has gone meanwhile.")
+        if server != self._server:
+            old, self._client = self._client, None
+            if server is not None:
+                self._client = ActionClient(self._node, BacktestRules, server)
+            self._server = server
+            if old is not None:
+                old.destroy()
+        running = [job for job in self._listed() if not job.ended and job.handle is not None]
+        # One that was started again has the old name, and knows nothing of what the old one ran.
+        if running:
+            there = self._servers()
+            for job in running:
+                if job.servers != there:
+                    self._update(job, state="failed", error="The monitor has gone meanwhile.")
 
     async def start(self, table: str, recording: str, seconds: float) -> str:
         """Begin one; its id.
@@ -86,7 +89,7 @@ class Backtests:
             raise NoAnswer("no monitor that runs back-tests is there")
         if sum(not job.ended for job in self._listed()) >= _AT_ONCE:
             raise TooMany(f"{_AT_ONCE} back-tests run already.")
-        job = _Job(_waiting(secrets.token_hex(8)), server=self._server or "")
+        job = _Job(_waiting(secrets.token_hex(8)))
         with self._lock:
             self._jobs[job.progress.id] = job
             self._forget_old()
@@ -142,7 +145,7 @@ class Backtests:
             if not handle.accepted:
                 _set(taken, NoAnswer("the monitor refused the back-test; it may run one already"))
                 return
-            job.handle = handle
+            job.handle, job.servers = handle, self._servers()
             self._update(job, state="running")
             handle.get_result_async().add_done_callback(lambda done: self._ended(job, done))
             _set(taken, None)
@@ -150,6 +153,13 @@ class Backtests:
                 self._cancel(job)
 
         client.send_goal_async(goal, feedback_callback=heard).add_done_callback(accepted)
+
+    def _servers(self) -> frozenset[bytes]:
+        """Who offers back-tests, by the ids that DDS gives."""
+        if self._server is None:
+            return frozenset()
+        infos = self._node.get_publishers_info_by_topic(f"{self._server}/_action/feedback")
+        return frozenset(bytes(info.endpoint_gid) for info in infos)
 
     def _cancel(self, job: _Job) -> None:
         if job.handle is not None and not job.ended:

@@ -74,7 +74,8 @@ DISK_FULL = "disk full"  # the reason with which applying fails
 class FakeMonitor:
     """Services, topics and the action of the monitor, in one node."""
 
-    def __init__(self) -> None:
+    def __init__(self, ending: threading.Event) -> None:
+        self.ending = ending
         self.node = rclpy.create_node("monitor")
         self.tables = {1: TABLE}
         self.revision = self.confirmed = 1
@@ -272,7 +273,9 @@ class FakeMonitor:
             if handle.is_cancel_requested:
                 handle.canceled()
                 return BacktestRules.Result()
-            time.sleep(0.02)
+            if self.ending.wait(0.02):
+                handle.abort()
+                return BacktestRules.Result()
         report = BacktestReport(
             start=0.0,
             end=1.0,
@@ -300,7 +303,7 @@ def main() -> None:
     """Run until SIGTERM."""
     ending = threading.Event()
     rclpy.init()
-    monitor = FakeMonitor()
+    monitor = FakeMonitor(ending)
     executor = MultiThreadedExecutor(8)
     executor.add_node(monitor.node)
     for number in (signal.SIGTERM, signal.SIGINT):
