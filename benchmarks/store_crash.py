@@ -33,7 +33,7 @@ from kompass.store.revisions import Revisions
 from kompass.store.store import FILE, FORMAT, RuleStore
 
 RULES = 20
-LONGEST = 0.06  # s that a writer lives at most
+LONGEST = 0.1  # s that a writer lives at most
 OLD, NEW = 5, 6  # tables before and after the transaction that is cut
 SECTOR = 512  # bytes that a disk writes at once
 WHOLE = ("log whole", "log half copied")

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import logging
-import os
 import shutil
 import sqlite3
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal, NamedTuple
 
+from kompass.store.durable import sync_folder
 from kompass.store.errors import StoreCorrupt, StoreTooNew, StoreUnwritable
 
 _logger = logging.getLogger("kompass.store")
@@ -62,10 +62,7 @@ def open_database(path: Path, kind: Format) -> tuple[sqlite3.Connection, str]:
             return _open(path, kind), notice
         except _Damaged as damage:
             aside = _set_aside(path)
-            notice = (
-                f"{path.name} was damaged ({damage}) and has been set aside as {aside}; "
-                "what it held is not in force any more"
-            )
+            notice = f"{path.name} was damaged ({damage}) and has been set aside as {aside}"
             _logger.error("%s", notice)
         return _open(path, kind), notice
     except _Damaged as damage:
@@ -191,16 +188,7 @@ def _make(path: Path, kind: Format) -> None:
     growing.chmod(0o600)
     growing.rename(path)
     for folder in (path.parent, path.parent.parent):
-        _sync_folder(folder)
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        with suppress(OSError):  # not every file system can; then there is nothing more to do
-            os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+        sync_folder(folder)
 
 
 def _set_aside(path: Path) -> Path:

@@ -220,6 +220,11 @@ class JournalFile:
         )
         return [Refusal(*row) for row in rows]
 
+    def newest_revision(self) -> int:
+        """The greatest number of a revision that any entry tells of; 0 for none."""
+        query = "SELECT COALESCE(MAX(json_extract(json, '$.revision')), 0) FROM firings"
+        return int(self._read(query, ())[0][0])
+
     def used(self, stack: str) -> set[tuple[str, str]]:
         """Ids and hashes of the rules that have had their one firing in a run of the stack."""
         rows = self._read("SELECT rule_id, rule_hash FROM used WHERE stack = ?", (stack,))

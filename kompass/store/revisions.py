@@ -92,6 +92,11 @@ class Revisions:
                 (number, number),
             )
 
+    def begin_after(self, number: int) -> None:
+        """Give the next revision a greater number than this; only for a list that is empty."""
+        self._sql.execute("DELETE FROM sqlite_sequence WHERE name = 'revisions'")
+        self._sql.execute("INSERT INTO sqlite_sequence VALUES ('revisions', ?)", (number,))
+
     def pointers(self, recipe: str) -> Pointers:
         """What is active and what confirmed, for a recipe."""
         row = self._sql.execute(

@@ -22,7 +22,9 @@ from kompass.rulebook.diffing import diff_tables
 from kompass.rulebook.journal import ActionRecord, FiringRecord, Journal
 from kompass.rulebook.revision import History, Origin, Revision
 from kompass.rules.table import Table, table_hash
+from kompass.store.backup import Backup, read_backup, write_backup
 from kompass.store.boot import Boot, StoreFacts, choose
+from kompass.store.content import table_content
 from kompass.store.database import Format, open_database, transaction, unwritable
 from kompass.store.errors import StaleRevision, StoreClosed, StoreCorrupt, StoreError
 from kompass.store.journal import DEFAULT_BOUNDS, Bounds, JournalFile, Refusal
@@ -48,9 +50,9 @@ class RuleStore:
     """
 
     def __init__(self, folder: Path, bounds: Bounds, clock: Callable[[], float]) -> None:
-        self._path, self._clock = folder / FILE, clock
+        self._folder, self._path, self._clock = folder, folder / FILE, clock
         self._guard = threading.RLock()
-        self._recipe, self._epoch, self._stack = "", "", ""
+        self._recipe, self._epoch, self._stack = Table(), "", ""
         self._active = self._confirmed = 0
         try:
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -67,9 +69,9 @@ class RuleStore:
         except BaseException:
             os.close(self._lock)
             raise
-        self._revisions = Revisions(self._sql)
-        self._closed = False
-        self.notices = tuple(text for text in (notice, self._journal.notice) if text)
+        self._revisions, self._closed = Revisions(self._sql), False
+        notices = (self._restore() if notice else "", notice, self._journal.notice)
+        self.notices = tuple(text for text in notices if text)
 
     @classmethod
     def open(
@@ -158,9 +160,11 @@ class RuleStore:
                 "VALUES (?, ?, ?, ?, ?, ?)",
                 (epoch, stack, this_machine(), now, number, boot.safe_mode),
             )
-        self._recipe, self._epoch, self._stack = recipe, epoch, stack
+        self._recipe, self._epoch, self._stack = recipe_table, epoch, stack
         self._active = number
         self._confirmed = self._revisions.pointers(recipe).confirmed
+        if boot.revision is None:
+            self._back_up()
         self._journal.abandon(epoch, now)
         notice = "\n".join(text for text in (*self.notices, boot.notice) if text)
         if notice:
@@ -251,7 +255,7 @@ class RuleStore:
                 role=role,
                 reason=reason,
                 origin=origin,
-                recipe=self._recipe or table_hash(table),
+                recipe=table_hash(self._recipe),
                 parent=self._active or None,
                 restores=restores,
                 now=now,
@@ -264,7 +268,9 @@ class RuleStore:
             revision = self._revisions.get(number)
         # Only now: what was not committed is not in force.
         self._active = number
-        self._confirmed = number if confirmed else self._confirmed
+        if confirmed:
+            self._confirmed = number
+            self._back_up()
         return revision
 
     def take_back(self, reason: str, *, author: str = MONITOR, role: str = MONITOR) -> Revision:
@@ -306,6 +312,7 @@ class RuleStore:
                 self._revisions.settle(number, "confirmed", self._clock(), author, role)
             revision = self._revisions.get(number)
         self._confirmed = number
+        self._back_up()
         return revision
 
     def revision(self, number: int) -> Revision:
@@ -409,6 +416,55 @@ class RuleStore:
         return self._journal.flush(timeout)
 
     # -- helpers --------------------------------------------------------------------------------
+
+    def _back_up(self) -> None:
+        """Keep the confirmed table beside the database too."""
+        with self._guard:  # of two at a time the newer one is to stay
+            revision = self.revision(self._confirmed)
+            table = self.table(self._confirmed)
+            backup = Backup(
+                revision=revision.number,
+                author=revision.author,
+                role=revision.role,
+                time=revision.time,
+                recipe=self._recipe,
+                table=table,
+                content=table_content(table),
+            )
+            write_backup(self._folder, backup)
+
+    def _restore(self) -> str:
+        """Begin a new history after a damaged one with what was last confirmed; what to say."""
+        backup = read_backup(self._folder)
+        known = backup.revision if backup else 0
+        with self._writing():
+            # Entries of the journal tell of revisions by number: none may mean another table.
+            self._revisions.begin_after(max(known, self._journal.newest_revision()))
+            if backup is None:
+                return "the history of the rules is lost, and the recipe's table is in force"
+            recipe = table_hash(backup.recipe)
+            steps: list[tuple[Table, str, str, Origin]] = [
+                (backup.recipe, MONITOR, MONITOR, "recipe"),
+                (backup.table, backup.author, backup.role, "edit"),
+            ]
+            parent = None
+            for table, author, role, origin in steps[: 1 + (backup.table != backup.recipe)]:
+                parent = self._insert(
+                    table,
+                    author=author,
+                    role=role,
+                    reason=f"restored after damage, from revision {backup.revision}",
+                    origin=origin,
+                    recipe=recipe,
+                    parent=parent,
+                    restores=None,
+                    now=backup.time,
+                )
+                self._revisions.settle(parent, "confirmed", backup.time, author, role)
+        return (
+            f"the history of the rules is lost but for the last confirmed revision "
+            f"{backup.revision}, which is now revision {parent}"
+        )
 
     def _insert(
         self,

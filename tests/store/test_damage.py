@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from kompass.rules.table import Table
 from kompass.store import RuleStore, StoreBusy, StoreCorrupt, StoreTooNew, StoreUnwritable
+from tests.rules.building import received, rule
 from tests.store.tables import BY, RECIPE, Robot, edited, entry
 
 
@@ -44,8 +46,58 @@ def test_a_damaged_file_is_set_aside_and_said(robot: Robot, how: str) -> None:
     assert aside.read_bytes() == damaged
     assert "rules.db was damaged" in boot.notice
     assert str(aside) in boot.notice
+    # What was confirmed is in a file of its own too, and no number means another table now.
+    assert boot.table == edited("19")
+    assert "last confirmed revision 21, which is now revision 23" in boot.notice
+    assert robot.store.append(edited("works"), confirmed=True, **BY).number == 24
+
+
+def test_a_damaged_history_without_a_copy_ends_with_the_recipe(robot: Robot) -> None:
+    file = grown(robot)
+    file.write_bytes(b"hello")
+    (robot.folder / "confirmed.json").write_text('{"half')
+    boot = robot.start()
     assert boot.table == RECIPE
-    robot.store.append(edited("works"), confirmed=True, **BY)
+    assert "the recipe's table is in force" in boot.notice
+
+
+def test_revisions_of_the_journal_keep_their_meaning_after_damage(robot: Robot) -> None:
+    robot.start()
+    robot.store.append(edited("x"), **BY)
+    robot.store.record_firing(entry(revision=2))
+    robot.stop()
+    (robot.folder / "rules.db").write_bytes(b"hello")
+    (robot.folder / "confirmed.json").unlink()
+    assert robot.start().revision == 3
+
+
+def test_after_damage_and_a_change_of_the_recipe_the_edits_are_offered(robot: Robot) -> None:
+    file = grown(robot)
+    file.write_bytes(b"hello")
+    robot.recipe = Table(rules=(*RECIPE.rules, rule(received("map"), "map", source="recipe")))
+    boot = robot.start()
+    assert boot.table == robot.recipe
+    assert boot.merge is not None
+    assert "more" in [rule.id for rule in boot.merge.table.rules]
+
+
+def test_a_history_deleted_by_a_person_is_not_brought_back(robot: Robot) -> None:
+    file = grown(robot)
+    file.unlink()
+    boot = robot.start()
+    assert (boot.table, boot.revision, boot.notice) == (RECIPE, 1, "")
+
+
+def test_a_copy_that_cannot_be_written_does_not_stop_an_edit(
+    robot: Robot, caplog: pytest.LogCaptureFixture
+) -> None:
+    robot.start()
+    (robot.folder / "confirmed.json").unlink()
+    (robot.folder / "confirmed.json").mkdir()
+    robot.store.append(edited("x"), confirmed=True, **BY)
+    assert "cannot write" in caplog.text
+    robot.stop()
+    assert robot.start().table == edited("x")
 
 
 def test_a_database_that_is_gone_while_its_log_is_not_is_said(robot: Robot) -> None:

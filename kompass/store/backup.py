@@ -1,0 +1,61 @@
+"""The confirmed table once more, in a small file of its own: for when the database is damaged."""
+
+from __future__ import annotations
+
+import logging
+import os
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from kompass.rules.model import Model
+from kompass.rules.table import Table
+from kompass.store.content import table_content
+from kompass.store.durable import sync_folder
+
+FILE = "confirmed.json"
+_logger = logging.getLogger("kompass.store")
+
+
+class Backup(Model):
+    """The confirmed table, and the recipe's own of the same time.
+
+    Attributes
+    ----------
+    content
+        Hash of ``table``, so that half a file is no table.
+    """
+
+    revision: int
+    author: str
+    role: str
+    time: float
+    recipe: Table
+    table: Table
+    content: str
+
+
+def write_backup(folder: Path, backup: Backup) -> None:
+    """Replace the file; one that cannot be written is logged, for the database has the table."""
+    path, growing = folder / FILE, folder / f"{FILE}.new"
+    try:
+        with growing.open("w", encoding="utf-8") as file:
+            file.write(backup.model_dump_json(indent=1))
+            file.flush()
+            os.fsync(file.fileno())
+        growing.replace(path)
+        sync_folder(folder)
+    except OSError as error:
+        _logger.error("cannot write %s: %s", path, error.strerror)
+
+
+def read_backup(folder: Path) -> Backup | None:
+    """The file's content; None when there is none that is whole."""
+    try:
+        backup = Backup.model_validate_json((folder / FILE).read_bytes())
+    except FileNotFoundError:
+        return None
+    except (OSError, ValidationError) as error:
+        _logger.error("cannot read %s: %s", folder / FILE, error)
+        return None
+    return backup if table_content(backup.table) == backup.content else None
