@@ -6,6 +6,7 @@ shell feeds it and carries out the firings; nothing else decides whether a rule 
 
 from kompass.rules.arbitrate import Arbitration, Lost, Running, arbitrate, components_of
 from kompass.rules.arguments import ArgumentError, expand, resolve
+from kompass.rules.bridge import Bridge, bridge
 from kompass.rules.carry import Carried, carry, exchange
 from kompass.rules.catalog import (
     ArgumentSpec,
@@ -33,6 +34,7 @@ __all__ = [
     "Arbitration",
     "ArgumentError",
     "ArgumentSpec",
+    "Bridge",
     "Carried",
     "Catalog",
     "CompiledTable",
@@ -62,6 +64,7 @@ __all__ = [
     "Table",
     "Tick",
     "arbitrate",
+    "bridge",
     "carry",
     "check_rule",
     "check_table",

@@ -4,16 +4,18 @@ The swap happens between two steps: every message is taken by exactly one table.
 old table has taken makes no rule of the new one fire; only silence that already lasts does.
 """
 
+from collections import deque
 from collections.abc import Collection
-from heapq import heappush
+from heapq import heapify, heappush
 from typing import NamedTuple
 
+from kompass.rules.bridge import Bridge, bridge
 from kompass.rules.compiled import CompiledTable, LeafPlan, RulePlan, Timer
 from kompass.rules.conditions import Absent, Changed, Rate, Received, timeout_of
 from kompass.rules.engine import settle, step
 from kompass.rules.firing import Output, Tick
 from kompass.rules.schedule import start
-from kompass.rules.state import HOLD, LOOK, QUEUE, RuleState, State, evaluated
+from kompass.rules.state import LEAF, LOOK, RuleState, State, evaluated
 from kompass.rules.values import MISSING, Verdict, kind_of
 
 
@@ -40,25 +42,27 @@ class Carried(NamedTuple):
     running: tuple[tuple[str, int], ...]
 
 
-def exchange(
-    old: CompiledTable,
-    old_state: State,
-    new: CompiledTable,
-    now: float,
-    reset: Collection[str] = (),
-) -> tuple[State, Carried, list[Output]]:
-    """Go on with another table: the old one first takes the time that has passed, then carry.
+def exchange(way: Bridge, state: State, now: float) -> tuple[State, Carried, list[Output]]:
+    """Go on with another table: the old one first takes the time that has passed.
 
-    This is what a shell does between two messages. Compile the new table beforehand: that takes
-    long, and this does not.
+    This is what a shell does between two messages; make the bridge beforehand, it takes longer.
+
+    Parameters
+    ----------
+    way
+        From :func:`kompass.rules.bridge.bridge`.
+    state
+        Of the old table; used up, and not to be used again.
+    now
+        Monotonic seconds.
 
     Returns
     -------
     State, Carried, list of Firing or Note
         The last as from :func:`kompass.rules.engine.step`: what the old table let fire by now.
     """
-    old_state, outputs = step(old, old_state, Tick(), now)
-    state, carried = carry(old, old_state, new, now, reset)
+    state, outputs = step(way.old, state, Tick(), now)
+    state, carried = _cross(way, state, now)
     return state, carried, outputs
 
 
@@ -69,7 +73,7 @@ def carry(
     now: float,
     reset: Collection[str] = (),
 ) -> tuple[State, Carried]:
-    """Return the state with which the new table goes on.
+    """Return the state with which the new table would go on.
 
     Parameters
     ----------
@@ -88,58 +92,76 @@ def carry(
     KeyError
         If a rule to be reset is not in the new table.
     """
-    for rule_id in reset:
-        if rule_id not in new.by_id:
-            raise KeyError(f"rule {rule_id!r} cannot be reset: the table has no such rule")
-    state = State(new, old_state.now)
-    now = max(now, old_state.now)
-    state.next_run = old_state.next_run
-    _topics(old, old_state, new, state)
-    _probes(old, old_state, new, state)
-    _leaves(old, old_state, new, state, now)
-    _timers(old, old_state, new, state, now)
-    return state, _rules(old, old_state, new, state, now, frozenset(reset))
+    return _cross(bridge(old, new, reset), old_state.copy(), now)
 
 
-def _topics(old: CompiledTable, before: State, new: CompiledTable, state: State) -> None:
-    for plan in new.topics:
-        known = old.by_topic.get(plan.name)
-        if known is None:
-            continue
-        state.counts[plan.index] = before.counts[known.index]
-        state.received[plan.index] = before.received[known.index]
-        state.messages[plan.index] = before.messages[known.index]
-        state.fresh[plan.index] = before.fresh[known.index]
-        state.times[plan.index].extend(before.times[known.index])
+def _cross(way: Bridge, before: State, now: float) -> tuple[State, Carried]:
+    """Move what stays into a state of the new table, and work out what is new."""
+    now = max(now, before.now)
+    state = _moved(way, before)
+    _new_values(way, state)
+    _new_leaves(way, state, now)
+    _new_timers(way, state, now)
+    return state, _fresh_rules(way, before, state, now)
 
 
-def _probes(old: CompiledTable, before: State, new: CompiledTable, state: State) -> None:
-    known = {probe.key: probe for probe in old.probes}
-    for probe in new.probes:
-        twin = known.get(probe.key)
-        received = state.received[probe.topic]
-        if twin is not None:
-            state.values[probe.index] = before.values[twin.index]
-            state.seen[probe.index] = before.seen[twin.index]
-        elif received is not None:
+def _moved(way: Bridge, before: State) -> State:
+    new = way.new
+    state: State = object.__new__(State)
+    state.now, state.next_run = before.now, before.next_run
+    topics, probes, leaves = way.topics, way.probes, way.leaves
+    state.counts = [before.counts[i] if i >= 0 else 0 for i in topics]
+    state.received = [before.received[i] if i >= 0 else None for i in topics]
+    state.messages = [before.messages[i] if i >= 0 else None for i in topics]
+    state.fresh = [i >= 0 and before.fresh[i] for i in topics]
+    state.times = [
+        before.times[i] if i >= 0 else deque(maxlen=new.topics[place].history)
+        for place, i in enumerate(topics)
+    ]
+    for place in way.longer:
+        state.times[place] = deque(state.times[place], maxlen=new.topics[place].history)
+    state.values = [before.values[i] if i >= 0 else MISSING for i in probes]
+    state.seen = [before.seen[i] if i >= 0 else None for i in probes]
+    state.verdicts = [before.verdicts[i] if i >= 0 else None for i in leaves]
+    state.references = [before.references[i] if i >= 0 else MISSING for i in leaves]
+    state.begun = [before.begun[i] if i >= 0 else None for i in way.timers]
+    state.rules = [
+        before.rules[i] if i >= 0 else RuleState(new.rules[place])
+        for place, i in enumerate(way.rules)
+    ]
+    rule_at, timer_at = way.rule_at, way.timer_at
+    state.live = [
+        {rule_at[rule] for rule in before.live[i] if rule in rule_at} if i >= 0 else set()
+        for i in topics
+    ]
+    state.idle = [
+        [timer_at[timer] for timer in before.idle[i] if timer in timer_at] if i >= 0 else []
+        for i in topics
+    ]
+    state.schedule = [
+        (when, phase, (timer_at if phase == LEAF else rule_at)[index])
+        for when, phase, index in before.schedule
+        if index in (timer_at if phase == LEAF else rule_at)
+    ]
+    heapify(state.schedule)
+    return state
+
+
+def _new_values(way: Bridge, state: State) -> None:
+    for probe in way.new_probes:
+        if state.received[probe.topic] is not None:
             state.values[probe.index] = probe.read(state.messages[probe.topic])
-        if state.seen[probe.index] is None and kind_of(state.values[probe.index]) != "none":
-            state.seen[probe.index] = received
+    # When a probe that nobody watched had its value is not known better than by its message.
+    for probe in (*way.new_probes, *way.newly_watched):
+        known = kind_of(state.values[probe.index]) != "none"
+        state.seen[probe.index] = state.received[probe.topic] if known else None
 
 
-def _leaves(
-    old: CompiledTable, before: State, new: CompiledTable, state: State, now: float
-) -> None:
-    known = {leaf.key: leaf for leaf in old.leaves}
-    for leaf in new.leaves:
-        twin = known.get(leaf.key)
-        if twin is not None:
-            state.verdicts[leaf.index] = before.verdicts[twin.index]
-            state.references[leaf.index] = before.references[twin.index]
-        else:
-            if isinstance(leaf.condition, Changed):
-                state.references[leaf.index] = state.values[leaf.probe]
-            state.verdicts[leaf.index] = _between_messages(leaf, state, now)
+def _new_leaves(way: Bridge, state: State, now: float) -> None:
+    for leaf in way.new_leaves:
+        if isinstance(leaf.condition, Changed):
+            state.references[leaf.index] = state.values[leaf.probe]
+        state.verdicts[leaf.index] = _between_messages(leaf, state, now)
 
 
 def _between_messages(leaf: LeafPlan, state: State, now: float) -> Verdict:
@@ -161,19 +183,8 @@ def _between_messages(leaf: LeafPlan, state: State, now: float) -> Verdict:
     return leaf.judge(state.values[leaf.probe])
 
 
-def _timers(
-    old: CompiledTable, before: State, new: CompiledTable, state: State, now: float
-) -> None:
-    known = {timer.key: timer for timer in old.timers}
-    for timer in new.timers:
-        twin = known.get(timer.key)
-        if twin is not None:
-            state.begun[timer.index] = before.begun[twin.index]
-            if twin.index in before.idle[twin.topic]:
-                state.idle[timer.topic].append(timer.index)
-            else:
-                start(timer, state, before.now)
-            continue
+def _new_timers(way: Bridge, state: State, now: float) -> None:
+    for timer in way.new_timers:
         if timer.kind == "absent" or (
             timer.kind == "rate" and state.received[timer.topic] is not None
         ):
@@ -191,59 +202,29 @@ def _start_new(timer: Timer, state: State, now: float) -> None:
         start(timer, state, now)
 
 
-def _rules(
-    old: CompiledTable,
-    before: State,
-    new: CompiledTable,
-    state: State,
-    now: float,
-    reset: frozenset[str],
-) -> Carried:
-    carried, afresh, added = [], [], []
+def _fresh_rules(way: Bridge, before: State, state: State, now: float) -> Carried:
     running: list[tuple[str, int]] = []
-    for plan in new.rules:
-        rule_id = plan.rule.id
-        twin = old.by_id.get(rule_id)
-        if twin is not None and twin.hash == plan.hash and rule_id not in reset:
-            carried.append(rule_id)
-            _keep(before, twin, state, plan)
-            continue
-        if twin is None:
-            added.append(rule_id)
-        else:
-            afresh.append(rule_id)
+    for plan, twin in way.fresh:
+        if twin is not None:
             runs = before.rules[twin.index].runs
             state.rules[plan.index].runs = dict(runs)
-            running.extend((rule_id, run) for run in runs)
-        _begin(new, state, plan, now)
-    removed = [plan for plan in old.rules if plan.rule.id not in new.by_id]
-    for plan in removed:
+            running.extend((plan.rule.id, run) for run in runs)
+        _begin(way.new, state, plan, now)
+    for plan in way.removed:
         running.extend((plan.rule.id, run) for run in before.rules[plan.index].runs)
     return Carried(
-        carried=tuple(carried),
-        reset=tuple(afresh),
-        removed=tuple(plan.rule.id for plan in removed),
-        added=tuple(added),
+        carried=way.carried,
+        reset=way.reset,
+        removed=tuple(plan.rule.id for plan in way.removed),
+        added=way.added,
         running=tuple(running),
     )
 
 
-def _keep(before: State, twin: RulePlan, state: State, plan: RulePlan) -> None:
-    rule: RuleState = before.rules[twin.index].copy()
-    state.rules[plan.index] = rule
-    _count_from(state, plan, evaluated(twin, before))
-    if rule.live:
-        state.enlist(plan, plan.topics)
-    if rule.hold_timer:
-        rule.hold_timer = rule.since is not None
-        if rule.since is not None:
-            heappush(state.schedule, (rule.since + plan.hold, HOLD, plan.index))
-    if rule.queue_timer:
-        heappush(state.schedule, (rule.cooldown_end, QUEUE, plan.index))
-
-
 def _begin(new: CompiledTable, state: State, plan: RulePlan, now: float) -> None:
-    _count_from(state, plan, 0)
+    # It is counted from here, and the counts of its topics are older.
+    rule = state.rules[plan.index]
+    rule.evaluated = -evaluated(plan, state)
     if not plan.rule.enabled:
         return
     state.enlist(plan, plan.topics)
@@ -251,9 +232,3 @@ def _begin(new: CompiledTable, state: State, plan: RulePlan, now: float) -> None
     if any(new.leaves[i].timer >= 0 and state.verdicts[i] is True for _, i in plan.leaves):
         # The silence it asks for lasts already, and no message will come to have it looked at.
         heappush(state.schedule, (now, LOOK, plan.index))
-
-
-def _count_from(state: State, plan: RulePlan, count: int) -> None:
-    rule = state.rules[plan.index]
-    rule.evaluated = 0
-    rule.evaluated = count - evaluated(plan, state)

@@ -5,6 +5,7 @@ from typing import Any
 
 from kompass.rulebook.records import fired_event
 from kompass.rulebook.tape import Began, Ended, Heard, Swapped, TapeEvent
+from kompass.rules.bridge import bridge
 from kompass.rules.carry import exchange
 from kompass.rules.compiled import compile_table
 from kompass.rules.engine import initial_state, step
@@ -57,7 +58,7 @@ class Shell:
     def swap(self, table: Table, at: float, reset: tuple[str, ...] = ()) -> None:
         self.pass_time(at)
         new = compile_table(table)
-        self.state, _, outputs = exchange(self.table, self.state, new, at, reset)
+        self.state, _, outputs = exchange(bridge(self.table, new, reset), self.state, at)
         self.table = new
         self.revision += 1
         self.tape.append(Swapped(at, self.revision, table, reset))
