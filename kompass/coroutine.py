@@ -7,26 +7,17 @@ ever. Here a coroutine is resumed by the future that it waits for, and by nothin
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Coroutine, Generator
 from typing import Any
 
+import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.task import Future
 
 
 class Cancelled(BaseException):
     """Thrown into a coroutine that is cancelled; its ``finally`` blocks run."""
-
-
-class Until:
-    """What a :class:`Job` awaits: the result of an rclpy future."""
-
-    def __init__(self, future: Future) -> None:
-        self._future = future
-
-    def __await__(self) -> Generator[Future, None, Any]:
-        while not (self._future.done() or self._future.cancelled()):
-            yield self._future
-        return self._future.result()
 
 
 class Job:
@@ -35,7 +26,7 @@ class Job:
     Parameters
     ----------
     coroutine
-        Awaits nothing but :class:`Until`.
+        Awaits futures of rclpy.
     ended
         Called once, with the exception that ended it (:class:`Cancelled` too) or None.
     """
@@ -91,3 +82,46 @@ class Job:
     def _finish(self, error: BaseException | None) -> None:
         self._coroutine = None
         self._ended(error)
+
+
+def _await(future: Future) -> Generator[Future, None, Any]:
+    while not (future.done() or future.cancelled()):
+        yield future
+    return future.result()
+
+
+# rclpy's own yields None, which says nothing of what is waited for; its tasks do not look at it.
+Future.__await__ = _await
+
+
+class QuietExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
+    """The events executor, with coroutines that cost nothing while they wait.
+
+    An exception is raised where the task is awaited; of one that nobody awaits, rclpy writes it to
+    the terminal.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(rclpy.get_default_context())
+
+    def create_task(self, callback: Any, *args: Any, **kwargs: Any) -> Future:
+        """Have a function or a coroutine run; a future of its result."""
+        if inspect.iscoroutinefunction(callback):
+            callback = callback(*args, **kwargs)
+        if not inspect.iscoroutine(callback):
+            return super().create_task(callback, *args, **kwargs)
+        result = Future(executor=self)
+
+        async def run() -> None:
+            result.set_result(await callback)
+
+        def ended(error: BaseException | None) -> None:
+            # To be raised where it is awaited. Raised here it would end the process (rclpy 7.1.6).
+            if error is not None:
+                result.set_exception(error)
+
+        def begin() -> None:
+            Job(run(), ended)
+
+        super().create_task(begin)
+        return result

@@ -5,11 +5,11 @@ import threading
 
 import rclpy
 from rclpy.executors import Executor
-from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.components.component import Component
 from kompass.components.node import ComponentNode
+from kompass.coroutine import QuietExecutor
 from kompass.launch.process import Report
 from kompass.launch.pulse import beat
 
@@ -54,7 +54,7 @@ def host(
     try:
         for component in components:
             node = component.create_node(namespace)
-            executor = EventsExecutor()
+            executor = QuietExecutor()
             executor.add_node(node)
             executors.append(executor)
             if component.node_name in activate:

@@ -9,9 +9,9 @@ import sys
 import threading
 
 import rclpy
-from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
+from kompass.coroutine import QuietExecutor
 from kompass.launch.process import Report
 from kompass.launch.pulse import beat
 from kompass.monitor.catalog import RecipeCatalog
@@ -57,7 +57,7 @@ def run_monitor(
     start, store = start_from_store(recipe.table, settings)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node(NAME, namespace=namespace or None)
-    executor = EventsExecutor()
+    executor = QuietExecutor()
     executor.add_node(node)
     monitor = Monitor(node, executor, recipe, catalog, start, store, settings, recording)
 

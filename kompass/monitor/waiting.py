@@ -9,7 +9,6 @@ from typing import Any
 from rclpy.executors import Executor
 from rclpy.task import Future
 
-from kompass.coroutine import Until
 from kompass.monitor.timers import Timers
 
 STEP = 0.02  # s between two looks at what has no future of its own
@@ -31,7 +30,7 @@ class Waiting:
         done = self.future()
         timer = self._timers.after(seconds, lambda: _finish(done))
         try:
-            await Until(done)
+            await done
         finally:
             timer.cancel()
 
@@ -58,12 +57,12 @@ class Waiting:
             Naming ``what``, when there is none in time.
         """
         if timeout is None:
-            return await Until(awaited)
+            return await awaited
         done = self.future()
         awaited.add_done_callback(lambda _: _finish(done))
         timer = self._timers.after(timeout, lambda: _finish(done))
         try:
-            await Until(done)
+            await done
         finally:
             timer.cancel()
         if not awaited.done():
