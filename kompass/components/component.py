@@ -190,9 +190,14 @@ class Component(Lifecycle):
         return True
 
     def _down(self) -> None:
-        self.stop()
-        if self.node.state == "inactive":
-            self.node.trigger_cleanup()
+        """Deactivate and clean up, to come back soon."""
+        self._keeps_intent = True
+        try:
+            self.stop()
+            if self.node.state == "inactive":
+                self.node.trigger_cleanup()
+        finally:
+            self._keeps_intent = False
 
     # -- live changes -------------------------------------------------------------------------
 

@@ -34,6 +34,9 @@ class Lifecycle(Declaration):
         self._active_since: float | None = None
         self._logged: dict[str, float] = {}
         self.action_problem = ""
+        # Told whether the component is meant to be active, for its next life.
+        self.on_intent: Callable[[bool], None] | None = None
+        self._keeps_intent = False
         super().__init__(*args, **kwargs)
 
     @property
@@ -60,6 +63,7 @@ class Lifecycle(Declaration):
 
     def leave(self) -> None:
         """Deactivate and give the node back, before the process ends."""
+        self._keeps_intent = True
         if self._node is not None:
             if self.is_active:
                 self._node.trigger_deactivate()
@@ -95,6 +99,7 @@ class Lifecycle(Declaration):
             self._active_since = None
             self._close()
             raise
+        self._intend(True)
         self.publish_status()
 
     def on_deactivate(self) -> None:
@@ -103,6 +108,11 @@ class Lifecycle(Declaration):
         finally:
             self._active_since = None
             self._close()
+            self._intend(False)
+
+    def _intend(self, active: bool) -> None:
+        if self.on_intent is not None and not self._keeps_intent:
+            self.on_intent(active)
 
     def on_cleanup(self) -> None:
         self.custom_on_cleanup()

@@ -2,6 +2,7 @@
 
 import signal
 import threading
+from functools import partial
 
 import rclpy
 from rclpy.executors import Executor
@@ -10,6 +11,7 @@ from rclpy.signals import SignalHandlerOptions
 from kompass.components.component import Component
 from kompass.components.node import ComponentNode
 from kompass.coroutine import QuietExecutor
+from kompass.launch.intent import Intent
 from kompass.launch.process import Report
 from kompass.launch.pulse import beat
 
@@ -22,7 +24,7 @@ SPIN_TIMEOUT = 0.1  # s; also how soon the end is noticed
 
 def host(
     components: list[Component],
-    activate: list[str],
+    activate: list[str] | Intent,
     report: Report,
     *,
     namespace: str = "",
@@ -38,7 +40,8 @@ def host(
     components
         What to run.
     activate
-        Names of those that become active at once; the others wait to be started.
+        Names of those that become active at once; the others wait to be started. An ``Intent``
+        is kept up to date besides.
     report
         Tells the supervisor.
     namespace
@@ -47,6 +50,9 @@ def host(
         Look for the same nodes elsewhere on the domain. Not after a crash: DDS remembers the
         dead one for a while.
     """
+    intent = activate
+    if not isinstance(intent, Intent):
+        intent = Intent({one.node_name: one.node_name in intent for one in components})
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
@@ -57,7 +63,8 @@ def host(
             executor = QuietExecutor()
             executor.add_node(node)
             executors.append(executor)
-            if component.node_name in activate:
+            component.on_intent = partial(intent.set, component.node_name)
+            if intent.wants(component.node_name):
                 node.trigger_configure()
                 node.trigger_activate()
                 if not component.health.is_healthy:

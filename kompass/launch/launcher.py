@@ -13,6 +13,7 @@ from kompass.launch.companions import companions
 from kompass.launch.environment import check_environment
 from kompass.launch.failure_policies import FailurePolicies
 from kompass.launch.host import host
+from kompass.launch.intent import Intent
 from kompass.launch.older_names import OlderNames, processes_wanted
 from kompass.launch.process import ProcessSpec, Report
 from kompass.launch.restarts import Restarts
@@ -284,11 +285,12 @@ class Launcher(FailurePolicies, OlderNames):
 
     def _spec(self, group: list[Component]) -> ProcessSpec:
         names = [component.node_name for component in group]
+        intent = Intent({name: name in self._activate for name in names})
 
         def main(report: Report) -> None:
             host(
                 group,
-                self._activate,
+                intent,
                 report,
                 namespace=self.namespace,
                 first_start=spec.starts == 1,

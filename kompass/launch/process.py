@@ -24,8 +24,9 @@ class ProcessSpec:
     """What to fork.
 
     ``main`` is called in the child with a function that sends a line to the supervisor:
-    ``"active <names>"`` once it works, ``"failed <reason>"`` when it cannot. Returning ends the
-    process with exit code 0.
+    ``"active <names>"`` once it works, ``"failed <reason>"`` when it cannot, ``"restart <node>"``
+    to have the process of a node started anew, whatever its state. Returning ends the process
+    with exit code 0.
     """
 
     name: str

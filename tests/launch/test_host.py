@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
+from automatika_ros_sugar.srv import ExecuteMethod
+from lifecycle_msgs.srv import GetState
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -56,7 +58,7 @@ components = [
     Fragile(name, inputs={"words": Topic(name=f"{name}/words", msg_type="String")})
     for name in names
 ]
-launcher = Launcher(enable_monitoring=False)
+launcher = Launcher(namespace="robot1", enable_monitoring=False)
 launcher.kompass(components, multi_processing=False)
 launcher.bringup()
 """
@@ -69,9 +71,11 @@ class Statuses(Robot):
         super().__init__(domain)
         self.heard: dict[str, list[ComponentStatus]] = {"fragile": [], "sturdy": []}
         for name, heard in self.heard.items():
-            self.node.create_subscription(ComponentStatus, f"/{name}/status", heard.append, LATCHED)
-        self._words = self.node.create_publisher(String, "/fragile/words", 10)
-        self._trigger = self.node.create_client(Trigger, "/fragile/raise")
+            self.node.create_subscription(
+                ComponentStatus, f"/robot1/{name}/status", heard.append, LATCHED
+            )
+        self._words = self.node.create_publisher(String, "/robot1/fragile/words", 10)
+        self._trigger = self.node.create_client(Trigger, "/robot1/fragile/raise")
 
     def say(self, word: str) -> None:
         wait_until(lambda: self._words.get_subscription_count() > 0, 10, "a listener")
@@ -135,3 +139,21 @@ def test_an_exception_becomes_a_status_and_ends_nothing(
     assert "a callback failed: " in output
     assert "recipe.py" in output
     assert "ended with" not in output
+
+
+def test_what_was_stopped_stays_stopped_when_its_process_dies(
+    client: Statuses, process: tuple[int, Path, int]
+) -> None:
+    request = ExecuteMethod.Request(name="stop", kwargs_json="{}")
+    assert client.call(ExecuteMethod, "/robot1/sturdy/execute_method", request).success
+    output = process[1]
+    pid = int(output.read_text().split("components is process ")[-1].split()[0])
+    os.kill(pid, signal.SIGKILL)
+    wait_until(lambda: output.read_text().count("components is up") == 2, 15, "a second life")
+    labels = {
+        name: client.call(
+            GetState, f"/robot1/{name}/get_state", GetState.Request(), timeout=10
+        ).current_state.label
+        for name in ("fragile", "sturdy")
+    }
+    assert labels == {"fragile": "active", "sturdy": "unconfigured"}

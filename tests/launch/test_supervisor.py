@@ -79,6 +79,8 @@ PROGRAM = """
         report("active")
         for line in os.fdopen({name}.inbox):
             said.write(line)
+            if '"given up"' in line and {hang!r} == "revives":
+                report("restart a")
 
     {specs}
     try:
@@ -145,10 +147,15 @@ def test_what_is_killed_is_started_again(tmp_path: Path, programs: list[Program]
 
 
 def test_what_dies_again_and_again_is_given_up(tmp_path: Path, programs: list[Program]) -> None:
-    program = Program(tmp_path, "specs = [ProcessSpec('a', dies), ProcessSpec('b', waits)]")
+    program = Program(
+        tmp_path,
+        "from kompass.launch.restarts import Restarts; "
+        "specs = [ProcessSpec('a', dies), ProcessSpec('b', waits)]",
+        options="dict(restarts=Restarts(2))",
+    )
     programs.append(program)
     program.wait_for("a: ValueError: no luck")
-    program.wait_for("given up", 20)
+    program.wait_for("a died 3 times in a row: given up")
     assert program.process.poll() is None
 
 
@@ -158,7 +165,7 @@ def test_what_cannot_start_at_all_ends_the_stack(tmp_path: Path, programs: list[
     assert program.process.wait(10) == 1
     assert "a: ValueError: cannot start" in program.text()
     assert "startup: a could not start" in program.text()
-    assert "ended" in program.said.read_text()
+    assert not Path(f"/proc/{program.pid_of('b')}").exists()
 
 
 def test_what_halts_the_robot_ends_before_all_others(
@@ -314,14 +321,20 @@ def test_nodes_that_share_a_process_are_told_of_one_by_one(
     assert program.told("components") == []
 
 
-def test_tries_may_be_limited(tmp_path: Path, programs: list[Program]) -> None:
+def test_what_was_given_up_can_be_asked_for_again(tmp_path: Path, programs: list[Program]) -> None:
     program = Program(
         tmp_path,
-        "from kompass.launch.restarts import Restarts; specs = [ProcessSpec('a', dies)]",
+        "from kompass.launch.restarts import Restarts; "
+        + EAR
+        + "specs = [ProcessSpec('a', dies), ear]",
+        name="ear",
+        hang="revives",
         options="dict(restarts=Restarts(1))",
     )
     programs.append(program)
-    program.wait_for("a died 2 times in a row: given up")
+    wait_until(lambda: program.told("a").count("given up") >= 2, 10, "given up once more")
+    again = program.told("a").index("given up") + 1
+    assert program.told("a")[again] == "starting"
 
 
 def test_who_is_not_active_in_time_ends_the_stack(tmp_path: Path, programs: list[Program]) -> None:
