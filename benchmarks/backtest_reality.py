@@ -56,9 +56,9 @@ def main() -> None:
         seconds = time.monotonic() - began
         length = report.end - report.start
         same = since(report, record.in_force)
-        identical = sorted((f.rule_id, round(f.time, 5), f.verdict) for f in same) == sorted(
-            (f.rule_id, round(f.time, 5), "same") for f in record.firings
-        )
+        identical = [(f.rule_id, round(f.time, 5), f.verdict, f.leaves) for f in same] == [
+            (f.rule_id, round(f.time, 5), "same", f.leaves) for f in record.firings
+        ]
         print(
             f"same table: {_verdicts(same)}; {length:.0f} s ({report.messages} messages) in "
             f"{seconds:.1f} s = {length / seconds:.0f} x real time ({length / report.seconds:.0f} "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from kompass.recorder.places import known_recording, ring_folder
 from kompass.recorder.recording import Recording
@@ -12,10 +13,18 @@ from kompass.recorder.replay import Replay
 from kompass.recorder.ring import ring_files
 from kompass.rulebook.backtest import backtest
 from kompass.rulebook.backtest_report import BacktestReport
+from kompass.rulebook.tape import Lost, TapeEvent
 from kompass.rules.compiled import compile_table
 from kompass.rules.table import Table
 
 REPORT_PERIOD = 0.1  # s between two words of progress
+
+
+class Backtested(NamedTuple):
+    """A report, and what a person must know of the recording to judge it; empty for nothing."""
+
+    report: BacktestReport
+    remark: str
 
 
 class NoRecording(RuntimeError):
@@ -40,7 +49,7 @@ def backtest_files(
     paths: Sequence[Path],
     seconds: float = 0.0,
     progress: Callable[[float], None] | None = None,
-) -> BacktestReport:
+) -> Backtested:
     """Tell what a table would have done.
 
     Parameters
@@ -65,14 +74,28 @@ def backtest_files(
         replay = Replay(recording, compile_table(table), seconds)
         if not recording.files:
             raise NoRecording("nothing is recorded yet; is the flight recorder running?")
-        return backtest(
+        did = list(replay.recorded())
+        report = backtest(
             table,
             replay.events(),
-            replay.recorded(),
+            did,
             total=replay.total,
             progress=_seldom(progress),
             clock=time.monotonic,
         )
+        return Backtested(report, _remark(replay.has_engine, did))
+
+
+def _remark(has_engine: bool, did: Sequence[TapeEvent]) -> str:
+    if not has_engine:
+        return "the recording has no rule engine in it: there are no firings to compare with"
+    lost = [event for event in did if isinstance(event, Lost)]
+    if not lost:
+        return ""
+    return (
+        f"the recorder lost {sum(event.number for event in lost)} inputs in {len(lost)} places "
+        f"({lost[0].reason}): from there on the comparison is not exact"
+    )
 
 
 def _seldom(progress: Callable[[float], None] | None) -> Callable[[float], None] | None:

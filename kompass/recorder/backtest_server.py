@@ -106,10 +106,13 @@ class _Job:
                 self._worker = worker
                 if self._cancelled.is_set():
                     worker.kill()
-                result.answer = worker.answer(self._tell)
+                answer = worker.answer(self._tell)
+                result.answer, result.message = answer["report"], answer["remark"]
                 result.success = True
-        except (WorkerFailed, OSError) as error:
-            result.message = "cancelled" if self._cancelled.is_set() else str(error)
+        except Exception as error:  # noqa: BLE001 - becomes the answer; a goal must come to an end
+            expected = isinstance(error, WorkerFailed | OSError)
+            text = str(error) if expected else f"{type(error).__name__}: {error}"
+            result.message = "cancelled" if self._cancelled.is_set() else text
         self._post(lambda: self._finish(result))
 
     def _tell(self, share: float) -> None:

@@ -30,6 +30,7 @@ from kompass.rulebook.tape import Began, Lost, Swapped, TapeEvent, from_data
 log = logging.getLogger("kompass.recorder")
 
 FLUSH_PERIOD = 1.0  # s, after which what was heard survives the death of everything
+CLOSE_READINGS = 100_000  # ns between two readings that were not interrupted
 CROWDED = 0.3  # part of the lane, beyond which it is not put off
 
 
@@ -72,6 +73,8 @@ class Recorder:
         self._streams: dict[tuple[str, str, str, bool], Stream] = {}
         self._sequence = lane.resume()
         self._flushed = time.monotonic()
+        self._shift = 0
+        self._compare_clocks()
         self._pick_up(folder)
 
     @property
@@ -84,6 +87,7 @@ class Recorder:
 
     def tick(self) -> None:
         """Take what the engine took; bring it to disk when it is time."""
+        self._compare_clocks()
         for frame in self._lane.read():
             self._take_frame(frame)
         now = time.monotonic()
@@ -108,18 +112,24 @@ class Recorder:
         self.flush()
         self._ring.close()
 
+    def _compare_clocks(self) -> None:
+        """The clock of the day may be set meanwhile; that of the recording must not leap."""
+        before = time.monotonic_ns()
+        wall = time.time_ns()
+        after = time.monotonic_ns()
+        if after - before < CLOSE_READINGS:
+            self._shift = self._lane.offset_ns - (wall - (before + after) // 2)
+
     # -- what comes in ------------------------------------------------------------------------
 
     def take(self, taken: Taken) -> None:
         """A message that the recorder heard itself."""
-        # The clock of the day may be set meanwhile; that of the recording must not leap.
-        shift = self._lane.offset_ns - (time.time_ns() - time.monotonic_ns())
         stream = self._stream(
             taken.name, taken.topic.type, "tap", taken.topic.name, latched=taken.latched
         )
         self._ring.write(
             stream,
-            taken.received_ns + shift,
+            taken.received_ns + self._shift,
             taken.raw,
             publish_time=taken.sent_ns,
             repeat=taken.latched,

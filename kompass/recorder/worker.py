@@ -124,12 +124,12 @@ def main() -> None:
 
 def _backtest(
     say: Callable[..., None], table: str, recordings: str, recording: str, seconds: float
-) -> str:
+) -> dict[str, str]:
     paths = recorded_files(Path(recordings), recording)
-    report = backtest_files(
+    done = backtest_files(
         Table.model_validate_json(table), paths, seconds, lambda share: say(progress=share)
     )
-    return report.model_dump_json()
+    return {"report": done.report.model_dump_json(), "remark": done.remark}
 
 
 def _save(_: Callable[..., None], recordings: str, path: str, seconds: float) -> str:
@@ -137,7 +137,7 @@ def _save(_: Callable[..., None], recordings: str, path: str, seconds: float) ->
     return str(save(Path(recordings), Path(path), start))
 
 
-_JOBS: dict[str, Callable[..., str]] = {"backtest": _backtest, "save": _save}
+_JOBS: dict[str, Callable[..., Any]] = {"backtest": _backtest, "save": _save}
 
 if __name__ == "__main__":
     main()

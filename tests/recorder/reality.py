@@ -23,6 +23,7 @@ from sensor_msgs.msg import LaserScan
 
 from kompass.rulebook.backtest_report import BacktestFiring, BacktestReport
 from kompass.rulebook.report import ApplyReport
+from kompass.rulebook.status import LeafReading
 from kompass.rulebook.table_view import TableView
 from kompass.rules.table import Table
 from tests.support.processes import wait_until
@@ -221,6 +222,7 @@ class Firing(NamedTuple):
     rule_id: str
     run_id: int
     time: float  # s since the epoch
+    leaves: tuple[LeafReading, ...]
 
 
 class Record(NamedTuple):
@@ -244,7 +246,9 @@ def recorded(path: Path) -> Record:
                 shift = offset - (message.log_time - event["now_ns"]) * 1e-9
                 in_force, found = data["wall"], []
             elif event["kind"] == "fired":
-                found.append(Firing(data["rule_id"], data["run_id"], data["now"] + offset))
+                leaves = tuple(LeafReading.model_validate(leaf) for leaf in data["leaves"])
+                time_ = data["now"] + offset
+                found.append(Firing(data["rule_id"], data["run_id"], time_, leaves))
     return Record(in_force, found, shift)
 
 

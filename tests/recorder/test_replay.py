@@ -146,6 +146,7 @@ def test_what_the_engine_took_comes_back_to_the_nanosecond(life: Life) -> None:
 
 def test_the_recorders_own_ears_serve_only_where_the_engine_did_not_listen(life: Life) -> None:
     life.tap(1.0)  # before the engine began
+    life.now_ns += NS // 100
     life.begin(table(5.0, topic="other"))
     life.tap(2.0)
     life.hear(20.0, "other")
@@ -204,6 +205,8 @@ def test_what_did_not_fit_is_told(life: Life) -> None:
 
     (lost,) = [event for event in events if type(event).__name__ == "Lost"]
     assert lost.number == 3  # type: ignore[union-attr]
+    _, remark = backtest_files(table(5.0), ring_files(life.recordings / "ring"))
+    assert "lost 3 inputs" in remark
 
 
 def test_a_kept_stretch_begins_with_the_table_in_force_and_what_was_valid(life: Life) -> None:
@@ -250,12 +253,13 @@ def test_a_backtest_over_two_lives_of_the_stack_finds_the_firings_of_both(tmp_pa
         life.recorder.close()
     files = recorded_files(tmp_path, "")
 
-    same = backtest_files(rules, files)
-    other = backtest_files(table(8.0), files)
+    same, remark = backtest_files(rules, files)
+    other, _ = backtest_files(table(8.0), files)
 
     assert (same.same, same.new, same.gone) == (4, 0, 0)
     assert (other.same, other.new, other.gone) == (0, 2, 4)
     assert same.messages == 8
+    assert remark == ""
 
 
 def test_only_the_end_is_replayed_when_only_the_end_is_asked_for(life: Life) -> None:
@@ -291,8 +295,9 @@ def test_a_recording_of_another_tool_is_replayed(tmp_path: Path, chunked: bool) 
             writer.add_message(channel, at, level(value), at)
         writer.finish()  # type: ignore[no-untyped-call]
 
-    report = backtest_files(table(5.0), [path])
+    report, remark = backtest_files(table(5.0), [path])
 
+    assert "no firings to compare with" in remark
     assert [(f.rule_id, f.time, f.verdict) for f in report.firings] == [
         ("above-5", 1_700_000_001.0, "new"),
         ("above-5", 1_700_000_003.0, "new"),
@@ -300,7 +305,7 @@ def test_a_recording_of_another_tool_is_replayed(tmp_path: Path, chunked: bool) 
     assert report.messages == 4
     data = path.read_bytes()
     path.write_bytes(data[:150] if chunked else data[: data.rindex(level(9.0))])
-    assert backtest_files(table(5.0), [path]).messages == (0 if chunked else 3)
+    assert backtest_files(table(5.0), [path]).report.messages == (0 if chunked else 3)
 
 
 def test_a_topic_of_another_type_is_missing_and_not_misread(tmp_path: Path) -> None:
@@ -312,7 +317,7 @@ def test_a_topic_of_another_type_is_missing_and_not_misread(tmp_path: Path) -> N
     writer.add_message(channel, NS, bytes(serialize_message(PointStamped())), NS)
     writer.finish()
 
-    report = backtest_files(table(5.0), [path])
+    report, _ = backtest_files(table(5.0), [path])
 
     assert report.missing_topics == ("level",)
     assert report.messages == 0
