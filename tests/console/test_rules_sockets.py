@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import pytest
@@ -50,7 +50,7 @@ def _scans(state: Json) -> bool:
     return any(s["key"] == "scan" and not s["stale"] for s in state["streams"])
 
 
-@contextmanager
+@contextlib.contextmanager
 def page(console: Served, path: str, role: Role = Role.OPERATOR) -> Iterator[ClientConnection]:
     with console.client(role) as client, opened(console, path, client) as socket:
         yield socket
@@ -150,15 +150,14 @@ def test_alarms_are_told(robot: Served) -> None:
 def test_no_page_hears_more_than_five_times_a_second(robot: Served) -> None:
     with page(robot, LIVE) as socket, robot.client(Role.OPERATOR) as client:
         until(socket, lambda m: m["available"])
-        heard, end = 0, time.monotonic() + 1.0
-        while time.monotonic() < end:
+        heard, begun = 0, time.monotonic()
+        while time.monotonic() < begun + 1.0:
             client.post("/api/rules/near/reset")
-            try:
+            with contextlib.suppress(TimeoutError):
                 socket.recv(timeout=0.01)
                 heard += 1
-            except TimeoutError:
-                pass
-    assert 1 <= heard <= 7
+        elapsed = time.monotonic() - begun
+    assert 1 <= heard <= 5.0 * elapsed + 2
 
 
 def test_health_has_processes_sources_and_ages_of_inputs(robot: Served) -> None:
