@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import NamedTuple
 
+MONITOR = "monitor"  # author and role of what nobody asked for
+
 
 class Life(NamedTuple):
     """One life of the monitor.

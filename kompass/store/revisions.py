@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import logging
 import sqlite3
 from typing import Literal, NamedTuple
 
 from kompass.rulebook.diff import TableDiff
+from kompass.rulebook.diffing import diff_tables
 from kompass.rulebook.revision import Origin, Revision
-from kompass.rules.table import Table
+from kompass.rules.table import Table, table_hash
 from kompass.store.boot import Kept, OlderEdits, StoreFacts
 from kompass.store.content import read_table, write_table
 from kompass.store.errors import NoSuchRevision, StoreCorrupt
 from kompass.store.life import Life
 
+_logger = logging.getLogger("kompass.store")
 Outcome = Literal["confirmed", "taken back", "superseded"]
 MADE_BY_PEOPLE = ("edit", "rollback", "merge")
 KEPT = 10  # confirmed revisions that a start looks at
@@ -36,10 +39,8 @@ class Entry(NamedTuple):
     time: float
     reason: str
     origin: Origin
-    table_hash: str
     recipe: str
     restores: int | None
-    diff: TableDiff
 
 
 class Pointers(NamedTuple):
@@ -57,6 +58,8 @@ class Revisions:
 
     def append(self, table: Table, entry: Entry) -> int:
         """Add a revision and make it the active one of its recipe; its number."""
+        before = self._readable(entry.parent)
+        diff = diff_tables(before, table, before_revision=entry.parent)
         content = write_table(self._sql, table)
         cursor = self._sql.execute(
             "INSERT INTO revisions (parent, author, role, time, reason, origin, content, "
@@ -64,10 +67,10 @@ class Revisions:
             (
                 *entry[:6],
                 content,
-                entry.table_hash,
+                table_hash(table),
                 entry.recipe,
                 entry.restores,
-                entry.diff.model_dump_json(),
+                diff.model_dump_json(),
             ),
         )
         number = cursor.lastrowid
@@ -78,6 +81,16 @@ class Revisions:
             (entry.recipe, number),
         )
         return number
+
+    def _readable(self, number: int | None) -> Table:
+        """The table of a parent; an empty one when it is damaged, which must not stop anybody."""
+        if number is None:
+            return Table()
+        try:
+            return self.table(number)
+        except StoreCorrupt as error:
+            _logger.error("%s", error)
+            return Table()
 
     def settle(self, number: int, outcome: Outcome, time: float, author: str, role: str) -> None:
         """Add what became of a revision."""

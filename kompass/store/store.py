@@ -12,35 +12,34 @@ import os
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from kompass.rulebook.diffing import diff_tables
-from kompass.rulebook.journal import ActionRecord, FiringRecord, Journal
 from kompass.rulebook.revision import History, Origin, Revision
 from kompass.rules.table import Table, table_hash
 from kompass.store.backup import Backup, read_backup, write_backup
+from kompass.store.begin_again import begin_again
 from kompass.store.boot import Boot, StoreFacts, choose
 from kompass.store.content import table_content
 from kompass.store.database import Format, open_database, transaction, unwritable
-from kompass.store.errors import StaleRevision, StoreClosed, StoreCorrupt, StoreError
-from kompass.store.journal import DEFAULT_BOUNDS, Bounds, JournalFile, Refusal
-from kompass.store.life import this_machine
+from kompass.store.errors import StaleRevision, StoreClosed, StoreCorrupt
+from kompass.store.journal import DEFAULT_BOUNDS, Bounds, JournalFile
+from kompass.store.journal_access import JournalAccess
+from kompass.store.life import MONITOR, this_machine
 from kompass.store.lock import take_lock
 from kompass.store.revisions import Entry, Outcome, Revisions
 from kompass.store.schema import RULES, RULES_ID
 
 FILE = "rules.db"
 FORMAT = Format(RULES_ID, RULES, "FULL")
-MONITOR = "monitor"  # author of what nobody asked for
 
 _logger = logging.getLogger("kompass.store")
 
 
-class RuleStore:
+class RuleStore(JournalAccess):
     """Revisions and journal of one robot. All methods may be called from any thread.
 
     Attributes
@@ -70,7 +69,8 @@ class RuleStore:
             os.close(self._lock)
             raise
         self._revisions, self._closed = Revisions(self._sql), False
-        notices = (self._restore() if notice else "", notice, self._journal.notice)
+        lost = self._begin_after_damage() if notice else ""
+        notices = (lost, notice, self._journal.notice)
         self.notices = tuple(text for text in notices if text)
 
     @classmethod
@@ -174,16 +174,18 @@ class RuleStore:
     def _append_boot(self, boot: Boot, recipe: str, now: float) -> int:
         pointers = self._revisions.pointers(recipe)
         known = bool(pointers.confirmed)
-        number = self._insert(
+        number = self._revisions.append(
             boot.table,
-            author=MONITOR,
-            role=MONITOR,
-            reason=boot.reason,
-            origin=boot.origin,
-            recipe=recipe,
-            parent=pointers.active or None,
-            restores=boot.restores,
-            now=now,
+            Entry(
+                pointers.active or None,
+                MONITOR,
+                MONITOR,
+                now,
+                boot.reason,
+                boot.origin,
+                recipe,
+                boot.restores,
+            ),
         )
         # Safe mode lasts for one run: the next start must find what was confirmed before.
         outcome: Outcome = "superseded" if boot.safe_mode and known else "confirmed"
@@ -249,16 +251,18 @@ class RuleStore:
                 self._revisions.settle(
                     number, "taken back" if failed else "superseded", now, author, role
                 )
-            number = self._insert(
+            number = self._revisions.append(
                 table,
-                author=author,
-                role=role,
-                reason=reason,
-                origin=origin,
-                recipe=table_hash(self._recipe),
-                parent=self._active or None,
-                restores=restores,
-                now=now,
+                Entry(
+                    self._active or None,
+                    author,
+                    role,
+                    now,
+                    reason,
+                    origin,
+                    table_hash(self._recipe),
+                    restores,
+                ),
             )
             if confirmed:
                 self._revisions.settle(number, "confirmed", now, author, role)
@@ -348,74 +352,13 @@ class RuleStore:
             more=len(found) > count,
         )
 
-    # -- journal --------------------------------------------------------------------------------
-
-    def record_firing(self, entry: FiringRecord) -> FiringRecord:
-        """Add an entry to the journal, at once and without waiting; the same with its number."""
-        return self._journal.record(entry)
-
-    def finish_firing(
-        self,
-        number: int,
-        *,
-        ended: float,
-        ok: bool,
-        error: str = "",
-        actions: Sequence[ActionRecord] = (),
-    ) -> None:
-        """Say how a run ended; ``ended`` in seconds since the epoch."""
-        changes = {"ended": ended, "ok": ok, "error": error, "actions": tuple(actions)}
-        self._journal.change(number, changes)
-
-    def keep_recording(self, number: int, path: str) -> None:
-        """Note the recording that was kept around a firing."""
-        self._journal.change(number, {"recording": path})
-
-    def journal(self, before: int = 0, count: int = 100, rule_id: str = "") -> Journal:
-        """Entries below a number, newest first; from the newest if it is 0.
-
-        Waits for entries that are being written: call it where waiting for a disk does no harm.
-        """
-        return self._journal.before(before, count, rule_id)
-
-    def firing(self, epoch: str, run_id: int, rule_id: str = "") -> FiringRecord | None:
-        """The entry of a run; None if the journal does not keep it any more. Waits as above."""
-        return self._journal.run(epoch or self._epoch, run_id, rule_id)
-
-    def near_misses(self, rule_id: str, count: int = 10) -> tuple[FiringRecord, ...]:
-        """When a rule came close and did not fire, newest first. Waits as above."""
-        return self._journal.kinds(rule_id, "near miss", count)
-
-    @property
-    def lost_entries(self) -> int:
-        """Number of entries that the disk did not take since the start."""
-        return self._journal.lost
-
-    def refuse(self, *, author: str, role: str, what: str, text: str) -> None:
-        """Note what a guard rail forbade."""
-        self._journal.refuse(Refusal(self._clock(), author, role, what, text))
-
-    def refusals(self, count: int = 100) -> list[Refusal]:
-        """What guard rails forbade, newest first. Waits as above."""
-        return self._journal.refusals(count)
-
-    def use_once(self, rule_id: str, rule_hash: str) -> None:
-        """Remember that a ``once`` rule has fired in this run of the stack."""
-        self._journal.use(self._stack, rule_id, rule_hash, self._clock())
-
-    def reset_once(self, rule_id: str) -> None:
-        """Let a ``once`` rule fire again in this run of the stack."""
-        self._journal.forget_use(self._stack, rule_id)
-
-    def used_once(self) -> set[tuple[str, str]]:
-        """Ids and hashes of the ``once`` rules that have fired in this run of the stack."""
-        return self._journal.used(self._stack)
-
-    def flush(self, timeout: float = 5.0) -> bool:
-        """Wait until the journal is written; whether it was within ``timeout`` seconds."""
-        return self._journal.flush(timeout)
-
     # -- helpers --------------------------------------------------------------------------------
+
+    def _begin_after_damage(self) -> str:
+        with self._writing():
+            return begin_again(
+                self._revisions, read_backup(self._folder), self._journal.newest_revision()
+            )
 
     def _back_up(self) -> None:
         """Keep the confirmed table beside the database too."""
@@ -432,71 +375,6 @@ class RuleStore:
                 content=table_content(table),
             )
             write_backup(self._folder, backup)
-
-    def _restore(self) -> str:
-        """Begin a new history after a damaged one with what was last confirmed; what to say."""
-        backup = read_backup(self._folder)
-        known = backup.revision if backup else 0
-        with self._writing():
-            # Entries of the journal tell of revisions by number: none may mean another table.
-            self._revisions.begin_after(max(known, self._journal.newest_revision()))
-            if backup is None:
-                return "the history of the rules is lost, and the recipe's table is in force"
-            recipe = table_hash(backup.recipe)
-            steps: list[tuple[Table, str, str, Origin]] = [
-                (backup.recipe, MONITOR, MONITOR, "recipe"),
-                (backup.table, backup.author, backup.role, "edit"),
-            ]
-            parent = None
-            for table, author, role, origin in steps[: 1 + (backup.table != backup.recipe)]:
-                parent = self._insert(
-                    table,
-                    author=author,
-                    role=role,
-                    reason=f"restored after damage, from revision {backup.revision}",
-                    origin=origin,
-                    recipe=recipe,
-                    parent=parent,
-                    restores=None,
-                    now=backup.time,
-                )
-                self._revisions.settle(parent, "confirmed", backup.time, author, role)
-        return (
-            f"the history of the rules is lost but for the last confirmed revision "
-            f"{backup.revision}, which is now revision {parent}"
-        )
-
-    def _insert(
-        self,
-        table: Table,
-        *,
-        author: str,
-        role: str,
-        reason: str,
-        origin: Origin,
-        recipe: str,
-        parent: int | None,
-        restores: int | None,
-        now: float,
-    ) -> int:
-        before = self._readable(parent)
-        diff = diff_tables(before, table, before_revision=parent)
-        return self._revisions.append(
-            table,
-            Entry(
-                parent, author, role, now, reason, origin, table_hash(table), recipe, restores, diff
-            ),
-        )
-
-    def _readable(self, number: int | None) -> Table:
-        """The table of a parent; an empty one when it is damaged, which must not stop anybody."""
-        if number is None:
-            return Table()
-        try:
-            return self._revisions.table(number)
-        except StoreError as error:
-            _logger.error("%s", error)
-            return Table()
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
