@@ -99,7 +99,9 @@ def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule
                 event=Event(
                     condition=condition_of(status == ComponentStatus.STATUS_HEALTHY),
                     trigger="edge",
-                    hold=RECOVERED,
+                    # One that was restarted is well until it has waited for its inputs in vain.
+                    hold=component.config.topic_subscription_timeout + RECOVERED,
+                    first_true_is_edge=False,
                 ),
                 actions=(Python(name=name),),
                 source="recipe",

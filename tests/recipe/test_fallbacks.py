@@ -54,3 +54,26 @@ def test_on_fail_fires_for_any_failure_that_lasts_and_not_for_health() -> None:
             fired += [firing.rule_id for firing in out]
         state, out = step(table, state, Tick(), 2.0)
         assert sorted(set(fired)) == expected
+
+
+def test_waiting_for_inputs_after_a_restart_is_no_recovery() -> None:
+    driver = DriveManager()
+    driver.on_fail(action=Action(driver.restart), max_retries=1)
+    table = compile_table(recipe_rules({}, [driver]).table)
+    message = driver.status_topic.ros_msg_type
+    state = initial_state(table, 0.0)
+    healthy_for = driver.config.topic_subscription_timeout + 1.0
+    fired = []
+    for tenth in range(round(10 * healthy_for)):
+        level = 3 if tenth < 15 else 0
+        state, out = step(
+            table, state, Sample("drive_manager/status", message(status=level)), tenth / 10
+        )
+        fired += [firing.rule_id for firing in out]
+    assert fired == ["drive-manager-on-fail"]
+    for tenth in range(round(10 * healthy_for), round(10 * healthy_for) + 60):
+        state, out = step(
+            table, state, Sample("drive_manager/status", message(status=0)), tenth / 10
+        )
+        fired += [firing.rule_id for firing in out]
+    assert fired == ["drive-manager-on-fail", "drive-manager-recovered"]
