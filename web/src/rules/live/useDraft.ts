@@ -38,8 +38,11 @@ export function useDraft(view: TableView | null): DraftHandle {
   const [past, setPast] = useState<(Draft | null)[]>([]);
   const [kept, setKept] = useState(true);
   const loaded = useRef<string | null>(null);
+  // Two changes may come before the page is drawn again; neither may undo the other.
+  const latest = useRef<Draft | null>(null);
 
   const put = useCallback((robot: string, next: Draft | null) => {
+    latest.current = next;
     setDraft(next);
     try {
       keepDraft(window.localStorage, robot, next);
@@ -53,7 +56,7 @@ export function useDraft(view: TableView | null): DraftHandle {
     if (view === null) return;
     const first = loaded.current !== view.robot;
     loaded.current = view.robot;
-    let mine = draft;
+    let mine = latest.current;
     if (first) {
       try {
         mine = keptDraft(window.localStorage, view.robot);
@@ -62,18 +65,18 @@ export function useDraft(view: TableView | null): DraftHandle {
       }
     }
     const settled = mine === null ? null : settle(mine, view.table, view.revision);
-    if (settled !== draft) put(view.robot, settled);
-  }, [view, draft, put]);
+    if (settled !== latest.current) put(view.robot, settled);
+  }, [view, put]);
 
   const change = useCallback(
     (make: (draft: Draft) => Draft) => {
       if (view === null) return;
-      const from = draft ?? beginDraft(view.robot, view.revision, view.table);
-      const next = make(from);
-      setPast((all) => [...all.slice(-MOST_UNDOS), draft]);
+      const before = latest.current;
+      const next = make(before ?? beginDraft(view.robot, view.revision, view.table));
+      setPast((all) => [...all.slice(-MOST_UNDOS), before]);
       put(view.robot, isEmpty(next) && next.base === view.revision ? null : next);
     },
-    [view, draft, put],
+    [view, put],
   );
 
   const changes = useMemo(() => (draft === null ? EMPTY : changesOf(draft)), [draft]);
@@ -92,7 +95,10 @@ export function useDraft(view: TableView | null): DraftHandle {
       overtaken: draft !== null && view !== null && draft.base !== view.revision,
       kept,
       edit: (make) => change((from) => ({ ...from, table: make(from.table) })),
-      say: (reason) => draft !== null && put(draft.robot, { ...draft, reason }),
+      say: (reason) => {
+        const from = latest.current;
+        if (from !== null) put(from.robot, { ...from, reason });
+      },
       discard: (id) => change((from) => discardRule(from, id)),
       discardAll: () => {
         setPast((all) => [...all.slice(-MOST_UNDOS), draft]);

@@ -93,6 +93,7 @@ test("a draft outlives the page, for its own robot only", () => {
 test("a draft that is in force is over, one whose base came back goes on", () => {
   const draft = { ...beginDraft("robot", 3, base), table: putRule(base, cooled(a, 7)) };
   expect(settle(draft, draft.table, 4)).toBeNull();
+  expect(settle(draft, base, 3)).toBe(draft);
   expect(settle(draft, base, 5)).toMatchObject({ base: 5, table: draft.table });
   const other: Table = { rules: [a, b] };
   expect(settle(draft, other, 4)).toBe(draft);

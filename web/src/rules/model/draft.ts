@@ -179,6 +179,7 @@ function isTable(value: unknown): value is Table {
 
 /** The draft against the table now in force, once what it wanted is so; null then. */
 export function settle(draft: Draft, inForce: Table, revision: number): Draft | null {
+  if (draft.base === revision) return draft;
   if (sameTable(draft.table, inForce)) return null;
   return sameTable(draft.baseTable, inForce)
     ? { ...draft, base: revision, baseTable: inForce }
