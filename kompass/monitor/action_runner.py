@@ -65,6 +65,8 @@ class ActionRunner:
         self._alarms = alarms
         self._functions = functions
         self._waiting = Waiting(timers, executor)
+        # Whether a component hangs, and its process was therefore asked for anew.
+        self.restart_stuck: Callable[[str], bool] = lambda component: False
         self._clients: dict[tuple[type, str], Any] = {}
         self._actions: dict[tuple[type, str], ActionClient] = {}
         # A slow function of one lane never holds up the other.
@@ -162,6 +164,8 @@ class ActionRunner:
                 kwargs = {**arguments(action.kwargs), **made}
                 return await self._method(action.component, action.method, kwargs, action.timeout)
             case kinds.Lifecycle():
+                if action.action == "restart" and self.restart_stuck(action.component):
+                    return "it hung; its process is started anew"
                 return await self._method(action.component, action.action, {}, action.timeout)
             case kinds.UpdateParameters():
                 return await self._parameters(action, arguments(action.parameters))

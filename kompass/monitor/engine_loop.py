@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from kompass.monitor.tape import NoTape, Tape
 from kompass.rulebook.records import fired_event
 from kompass.rulebook.tape import Began, Ended, Heard, Swapped, TapeEvent, to_data
-from kompass.rules.bridge import Bridge, bridge
+from kompass.rules.bridge import Bridge
 from kompass.rules.carry import Carried, exchange
 from kompass.rules.compiled import CompiledTable
 from kompass.rules.engine import initial_state, step
@@ -106,46 +106,41 @@ class EngineLoop:
         """Take note that time has passed."""
         self._step(Tick(), self._clock())
 
-    def swap(
-        self,
-        table: CompiledTable,
-        revision: int,
-        reset: Collection[str] = (),
-        way: Bridge | None = None,
-    ) -> Swap:
+    def swap(self, way: Bridge, revision: int, reset: Collection[str] = ()) -> Swap:
         """Go on with another table: one step was the old table's, the next is the new one's.
 
-        What was due by now is handled by the old table first. The pause is shorter if ``way``, from
-        the table in force, was made beforehand.
+        What was due by now is handled by the old table first.
 
-        Raises
-        ------
-        KeyError
-            When a rule to be reset is not in the new table; nothing has changed then.
+        Parameters
+        ----------
+        way
+            From the table in force to the other one; made beforehand, because that takes long.
+        reset
+            Ids of the rules that the bridge starts afresh though they are unchanged.
         """
+        assert way.old is self.table
         begun = self._clock()
         now = begun * 1e-9
-        way = way or bridge(self.table, table, reset)
         self.state, carried, outputs = exchange(way, self.state, now)
-        self.table, self.revision = table, revision
         pause = (self._clock() - begun) * 1e-9
-        self._record(Swapped(now, revision, table.table, tuple(reset)), begun)
-        self._put_out(outputs, begun)
+        self._tape_firings(outputs, begun)
+        self.table, self.revision = way.new, revision
+        self._record(Swapped(now, revision, way.new.table, tuple(reset)), begun)
+        self._handle(outputs)
         self._schedule()
         return Swap(carried, pause)
 
     def _step(self, event: Input, now: int) -> None:
         self.state, outputs = step(self.table, self.state, event, now * 1e-9)
         if outputs:
-            self._put_out(outputs, now)
+            self._tape_firings(outputs, now)
+            self._handle(outputs)
         self._schedule()
 
-    def _put_out(self, outputs: list[Output], now: int) -> None:
+    def _tape_firings(self, outputs: list[Output], now: int) -> None:
         for output in outputs:
             if isinstance(output, Firing):
                 self._record(fired_event(output, self.revision), now)
-        if outputs:
-            self._handle(outputs)
 
     def _record(self, event: TapeEvent, now: int) -> None:
         kind, data = to_data(event)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from functools import partial
 
 from builtin_interfaces.msg import Time
@@ -36,6 +36,7 @@ from kompass.monitor.timers import Timers
 from kompass.monitor.wake_up import WakeUp
 from kompass.recipe.table import RecipeRules
 from kompass.rulebook.views import Extras
+from kompass.rules.bridge import bridge
 from kompass.rules.compiled import CompiledTable, compile_table
 from kompass.store import RuleStore
 
@@ -169,6 +170,18 @@ class Monitor:
             elif process.state == "active":
                 self._spokesman.end(component)
 
+    def ask_supervisor(self, ask: Callable[[str], None]) -> None:
+        """Have a rule's restart of a component that hangs carried out by the supervisor."""
+
+        def restart_stuck(component: str) -> bool:
+            processes = self._processes.values()
+            stuck = any(one.state == "stuck" and component in one.nodes for one in processes)
+            if stuck:
+                ask(f"restart {component}")
+            return stuck
+
+        self._runner.restart_stuck = restart_stuck
+
     # -- the engine, as the desk uses it (kompass.monitor.desk.Engine) --------------------------
 
     def prepare(self, table: CompiledTable) -> None:
@@ -180,9 +193,11 @@ class Monitor:
         self, table: CompiledTable, revision: int, reset: Collection[str], cancel: str
     ) -> Swap:
         """Put a table in force between two messages."""
+        # Whoever calls this is the only one who changes the table in force.
+        way = bridge(self._loop.table, table, reset)
 
         def between_messages() -> Swap:
-            swap = self._loop.swap(table, revision, reset)
+            swap = self._loop.swap(way, revision, reset)
             self._listen(table)
             if cancel:
                 self._runs.cancel(swap.carried.running, cancel)

@@ -60,6 +60,7 @@ def run_monitor(
     executor = QuietExecutor()
     executor.add_node(node)
     monitor = Monitor(node, executor, recipe, catalog, start, store, settings, recording)
+    monitor.ask_supervisor(report)
 
     def read() -> None:
         with os.fdopen(inbox) as lines:

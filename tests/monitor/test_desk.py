@@ -1,0 +1,393 @@
+"""The desk keeps its promises, on a virtual clock: nothing half applied, nothing lost."""
+
+import json
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from kompass.monitor.desk import Answer, Desk, InForce, Who
+from kompass.monitor.engine_loop import Swap
+from kompass.monitor.message_types import MessageTypes
+from kompass.rulebook.report import ApplyReport, CheckReport, Conflict
+from kompass.rules.bridge import bridge
+from kompass.rules.carry import exchange
+from kompass.rules.compiled import CompiledTable, compile_table
+from kompass.rules.engine import initial_state
+from kompass.rules.table import Table, table_hash
+from kompass.store import RuleStore, StoreUnwritable
+from tests.support.rules import compare, rule
+
+BASE = [
+    rule("first", compare("a", ">", 1)),
+    rule("guarded", compare("b", ">", 1), protected=True),
+]
+OPERATOR = Who("ann", "operator")
+VIEWER = Who("eve", "viewer")
+
+
+class FakeEngine:
+    """The real exchange of states, and nothing around it."""
+
+    def __init__(self, table: Table) -> None:
+        self.table = compile_table(table)
+        self.state = initial_state(self.table, 0.0)
+        self.revision = 1
+        self.busy: set[str] = set()
+        self.cancelled: list[str] = []
+        self.prepared = 0
+        self.problem: Exception | None = None
+
+    def swap(
+        self, table: CompiledTable, revision: int, reset: Collection[str], cancel: str
+    ) -> Swap:
+        way = bridge(self.table, table, reset)
+        self.state, carried, _ = exchange(way, self.state, 0.0)
+        self.table, self.revision = table, revision
+        self.cancelled.append(cancel)
+        return Swap(carried, 0.0)
+
+    def prepare(self, table: CompiledTable) -> None:
+        self.prepared += 1
+        if self.problem is not None:
+            raise self.problem
+
+    def running(self) -> frozenset[str]:
+        return frozenset(self.busy)
+
+
+class Office:
+    """A desk with a real store, and a clock that stands still until it is moved."""
+
+    def __init__(self, folder: Path, recipe: list[dict[str, Any]] | None = None) -> None:
+        self.now = 1000.0
+        self.recipe = Table.model_validate({"rules": BASE if recipe is None else recipe})
+        self.store = RuleStore.open(folder, clock=lambda: self.now)
+        boot = self.store.begin_life(self.recipe, epoch=f"life-{id(self)}", stack="s")
+        assert boot.revision is not None
+        self.engine = FakeEngine(boot.table)
+        self.said: list[str] = []
+        self.changes = 0
+        self.desk = Desk(
+            self.store,
+            self.engine,
+            MessageTypes(),
+            InForce(boot.table, boot.revision, boot.revision, notice=boot.notice),
+            recipe=self.recipe,
+            robot="test",
+            lints=lambda _: [],
+            changed=self._count,
+            announce=self.said.append,
+            clock=lambda: self.now,
+        )
+
+    def _count(self) -> None:
+        self.changes += 1
+
+    def apply(self, rules: list[dict[str, Any]], who: Who = OPERATOR, **more: Any) -> Answer:
+        expected = more.pop("expected", self.desk.in_force.revision)
+        text = json.dumps({"rules": rules})
+        return self.desk.apply(text, who, expected=expected, **more)
+
+    @property
+    def agree(self) -> bool:
+        """Whether desk, engine and store are of one mind."""
+        now = self.desk.in_force
+        stored = self.store.table(self.store.active)
+        return (
+            now.table == self.engine.table.table == stored
+            and now.revision == self.engine.revision == self.store.active
+            and now.confirmed == self.store.confirmed
+        )
+
+
+@pytest.fixture
+def office(tmp_path: Path) -> Iterator[Office]:
+    made = Office(tmp_path)
+    yield made
+    made.store.close()
+
+
+def ids(table: Table) -> list[str]:
+    return [each.id for each in table.rules]
+
+
+NEW = rule("new", compare("c", ">", 1))
+
+
+def test_an_applied_table_is_stored_before_it_is_in_force(office: Office) -> None:
+    answer = office.apply([*BASE, NEW], reason="to see", probation=0.0)
+    assert answer.ok
+    report = answer.body
+    assert isinstance(report, ApplyReport)
+    assert (report.revision, report.previous, report.probation) == (2, 1, 0.0)
+    assert (report.effect.carried, report.effect.added) == (("first", "guarded"), ("new",))
+    assert office.agree
+    made = office.store.revision(2)
+    assert (made.author, made.role, made.reason, made.outcome) == (
+        *("ann", "operator", "to see"),
+        "confirmed",
+    )
+
+
+def test_a_table_that_cannot_be_stored_changes_nothing(
+    office: Office, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: Any, **__: Any) -> None:
+        raise StoreUnwritable("cannot write rules.db: disk full; free some space on the disk")
+
+    monkeypatch.setattr(office.store, "append", full)
+    answer = office.apply([*BASE, NEW])
+    assert (answer.outcome, answer.revision) == ("failed", 1)
+    assert "free some space" in answer.message
+    assert "revision 1 stay in force" in answer.message
+    assert office.engine.revision == 1
+    assert office.changes == 0
+
+
+def test_what_the_engine_cannot_listen_to_is_not_stored(office: Office) -> None:
+    office.engine.problem = RuntimeError("no")
+    with pytest.raises(RuntimeError):
+        office.apply([*BASE, NEW])
+    assert office.agree
+    assert office.store.active == 1
+
+
+def test_who_is_too_late_gets_both_diffs_and_changes_nothing(office: Office) -> None:
+    assert office.apply([*BASE, NEW], expected=1).ok
+    answer = office.apply([rule("first", compare("a", ">", 7)), BASE[1]], expected=1)
+    assert (answer.outcome, answer.revision) == ("conflict", 2)
+    body = answer.body
+    assert isinstance(body, Conflict)
+    assert [each.rule_id for each in body.theirs.changes] == ["new"]
+    assert [each.rule_id for each in body.yours.changes] == ["first"]
+    assert (body.author, body.both) == ("ann", ())
+    assert office.agree
+
+
+def test_a_revision_that_never_was_is_no_conflict(office: Office) -> None:
+    answer = office.apply([*BASE, NEW], expected=99)
+    assert answer.outcome == "refused"
+    assert "no such revision" in answer.message
+
+
+def test_probation_ends_by_itself_and_goes_back_to_what_was_confirmed(office: Office) -> None:
+    assert office.apply([*BASE, NEW], probation=30.0).ok
+    office.now += 10.0
+    assert office.desk.probation_left == pytest.approx(20.0)
+    # A second edit on top of an unconfirmed one does not make the first one good.
+    assert office.apply([*BASE, NEW, rule("more", compare("d", ">", 1))], probation=30.0).ok
+    office.now += 29.9
+    office.desk.tick()
+    assert office.desk.in_force.revision == 3
+    office.now += 0.2
+    office.desk.tick()
+    now = office.desk.in_force
+    assert (ids(now.table), now.revision, now.confirmed) == (["first", "guarded"], 4, 4)
+    assert "revision 3 was taken back because nobody confirmed it" in now.notice
+    assert office.said == [now.notice]
+    assert office.engine.cancelled[-1]
+    assert [office.store.revision(n).outcome for n in (2, 3, 4)] == [
+        "superseded",
+        "taken back",
+        "confirmed",
+    ]
+    assert office.agree
+
+
+def test_a_full_disk_does_not_keep_a_table_in_force(
+    office: Office, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert office.apply([*BASE, NEW], probation=30.0).ok
+
+    def full(*_: Any, **__: Any) -> None:
+        raise StoreUnwritable("disk full")
+
+    monkeypatch.setattr(office.store, "take_back", full)
+    office.now += 31.0
+    office.desk.tick()
+    assert ids(office.engine.table.table) == ["first", "guarded"]
+    assert "could not be stored: disk full" in office.desk.in_force.notice
+
+
+@pytest.mark.parametrize(("asked", "given"), [(-1.0, 60.0), (0.0, 0.0), (5.0, 5.0)])
+def test_probation_is_as_asked(office: Office, asked: float, given: float) -> None:
+    body = office.apply([*BASE, NEW], probation=asked).body
+    assert isinstance(body, ApplyReport)
+    assert body.probation == given == office.desk.probation_left
+
+
+@pytest.mark.parametrize("wrong", [float("nan"), float("inf"), 1e9])
+def test_a_probation_that_is_no_time_is_refused(office: Office, wrong: float) -> None:
+    answer = office.apply([*BASE, NEW], probation=wrong)
+    assert answer.outcome == "refused"
+    assert "probation" in answer.message
+    assert office.desk.in_force.revision == 1
+
+
+def test_only_what_is_in_force_can_be_confirmed(office: Office) -> None:
+    assert office.apply([*BASE, NEW]).ok
+    assert not office.desk.confirm(1, OPERATOR).ok
+    assert not office.desk.confirm(2, VIEWER).ok
+    assert office.desk.confirm(2, OPERATOR).ok
+    assert office.desk.confirm(2, OPERATOR).ok
+    assert office.desk.probation_left == 0.0
+    office.now += 1000.0
+    office.desk.tick()
+    assert office.desk.in_force.revision == 2
+    assert office.agree
+
+
+def test_going_back_from_probation_is_for_good(office: Office) -> None:
+    assert office.apply([*BASE, NEW]).ok
+    answer = office.desk.rollback(0, OPERATOR)
+    assert answer.ok
+    assert (ids(office.desk.in_force.table), office.desk.probation_left) == (
+        ["first", "guarded"],
+        0.0,
+    )
+    made = office.store.revision(3)
+    assert (made.origin, made.restores, made.outcome) == ("rollback", 1, "confirmed")
+    assert office.agree
+
+
+def test_going_back_twice_goes_back_further(office: Office) -> None:
+    second, third = rule("n2", compare("c", ">", 2)), rule("n3", compare("c", ">", 3))
+    for added in ([NEW], [NEW, second], [NEW, second, third]):
+        assert office.apply([*BASE, *added], probation=0.0).ok
+    assert office.desk.rollback(0, OPERATOR).ok
+    assert ids(office.desk.in_force.table)[2:] == ["new", "n2"]
+    assert office.desk.rollback(2, OPERATOR).ok
+    assert ids(office.desk.in_force.table)[2:] == ["new"]
+
+
+def test_what_was_never_confirmed_is_on_probation_again(office: Office) -> None:
+    assert office.apply([*BASE, NEW]).ok
+    assert office.desk.rollback(0, OPERATOR).ok
+    assert office.desk.rollback(2, OPERATOR).ok
+    assert office.desk.probation_left == 60.0
+    assert office.desk.in_force.confirmed == 3
+
+
+def test_there_is_nothing_before_the_first_table(office: Office) -> None:
+    answer = office.desk.rollback(0, OPERATOR)
+    assert (answer.outcome, office.desk.in_force.revision) == ("refused", 1)
+    assert not office.desk.rollback(77, OPERATOR).ok
+    assert not office.desk.rollback(1, OPERATOR, expected=5).ok
+
+
+def test_protected_rules_and_viewers_are_refused_and_it_is_noted(office: Office) -> None:
+    for rules, who, word in (
+        ([BASE[0]], OPERATOR, "protected"),
+        ([*BASE, NEW], VIEWER, "look at rules and change nothing"),
+    ):
+        answer = office.apply(rules, who)
+        assert answer.outcome == "refused"
+        assert word in answer.message
+        assert isinstance(answer.body, CheckReport)
+        assert answer.body.ok is False
+    office.store.flush()
+    assert [each.author for each in office.store.refusals()] == ["eve", "ann"]
+    assert office.agree
+
+
+def test_a_check_changes_nothing_and_says_what_would_happen(office: Office) -> None:
+    office.engine.busy = {"first"}
+    report = office.desk.check(
+        json.dumps({"rules": [rule("first", compare("a", ">", 2)), BASE[1], NEW]}), "operator"
+    )
+    assert report.ok
+    assert report.effect.reset == report.effect.running == ("first",)
+    assert (report.effect.carried, report.effect.added) == (("guarded",), ("new",))
+    assert office.changes == 0
+    assert office.agree
+
+
+def test_a_disabled_rule_stays_disabled_over_a_restart(tmp_path: Path) -> None:
+    first = Office(tmp_path)
+    assert first.apply([BASE[0] | {"enabled": False}, BASE[1]], probation=0.0).ok
+    first.store.close()
+    second = Office(tmp_path)
+    assert [each.enabled for each in second.desk.in_force.table.rules] == [False, True]
+    second.store.close()
+
+
+def test_a_reset_rule_starts_afresh_and_makes_no_revision(office: Office) -> None:
+    office.engine.state.rules[0].fired = 5
+    assert not office.desk.reset("first", VIEWER).ok
+    assert not office.desk.reset("nobody", OPERATOR).ok
+    assert office.desk.reset("first", OPERATOR).ok
+    assert office.engine.state.rules[0].fired == 0
+    assert office.desk.in_force.revision == 1
+    assert office.said == ["ann has reset the rule 'first'"]
+
+
+def test_without_a_store_rules_can_be_seen_and_not_changed() -> None:
+    table = Table.model_validate({"rules": BASE})
+    notice = "the disk is read-only; make it writable"
+    desk = Desk(
+        None,
+        FakeEngine(table),
+        MessageTypes(),
+        InForce(table, 0, 0, notice=notice),
+        recipe=table,
+        robot="test",
+        lints=lambda _: [],
+        changed=lambda: None,
+        announce=lambda _: None,
+    )
+    assert desk.view().table == table
+    answer = desk.apply(json.dumps({"rules": [*BASE, NEW]}), OPERATOR, expected=0)
+    assert answer.outcome == "failed"
+    assert notice in answer.message
+    assert not desk.rollback(0, OPERATOR).ok
+    assert desk.in_force.table == table
+
+
+STEPS = st.lists(
+    st.one_of(
+        st.tuples(st.just("apply"), st.integers(0, 5), st.sampled_from([-1.0, 0.0, 5.0])),
+        st.tuples(st.just("late"), st.integers(0, 5), st.just(0.0)),
+        st.tuples(st.just("confirm"), st.integers(0, 1), st.just(0.0)),
+        st.tuples(st.just("back"), st.integers(0, 6), st.just(0.0)),
+        st.tuples(st.just("wait"), st.integers(1, 70), st.just(0.0)),
+    ),
+    max_size=12,
+)
+
+
+@settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(steps=STEPS)
+def test_desk_engine_and_store_agree_whatever_is_done(
+    steps: list[tuple[str, int, float]], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    office = Office(tmp_path_factory.mktemp("office"))
+    confirmed = [table_hash(office.desk.in_force.table)]
+    for what, number, probation in steps:
+        now = office.desk.in_force
+        changed = [*BASE, *[rule(f"n{k}", compare("c", ">", k)) for k in range(number)]]
+        if what == "apply":
+            assert office.apply(changed, probation=probation).ok
+        elif what == "late":
+            assert not office.apply(changed, expected=now.revision + 1).ok
+            assert office.desk.in_force == now
+        elif what == "confirm":
+            assert office.desk.confirm(now.revision - number, OPERATOR).ok is (number == 0)
+        elif what == "back":
+            office.desk.rollback(number, OPERATOR)
+        else:
+            office.now += number
+            office.desk.tick()
+            if now.probation_ends is not None and office.now >= now.probation_ends:
+                assert table_hash(office.desk.in_force.table) == confirmed[-1]
+        assert office.agree
+        now = office.desk.in_force
+        if now.revision == now.confirmed:
+            confirmed.append(table_hash(now.table))
+        assert (now.probation_ends is None) is (now.revision == now.confirmed)
+    office.store.close()
