@@ -22,7 +22,7 @@ _MOST_PROBES = 12  # of one page
 _LARGEST = 100_000  # characters of one request
 
 
-class _Probes:
+class PageProbes:
     """The probes of one page."""
 
     def __init__(self, taps: Taps) -> None:
@@ -83,7 +83,7 @@ async def probe(websocket: WebSocket) -> None:
     listen to whatever topic is named."""
     if await admitted(websocket, Role.OPERATOR) is None:
         return
-    probes = _Probes(console_of(websocket).link.taps)
+    probes = PageProbes(console_of(websocket).link.taps)
     try:
         async with telling(_tell(websocket, probes)):
             async for text in texts(websocket):
@@ -92,7 +92,7 @@ async def probe(websocket: WebSocket) -> None:
         probes.close()
 
 
-async def _tell(websocket: WebSocket, probes: _Probes) -> None:
+async def _tell(websocket: WebSocket, probes: PageProbes) -> None:
     while True:
         await probes.any.wait()
         for reading in probes.readings():

@@ -16,7 +16,7 @@ from kompass_console.link.reader import Reader
 MOST_TOPICS = 48  # of all pages together
 
 _DEPTH = 100  # as of the monitor: rates and changes count every message
-_LINGER = 5.0  # s for which a topic stays open that nobody looks into any more
+_LINGER = 3.0  # s for which a topic stays open that nobody looks into any more
 
 
 class CannotOpen(Exception):

@@ -9,8 +9,6 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from websockets import Origin
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
@@ -267,35 +265,6 @@ def test_no_message_on_the_socket_brings_the_console_down(robot: Served) -> None
         socket.send(probe(deep))
         socket.send(probe(compare(NEAREST, "<", 100.0), "b"))
         until(socket, lambda m: m["id"] == "b" and m["verdict"])
-
-
-anything = st.recursive(
-    st.none() | st.booleans() | st.floats() | st.text(max_size=5),
-    lambda inner: (
-        st.lists(inner, max_size=3)
-        | st.dictionaries(
-            st.sampled_from(["kind", "signal", "conditions", "topic", "type", "value"]), inner
-        )
-    ),
-    max_leaves=8,
-)
-
-
-@settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
-@given(condition=anything.filter(lambda c: c is not None))
-def test_conditions_that_are_none_are_refused_in_a_sentence(
-    asking: ClientConnection, condition: Any
-) -> None:
-    asking.send(json.dumps({"id": "x", "condition": condition}))
-    assert until(asking, lambda m: m["id"] == "x")["error"]
-
-
-@pytest.fixture
-def asking(robot: Served) -> Iterator[ClientConnection]:
-    with page(robot, PROBE) as socket:
-        yield socket
 
 
 def test_topics_are_let_go_when_nobody_looks_any_more(robot: Served) -> None:

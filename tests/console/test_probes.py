@@ -1,0 +1,131 @@
+"""Conditions that are being written are judged as the rules' engine judges, whatever is sent."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any, cast
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sensor_msgs.msg import LaserScan
+
+from kompass.rules.conditions import AnyOf, Compare, Condition, Not, Rate
+from kompass.rules.signals import Signal
+from kompass_console.api.probe import PageProbes
+from kompass_console.api.rule_models import ProbeReading
+from kompass_console.link.probes import Probe
+from kompass_console.link.taps import Heard, Listener, Taps
+
+
+class Topics:
+    """In the place of the taps: what was said last, and who listens."""
+
+    def __init__(self, said: dict[str, Heard] | None = None) -> None:
+        self.said = said or {}
+        self.listeners: list[Listener] = []
+
+    def open(self, listener: Listener, wanted: dict[str, str | None]) -> dict[str, Heard]:
+        self.listeners.append(listener)
+        return {topic: self.said[topic] for topic in wanted if topic in self.said}
+
+    def close(self, listener: Listener) -> None:
+        self.listeners.remove(listener)
+
+
+def taps(topics: Topics) -> Taps:
+    return cast(Taps, topics)
+
+
+def nearest(operator: Any, value: float, **signal: Any) -> Compare:
+    return Compare(
+        signal=Signal(
+            topic="scan",
+            type="sensor_msgs/msg/LaserScan",
+            path=("ranges",),
+            aggregate="min",
+            **signal,
+        ),
+        operator=operator,
+        value=value,
+    )
+
+
+def scan(*ranges: float) -> LaserScan:
+    return LaserScan(ranges=list(ranges))
+
+
+def reading(condition: Condition, topics: Topics) -> ProbeReading:
+    return Probe("a", condition, None, taps(topics)).reading()
+
+
+def test_what_a_topic_said_last_is_judged_at_once_with_its_age() -> None:
+    topics = Topics({"scan": Heard(scan(0.5, 0.2), time.monotonic() - 0.4)})
+    told = reading(nearest("<", 0.3), topics)
+    assert told.verdict is True
+    assert round(cast(float, told.leaves[0].value), 3) == 0.2
+    assert 0.4 <= cast(float, told.leaves[0].age) < 0.6
+
+
+def test_a_value_that_is_too_old_is_unknown() -> None:
+    topics = Topics({"scan": Heard(scan(0.2), time.monotonic() - 3.0)})
+    assert reading(nearest("<", 0.3), topics).verdict is None
+    assert reading(Not(condition=nearest("<", 0.3)), topics).verdict is None
+    assert reading(nearest("<", 0.3, timeout=None), topics).verdict is True
+
+
+def test_each_message_counts_and_the_newest_is_shown() -> None:
+    topics = Topics()
+    either = AnyOf(
+        conditions=(nearest("<", 0.3), Rate(topic="scan", above=100.0, window=0.1, type=None))
+    )
+    probe = Probe("a", either, nearest(">", 1.0), taps(topics))
+    assert probe.reading().verdict is None
+    for distance in (0.1, 2.0):
+        probe.hear("scan", scan(distance), time.monotonic())
+    told = probe.reading()
+    assert [leaf.verdict for leaf in told.leaves] == [False, None]
+    assert (told.clear_verdict, told.clear_leaves[0].value) == (True, 2.0)
+    probe.close()
+    assert topics.listeners == []
+
+
+def test_a_page_that_looks_elsewhere_leaves_its_topics() -> None:
+    topics = Topics()
+    page = PageProbes(taps(topics))
+    for value in (0.1, 0.2, 0.3):
+        page.take(json.dumps({"condition": nearest("<", value).model_dump(mode="json")}))
+    assert len(topics.listeners) == 1
+    assert [told.leaves[0].text for told in page.readings()] == ["min(scan.ranges) < 0.3"]
+    page.take(json.dumps({"condition": None}))
+    assert topics.listeners == []
+    assert page.readings() == []
+
+
+anything = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.text(max_size=5),
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(
+            st.sampled_from(["kind", "signal", "conditions", "topic", "type", "value"]), inner
+        )
+    ),
+    max_leaves=8,
+)
+
+
+@settings(max_examples=100, deadline=None)
+@given(condition=anything.filter(lambda each: each is not None))
+def test_what_is_no_condition_is_refused_in_a_sentence(condition: Any) -> None:
+    page = PageProbes(taps(Topics()))
+    page.take(json.dumps({"id": "x", "condition": condition}))
+    told = page.readings()
+    assert [(each.id, bool(each.error)) for each in told] == [("x", True)]
+
+
+@settings(max_examples=100, deadline=None)
+@given(text=st.text() | st.binary().map(lambda raw: raw.decode(errors="replace")))
+def test_no_text_brings_the_probe_down(text: str) -> None:
+    page = PageProbes(taps(Topics()))
+    page.take(text)
+    page.readings()
