@@ -49,27 +49,32 @@ def robot(stack: Stack) -> Iterator[Robot]:
         client.close()
 
 
-@pytest.fixture(scope="module")
-def journal(robot: Robot) -> Journal:
-    return Journal(robot)
+SPOKEN = {
+    "/test/armed": Bool,
+    "/test/clear": Empty,
+    "/test/record": Empty,
+    "/test/absent": Empty,
+    "/test/point": PointStamped,
+    "/test/silent": Bool,
+    "/test/first": Bool,
+    "/test/second": Int32,
+}
 
 
 class Voices:
-    """Publishers of the tester, which find their listeners before they speak."""
+    """Publishers of the tester on the topics of the rules."""
 
     def __init__(self, robot: Robot) -> None:
         self._node = robot.node
-        self._made: dict[str, Any] = {}
+        self._made = {
+            topic: self._node.create_publisher(kind, topic, LATCHED if "armed" in topic else 10)
+            for topic, kind in SPOKEN.items()
+        }
 
-    def say(self, topic: str, message: Any, *, latched: bool = False) -> None:
-        publisher = self._made.get(topic)
-        if publisher is None:
-            publisher = self._node.create_publisher(
-                type(message), topic, LATCHED if latched else 10
-            )
-            self._made[topic] = publisher
+    def say(self, topic: str, message: Any) -> None:
+        """Publish, to a listener that misses nothing."""
         wait_until(lambda: self._heard(topic), 10, f"a reliable listener on {topic}")
-        publisher.publish(message)
+        self._made[topic].publish(message)
 
     def _heard(self, topic: str) -> bool:
         # The monitor begins with a best-effort reader and changes it once it knows the publisher.
@@ -80,6 +85,11 @@ class Voices:
 @pytest.fixture(scope="module")
 def voices(robot: Robot) -> Voices:
     return Voices(robot)
+
+
+@pytest.fixture(scope="module")
+def journal(robot: Robot, voices: Voices) -> Journal:
+    return Journal(robot)
 
 
 def fault(robot: Robot, name: str, *, on: bool = True, duration: float = 0.0) -> None:
@@ -127,7 +137,7 @@ def test_a_blocked_way_restarts_the_planner_and_then_frees_the_robot(
     robot: Robot, journal: Journal, voices: Voices
 ) -> None:
     """The fast emergency flag counts only together with a latched one, which came long before."""
-    voices.say("/test/armed", Bool(data=True), latched=True)
+    voices.say("/test/armed", Bool(data=True))
     since = journal.mark
     handle = robot.send_goal(0.5, 0.5)
     wait_until(lambda: robot.speed > 0.15, 15, "motion")
@@ -143,7 +153,7 @@ def test_a_blocked_way_restarts_the_planner_and_then_frees_the_robot(
         assert robot.contacts == 0
     finally:
         fault(robot, "way_blocked", on=False)
-        voices.say("/test/armed", Bool(data=False), latched=True)
+        voices.say("/test/armed", Bool(data=False))
     # The edge of "moving and armed", with 50 messages of odometry a second.
     assert len(journal.of("odometry-filtered", "fired", since)) == 1
 
@@ -273,6 +283,44 @@ def test_an_unplugged_lidar_is_answered_by_the_fallbacks_up_to_giving_up(
         fault(robot, "lidar_unplugged", on=False)
     wait_until(lambda: level(robot, "drive_manager") == HEALTHY, 5, "health with the scan")
     wait_until(lambda: level(robot, "mapper") == HEALTHY, 5, "health with the scan")
+
+
+def test_processes_are_stopped_for_a_while_and_killed_by_name(stack: Stack, robot: Robot) -> None:
+    before = stack.pid_of("mapper")
+    fault(robot, "stop:mapper", duration=0.4)
+    wait_until(lambda: state_of(before) == "T", 2, "a stopped mapper")
+    wait_until(lambda: state_of(before) != "T", 3, "a mapper that goes on")
+    fault(robot, "kill:mapper")
+    wait_until(lambda: stack.pid_of("mapper") != before, 5, "another mapper")
+    request = SetFault.Request(fault="kill:nobody", on=True)
+    refused = robot.call(SetFault, "/simulator/set_fault", request)
+    assert not refused.success
+    assert "no process 'nobody'" in refused.message
+    assert not refused.active
+
+
+def state_of(pid: int) -> str:
+    """The kernel's letter for what a process does; T is stopped."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "remedy"),
+    [
+        (("--sim", "--fault", "boxedin"), "did you mean 'boxed_in'?"),
+        (("--fault", "boxed_in"), "add --sim"),
+    ],
+)
+def test_a_fault_that_cannot_be_had_is_refused_in_one_line(
+    arguments: tuple[str, ...], remedy: str
+) -> None:
+    refused = Stack("run", str(RECIPE), *arguments, "--no-browser", "--port", "0")
+    assert refused.wait() == 2
+    assert remedy in refused.output
+    assert "Traceback" not in refused.output
 
 
 def test_the_base_is_driven_with_the_commands_of_its_distribution(robot: Robot) -> None:
