@@ -25,7 +25,7 @@ class ProcessSpec:
 
     ``main`` is called in the child with a function that sends a line to the supervisor:
     ``"active <names>"`` once it works, ``"failed <reason>"`` when it cannot, ``"restart <node>"``
-    to have the process of a node started anew, whatever its state. Returning ends the process
+    to have the process of a node that hangs killed and started anew. Returning ends the process
     with exit code 0.
     """
 

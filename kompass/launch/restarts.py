@@ -39,7 +39,3 @@ class Restarts:
         before = 0 if lived > HEALTHY else self._deaths.get(name, 0)
         self._deaths[name] = before + 1
         return None if before >= self._retries else DELAYS[min(before, len(DELAYS) - 1)]
-
-    def forgive(self, name: str) -> None:
-        """Begin anew with its tries: a person wants it back."""
-        self._deaths[name] = 0

@@ -238,18 +238,10 @@ class Supervisor:
                 self._restart(rest)
 
     def _restart(self, member: str) -> None:
-        """Somebody wants the process of a node anew: one that hangs, or was given up."""
-        spec = next((spec for spec in self._specs if member in (spec.name, *spec.members)), None)
-        if spec is None:
-            known = ", ".join(name for spec in self._specs for name in spec.members)
-            log.warning("no process runs %s; there are %s", member, known)
-            return
-        self._restarts.forgive(spec.name)
-        child = next((one for one in self._children.values() if one.spec is spec), None)
-        if child is not None:
-            self._kill(child, "a restart was asked for")
-        elif not any(due.spec is spec for due in self._due):
-            self._start(spec)
+        """A rule wants a node that hangs anew; who was given up stays so."""
+        for child in list(self._children.values()):
+            if member in (child.spec.name, *child.spec.members):
+                self._kill(child, "a restart was asked for")
 
     def _report_active(self, child: Child) -> None:
         log.info("%s is up (%.2f s)", child.spec.name, time.monotonic() - child.started)

@@ -17,10 +17,9 @@ def test_a_healthy_life_wipes_the_slate_clean() -> None:
     assert restarts.after_death("a", 0.1) is None
 
 
-def test_processes_are_counted_apart_and_may_be_forgiven() -> None:
+def test_processes_are_counted_apart() -> None:
     restarts = Restarts(retries=1)
     restarts.after_death("a", 0.1)
     assert restarts.after_death("b", 0.1) == DELAYS[0]
     assert restarts.ever_died("a")
-    restarts.forgive("a")
-    assert restarts.after_death("a", 0.1) == DELAYS[0]
+    assert not restarts.ever_died("c")

@@ -1,4 +1,4 @@
-"""For tests: the four components, and a rule that answers each failure of the mapper.
+"""For tests: the four components, a rule that answers each failure of the mapper, and a fallback.
 
 The mapper has a scan topic of its own, so that it alone can be made blind.
 """
@@ -6,7 +6,7 @@ The mapper has a scan topic of its own, so that it alone can be made blind.
 import numpy as np
 from automatika_ros_sugar.msg import ComponentStatus
 
-from kompass.actions import update_parameter
+from kompass.actions import Action, update_parameter
 from kompass.components import Controller, DriveManager, LocalMapper, Planner
 from kompass.robot import (
     AngularCtrlLimits,
@@ -19,6 +19,7 @@ from kompass.ros import Event, Launcher, Topic
 
 planner = Planner(component_name="planner")
 planner.run_type = "ActionServer"
+planner.on_component_fail(Action(planner.restart))
 controller = Controller(component_name="controller")
 mapper = LocalMapper(component_name="mapper")
 driver = DriveManager(component_name="drive_manager")

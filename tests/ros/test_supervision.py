@@ -171,6 +171,16 @@ def test_a_hung_monitor_is_noticed_though_nobody_can_speak_for_it(
     assert {robot.state(name) for name in ("planner", "controller", "mapper")} == {"active"}
 
 
+def test_a_fallback_restarts_what_hangs_before_the_supervisor_loses_patience(
+    stack: Stack, robot: Watched
+) -> None:
+    hung = stack.pid_of("planner")
+    os.kill(hung, signal.SIGSTOP)
+    stack.wait_for_line("planner is killed: a restart was asked for", 5)
+    wait_until(lambda: stack.pid_of("planner") != hung, 10, "another planner")
+    robot.ready()
+
+
 def test_a_blind_mapper_is_answered_within_a_second(robot: Watched) -> None:
     # By the third monitor of this stack: it knows its rules.
     handle = robot.drive_somewhere()
