@@ -1,7 +1,10 @@
 """When a rule came close to firing and did not: for whoever asks later why nothing happened."""
 
 from kompass.rules.compiled import CompiledTable, RulePlan
-from kompass.rules.firing import LeafVerdict, Note, Output
+from kompass.rules.conditions import AllOf, Condition, TreePath
+from kompass.rules.describe import describe
+from kompass.rules.firing import Note, Output
+from kompass.rules.judges import tree_of
 from kompass.rules.readings import readings
 from kompass.rules.state import State
 
@@ -38,31 +41,26 @@ def report_miss(
     if last is not None and at < last + QUIET:
         return
     missed[sort] = at
-    leaves = readings(table, state, plan, at)
     note = Note(
         kind="near_miss",
         rule_id=plan.rule.id,
         at=at,
         revision_hash=plan.hash,
         severity=plan.rule.severity,
-        text=_text(state, plan, at, sort, leaves),
-        leaves=leaves,
+        text=_text(state, plan, at, sort),
+        leaves=readings(table, state, plan, at),
     )
     out.append(note)
 
 
-def _text(
-    state: State, plan: RulePlan, at: float, sort: str, leaves: tuple[LeafVerdict, ...]
-) -> str:
+def _text(state: State, plan: RulePlan, at: float, sort: str) -> str:
     rule = state.rules[plan.index]
     if sort == "hold":
         assert rule.since is not None
-        return (
-            f"was true for {at - rule.since:.3g} of {plan.hold:g} s, then no longer: "
-            f"{_wanting(leaves)}"
-        )
+        held = f"{at - rule.since:.3g} of {plan.hold:g} s"
+        return f"was true for {held}, then no longer: {_wanting(state, plan)}"
     if sort == "one":
-        return f"all but one were true; wanting: {_wanting(leaves)}"
+        return f"all but one were true; wanting: {_wanting(state, plan)}"
     if sort == "cooldown":
         return f"became true, but cooled down for {rule.cooldown_end - at:.3g} s more"
     if sort == "once":
@@ -70,10 +68,16 @@ def _text(
     return "became true, but its actions were still running"
 
 
-def _wanting(leaves: tuple[LeafVerdict, ...]) -> str:
-    texts = [
-        leaf.text if leaf.verdict is False else f"{leaf.text} (unknown)"
-        for leaf in leaves
-        if leaf.verdict is not True
-    ]
-    return ", ".join(texts) or "a negated part"
+def _wanting(state: State, plan: RulePlan) -> str:
+    """Return what is not true of all that must be."""
+    condition = plan.rule.event.condition
+    parts: list[tuple[TreePath, Condition]] = [((), condition)]
+    if isinstance(condition, AllOf):
+        parts = [((place,), part) for place, part in enumerate(condition.conditions)]
+    index = dict(plan.leaves)
+    texts = []
+    for path, part in parts:
+        verdict = tree_of(part, index, path)(state.verdicts)
+        if verdict is not True:
+            texts.append(describe(part) + ("" if verdict is False else " (unknown)"))
+    return ", ".join(texts)
