@@ -93,9 +93,11 @@ def journal(robot: Robot, voices: Voices) -> Journal:
 
 
 def fault(robot: Robot, name: str, *, on: bool = True, duration: float = 0.0) -> None:
+    """Switch a fault, as soon as the simulator has found what it is about."""
     request = SetFault.Request(fault=name, on=on, duration=duration)
-    answer = robot.call(SetFault, "/simulator/set_fault", request)
-    assert answer.success, answer.message
+    wait_until(
+        lambda: robot.call(SetFault, "/simulator/set_fault", request).success, 10, f"fault {name}"
+    )
 
 
 def level(robot: Robot, component: str) -> int:
