@@ -2,7 +2,7 @@
 
 import typer
 
-from kompass_console.rules_cli import backtest, change, look
+from kompass_console.rules_cli import backtest, change, edit, look
 
 EXIT_CODES = """
 Exit codes: 0 done, 1 there is no stack or the robot refused, 2 something in the command or the file
@@ -21,4 +21,5 @@ app = typer.Typer(
 )
 look.add_to(app)
 change.add_to(app)
+edit.add_to(app)
 backtest.add_to(app)

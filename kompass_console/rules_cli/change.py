@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from kompass.rules.model import Model
-from kompass_console.problem import Problem
+from kompass_console.rules_cli.hand_in import Request, agree, hand_in, or_say_why_not
 from kompass_console.rules_cli.options import (
     ROLE,
     Author,
+    Probation,
+    Reason,
     Robot,
+    Yes,
     author_of,
     command,
     probation_seconds,
 )
 from kompass_console.rules_cli.table_file import TableFile
 
-Reason = Annotated[str, typer.Option("--reason", "-m", help="Why, for the history.")]
-Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
 CancelRunning = Annotated[
     bool,
     typer.Option(
@@ -44,15 +43,7 @@ def apply(
     file: Annotated[Path, typer.Argument(help="A table in JSON or YAML.")],
     reason: Reason = "",
     yes: Yes = False,
-    probation: Annotated[
-        str,
-        typer.Option(
-            metavar="SECONDS|off",
-            help="It is taken back after so many seconds unless confirmed; else the robot's "
-            "default.",
-            show_default=False,
-        ),
-    ] = "default",
+    probation: Probation = "default",
     expected_revision: Annotated[
         int,
         typer.Option(min=0, help="Apply only while this revision is in force; else the current."),
@@ -65,39 +56,18 @@ def apply(
     author: Author = None,
 ) -> None:
     """Put a table in force: all of it between two messages, or nothing."""
-    from kompass_console.rules_cli import printing
-    from kompass_console.rules_cli.client import Refused
-
-    wait, who, source = probation_seconds(probation), author_of(author), TableFile(file)
+    source = TableFile(file)
+    request = Request(
+        author_of(author),
+        reason,
+        yes,
+        expected_revision,
+        probation_seconds(probation),
+        cancel_running,
+        tuple(reset or ()),
+    )
     with robot.connect() as client:
-        report = client.check(source.table, ROLE)
-        if not robot.json:
-            printing.show_diff(report.diff, title=f"against revision {report.revision}")
-            printing.show_findings(report.findings, map(source.locate, report.findings))
-        if not report.ok:
-            _print(robot, report)
-            raise Refused(f"{file} cannot be applied; nothing was changed")
-        expected = expected_revision or report.revision
-        if expected == report.revision and not report.diff.changes and not reset:
-            _print(robot, report)
-            if not robot.json:
-                typer.echo(f"nothing was applied: revision {report.revision} is the same")
-            return
-        _ask(robot, yes, f"apply this to revision {expected}?")
-        applied = _or_conflict(
-            robot,
-            lambda: client.apply(
-                source.table,
-                expected=expected,
-                author=who,
-                role=ROLE,
-                reason=reason,
-                probation=wait,
-                cancel_running=cancel_running,
-                reset=reset or [],
-            ),
-        )
-    robot.tell(applied, lambda: printing.show_applied(applied))
+        hand_in(robot, client, source.table, request, source.locate)
 
 
 def confirm(
@@ -134,8 +104,8 @@ def rollback(
         if revision and not robot.json:
             change = client.diff(active, revision)
             printing.show_diff(change, title=f"from revision {active} back to {revision}")
-        _ask(robot, yes, f"go back to {f'revision {revision}' if revision else 'the one before'}?")
-        applied = _or_conflict(
+        agree(robot, yes, f"go back to {f'revision {revision}' if revision else 'the one before'}?")
+        applied = or_say_why_not(
             robot,
             lambda: client.rollback(
                 revision,
@@ -165,43 +135,3 @@ def _show_rolled_back(applied: Any) -> None:
 
     printing.show_diff(applied.diff)
     printing.show_applied(applied)
-
-
-def _or_conflict(robot: Robot, change: Any) -> Any:
-    """Make a change; print why in full when it was not made."""
-    from kompass.rulebook.report import CheckReport, Conflict
-    from kompass_console.rules_cli import printing
-    from kompass_console.rules_cli.client import Refused
-
-    try:
-        return change()
-    except Refused as refused:
-        body = refused.body
-        if robot.json and body is not None:
-            _print(robot, body)
-        elif isinstance(body, Conflict):
-            printing.show_conflict(body)
-        elif isinstance(body, CheckReport):
-            printing.show_findings(body.findings)
-        raise
-
-
-def _print(robot: Robot, body: Model) -> None:
-    if robot.json:
-        typer.echo(body.model_dump_json(indent=2))
-
-
-def _ask(robot: Robot, yes: bool, question: str) -> None:
-    """Ask a person; a script has to say so beforehand.
-
-    Raises
-    ------
-    Problem
-        When nobody can be asked, or the answer is no.
-    """
-    if yes:
-        return
-    if robot.json or not sys.stdin.isatty():
-        raise Problem(2, "nobody can be asked here whether to go on; add --yes")
-    if not typer.confirm(question):
-        raise Problem(1, "nothing was changed")

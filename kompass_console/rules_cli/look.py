@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import time
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, NoReturn
 
 import typer
 
@@ -13,6 +14,8 @@ from kompass_console.problem import Problem
 from kompass_console.rules_cli.options import ROLE, Robot, command
 from kompass_console.rules_cli.table_file import TableFile
 
+FOLLOW_PERIOD = 0.5  # s between two looks at the journal
+PAGE = 200  # entries that a look goes back
 Format = Literal["json", "yaml", "python"]
 RevisionOption = Annotated[
     int, typer.Option(min=0, help="A revision of the history; 0 for the one in force.")
@@ -117,13 +120,35 @@ def firings(
     rule: Annotated[str, typer.Option(help="Of this rule only.")] = "",
     count: Annotated[int, typer.Option(min=1, max=1000, help="At most so many.")] = 30,
     before: Before = 0,
+    follow: Annotated[
+        bool, typer.Option("--follow", "-f", help="Go on with what fires, until Ctrl-C.")
+    ] = False,
 ) -> None:
     """List what fired, newest first, and what came of it."""
     from kompass_console.rules_cli import printing
 
     with robot.connect() as client:
+        if follow:
+            _follow(robot, client, rule, count)
         answer = client.firings(before, count, rule)
     robot.tell(answer, lambda: printing.show_firings(answer))
+
+
+def _follow(robot: Robot, client: Any, rule: str, count: int) -> NoReturn:
+    """Print entries as they come, oldest first, and once more when their actions have ended."""
+    from kompass_console.rules_cli import printing
+
+    told: dict[int, float | None] = {}
+    while True:
+        for entry in reversed(client.firings(0, max(count, PAGE) if told else count, rule).firings):
+            if entry.number in told and told[entry.number] == entry.ended:
+                continue
+            told[entry.number] = entry.ended
+            if robot.json:
+                typer.echo(entry.model_dump_json())
+            else:
+                printing.show_entry(entry)
+        time.sleep(FOLLOW_PERIOD)
 
 
 def export(

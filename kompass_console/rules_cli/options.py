@@ -25,6 +25,17 @@ Author = Annotated[
     str | None, typer.Option(help="Who does it, for the history; else the login name.")
 ]
 
+Reason = Annotated[str, typer.Option("--reason", "-m", help="Why, for the history.")]
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
+Probation = Annotated[
+    str,
+    typer.Option(
+        metavar="SECONDS|off",
+        help="It is taken back after so many seconds unless confirmed; else the robot's default.",
+        show_default=False,
+    ),
+]
+
 
 class Robot(NamedTuple):
     """The robot that a command is for, and how to print what it says."""

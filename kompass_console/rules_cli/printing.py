@@ -230,6 +230,17 @@ def show_firings(journal: Journal) -> None:
         out.print(f"older ones: --before {journal.firings[-1].number}")
 
 
+def show_entry(entry: FiringRecord) -> None:
+    """One entry of the journal, as a line of a log."""
+    mark, colour = _result(entry)
+    text = Text(f"{moment(entry.time)}  ", "dim")
+    text.append(f"{mark:10}", colour)
+    text.append(f"{entry.rule_id}  {entry.kind}, revision {entry.revision}", "default")
+    said = entry.error or entry.text
+    text.append(f": {said}" if said else "", "default")
+    console().print(text)
+
+
 def show_backtest(report: BacktestReport) -> None:
     """What a table would have done, beside what was done."""
     out = console()

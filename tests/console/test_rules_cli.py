@@ -178,6 +178,61 @@ def test_an_edit_goes_all_the_way(run: Run, stack: Stack, edited: Path, folder: 
 
 
 @pytest.mark.ros
+def test_a_rule_is_switched_off_and_changed_without_a_file(run: Run) -> None:
+    off = ("--yes", "--probation", "off")
+    assert run("disable", "dark", "-m", "too noisy", *off).code == 0
+    assert "switched off" in run("show").out
+    assert run("enable", "dark", *off).code == 0
+    assert run("set", "dark", "event.cooldown=20", "actions[0].text=it is night", *off).code == 0
+    (dark,) = (
+        r for r in json.loads(run("show", "--json").out)["table"]["rules"] if r["id"] == "dark"
+    )
+    assert dark["event"]["cooldown"] == 20.0
+    assert dark["actions"][0]["text"] == "it is night"
+    assert dark["source"] == "edited"
+    before = revision_of(run)
+    for fields, words in (
+        (["event.cooldwn=20"], "event.cooldwn"),
+        (["event.cooldown=soon"], "event.cooldown"),
+        (["actions[7].text=x"], "has no field actions[7].text"),
+        (["nothing"], "is no FIELD=VALUE"),
+    ):
+        refused = run("set", "dark", *fields, *off)
+        assert refused.code == 2
+        assert words in refused.error
+    assert "there are: dark" in run("disable", "bright", *off).error
+    assert revision_of(run) == before
+
+
+@pytest.mark.ros
+def test_an_editor_opens_the_rules_and_nothing_typed_is_lost(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    editor = tmp_path / "editor"
+    editor.write_text('#!/bin/sh\nsed -i "$CHANGE" "$1"\n')
+    editor.chmod(0o700)
+    monkeypatch.setenv("VISUAL", str(editor))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    before = revision_of(run)
+
+    monkeypatch.setenv("CHANGE", "s/nothing/at all/")
+    assert "nothing was changed" in run("edit", "--yes").out
+    monkeypatch.setenv("CHANGE", "s/name: dark/name: very dark/")
+    changed = run("edit", "--yes", "--probation", "off")
+    assert changed.code == 0, changed
+    assert revision_of(run) == before + 1
+    assert not list(tmp_path.glob("rules-*"))
+
+    monkeypatch.setenv("CHANGE", "s/kind: log/kind: lok/")
+    wrong = run("edit", "--yes")
+    assert wrong.code == 2
+    (kept,) = tmp_path.glob("rules-*.yaml")
+    assert str(kept) in wrong.error
+    assert "kind: lok" in kept.read_text()
+    assert revision_of(run) == before + 1
+
+
+@pytest.mark.ros
 def test_who_was_too_late_sees_both_changes(run: Run, edited: Path) -> None:
     before = revision_of(run)
     assert run("apply", str(edited), "--yes", "--probation", "off").code == 0

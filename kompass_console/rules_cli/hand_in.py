@@ -1,0 +1,137 @@
+"""Hand a table in: check it, show what it changes, ask, apply; or say why not."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import typer
+
+from kompass.rulebook.report import ApplyReport, CheckReport, Conflict, Finding
+from kompass.rules.model import Model
+from kompass.rules.table import Table
+from kompass_console.problem import Problem
+from kompass_console.rules_cli.options import ROLE, Robot
+
+
+class Request(NamedTuple):
+    """What goes with a table.
+
+    Attributes
+    ----------
+    expected
+        Revision that must be in force; 0 for whatever is when it is checked.
+    probation
+        Seconds; 0 for none, negative for the robot's default.
+    reset
+        Ids of unchanged rules that start afresh.
+    """
+
+    author: str
+    reason: str = ""
+    yes: bool = False
+    expected: int = 0
+    probation: float = -1.0
+    cancel_running: bool = False
+    reset: tuple[str, ...] = ()
+
+
+def hand_in(
+    robot: Robot,
+    client: Any,
+    table: Table,
+    request: Request,
+    locate: Callable[[Finding], str] | None = None,
+) -> None:
+    """Put a table in force, and tell of it.
+
+    Parameters
+    ----------
+    locate
+        Tells a finding with its place in a file.
+
+    Raises
+    ------
+    Refused
+        When the robot does not take it; nothing was changed.
+    Problem
+        When nobody agreed.
+    """
+    from kompass_console.rules_cli import printing
+    from kompass_console.rules_cli.client import Refused
+
+    report = client.check(table, ROLE)
+    if not robot.json:
+        printing.show_diff(report.diff, title=f"against revision {report.revision}")
+        printing.show_findings(report.findings, map(locate, report.findings) if locate else None)
+    if not report.ok:
+        tell_json(robot, report)
+        raise Refused("this table cannot be applied; nothing was changed")
+    expected = request.expected or report.revision
+    if expected == report.revision and not report.diff.changes and not request.reset:
+        tell_json(robot, report)
+        if not robot.json:
+            typer.echo(f"nothing was applied: revision {report.revision} is the same")
+        return
+    agree(robot, request.yes, f"apply this to revision {expected}?")
+    applied = or_say_why_not(
+        robot,
+        lambda: client.apply(
+            table,
+            expected=expected,
+            author=request.author,
+            role=ROLE,
+            reason=request.reason,
+            probation=request.probation,
+            cancel_running=request.cancel_running,
+            reset=list(request.reset),
+        ),
+    )
+    robot.tell(applied, lambda: printing.show_applied(applied))
+
+
+def or_say_why_not(robot: Robot, change: Callable[[], ApplyReport]) -> ApplyReport:
+    """Make a change; print why in full when it was not made.
+
+    Raises
+    ------
+    Refused
+        When it was not made.
+    """
+    from kompass_console.rules_cli import printing
+    from kompass_console.rules_cli.client import Refused
+
+    try:
+        return change()
+    except Refused as refused:
+        body = refused.body
+        if robot.json and body is not None:
+            tell_json(robot, body)
+        elif isinstance(body, Conflict):
+            printing.show_conflict(body)
+        elif isinstance(body, CheckReport):
+            printing.show_findings(body.findings)
+        raise
+
+
+def agree(robot: Robot, yes: bool, question: str) -> None:
+    """Ask a person; a script has to say so beforehand.
+
+    Raises
+    ------
+    Problem
+        When nobody can be asked, or the answer is no.
+    """
+    if yes:
+        return
+    if robot.json or not sys.stdin.isatty():
+        raise Problem(2, "nobody can be asked here whether to go on; add --yes")
+    if not typer.confirm(question):
+        raise Problem(1, "nothing was changed")
+
+
+def tell_json(robot: Robot, body: Model) -> None:
+    """Print a model where JSON was asked for."""
+    if robot.json:
+        typer.echo(body.model_dump_json(indent=2))
