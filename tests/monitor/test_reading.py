@@ -1,0 +1,78 @@
+"""A text that is no table is refused with where, what and what to do; never with a traceback."""
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kompass.monitor.reading import MAX_BYTES, MAX_RULES, Unreadable, read_table
+from kompass.rulebook.report import Finding
+from kompass.rules.table import Table
+from tests.support.rules import compare, rule
+
+GOOD = rule("good", compare("a", ">", 1))
+
+
+def refused(text: str) -> Unreadable:
+    with pytest.raises(Unreadable) as caught:
+        read_table(text)
+    return caught.value
+
+
+def test_a_table_is_read() -> None:
+    assert [each.id for each in read_table(json.dumps({"rules": [GOOD]})).rules] == ["good"]
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "remedy"),
+    [
+        ({"actions": [{"kind": "log", "text": 3}]}, "actions[0].text", "correct"),
+        ({"evnt": {}}, "evnt", "leave it out"),
+        ({"event": {}}, "event.condition", "add it"),
+        ({"actions": [{"kind": "lag"}]}, "actions[0]", "one of the kinds"),
+        ({"event": {"condition": compare("a", "~", 1)}}, "event.condition.operator", "correct"),
+    ],
+)
+def test_the_rule_and_the_field_are_named(change: dict[str, Any], field: str, remedy: str) -> None:
+    found = refused(json.dumps({"rules": [GOOD | {"id": "first"}, GOOD | change]})).findings
+    assert ("good", field) in [(each.rule_id, each.field) for each in found]
+    assert any(remedy in each.remedy for each in found if each.field == field)
+
+
+def test_what_is_too_large_is_not_even_looked_at() -> None:
+    assert refused("[" * (MAX_BYTES + 1)).findings[0].code == "too-large"
+    assert refused("[" * MAX_BYTES).findings[0].code == "not-json"
+    many = '{"rules": [' + ",".join(["1"] * (MAX_RULES + 1)) + "]}"
+    assert refused(many).findings[0].code == "too-many"
+
+
+def complaints(text: str) -> tuple[Finding, ...]:
+    try:
+        assert isinstance(read_table(text), Table)
+    except Unreadable as error:
+        return error.findings
+    return ()
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=10),
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(
+            st.sampled_from([*GOOD, *GOOD["event"], "kind", "rules"]), inner, max_size=4
+        )
+    ),
+    max_leaves=15,
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(data=JSON, key=st.sampled_from(["id", "event", "actions", "severity", "lane"]))
+def test_whatever_comes_is_a_table_or_is_refused(data: Any, key: str) -> None:
+    for text in (json.dumps(data), json.dumps({"rules": [GOOD | {key: data}]}), str(data)):
+        for finding in complaints(text):
+            finding.model_dump_json()
+            assert finding.text
+            assert finding.remedy
