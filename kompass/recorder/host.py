@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import os
 import signal
@@ -55,6 +56,8 @@ def run_recorder(
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     os.nice(NICENESS)
+    # A look of the collector at what came with the fork would copy all of it into this process.
+    gc.freeze()
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     # In no executor: its readers are emptied by hand.
     node = rclpy.create_node(
