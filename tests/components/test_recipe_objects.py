@@ -1,6 +1,7 @@
 """What a recipe may say, and how it is told when it may not."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,6 +23,12 @@ from kompass.robot import AngularCtrlLimits, LinearCtrlLimits, RobotConfig, Robo
 from kompass.ros import Launcher
 
 
+def name_of(topic: Topic | list[Topic] | None) -> str:
+    """Of a single topic."""
+    assert isinstance(topic, Topic)
+    return topic.name
+
+
 def test_topic_names_are_equal_with_and_without_the_slash() -> None:
     assert Topic(name="/scan", msg_type="LaserScan") == Topic(name="scan", msg_type="LaserScan")
 
@@ -39,7 +46,7 @@ def test_a_message_class_may_stand_for_its_name() -> None:
 
 def test_one_components_topics_do_not_leak_into_the_next() -> None:
     DriveManager(outputs={"robot_command": Topic(name="/base", msg_type="TwistStamped")})
-    assert DriveManager().get_out_topic("robot_command").name == "cmd_vel"
+    assert name_of(DriveManager().get_out_topic("robot_command")) == "cmd_vel"
 
 
 def test_an_unknown_input_lists_the_known_ones() -> None:
@@ -54,7 +61,7 @@ def test_an_input_of_a_wrong_type_is_refused_and_nothing_changes() -> None:
             location=Topic(name="/y", msg_type="Odometry"),
             sensor_data=Topic(name="/x", msg_type="Bool"),
         )
-    assert mapper.get_in_topic("location").name == "odom"
+    assert name_of(mapper.get_in_topic("location")) == "odom"
 
 
 @pytest.mark.parametrize("given", ["ActionServer", "actionserver", "ACTIONSERVER"])
@@ -78,9 +85,8 @@ def test_an_algorithm_may_be_named_by_its_string() -> None:
 
 
 def test_both_spellings_of_the_angular_limits_are_read() -> None:
-    assert AngularCtrlLimits(max_vel=0.4, max_steer=1.0) == AngularCtrlLimits(
-        max_omega=0.4, max_ang=1.0
-    )
+    older: Any = {"max_omega": 0.4, "max_ang": 1.0}
+    assert AngularCtrlLimits(max_vel=0.4, max_steer=1.0) == AngularCtrlLimits(**older)
 
 
 @pytest.mark.parametrize(
@@ -95,7 +101,7 @@ def test_both_spellings_of_the_angular_limits_are_read() -> None:
     ],
 )
 def test_radius_and_height_follow_from_the_shape(
-    kind: str, params: list[float], radius: float, height: float
+    kind: Any, params: Any, radius: float, height: float
 ) -> None:
     robot = RobotConfig(geometry_type=kind, geometry_params=params)
     assert robot.radius == pytest.approx(radius)
@@ -146,8 +152,9 @@ def test_topics_may_come_from_the_config_file(tmp_path: Path) -> None:
         "/**:\n  inputs:\n    location: {name: /odometry/filtered, msg_type: Odometry}\n"
         "    sensor_data: {name: /front, msg_type: LaserScan}\n"
     )
-    assert LocalMapper(config_file=str(path)).get_in_topic("sensor_data").name == "front"
-    assert Planner(config_file=str(path)).get_in_topic("location").name == "odometry/filtered"
+    mapper, planner = LocalMapper(config_file=str(path)), Planner(config_file=str(path))
+    assert name_of(mapper.get_in_topic("sensor_data")) == "front"
+    assert name_of(planner.get_in_topic("location")) == "odometry/filtered"
 
 
 def test_a_mistyped_setting_names_file_field_and_the_nearest(tmp_path: Path) -> None:
@@ -164,10 +171,11 @@ def test_a_missing_config_file_is_named() -> None:
         Planner(config_file="nowhere.yaml")
 
 
-def test_the_launcher_gives_the_robot_and_topics_to_all() -> None:
+@pytest.mark.parametrize("processes", [True, False])
+def test_the_launcher_gives_the_robot_and_topics_to_all(processes: bool) -> None:
     planner, driver = Planner(), DriveManager()
     launcher = Launcher()
-    launcher.kompass(components=[planner, driver], multi_processing=True)
+    launcher.kompass(components=[planner, driver], multi_processing=processes)
     launcher.robot = RobotConfig(geometry_params=np.array([0.3, 0.5]))
     launcher.inputs(location=Topic(name="/odometry/filtered", msg_type="Odometry"))
     assert planner.robot.radius == driver.robot.radius == 0.3

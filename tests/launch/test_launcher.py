@@ -21,7 +21,8 @@ def processes(launcher: Launcher) -> list[list[str]]:
 @pytest.mark.parametrize("flag", [True, False])
 def test_both_spellings_choose_processes_or_threads(keyword: str, flag: bool) -> None:
     launcher = Launcher()
-    launcher.kompass([Planner(), DriveManager()], **{keyword: flag})
+    chosen: Any = {keyword: flag}
+    launcher.kompass([Planner(), DriveManager()], **chosen)
     apart = [["planner"], ["drive_manager"]]
     assert processes(launcher) == (apart if flag else [["planner", "drive_manager"]])
 

@@ -107,6 +107,7 @@ def test_actions_become_data_in_the_order_of_the_list() -> None:
         CallService,
         UpdateParameters,
     ]
+    assert isinstance(actions[3], CallService)
     assert actions[3].request == {"map_url": "/maps/floor.yaml"}
     assert Table.model_validate_json(made.table.model_dump_json()) == made.table
 
@@ -135,7 +136,9 @@ def test_arguments_may_come_from_a_topic() -> None:
     def note(value: float) -> None: ...
 
     made = recipe_rules({Event(NUMBER): Action(note, args=(NUMBER.msg.data,))}, COMPONENTS)
-    assert made.table.rules[0].actions[0].kwargs == {"value": "$topic[/number].data"}
+    action = made.table.rules[0].actions[0]
+    assert isinstance(action, Python)
+    assert action.kwargs == {"value": "$topic[/number].data"}
 
 
 def test_ids_are_stable_and_readable() -> None:

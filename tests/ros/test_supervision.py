@@ -48,7 +48,7 @@ class Watched(Robot):
         )
         self.node.create_subscription(RuleFiring, "/monitor/firings", self.firings.append, 100)
         self.subscribe(StackState, "/monitor/stack_state", LATCHED)
-        for name in ("mapper", "controller"):
+        for name in ("mapper", "controller", "planner"):
             self.subscribe(ComponentStatus, f"/{name}/status", LATCHED)
 
     def state(self, name: str) -> str:
@@ -178,7 +178,10 @@ def test_a_fallback_restarts_what_hangs_before_the_supervisor_loses_patience(
     os.kill(hung, signal.SIGSTOP)
     stack.wait_for_line("planner is killed: a restart was asked for", 5)
     wait_until(lambda: stack.pid_of("planner") != hung, 10, "another planner")
-    robot.ready()
+    wait_until(lambda: robot.state("planner") == "active", 10, "its word")
+    # What is asked before it is found goes to the dead one, whom DDS remembers for a while.
+    robot.newest.pop("/planner/status", None)
+    wait_until(lambda: robot.level("planner") == HEALTHY, 20, "a planner with map and pose")
 
 
 def test_a_blind_mapper_is_answered_within_a_second(robot: Watched) -> None:
