@@ -214,11 +214,7 @@ def _sentences(was: Rule, rule: Rule) -> Iterator[str]:
 def _event(was: Event, event: Event) -> Iterator[str]:
     if was.condition != event.condition:
         before, after = describe(was.condition), describe(event.condition)
-        yield (
-            f"when {before} → {after}"
-            if before != after
-            else f"when {after}: how old a value may be"
-        )
+        yield f"when {before} → {after}" if before != after else "details of the condition"
     if was.trigger != event.trigger:
         yield f"trigger {was.trigger} → {event.trigger}"
     for name in ("hold", "cooldown"):

@@ -342,6 +342,10 @@ def _gatekeeper(rule: Rule, where: str, action: Action) -> Iterator[Finding]:
             if name.split(".")[0] in SAFETY_PARAMETERS:
                 text = f"{name} of {action.component} decides when the robot stops"
                 yield _error(rule, "opens-gate", f"{where}.parameters.{name}", value, text, remedy)
+    elif isinstance(action, Method) and action.method in _SETTERS:
+        text = f"what it sets of {action.component} could decide when the robot stops"
+        remedy = "choose the action that changes parameters, so that it can be checked"
+        yield _error(rule, "opens-gate", f"{where}.method", action.method, text, remedy)
 
 
 def _service(
@@ -355,5 +359,7 @@ def _service(
         yield _error(rule, "opens-gate", f"{where}.service", action.service, text, remedy)
 
 
+# Methods that do what there is an action for, past the checks of that action.
+_SETTERS = frozenset({"set_param", "set_params", "update_parameter", "update_parameters"})
 # Services of the gate that only ever stop the robot, or only ask.
 _HARMLESS = frozenset({"stop", "get_state", "get_parameters", "list_parameters"})

@@ -175,6 +175,14 @@ def test_a_protected_rule_that_the_table_in_force_lacks_may_come_back() -> None:
         (Method(component="drive_manager", method="stop"), "opens-gate"),
         (Reconfigure(component="drive_manager", config="x.yaml"), "opens-gate"),
         (
+            Method(
+                component="drive_manager",
+                method="set_param",
+                kwargs={"param_name": "disable_safety_stop", "new_value": True},
+            ),
+            "opens-gate",
+        ),
+        (
             UpdateParameters(component="drive_manager", parameters={"disable_safety_stop": True}),
             "opens-gate",
         ),
