@@ -71,7 +71,7 @@ def firing(rule_id: str, run_id: int, component: str = "", **more: Any) -> Firin
         "severity": Severity.WARNING,
         "actions": (action,),
     } | more
-    return Firing(rule_id, run_id, 1.0, 1.0, "hash", None, None, {}, (), (action,), **given)
+    return Firing(rule_id, run_id, 1.0, 1.0, "hash", None, None, {}, (), **given)
 
 
 def test_a_run_is_told_from_its_beginning_to_its_end(world: World) -> None:
