@@ -5,9 +5,14 @@ failure: it is tried while the failure lasts, and forgotten when the component i
 
     kompass-console run recipes/02_self_healing.py --sim
 
-Try it: find the controller's process in the terminal ("controller is process 1234") and
-`kill -9` it. It is started again, and the robot goes on. Unplug the scan of a real robot, and the
-drive manager stops the robot at once, restarts itself a few times, and then gives up loudly.
+Try it:
+
+    ... --sim --fault kill:controller:20      the controller's process is killed after 20 s: it is
+                                              started again, and the robot goes on
+    ... --sim --fault lidar_unplugged:20      no scan any more: the drive manager stops the robot at
+                                              once, restarts itself a few times, and gives up loudly
+
+On a real robot, `kill -9` the process that the terminal calls "controller", or unplug the lidar.
 """
 
 import numpy as np
@@ -45,12 +50,14 @@ controller.algorithm = ControllersID.PURE_PURSUIT
 mapper = LocalMapper(component_name="mapper")
 driver = DriveManager(component_name="drive_manager")
 
-# Whatever goes wrong with the drive manager: start it afresh, at most three times in a row ...
+# Whatever goes wrong with the drive manager and lasts for a second: start it afresh, at most three
+# times in a row. on_fail stands for any kind of failure; on_algorithm_fail, on_component_fail and
+# on_system_fail come before it. Health puts the count back to zero.
 driver.on_fail(action=Action(driver.restart), max_retries=3)
-# ... and when that did not help, say so. A person must look.
+# When that did not help, say so: a person must look.
 driver.on_giveup(action=LogInfo(msg="the drive manager cannot be mended; look at the robot"))
 
-# The algorithm found no command: another algorithm may.
+# An ALGORITHM failure: the data is there, and no command was found. Another algorithm may find one.
 controller.on_algorithm_fail(
     action=Action(controller.set_algorithm, kwargs={"algorithm_value": "Stanley"}), max_retries=1
 )

@@ -5,14 +5,23 @@ The launcher takes them as a dictionary. Here a click becomes a goal of the plan
 server through a function of ours, and a stuck controller asks the drive manager to move free.
 
     kompass-console run recipes/03_events_and_actions.py --sim
+
+Try it: send the robot somewhere, and have walls stand around it after 20 s:
+
+    ... --sim --fault boxed_in:20
+
+(The service /simulator/set_fault takes them away again; see README.md beside this file.)
+What each rule did, and why, is in the console, and on the topic /monitor/firings.
 """
 
 import numpy as np
 from geometry_msgs.msg import PointStamped
 from kompass_interfaces.action import PlanPath
+from sugar.msg import ComponentStatus
 
 from kompass.actions import Action, ComponentActions, LogInfo
 from kompass.components import Controller, DriveManager, LocalMapper, Planner
+from kompass.control import ControllersID
 from kompass.robot import (
     AngularCtrlLimits,
     LinearCtrlLimits,
@@ -32,7 +41,10 @@ my_robot = RobotConfig(
 
 planner = Planner(component_name="planner")
 planner.run_type = "ActionServer"
+# DWA avoids what it sees, and says when there is no way out. (Pure pursuit looks at nothing.)
 controller = Controller(component_name="controller")
+controller.algorithm = ControllersID.DWA
+controller.direct_sensor = True
 mapper = LocalMapper(component_name="mapper")
 driver = DriveManager(component_name="drive_manager")
 
@@ -41,9 +53,9 @@ clicked = Topic(name="/clicked_point", msg_type="PointStamped")
 on_click = Event(clicked)
 
 # A comparison is an event too. The field's name and the type of the value are checked right here.
-FAILED_TO_FIND_A_COMMAND = 1
+# Without more it fires for each message for which it is true; see also on_change and handle_once.
 on_stuck = Event(
-    controller.status_topic.msg.status == FAILED_TO_FIND_A_COMMAND,
+    controller.status_topic.msg.status == ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL,
     keep_event_delay=30.0,  # not again within half a minute after the action has finished
 )
 

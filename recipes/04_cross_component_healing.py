@@ -6,7 +6,13 @@ robot drives on.
 
     kompass-console run recipes/04_cross_component_healing.py --sim
 
-Try it: send the robot somewhere, and `kill -9` the process that the terminal calls "mapper".
+Try it: send the robot somewhere, and have the mapper's process killed (or stopped, as one that
+hangs) after 20 s:
+
+    ... --sim --fault kill:mapper:20
+    ... --sim --fault stop:mapper:20
+
+On a real robot, `kill -9` the process that the terminal calls "mapper".
 """
 
 import numpy as np

@@ -3,11 +3,17 @@
 The planner without a map is a SYSTEM failure: something outside is missing. The answer is a call to
 the map server, which is no component of ours: any service of the ROS graph can be called so.
 
-    kompass-console run recipes/05_external_services.py --sim
+    kompass-console run recipes/05_external_services.py --sim --fault map_withheld
+
+With that fault the map server starts without a map: the rule has it loaded, and the planner is
+healthy. The other rule clears the costmap of another node (the embedded robot brings a stand-in for
+Nav2's) when the planner finds no way, as when the map shows an obstacle where the robot stands:
+
+    ... --sim --fault start_occupied:20
 """
 
 import numpy as np
-from nav2_msgs.srv import LoadMap
+from nav2_msgs.srv import ClearEntireCostmap, LoadMap
 from sugar.msg import ComponentStatus
 
 from kompass.actions import ComponentActions
@@ -53,10 +59,21 @@ no_map = Event(
     keep_event_delay=5.0,
 )
 
+# A costmap may hold what is long gone. Clearing it costs little, so it is worth a try.
+clear_costmap = ComponentActions.send_srv_request(
+    srv_name="/global_costmap/clear_entirely_global_costmap",
+    srv_type=ClearEntireCostmap,
+    srv_request_msg=ClearEntireCostmap.Request(),
+)
+no_way = Event(
+    planner.status_topic.msg.status == ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL,
+    keep_event_delay=10.0,
+)
+
 launcher = Launcher()
 launcher.kompass(
     components=[planner, controller, mapper, driver],
-    events_actions={no_map: load_map},
+    events_actions={no_map: load_map, no_way: clear_costmap},
     multi_processing=True,
 )
 launcher.inputs(location=Topic(name="/odometry/filtered", msg_type="Odometry"))

@@ -1,7 +1,8 @@
 """A planner without an action: it follows the newest goal, as long as there is one.
 
 As a *Timed* component the planner takes goals from a topic and keeps the path fresh from where the
-robot is. There is no action to follow and to cancel; a new click simply replaces the old one.
+robot is: it plans anew when the robot has strayed from it, or the map has closed it. There is no
+action to follow and to cancel; a new click simply replaces the old one.
 
     kompass-console run recipes/06_timed_planner.py --sim
 """
@@ -37,7 +38,8 @@ mapper = LocalMapper(component_name="mapper")
 driver = DriveManager(component_name="drive_manager")
 
 launcher = Launcher()
-# One process for all components: less memory, and one that fails takes the others along.
+# One process for all components instead of one for each: less memory, and a crash of one takes the
+# others along (an exception does not: it becomes that component's status).
 launcher.kompass(components=[planner, controller, mapper, driver], multi_processing=False)
 launcher.inputs(location=Topic(name="/odometry/filtered", msg_type="Odometry"))
 launcher.robot = my_robot

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -287,3 +288,8 @@ def test_every_fault_that_needs_no_target_is_one_that_can_be_ordered() -> None:
     assert set(ROBOT_FAULTS) <= set(FAULTS)
     assert withholds_map(["boxed_in", "map_withheld"])
     assert not withholds_map(["boxed_in:3"])
+
+
+def test_the_recipes_tell_newcomers_of_every_fault() -> None:
+    text = (Path(__file__).parents[2] / "recipes" / "README.md").read_text()
+    assert [name for name in FAULTS if f"`{name}`" not in text] == []
