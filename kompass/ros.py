@@ -1,9 +1,25 @@
 """The names with which a recipe speaks to ROS."""
 
+import logging
+
 from kompass import actions
 from kompass.components.topic import AllowedTopics, QoSConfig, Topic
 from kompass.launch.launcher import Launcher
 from kompass.recipe.action import Action
+from kompass.recipe.clients import ActionClientConfig, ServiceClientConfig
 from kompass.recipe.event import Event
 
-__all__ = ["Action", "AllowedTopics", "Event", "Launcher", "QoSConfig", "Topic", "actions"]
+logger = logging.getLogger("kompass")
+
+__all__ = [
+    "Action",
+    "ActionClientConfig",
+    "AllowedTopics",
+    "Event",
+    "Launcher",
+    "QoSConfig",
+    "ServiceClientConfig",
+    "Topic",
+    "actions",
+    "logger",
+]

@@ -87,6 +87,13 @@ SafeMode = Annotated[
     ),
 ]
 NoRecord = Annotated[bool, typer.Option("--no-record", help="Start without the flight recorder.")]
+SingleProcess = Annotated[
+    bool,
+    typer.Option(
+        "--single-process",
+        help="All components in one process, whatever the recipe says (KOMPASS_MULTI_PROCESSING).",
+    ),
+]
 
 
 @app.command()
@@ -103,11 +110,14 @@ def run(
     data_dir: DataDir = None,
     safe_mode: SafeMode = False,
     no_record: NoRecord = False,
+    single_process: SingleProcess = False,
 ) -> None:
     """Run a recipe, and the console beside it."""
     if not recipe.is_file():
         raise Problem(2, f"there is no recipe {recipe}; give the path of a Python file")
     choose_domain(domain_id, alone=sim is not None)
+    if single_process:
+        os.environ["KOMPASS_MULTI_PROCESSING"] = "0"
     from kompass_console.stack import Console, run_recipe
 
     robot = _prepare(name, sim, data_dir, safe_mode=safe_mode, no_record=no_record)

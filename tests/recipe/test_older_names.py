@@ -42,7 +42,7 @@ def made(action: Any, on: Any = None) -> RecipeRules:
         ("kompass.event", ["OnAny", "OnEqual", "OnGreater", "OnChangeContainsAny", "Event"]),
         ("kompass.events", ["OnAny"]),
         ("kompass.ros", ["Launcher", "Topic", "QoSConfig", "AllowedTopics", "Event", "Action"]),
-        ("kompass.ros", ["actions"]),
+        ("kompass.ros", ["actions", "logger", "ServiceClientConfig", "ActionClientConfig"]),
         ("kompass.robot", ["RobotConfig", "RobotFrames", "RobotCtrlLimits", "RobotGeometry"]),
         ("kompass.config", ["RobotConfig", "ComponentRunType", "BaseComponentConfig"]),
         ("kompass.control", ["ControllersID", "StanleyConfig", "DWAConfig", "PurePursuitConfig"]),

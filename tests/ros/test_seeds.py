@@ -33,14 +33,14 @@ def recipe_of(document: str) -> str:
 
 
 class Run(NamedTuple):
-    """Which recipe, and whether the environment overrides that it asks for processes."""
+    """Which recipe, and whether all of it is put into one process, though it asks for several."""
 
     name: str
-    processes: str = ""
+    single: bool = False
     goal: tuple[float, float] = (-1.5, 0.5)
 
 
-RUNS = [Run("S1"), Run("S2"), Run("S1", "0", (-1.6, 0.0)), Run("S2", "0", (-1.6, 0.0))]
+RUNS = [Run("S1"), Run("S2"), Run("S1", True, (-1.6, 0.0)), Run("S2", True, (-1.6, 0.0))]
 
 
 IDS = ["S1", "S2", "S1-threads", "S2-threads"]
@@ -62,7 +62,7 @@ def recipe(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def stack(run: Run, recipe: Path) -> Iterator[Stack]:
-    running = Stack.simulated(recipe=recipe, KOMPASS_MULTI_PROCESSING=run.processes)
+    running = Stack.simulated(*["--single-process"] * run.single, recipe=recipe)
     try:
         yield running
     finally:
@@ -82,7 +82,7 @@ def robot(stack: Stack) -> Iterator[Robot]:
 def test_a_clicked_point_drives_the_robot_there_and_the_goal_succeeds(
     stack: Stack, robot: Robot, run: Run
 ) -> None:
-    assert ("components is process" in stack.output) == (run.processes == "0")
+    assert ("components is process" in stack.output) == run.single
     firings: list[RuleFiring] = []
     robot.node.create_subscription(RuleFiring, "/monitor/firings", firings.append, 100)
     robot.click(*run.goal)
@@ -101,7 +101,7 @@ def test_a_clicked_point_drives_the_robot_there_and_the_goal_succeeds(
 def test_a_killed_mapper_switches_the_controller_to_the_sensor_once(
     stack: Stack, robot: Robot, run: Run
 ) -> None:
-    if run.name != "S2" or run.processes:
+    if run.name != "S2" or run.single:
         return  # only that recipe has a rule for it, and only a process of its own can be killed
     robot.subscribe(ComponentStatus, "/mapper/status", LATCHED)
     firings: list[RuleFiring] = []
