@@ -1,0 +1,221 @@
+"""A person reads, changes, tries, applies and takes back the robot's rules, on the running robot."""
+
+import os
+import re
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from tests.browser.conftest import OpenPage
+from tests.browser.console_page import ConsolePage
+from tests.browser.rules_page import RulesPage
+from tests.support.processes import wait_until
+from tests.support.robot import Robot
+from tests.support.stack import TOKEN, Stack
+
+pytestmark = pytest.mark.browser
+
+RECIPE = Path(__file__).parents[2] / "recipes" / "03_events_and_actions.py"
+STUCK = "controller-status-status-is-1"
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[Stack]:
+    """Recipe 03, whose table has a rule "controller stuck → unblock"."""
+    running = Stack.simulated(recipe=RECIPE)
+    try:
+        yield running
+    finally:
+        running.close()
+
+
+@pytest.fixture
+def rules(new_page: OpenPage) -> RulesPage:
+    """The rules of an operator's page, as they are opened."""
+    return RulesPage.opened(new_page(1280, 800), TOKEN)
+
+
+def test_a_cooldown_is_changed_reviewed_applied_and_kept(rules: RulesPage, stack: Stack) -> None:
+    rules.edit(STUCK)
+    rules.get("cooldown").fill("45")
+    expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
+    rules.review()
+    expect(rules.get("diff")).to_contain_text("cooldown 30 s → 45 s")
+    expect(rules.get("effect")).to_contain_text("1 rule go on as they were")
+    revision = rules.apply("less often")
+    expect(rules.get("probation-band")).to_contain_text(f"Revision {revision} is on probation")
+    expect(rules.get("revision-badge")).to_contain_text("probation")
+    rules.get("keep-it").click()
+    expect(rules.get("revision-badge")).to_contain_text("confirmed")
+    expect(rules.get("probation-band")).to_be_hidden()
+    assert rules.in_force(STUCK)["event"]["cooldown"] == 45.0
+    rules.get("rules-tab-table").click()
+    expect(rules.rule(STUCK)).to_contain_text("cooldown 45 s")
+
+
+def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_back(
+    rules: RulesPage, robot: Robot
+) -> None:
+    before = rules.revision
+    rules.get("rule-add").click()
+    rules.get("rule-name").fill("Too near: stop")
+    condition = rules.get("event.condition")
+    rules.choose(condition.get_by_test_id("topic-picker"), "/scan")
+    rules.choose(condition.get_by_test_id("field-picker"), re.compile("nearest obstacle"))
+    rules.choose(condition.get_by_test_id("operator"), re.compile("less than"))
+    condition.get_by_test_id("literal").fill("0.3")
+    # Beside it stands what the robot makes of it right now.
+    expect(condition.get_by_test_id("leaf-now")).to_contain_text(re.compile(r"now 0\.\d+ →\s+false"))
+    rules.get("hold").fill("1")
+    rules.choose(rules.get("add-action"), "Write a line to the log")
+    rules.get("log-text").fill("too near")
+    rules.choose(rules.get("add-action"), "Stop the robot")
+    rules.review()
+    rules.get("backtest-start").click()
+    expect(rules.get("backtest-report")).to_contain_text("no longer", timeout=20_000)
+    revision = rules.apply("shelves ahead")
+
+    # A place 24 cm from a pillar.
+    robot.click(-1.1, -0.39)
+    rules.get("rules-tab-firings").click()
+    firing = rules.get("firing-too-near-stop").first
+    expect(firing).to_contain_text("ok", timeout=30_000)
+    assert robot.newest["/drive_state"].stopped
+    firing.click()
+    expect(rules.get("firing-details")).to_contain_text(f"revision {revision}")
+    leaf = rules.get("firing-details").get_by_test_id("leaf")
+    expect(leaf).to_contain_text(re.compile(r"was 0\.[0-2]\d* →\s+true"))
+
+    rules.get("firing-rollback").click()
+    wait_until(lambda: rules.revision > revision, 5, "another revision")
+    rules.get("rules-tab-table").click()
+    expect(rules.rule("too-near-stop")).to_have_count(0)
+    robot.release()
+    rules.get("rules-tab-history").click()
+    expect(rules.get(f"revision-{revision}")).to_contain_text("shelves ahead")
+    assert before < revision
+
+
+def test_a_draft_outlives_a_reload_and_is_taken_back_change_by_change(rules: RulesPage) -> None:
+    rules.rule(STUCK).get_by_test_id("rule-toggle").click()
+    rules.edit("clicked-point-received")
+    rules.get("rule-name").fill("A click")
+    rules.page.page.reload()
+    rules = RulesPage.of(rules.page)
+    expect(rules.get("draft-state")).to_contain_text("2 unsaved changes")
+    rules.rule(STUCK).get_by_test_id("rule-discard").click()
+    expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
+    rules.get("draft-undo").click()
+    expect(rules.get("draft-state")).to_contain_text("2 unsaved changes")
+    rules.get("draft-discard").click()
+    expect(rules.get("draft-state")).to_contain_text("No unsaved changes")
+
+
+def test_two_who_edit_one_rule_see_both_changes_and_lose_nothing_typed(
+    rules: RulesPage, new_page: OpenPage
+) -> None:
+    other = RulesPage.opened(new_page(1280, 800), TOKEN)
+    other.edit(STUCK)
+    other.get("cooldown").fill("77")
+    rules.edit(STUCK)
+    rules.get("cooldown").fill("12")
+    rules.review()
+    revision = rules.apply("mine first")
+    rules.get("keep-it").click()
+
+    expect(other.get("overtaken-band")).to_contain_text(f"revision {revision}")
+    expect(other.get("cooldown")).to_have_value("77 s")
+    other.get("open-conflict").click()
+    choice = other.get(f"conflict-{STUCK}")
+    expect(choice.get_by_test_id("keep-mine")).to_contain_text("→ 77 s")
+    expect(choice.get_by_test_id("keep-theirs")).to_contain_text("→ 12 s")
+    expect(other.get("conflict-merge")).to_be_disabled()
+    choice.get_by_test_id("keep-mine").click()
+    other.get("conflict-merge").click()
+    expect(other.get("diff")).to_contain_text("cooldown 12 s → 77 s")
+    other.apply("after a talk")
+    other.get("take-back").click()
+    wait_until(lambda: other.in_force(STUCK)["event"]["cooldown"] == 12.0, 5, "the way back")
+
+
+def test_page_and_robot_agree_after_console_and_monitor_died_in_the_middle_of_an_edit(
+    rules: RulesPage, stack: Stack
+) -> None:
+    rules.edit(STUCK)
+    rules.get("cooldown").fill("33")
+    before = rules.in_force(STUCK)["event"]["cooldown"]
+    for process in ("monitor", "console"):
+        killed = stack.pid_of(process)
+        os.kill(killed, signal.SIGKILL)
+        wait_until(lambda k=killed, p=process: stack.pid_of(p) != k, 10, f"another {process}")
+        expect(rules.get("cooldown")).to_have_value("33 s")
+        expect(rules.get("rules-stale")).to_be_hidden(timeout=20_000)
+    assert rules.in_force(STUCK)["event"]["cooldown"] == before
+    expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
+    rules.review()
+    rules.apply("after the crash")
+    assert rules.in_force(STUCK)["event"]["cooldown"] == 33.0
+    rules.get("take-back").click()
+    wait_until(lambda: rules.in_force(STUCK)["event"]["cooldown"] == before, 5, "the way back")
+
+
+def test_a_viewer_reads_everything_and_can_change_nothing(
+    new_page: OpenPage, stack: Stack
+) -> None:
+    found = re.search(r"To watch:\s+\S+#token=(\S+)", stack.output)
+    assert found
+    rules = RulesPage.opened(new_page(1280, 800), found[1])
+    expect(rules.get("viewer-note")).to_contain_text("log in as an operator")
+    for button in ("rule-add", "rule-edit", "rule-toggle", "rule-menu", "draft-review"):
+        expect(rules.get(button)).to_have_count(0)
+    rules.rule(STUCK).get_by_test_id("rule-why").click()
+    expect(rules.get("why-answer")).to_be_visible()
+    rules.get("rules-tab-history").click()
+    expect(rules.get("revision-1")).to_be_visible()
+    expect(rules.get("roll-back")).to_have_count(0)
+    table = rules.view["table"]
+    revision = rules.revision
+    for path, body in (
+        ("/api/rules/apply", {"table": table, "expected_revision": revision}),
+        ("/api/rules/rollback", {"revision": 1, "expected_revision": revision}),
+        ("/api/rules/confirm", {"revision": revision}),
+        (f"/api/rules/{STUCK}/reset", None),
+    ):
+        answer = rules.page.post(path, body)
+        assert answer.status == 403, path
+        assert "viewer" in answer.json()["detail"]["title"]
+    assert rules.revision == revision
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (820, 1180)], ids=["phone", "tablet"])
+def test_rules_are_a_tab_of_a_small_screen_and_stop_stays_free(
+    new_page: OpenPage, width: int, height: int
+) -> None:
+    rules = RulesPage.opened(new_page(width, height, has_touch=True), TOKEN, "tab-rules")
+    page = rules.page
+    for button in ("rule-why", "rule-edit", "rule-toggle"):
+        for each in rules.get(button).all():
+            each.scroll_into_view_if_needed()
+            box = each.bounding_box()
+            assert box is not None
+            assert min(box["width"], box["height"]) >= 44, button
+            assert box["x"] + box["width"] <= width
+    _stop_is_free(page.get("stop-button"))
+    rules.edit(STUCK)
+    expect(rules.get("cooldown")).to_be_visible()
+    _stop_is_free(page.get("stop-button"))
+    assert page.page.evaluate("() => document.documentElement.scrollWidth") <= width
+
+
+def _stop_is_free(stop: Locator) -> None:
+    """STOP, and nothing else, is what a finger hits in its middle."""
+    assert stop.evaluate(
+        """(element) => {
+          const box = element.getBoundingClientRect();
+          const x = box.left + box.width / 2, y = box.top + box.height / 2;
+          return element.contains(document.elementFromPoint(x, y));
+        }"""
+    )
