@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Collection, Sequence
-from typing import Literal, NamedTuple, Protocol
+from collections.abc import Callable, Sequence
 
-from kompass.monitor.engine_loop import Swap
+from kompass.monitor.desk_terms import Answer, Engine, InForce, Store, Who
 from kompass.monitor.names import name_findings
 from kompass.monitor.reading import Unreadable, read_table
 from kompass.rulebook.diff import TableDiff
@@ -15,99 +14,17 @@ from kompass.rulebook.diffing import conflict, diff_tables
 from kompass.rulebook.guard import guard
 from kompass.rulebook.lint import findings_of
 from kompass.rulebook.report import ApplyReport, CheckReport, Conflict, Effect, Finding
-from kompass.rulebook.revision import History, Origin, Revision
+from kompass.rulebook.revision import History, Origin
 from kompass.rulebook.table_view import Merge, TableView
 from kompass.rulebook.views import effect_of, table_view
 from kompass.rules.catalog import Catalog
 from kompass.rules.check import check_table
 from kompass.rules.compiled import CompiledTable, compile_table
-from kompass.rules.model import Model
 from kompass.rules.table import Table, rule_hash
 from kompass.store import NoSuchRevision, StoreError
 
 LONGEST_PROBATION = 86_400.0  # s
 MAX_TEXT = 1_000  # characters of a name or a reason
-Outcome = Literal["applied", "conflict", "refused", "failed"]
-
-
-class Who(NamedTuple):
-    """Who asks."""
-
-    author: str
-    role: str
-
-
-class Answer(NamedTuple):
-    """What the desk says; ``body`` says it in full."""
-
-    outcome: Outcome
-    message: str
-    revision: int  # in force after it
-    body: Model | None = None
-
-    @property
-    def ok(self) -> bool:
-        """Whether what was asked for was done."""
-        return self.outcome == "applied"
-
-
-class Store(Protocol):
-    """Where revisions are kept; what returns is durable."""
-
-    def append(
-        self,
-        table: Table,
-        *,
-        author: str,
-        role: str,
-        reason: str,
-        origin: Origin,
-        restores: int | None = None,
-        confirmed: bool = False,
-    ) -> Revision: ...
-    def take_back(self, reason: str) -> Revision: ...
-    def set_confirmed(self, number: int, *, author: str, role: str) -> Revision: ...
-    def refuse(self, *, author: str, role: str, what: str, text: str) -> None: ...
-    def reset_once(self, rule_id: str) -> None: ...
-    def revision(self, number: int) -> Revision: ...
-    def table(self, number: int) -> Table: ...
-    def history(self, before: int = 0, count: int = 50) -> History: ...
-
-
-class Engine(Protocol):
-    """The engine, as another thread may use it."""
-
-    def swap(
-        self, table: CompiledTable, revision: int, reset: Collection[str], cancel: str
-    ) -> Swap:
-        """Put a table in force between two messages.
-
-        ``cancel`` says why running actions of what changes are cancelled; empty lets them finish.
-        """
-
-    def prepare(self, table: CompiledTable) -> None:
-        """Listen to the topics of a table that is about to come."""
-
-    def running(self) -> frozenset[str]:
-        """Ids of rules whose actions are running."""
-
-
-class InForce(NamedTuple):
-    """The table in force, and what goes with it.
-
-    Attributes
-    ----------
-    confirmed
-        The revision to which probation and a restart go back.
-    probation_ends
-        Monotonic seconds; None when it stays.
-    """
-
-    table: Table
-    revision: int
-    confirmed: int
-    probation_ends: float | None = None
-    notice: str = ""
 
 
 class Desk:
@@ -139,7 +56,7 @@ class Desk:
         *,
         recipe: Table,
         robot: str,
-        lints: Callable[[Table], Sequence[Finding]],
+        lints: Callable[[CompiledTable], Sequence[Finding]],
         changed: Callable[[], None],
         announce: Callable[[str], None],
         merge: Merge | None = None,
@@ -188,7 +105,7 @@ class Desk:
             robot=self._robot,
             probation_left=self.probation_left,
             notice=now.notice,
-            findings=tuple(self._lints(table)) if current else (),
+            findings=tuple(self._lints(compile_table(table))) if current else (),
             merge=self._merge if current else None,
             safe_mode=self._safe_mode,
         )
@@ -210,7 +127,7 @@ class Desk:
             table = read_table(text)
         except Unreadable as error:
             return self._unreadable(error)
-        return self._report(table, role)
+        return self._report(compile_table(table), role)
 
     # -- changing -------------------------------------------------------------------------------
 
@@ -385,7 +302,7 @@ class Desk:
     ) -> Answer:
         """Check, store, swap, tell; in this order."""
         now, table = self._in_force, compiled.table
-        report = self._report(table, who.role)
+        report = self._report(compiled, who.role)
         if problem := _may_change(who):
             return self._forbid(who, origin, problem, report)
         if not report.ok:
@@ -425,8 +342,8 @@ class Desk:
         wait = f"; confirm it within {probation:g} s, or it is taken back" if probation else ""
         return Answer("applied", f"revision {made.number} is in force{wait}", made.number, body)
 
-    def _report(self, table: Table, role: str) -> CheckReport:
-        now = self._in_force
+    def _report(self, compiled: CompiledTable, role: str) -> CheckReport:
+        now, table = self._in_force, compiled.table
         findings = [
             *guard(now.table, table, role=role, recipe_table=self._recipe),
             *name_findings(table),
@@ -434,7 +351,7 @@ class Desk:
         ]
         ok = not findings
         if ok:
-            findings += self._lints(table)
+            findings += self._lints(compiled)
         return CheckReport(
             ok=ok,
             revision=now.revision,

@@ -8,9 +8,8 @@ from kompass.monitor.main_thread import MainThread
 from kompass.rulebook.lint import lint_table
 from kompass.rulebook.lint_context import verdicts_after
 from kompass.rulebook.report import Finding
-from kompass.rules.compiled import CompiledTable, compile_table
+from kompass.rules.compiled import CompiledTable
 from kompass.rules.state import State
-from kompass.rules.table import Table
 
 
 class Linting:
@@ -19,11 +18,11 @@ class Linting:
     def __init__(self, main: MainThread, loop: EngineLoop, graph: Graph) -> None:
         self._main, self._loop, self._graph = main, loop, graph
 
-    def __call__(self, table: Table) -> list[Finding]:
-        """The lints of a table."""
+    def __call__(self, table: CompiledTable) -> list[Finding]:
+        """The lints of a table, if it were in force now."""
         now, compiled, state = self._main.call(self._snapshot)
-        verdicts = verdicts_after(compiled, state, compile_table(table), now)
-        return lint_table(table, self._graph.facts()._replace(verdicts=verdicts))
+        verdicts = verdicts_after(compiled, state, table, now)
+        return lint_table(table.table, self._graph.facts()._replace(verdicts=verdicts))
 
     def _snapshot(self) -> tuple[float, CompiledTable, State]:
         return self._loop.now, self._loop.table, self._loop.state.copy()

@@ -16,7 +16,8 @@ from kompass.components.topic import LATCHED
 from kompass.monitor.action_runner import ActionRunner
 from kompass.monitor.alarms import Alarms
 from kompass.monitor.catalog import RecipeCatalog
-from kompass.monitor.desk import Desk, InForce
+from kompass.monitor.desk import Desk
+from kompass.monitor.desk_terms import InForce
 from kompass.monitor.engine_loop import EngineLoop, Swap
 from kompass.monitor.explaining import Explaining
 from kompass.monitor.firings import Firings

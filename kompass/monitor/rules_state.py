@@ -11,7 +11,7 @@ from kompass_interfaces.msg import RulesState
 from rclpy.node import Node
 
 from kompass.components.topic import LATCHED
-from kompass.monitor.desk import InForce
+from kompass.monitor.desk_terms import InForce
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.monitor.timers import Timers
 from kompass.rulebook.status import RuleStatus

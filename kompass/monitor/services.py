@@ -22,7 +22,8 @@ from kompass_interfaces.srv import (
 )
 from rclpy.node import Node
 
-from kompass.monitor.desk import Answer, Desk, Who
+from kompass.monitor.desk import Desk
+from kompass.monitor.desk_terms import Answer, Who
 from kompass.monitor.late_service import create_late_service
 from kompass.monitor.main_thread import MainThread
 from kompass.rulebook.explanation import ExplanationView

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from kompass.monitor.desk import Answer, Desk, InForce, Who
+from kompass.monitor.desk import Desk
+from kompass.monitor.desk_terms import Answer, InForce, Who
 from kompass.monitor.engine_loop import Swap
 from kompass.monitor.message_types import MessageTypes
 from kompass.rulebook.report import ApplyReport, CheckReport, Conflict
