@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Iterable, Mapping
 
@@ -12,29 +13,35 @@ from kompass.recorder.keeping import least_severity
 from kompass.recorder.lane import Lane
 from kompass.recorder.places import recordings_folder
 from kompass.recorder.topics import HasTopics, standard_topics
+from kompass.store.errors import StoreUnwritable
 
 SETTING = "KOMPASS_RECORD"
+
+log = logging.getLogger("kompass.recorder")
 
 
 def flight_recorder(
     components: Iterable[HasTopics],
     namespace: str = "",
     environment: Mapping[str, str] = os.environ,
-) -> tuple[FlightRecorder, list[ProcessSpec]]:
+) -> tuple[FlightRecorder | None, list[ProcessSpec]]:
     """The monitor's end of the flight recorder, and the processes to run for it.
 
     With ``KOMPASS_RECORD=0`` nothing is recorded, and there is no process; recordings that were
-    kept can still be back-tested.
+    kept can still be back-tested. Where there is no folder to record in there is no recorder at
+    all, which is said: the robot drives all the same.
 
     Raises
     ------
     ValueError
         When KOMPASS_KEEP_FIRINGS names no severity.
-    StoreUnwritable
-        When there is no folder to record in; see :func:`recordings_folder`.
     """
     least = least_severity(environment)
-    recordings = recordings_folder(environment)
+    try:
+        recordings = recordings_folder(environment)
+    except StoreUnwritable as error:
+        log.error("nothing is recorded: %s", error)
+        return None, []
     if environment.get(SETTING, "1").strip().lower() in ("0", "off", "false", "no"):
         return FlightRecorder(recordings, None, None), []
     lane = Lane()

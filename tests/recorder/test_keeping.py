@@ -1,0 +1,174 @@
+"""Which firings are kept, and for how long."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from kompass.recorder.flight import FlightRecorder, NotRecording
+from kompass.recorder.keeping import KEEP, KEPT, Keep, Keeper, Keeps, least_severity
+from kompass.recorder.lane import Lane
+from kompass.recorder.places import ring_folder, saved_folder
+from kompass.recorder.process import flight_recorder
+from kompass.recorder.recording import Recording
+from kompass.recorder.ring import Ring
+from kompass.recorder.streams import message_stream
+from kompass.rulebook.journal import FiringRecord
+from kompass.rules.table import Severity
+
+NS = 1_000_000_000
+START = 1_700_000_000 * NS
+
+
+def test_only_severe_firings_are_kept(tmp_path: Path) -> None:
+    keeper = Keeper(tmp_path, Severity.ERROR)
+
+    assert keeper.fired("calm", "warning", START) is None
+    kept = keeper.fired("stuck", "error", START)
+
+    assert kept is not None
+    assert Path(kept.path) == saved_folder(tmp_path) / "firing-20231114T221320Z-stuck.mcap"
+    assert (kept.start, kept.end) == (START - 25 * NS, START + 5 * NS)
+    assert Keeper(tmp_path, None).fired("stuck", "critical", START) is None
+
+
+def test_a_firing_that_follows_closely_lengthens_the_stretch_up_to_a_bound(tmp_path: Path) -> None:
+    keeper = Keeper(tmp_path, Severity.ERROR)
+    first = keeper.fired("a", "error", START)
+    assert first is not None
+
+    later = keeper.fired("b", "critical", START + 4 * NS)
+
+    assert later == first._replace(end=START + 9 * NS)
+    at, ends = START + 4 * NS, set()
+    while at < START + 300 * NS:
+        at += 3 * NS
+        kept = keeper.fired("a", "error", at)
+        if kept is not None and kept.path == first.path:
+            ends.add(kept.end)
+    assert START + 85 * NS < max(ends) <= START + 95 * NS
+
+
+def test_a_rule_that_fires_all_the_time_does_not_push_out_the_others(tmp_path: Path) -> None:
+    keeper = Keeper(tmp_path, Severity.ERROR)
+    paths = {
+        kept.path
+        for minute in range(60)
+        if (kept := keeper.fired("again", "error", START + minute * 60 * NS))
+    }
+
+    assert len(paths) == 12
+
+
+@pytest.mark.parametrize(
+    ("text", "least"),
+    [("error", Severity.ERROR), ("INFO", Severity.INFO), ("never", None), ("off", None)],
+)
+def test_the_setting_names_a_severity(text: str, least: Severity | None) -> None:
+    assert least_severity({"KOMPASS_KEEP_FIRINGS": text}) == least
+    assert least_severity({}) == Severity.ERROR
+
+
+def test_a_setting_that_names_none_is_refused_with_the_names() -> None:
+    with pytest.raises(ValueError, match="'eror' is not a severity; choose one of info, warning"):
+        least_severity({"KOMPASS_KEEP_FIRINGS": "eror"})
+
+
+def test_orders_are_carried_out_when_their_time_has_come_and_the_oldest_go(tmp_path: Path) -> None:
+    now = START
+    ring = Ring(ring_folder(tmp_path), {"life": "1"}, lambda: now)
+    stream = message_stream("/scan", "sensor_msgs/msg/LaserScan", "tap", "scan")
+    for second in range(40):
+        ring.write(stream, START + second * NS, b"x")
+    ring.flush()
+    keeps = Keeps(tmp_path)
+    folder = saved_folder(tmp_path)
+    path = folder / "firing-x.mcap"
+    keeps.order(Keep(str(path), START + 10 * NS, START + 20 * NS))
+    keeps.order(Keep(str(path), START + 10 * NS, START + 30 * NS))
+
+    keeps.carry_out(START + 31 * NS)
+    assert not path.exists(), "what was just heard may not be on disk yet"
+    keeps.carry_out(START + 32 * NS)
+
+    with Recording([path]) as recording:
+        assert recording.start_time == START + 10 * NS
+        assert recording.end_time == START + 29 * NS
+    for number in range(KEPT + 3):
+        keeps.order(Keep(str(folder / f"firing-{number}.mcap"), START, START + NS))
+    (folder / "mine.mcap").write_bytes(path.read_bytes())
+    keeps.carry_out(START + 100 * NS)
+    assert len(list(folder.glob("firing-*"))) == KEPT
+    assert (folder / "mine.mcap").exists(), "what a person has kept is never dropped"
+    ring.close()
+
+
+class Store:
+    def __init__(self) -> None:
+        self.noted: list[tuple[int, str]] = []
+
+    def keep_recording(self, number: int, path: str) -> None:
+        self.noted.append((number, path))
+
+
+def entry(kind: str, severity: str) -> FiringRecord:
+    return FiringRecord.model_validate(
+        {
+            "number": 7,
+            "epoch": "e",
+            "run_id": 1,
+            "rule_id": "stuck",
+            "name": "",
+            "kind": kind,
+            "time": 0.0,
+            "revision": 1,
+            "rule_hash": "",
+            "severity": severity,
+        }
+    )
+
+
+def test_the_journal_learns_where_a_firing_is_kept(tmp_path: Path) -> None:
+    lane, store = Lane(), Store()
+    flight = FlightRecorder(tmp_path, lane, Severity.ERROR)
+    flight._store = store
+    flight.fired(entry("near miss", "critical"))
+    flight.fired(entry("firing", "info"))
+    assert lane.read() == []
+
+    flight.fired(entry("firing", "error"))
+
+    (frame,) = lane.read()
+    assert (frame.is_event, frame.topic) == (True, KEEP)
+    keep = Keep(**json.loads(frame.raw))
+    assert store.noted == [(7, keep.path)]
+    assert abs(keep.end - keep.start - 30 * NS) < NS
+
+
+def test_with_recording_switched_off_there_is_no_process_and_saving_says_why(
+    tmp_path: Path,
+) -> None:
+    environment = {"KOMPASS_DATA_DIR": str(tmp_path), "KOMPASS_RECORD": "0"}
+
+    flight, processes = flight_recorder([], environment=environment)
+
+    assert processes == []
+    assert flight is not None
+    flight.tape.message("scan", "t", b"", 0)
+    flight.fired(entry("firing", "critical"))
+    with pytest.raises(NotRecording, match="--no-record"):
+        flight.save(10.0, "")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_robot_with_no_place_to_record_drives_all_the_same(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    assert flight_recorder([], environment={}) == (None, [])
+    assert "nothing is recorded: there is no home folder" in caplog.text
+
+
+@pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf")])
+def test_a_length_that_is_none_is_refused(tmp_path: Path, seconds: float) -> None:
+    with pytest.raises(ValueError, match="is no length of time"):
+        FlightRecorder(tmp_path, Lane(), None).save(seconds, "x")
