@@ -22,6 +22,7 @@ from kompass.rules.actions import (
     component_of,
 )
 from kompass.rules.arbitrate import components_of
+from kompass.rules.catalog import Catalog, StackCatalog
 from kompass.rules.conditions import CallableCondition, leaves
 from kompass.rules.model import topic_key
 from kompass.rules.table import Rule, Table, rule_hash
@@ -45,6 +46,16 @@ SAFETY_PARAMETERS = frozenset(
     }
 )
 DRIVE_MANAGERS = ("drive_manager",)
+
+
+def gates_of(catalog: Catalog) -> frozenset[str]:
+    """Return the components that stand before the wheels, whatever they are called.
+
+    Known by their parameters; without a catalog of the stack, by their usual name.
+    """
+    known = catalog.components() if isinstance(catalog, StackCatalog) else {}
+    found = {name for name, spec in known.items() if "disable_safety_stop" in spec.parameters}
+    return frozenset({*DRIVE_MANAGERS, *found})
 
 
 def guard(
@@ -72,7 +83,7 @@ def guard(
     recipe_table
         The table that the recipe declares.
     drive_managers
-        Node names of the components that stand before the wheels.
+        Node names of the components that stand before the wheels (:func:`gates_of`).
     """
     if role not in ("operator", "engineer"):
         changed = before != after

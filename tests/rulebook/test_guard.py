@@ -1,10 +1,11 @@
 """Guard rails: what nobody may do to the rules of a running robot."""
 
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import pytest
 
-from kompass.rulebook.guard import guard
+from kompass.rulebook.guard import gates_of, guard
 from kompass.rulebook.report import Finding
 from kompass.rules.actions import (
     Action,
@@ -17,9 +18,11 @@ from kompass.rules.actions import (
     Reconfigure,
     UpdateParameters,
 )
+from kompass.rules.catalog import ComponentSpec, ParameterSpec
 from kompass.rules.conditions import CallableCondition
 from kompass.rules.table import Rule, Table
 from tests.rules.building import compare, rule
+from tests.rules.test_check import Definitions
 
 UNBLOCK = Method(component="drive_manager", method="move_to_unblock")
 
@@ -242,6 +245,20 @@ def test_the_recipe_itself_may_do_what_people_may_not_and_its_timing_may_be_edit
 def test_only_functions_of_the_recipe_can_be_asked() -> None:
     asked = own("new", condition=CallableCondition(name="anything", rate=1.0))
     assert codes(recipe(), (*recipe().rules, asked)) == ["foreign-function"]
+
+
+class Stack(Definitions):
+    def components(self) -> Mapping[str, ComponentSpec]:
+        gate = {"disable_safety_stop": ParameterSpec("disable_safety_stop", "bool")}
+        return {"wheels": ComponentSpec("wheels", parameters=gate), "x": ComponentSpec("x")}
+
+    def functions(self) -> Collection[str]:
+        return ()
+
+
+def test_the_gate_is_known_by_what_it_has_and_not_only_by_its_name() -> None:
+    assert gates_of(Stack()) == {"drive_manager", "wheels"}
+    assert gates_of(Definitions()) == {"drive_manager"}
 
 
 def test_other_names_of_the_gate_are_guarded_when_they_are_told() -> None:
