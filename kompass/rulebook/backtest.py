@@ -14,7 +14,7 @@ from kompass.rulebook.recorded_runs import RecordedRuns
 from kompass.rulebook.replay_notes import ReplayNotes
 from kompass.rulebook.status import LeafReading
 from kompass.rulebook.tape import Began, Ended, Fired, Heard, Lost, Resumed, Swapped, TapeEvent
-from kompass.rulebook.views import leaf_reading
+from kompass.rulebook.views import leaf_reading, why_not
 from kompass.rules.carry import carry
 from kompass.rules.compiled import CompiledTable, compile_table
 from kompass.rules.conditions import Absent, Rate, timeout_of
@@ -100,6 +100,7 @@ class _Replay:
             tuple[float, int, str]
         ] = []  # of runs that did not happen: when, run, rule
         self._assumed: set[str] = set()
+        self._reasons: dict[tuple[str, int], str] = {}  # why recorded firings do not happen
         self._found: list[_Found] = []
         self._first: float | None = None
         self._last = 0.0
@@ -114,7 +115,10 @@ class _Replay:
         if isinstance(event, (Began, Resumed)):
             self._life(event)
             return
-        if isinstance(event, (Fired, Lost)):
+        if isinstance(event, Fired):
+            self._compare(event)
+            return
+        if isinstance(event, Lost):
             return
         if self._state is None:
             self._start(event.now, 0.0, "", ())
@@ -191,10 +195,11 @@ class _Replay:
         for plan in self._compiled.rules:
             self._count(plan.rule.id)
         for rule_id, gone in self._recorded.unmatched(self._epoch):
-            self._add(gone.now, rule_id, "gone", gone.leaves, self._why_gone(rule_id), False)
+            self._add(gone.now, rule_id, "gone", gone.leaves, self._why_gone(gone), False)
         self._runs.clear()
         self._ends.clear()
         self._assumed.clear()
+        self._reasons.clear()
         self._state = None
 
     def _count(self, rule_id: str) -> None:
@@ -259,11 +264,18 @@ class _Replay:
         time = at + self._offset
         self._found.append(_Found(time, len(self._found), rule_id, verdict, leaves, text, assumed))
 
-    def _why_gone(self, rule_id: str) -> str:
-        plan = self._compiled.by_id.get(rule_id)
-        if plan is None:
+    def _compare(self, recorded: Fired) -> None:
+        """Keep the reason why a recorded firing does not happen, while it can be told."""
+        known = recorded.rule_id in self._compiled.by_id
+        if known and self._state is not None and not self._recorded.matched(self._epoch, recorded):
+            self._reasons[recorded.rule_id, recorded.run_id] = why_not(
+                self._compiled, self._state, recorded.rule_id, recorded.now
+            )
+
+    def _why_gone(self, gone: Fired) -> str:
+        if gone.rule_id not in self._compiled.by_id:
             return "the table has no such rule"
-        return "" if plan.rule.enabled else "it is switched off"
+        return self._reasons.get((gone.rule_id, gone.run_id), "")
 
     # -- the report ---------------------------------------------------------------------------
 

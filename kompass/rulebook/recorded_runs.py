@@ -60,6 +60,17 @@ class RecordedRuns:
             index += 1
         return None
 
+    def matched(self, epoch: str, firing: Fired) -> bool:
+        """Whether a recorded firing was given out."""
+        key = (epoch, firing.rule_id)
+        firings = self._firings.get(key, ())
+        index = bisect_left(firings, firing.now, key=lambda one: one.now)
+        while index < len(firings) and firings[index].now == firing.now:
+            if firings[index].run_id == firing.run_id:
+                return self._taken[key][index]
+            index += 1
+        return False
+
     def unmatched(self, epoch: str) -> Iterator[tuple[str, Fired]]:
         """Give out the firings of a life that nothing was matched with."""
         for key, taken in self._taken.items():

@@ -221,6 +221,19 @@ def explanation_view(
     )
 
 
+def why_not(compiled: CompiledTable, state: State, rule_id: str, now: float) -> str:
+    """Return in one line what keeps a rule from firing; empty if nothing does.
+
+    Raises
+    ------
+    KeyError
+        If the table has no such rule.
+    """
+    plan = compiled.by_id[rule_id]
+    found = explain(compiled, state, rule_id, now)
+    return "; ".join(_gate(plan, found, gate).text for gate in found.gates)
+
+
 def _gate(plan: RulePlan, found: Explanation, gate: Gate) -> GateView:
     text = gate.text
     if gate.kind == "unknown":

@@ -108,6 +108,26 @@ def test_a_rule_that_is_removed_or_switched_off_says_so() -> None:
     assert (tally.recorded, tally.proposed, tally.text) == (1, 0, "it is switched off")
 
 
+@pytest.mark.parametrize(
+    ("bound", "fields", "text"),
+    [
+        (1, {}, "false: a.x < 1"),
+        (3, {"hold": 3.0}, "it has been true for 0.5 of 3 s"),
+        (3, {"hold": 0.5, "cooldown": 25.0}, "it cools down for 15 s more"),
+    ],
+)
+def test_a_firing_that_is_gone_says_what_would_have_held_it_back(
+    bound: float, fields: dict[str, Any], text: str
+) -> None:
+    shell = Shell(Table(rules=(rule(compare("a", "<", 3), trigger="edge", hold=0.5),)))
+    for event in ramp()[:20]:
+        assert isinstance(event, Heard)
+        shell.say(event.topic, event.message, event.now)
+    proposed = rule(compare("a", "<", bound), trigger="edge", **fields)
+    report = backtest(Table(rules=(proposed,)), shell.tape, shell.tape)
+    assert [f.text for f in report.firings if f.verdict == "gone"][-1] == text
+
+
 def test_a_run_that_did_not_happen_lasts_as_long_as_such_runs_did() -> None:
     """Runs take 4 s: with a cooldown of 3 s the rule is free again 7 s after it fires."""
     was = Table(rules=(rule(compare("a", "<", 3), cooldown=30.0),))
