@@ -5,6 +5,7 @@ always clean. Death is learned from pidfds and stopping (SIGSTOP) from SIGCHLD, 
 hangs show in beats that are missing.
 """
 
+import gc
 import json
 import logging
 import os
@@ -93,6 +94,8 @@ class Supervisor:
             signal.signal(number, self._on_signal)
         signal.set_wakeup_fd(write, warn_on_full_buffer=False)
         self._selector.register(self._wakeup, selectors.EVENT_READ, None)
+        # What was imported stays for good: children whose collectors leave it alone share its pages.
+        gc.freeze()
         try:
             for spec in self._specs:
                 self._start(spec)
