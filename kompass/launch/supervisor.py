@@ -94,7 +94,7 @@ class Supervisor:
             signal.signal(number, self._on_signal)
         signal.set_wakeup_fd(write, warn_on_full_buffer=False)
         self._selector.register(self._wakeup, selectors.EVENT_READ, None)
-        # What was imported stays for good: children whose collectors leave it alone share its pages.
+        # What was imported stays for good; children whose collectors leave it alone share pages.
         gc.freeze()
         try:
             for spec in self._specs:
