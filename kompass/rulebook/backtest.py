@@ -16,7 +16,7 @@ from kompass.rulebook.status import LeafReading
 from kompass.rulebook.tape import Began, Ended, Fired, Heard, Lost, Resumed, Swapped, TapeEvent
 from kompass.rulebook.views import leaf_reading, why_not
 from kompass.rules.carry import carry
-from kompass.rules.compiled import CompiledTable, compile_table
+from kompass.rules.compiled import CompiledTable, RulePlan, compile_table
 from kompass.rules.conditions import Absent, Rate, timeout_of
 from kompass.rules.engine import initial_state, step
 from kompass.rules.firing import Done, Firing, Input, Sample, Tick
@@ -100,6 +100,7 @@ class _Replay:
             tuple[float, int, str]
         ] = []  # of runs that did not happen: when, run, rule
         self._assumed: set[str] = set()
+        self._unsure: dict[str, float] = {}  # until when what was before may still matter, by rule
         self._reasons: dict[tuple[str, int], str] = {}  # why recorded firings do not happen
         self._found: list[_Found] = []
         self._first: float | None = None
@@ -138,20 +139,27 @@ class _Replay:
         if isinstance(event, Resumed) and self._state is not None and event.epoch == self._epoch:
             return  # the next file of the same life
         self._close()
-        if isinstance(event, Resumed):
-            self._warm_up = max(self._warm_up, _memory(self._compiled))
         self._start(event.now, event.wall - event.now, event.epoch, event.used)
+        if isinstance(event, Resumed):
+            self._midway(event.now)
         self._live = hashes
 
     def _start(self, now: float, offset: float, epoch: str, used: tuple[str, ...]) -> None:
         self._state = initial_state(self._compiled, now, used)
         self._offset, self._epoch = offset, epoch
+        self._unsure.clear()
         self._notes.begin(now)
         if self._first is None:
             self._first = now + offset
             if not epoch:
-                self._warm_up = _memory(self._compiled)
+                self._midway(now)
         self._last = now + offset
+
+    def _midway(self, now: float) -> None:
+        """Take note that something was before of which nothing is known."""
+        memory = {plan.rule.id: _memory(self._compiled, plan) for plan in self._compiled.rules}
+        self._unsure = {rule_id: now + seconds for rule_id, seconds in memory.items()}
+        self._warm_up = max(self._warm_up, *memory.values(), 0.0)
 
     def _hear(self, event: Heard) -> None:
         self._messages += 1
@@ -261,6 +269,7 @@ class _Replay:
         text: str,
         assumed: bool,
     ) -> None:
+        assumed = assumed or (verdict != "same" and at < self._unsure.get(rule_id, at))
         time = at + self._offset
         self._found.append(_Found(time, len(self._found), rule_id, verdict, leaves, text, assumed))
 
@@ -338,15 +347,12 @@ def _listed(found: _Found, start: float) -> BacktestFiring:
     )
 
 
-def _memory(compiled: CompiledTable) -> float:
-    """Seconds for which the past before a recording may still matter."""
-    longest = 0.0
-    for plan in compiled.rules:
-        event = plan.rule.event
-        limit = event.max_rate.window if event.max_rate else 0.0
-        longest = max(longest, event.hold, event.cooldown, limit)
-    for leaf in compiled.leaves:
-        condition = leaf.condition
+def _memory(compiled: CompiledTable, plan: RulePlan) -> float:
+    """Seconds for which what was before a recording may still matter to a rule."""
+    event = plan.rule.event
+    longest = max(event.hold, event.cooldown, event.max_rate.window if event.max_rate else 0.0)
+    for _, index in (*plan.leaves, *plan.clear_leaves):
+        condition = compiled.leaves[index].condition
         if isinstance(condition, Absent):
             longest = max(longest, condition.seconds)
         elif isinstance(condition, Rate):

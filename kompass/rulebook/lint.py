@@ -225,7 +225,8 @@ def _leaf(
     facts = context.topics.get(topic)
     if facts is None or not facts.publishers:
         if not isinstance(leaf, Absent):
-            near = nearest(topic, context.topics, "start the node that publishes it")
+            heard = [name for name, known in context.topics.items() if known.publishers]
+            near = nearest(topic, heard, "start the node that publishes it")
             text = f"nobody publishes on /{topic}"
             yield _lint(rule, "no-topic", f"{at}.topic", topic, text, near)
         return

@@ -218,6 +218,22 @@ def test_a_file_that_goes_on_where_another_ended_changes_nothing() -> None:
     assert report.warm_up == 1.0
 
 
+def test_a_difference_that_what_was_before_may_account_for_is_marked() -> None:
+    """The rule cooled down when the recording began, and nobody knows."""
+    table = Table(rules=(rule(compare("a", "<", 3), cooldown=15.0),))
+    shell = Shell(table)
+    for event in ramp():
+        assert isinstance(event, Heard)
+        shell.say(event.topic, event.message, event.now)
+    assert [f.at for f in shell.firings] == [8.0, 28.0, 48.0, 68.0, 88.0]
+    cut = [e for e in shell.tape if e.now > 10.0]
+    tape = [Resumed(10.0, EPOCH_TIME + 10.0, "life", 1, table), *cut]
+    report = backtest(table, tape, tape)
+    found = [(f.at + 10.0, f.verdict, f.assumed) for f in report.firings]
+    assert found[:2] == [(18.0, "new", True), (28.0, "gone", False)]
+    assert report.warm_up == 15.0
+
+
 def test_rules_that_are_used_up_stay_so() -> None:
     table = Table(rules=(rule(compare("a", "<", 3), "r", once=True),))
     tape: list[TapeEvent] = [Began(0.0, 100.0, "life", 1, table, ("r",)), say(1.0, 1)]
