@@ -17,6 +17,7 @@ import { AddCondition } from "./AddCondition";
 import classes from "./Editor.module.css";
 import { useEditor } from "./EditorContext";
 import { LeafEditor } from "./LeafEditor";
+import { LiveLeaf } from "./LiveLeaf";
 
 interface Props {
   /** Which field of the rule this tree is, as findings name it. */
@@ -41,7 +42,7 @@ export function ConditionEditor(props: Props) {
 
 function Node(props: Props & { path: TreePath }) {
   const { root, condition: tree, onChange, path } = props;
-  const { graph, findings, reading } = useEditor();
+  const { graph, findings } = useEditor();
   const node = nodeAt(tree, path);
   if (node === null) return null;
   const field = fieldOf(root, tree, path);
@@ -93,7 +94,7 @@ function Node(props: Props & { path: TreePath }) {
     <div className={classes.leaf} data-testid={field}>
       <LeafEditor
         leaf={node}
-        reading={reading(root, path)}
+        now={<LiveLeaf root={root} path={path} />}
         onChange={put}
         tools={
           <>

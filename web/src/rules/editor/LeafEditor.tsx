@@ -1,6 +1,6 @@
 import { Select } from "@mantine/core";
 import type { ReactNode } from "react";
-import type { Condition, Leaf, LeafReading, Signal } from "../../api/ruleTypes";
+import type { Condition, Leaf, Signal } from "../../api/ruleTypes";
 import { bare, slashed } from "../model/actions";
 import { blank, KIND_WORDS } from "../model/presets";
 import { sensibleTimeout, topicOf } from "../model/signals";
@@ -10,12 +10,12 @@ import { CompareFields } from "./CompareFields";
 import classes from "./Editor.module.css";
 import { useEditor } from "./EditorContext";
 import { FieldPicker } from "./FieldPicker";
-import { LeafNow } from "./LeafNow";
 import { TopicPicker } from "./TopicPicker";
 
 interface Props {
   leaf: Leaf;
-  reading: LeafReading | null;
+  /** How it is judged right now. */
+  now: ReactNode;
   onChange: (leaf: Condition) => void;
   tools: ReactNode;
 }
@@ -23,7 +23,7 @@ interface Props {
 type Kind = keyof typeof KIND_WORDS;
 
 /** One leaf: what sort of thing, of which topic, which value of it, and how it is right now. */
-export function LeafEditor({ leaf, reading, onChange, tools }: Props) {
+export function LeafEditor({ leaf, now, onChange, tools }: Props) {
   const { graph } = useEditor();
   if (leaf.kind === "callable") {
     return (
@@ -31,7 +31,7 @@ export function LeafEditor({ leaf, reading, onChange, tools }: Props) {
         <span>
           <code>{leaf.name}()</code> of the recipe: its code cannot be edited here.
         </span>
-        {reading !== null && <LeafNow reading={reading} />}
+        {now}
         <span className={classes.spring} />
         {tools}
       </div>
@@ -74,7 +74,7 @@ export function LeafEditor({ leaf, reading, onChange, tools }: Props) {
         <KindFields leaf={leaf} onChange={onChange} />
       </div>
       <div className={classes.leafFoot}>
-        {reading !== null && <LeafNow reading={reading} />}
+        {now}
         {leaf.kind !== "rate" && leaf.kind !== "absent" && (
           <Timeout
             signal={leaf.signal}

@@ -1,12 +1,10 @@
 import { Button, TextInput } from "@mantine/core";
 import { IconArrowLeft } from "@tabler/icons-react";
 import { useEffect, useMemo } from "react";
-import type { LeafReading, Rule } from "../../api/ruleTypes";
+import type { Rule } from "../../api/ruleTypes";
 import { FindingList } from "../FindingList";
 import { useRules } from "../live/RulesContext";
 import { useNav } from "../live/RulesNav";
-import { useProbe } from "../live/useProbe";
-import { samePath } from "../model/condition";
 import { freeId, putRule, removeRule, ruleOf } from "../model/draft";
 import { findingsElsewhere } from "../model/findings";
 import { ruleName } from "../model/words";
@@ -14,6 +12,7 @@ import sheet from "../Sheet.module.css";
 import { ActionList } from "./ActionList";
 import { ConditionEditor } from "./ConditionEditor";
 import { type Editor, EditorProvider } from "./EditorContext";
+import { ProbeProvider } from "./ProbeContext";
 import { RuleSettings } from "./RuleSettings";
 import { TimingFields } from "./TimingFields";
 import { VerdictLine } from "./VerdictLine";
@@ -40,23 +39,13 @@ export function RuleEditor({ id }: { id: string }) {
 function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
   const { draft, view, graph, check, reloadGraph } = useRules();
   const nav = useNav();
-  const reading = useProbe(rule.event.condition, rule.event.clear);
   useEffect(reloadGraph, [reloadGraph]);
 
   const findings = useMemo(
     () => check.findings.filter((finding) => finding.rule_id === rule.id),
     [check.findings, rule.id],
   );
-  const editor = useMemo<Editor>(() => {
-    const find = (leaves: LeafReading[] | undefined, path: readonly number[]) =>
-      leaves?.find((leaf) => samePath(leaf.path, path)) ?? null;
-    return {
-      graph,
-      findings,
-      reading: (root, path) =>
-        find(root === "event.clear" ? reading?.clear_leaves : reading?.leaves, path),
-    };
-  }, [graph, findings, reading]);
+  const editor = useMemo<Editor>(() => ({ graph, findings }), [graph, findings]);
 
   const put = (next: Rule) => draft.edit((table) => putRule(table, next));
   const isNew = view !== null && ruleOf(view.table, rule.id) === null;
@@ -82,85 +71,83 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
   ];
   return (
     <EditorProvider value={editor}>
-      <fieldset className={sheet.section} disabled={readOnly}>
-        <div className={sheet.page} data-testid="rule-editor">
-          <div className={sheet.title}>
-            <Button
-              variant="subtle"
-              px="xs"
-              leftSection={<IconArrowLeft size={16} aria-hidden />}
-              data-testid="editor-back"
-              onClick={() => nav.go({ at: "table" })}
-            >
-              Rules
-            </Button>
-            <h2>{isNew ? "New rule" : ruleName(rule)}</h2>
-            <span className={sheet.muted} data-testid="editor-kept">
-              {draft.changes.some((change) => change.rule_id === rule.id)
-                ? "kept as unsaved change"
-                : "as in force"}
-            </span>
-          </div>
-          <FindingList findings={findingsElsewhere(findings, shown)} />
-          <TextInput
-            label="Name"
-            placeholder="What it is for, in a few words"
-            size="sm"
-            value={rule.name}
-            data-autofocus
-            data-testid="rule-name"
-            onChange={(event) => put({ ...rule, name: event.currentTarget.value })}
-            onBlur={named}
-          />
-          <section className={sheet.section} aria-label="When">
+      <ProbeProvider condition={rule.event.condition} clear={rule.event.clear}>
+        <fieldset className={sheet.section} disabled={readOnly}>
+          <div className={sheet.page} data-testid="rule-editor">
             <div className={sheet.title}>
-              <h2>When</h2>
-              <VerdictLine reading={reading} />
-            </div>
-            <ConditionEditor
-              root="event.condition"
-              condition={rule.event.condition}
-              onChange={(condition) => put({ ...rule, event: { ...rule.event, condition } })}
-            />
-          </section>
-          <TimingFields
-            event={rule.event}
-            onChange={(event) => put({ ...rule, event })}
-            clearVerdict={reading?.clear_verdict ?? null}
-          />
-          <section className={sheet.section} aria-label="Then">
-            <div className={sheet.title}>
-              <h2>Then</h2>
-            </div>
-            <ActionList
-              actions={rule.actions}
-              condition={rule.event.condition}
-              onChange={(actions) => put({ ...rule, actions })}
-            />
-          </section>
-          <RuleSettings rule={rule} onChange={put} />
-          <div className={sheet.line}>
-            <Button
-              variant="default"
-              onClick={() => nav.go({ at: "table" })}
-              data-testid="editor-done"
-            >
-              Done
-            </Button>
-            {draft.changes.some((change) => change.rule_id === rule.id) && (
               <Button
                 variant="subtle"
-                onClick={() => {
-                  draft.discard(rule.id);
-                  if (isNew) nav.go({ at: "table" });
-                }}
+                px="xs"
+                leftSection={<IconArrowLeft size={16} aria-hidden />}
+                data-testid="editor-back"
+                onClick={() => nav.go({ at: "table" })}
               >
-                {isNew ? "Drop this rule" : "Undo the changes of this rule"}
+                Rules
               </Button>
-            )}
+              <h2>{isNew ? "New rule" : ruleName(rule)}</h2>
+              <span className={sheet.muted} data-testid="editor-kept">
+                {draft.changes.some((change) => change.rule_id === rule.id)
+                  ? "kept as unsaved change"
+                  : "as in force"}
+              </span>
+            </div>
+            <FindingList findings={findingsElsewhere(findings, shown)} />
+            <TextInput
+              label="Name"
+              placeholder="What it is for, in a few words"
+              size="sm"
+              value={rule.name}
+              data-autofocus
+              data-testid="rule-name"
+              onChange={(event) => put({ ...rule, name: event.currentTarget.value })}
+              onBlur={named}
+            />
+            <section className={sheet.section} aria-label="When">
+              <div className={sheet.title}>
+                <h2>When</h2>
+                <VerdictLine of="condition" />
+              </div>
+              <ConditionEditor
+                root="event.condition"
+                condition={rule.event.condition}
+                onChange={(condition) => put({ ...rule, event: { ...rule.event, condition } })}
+              />
+            </section>
+            <TimingFields event={rule.event} onChange={(event) => put({ ...rule, event })} />
+            <section className={sheet.section} aria-label="Then">
+              <div className={sheet.title}>
+                <h2>Then</h2>
+              </div>
+              <ActionList
+                actions={rule.actions}
+                condition={rule.event.condition}
+                onChange={(actions) => put({ ...rule, actions })}
+              />
+            </section>
+            <RuleSettings rule={rule} onChange={put} />
+            <div className={sheet.line}>
+              <Button
+                variant="default"
+                onClick={() => nav.go({ at: "table" })}
+                data-testid="editor-done"
+              >
+                Done
+              </Button>
+              {draft.changes.some((change) => change.rule_id === rule.id) && (
+                <Button
+                  variant="subtle"
+                  onClick={() => {
+                    draft.discard(rule.id);
+                    if (isNew) nav.go({ at: "table" });
+                  }}
+                >
+                  {isNew ? "Drop this rule" : "Undo the changes of this rule"}
+                </Button>
+              )}
+            </div>
           </div>
-        </div>
-      </fieldset>
+        </fieldset>
+      </ProbeProvider>
     </EditorProvider>
   );
 }

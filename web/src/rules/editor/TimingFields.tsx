@@ -10,12 +10,11 @@ import { Toggle } from "../Toggle";
 import { ConditionEditor } from "./ConditionEditor";
 import classes from "./Editor.module.css";
 import { useEditor } from "./EditorContext";
-import { VerdictMark, verdictWord } from "./VerdictMark";
+import { VerdictLine } from "./VerdictLine";
 
 interface Props {
   event: RuleEvent;
   onChange: (event: RuleEvent) => void;
-  clearVerdict: boolean | null;
 }
 
 const MODES: { value: Mode["kind"]; label: string }[] = [
@@ -26,7 +25,7 @@ const MODES: { value: Mode["kind"]; label: string }[] = [
 ];
 
 /** How the truth of the condition over time becomes firings. */
-export function TimingFields({ event, onChange, clearVerdict }: Props) {
+export function TimingFields({ event, onChange }: Props) {
   const { findings, graph } = useEditor();
   const put = (part: Partial<RuleEvent>) => onChange({ ...event, ...part });
   const { mode, max_rate: limit } = event;
@@ -152,9 +151,7 @@ export function TimingFields({ event, onChange, clearVerdict }: Props) {
             condition={event.clear}
             onChange={(clear) => put({ clear })}
           />
-          <span className={classes.verdict}>
-            now <VerdictMark verdict={clearVerdict} /> {verdictWord(clearVerdict)}
-          </span>
+          <VerdictLine of="clear" />
         </>
       )}
     </section>

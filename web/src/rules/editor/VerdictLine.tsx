@@ -1,17 +1,19 @@
-import type { ProbeReading } from "../../api/ruleTypes";
 import classes from "./Editor.module.css";
+import { useReading } from "./ProbeContext";
 import { VerdictMark, verdictWord } from "./VerdictMark";
 
-/** What the robot makes of the whole condition right now. */
-export function VerdictLine({ reading }: { reading: ProbeReading | null }) {
+/** What the robot makes of a whole condition right now. */
+export function VerdictLine({ of }: { of: "condition" | "clear" }) {
+  const reading = useReading();
   if (reading === null) return null;
+  const verdict = of === "clear" ? reading.clear_verdict : reading.verdict;
   return (
-    <span className={classes.verdict} data-testid="probe-verdict" aria-live="polite">
+    <span className={classes.verdict} data-testid={`probe-${of}`}>
       {reading.error !== "" ? (
         <span className={classes.wrong}>{reading.error}</span>
       ) : (
         <>
-          now <VerdictMark verdict={reading.verdict} /> {verdictWord(reading.verdict)}
+          now <VerdictMark verdict={verdict} /> {verdictWord(verdict)}
         </>
       )}
     </span>
