@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from kompass.recorder.contents import NotMcap
 from kompass.recorder.places import SUFFIX, saved_folder
 from kompass.recorder.saving import CannotSave, save
 from kompass.rules.table import Severity
@@ -113,7 +112,7 @@ class Keeps:
             del self._orders[keep.path]
             try:
                 save(self._recordings, Path(keep.path), keep.start, keep.end)
-            except (CannotSave, NotMcap, OSError) as error:
+            except (CannotSave, ValueError, OSError) as error:
                 log.error("a firing is not kept: %s", error)
         if due:
             self._prune()

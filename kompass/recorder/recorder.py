@@ -96,7 +96,13 @@ class Recorder:
             self._keeps.carry_out(self._now())
 
     def flush(self) -> None:
-        """Bring all to disk. When that cannot be done, say so in the log and in the recording."""
+        """Bring all to disk. When that cannot be done, say so in the log and in the recording.
+
+        Raises
+        ------
+        OSError
+            When not even another file can be begun.
+        """
         self._flushed = time.monotonic()
         try:
             self._ring.flush()
@@ -108,9 +114,11 @@ class Recorder:
 
     def close(self) -> None:
         """Take what there is, and end the file properly."""
-        self.tick()
-        self.flush()
-        self._ring.close()
+        try:
+            self.tick()
+            self.flush()
+        finally:
+            self._ring.close()
 
     def _compare_clocks(self) -> None:
         """The clock of the day may be set meanwhile; that of the recording must not leap."""

@@ -145,7 +145,10 @@ class Ring:
         """End the file under way; the next message begins another."""
         writer, self._writer = self._writer, None
         if writer is not None:
-            writer.finish()
+            try:
+                writer.finish()
+            finally:
+                writer.abandon()
 
     def close(self) -> None:
         """Finish the file, and let others write here."""
@@ -173,7 +176,11 @@ class Ring:
         number = max((int(path.name[:8]) for path in self.files()), default=0) + 1
         stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime(log_time * 1e-9))
         writer = McapWriter(self._folder / f"{number:08d}-{stamp}{SUFFIX}")
-        writer.add_metadata("kompass", self._metadata)
+        try:
+            writer.add_metadata("kompass", self._metadata)
+        except OSError:
+            writer.abandon()
+            raise
         self._writer, self._channels, self._began = writer, {}, self._clock()
         self._begins(log_time)
         for stream, data, said in self._latest.values():

@@ -1,6 +1,9 @@
 """A replay gives the engine what it took: no more, no less, and in its order."""
 
+import errno
 import json
+import shutil
+import time
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -207,6 +210,55 @@ def test_what_did_not_fit_is_told(life: Life) -> None:
     assert lost.number == 3  # type: ignore[union-attr]
     _, remark = backtest_files(table(5.0), ring_files(life.recordings / "ring"))
     assert "lost 3 inputs" in remark
+
+
+def test_a_disk_that_fails_for_a_moment_costs_that_moment_and_is_told(
+    life: Life, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    life.now_ns = time.monotonic_ns()
+    life.begin(table(5.0))
+    life.hear(1.0)
+    life.recorder.tick()
+    flush = McapWriter.flush
+    failures = [OSError(errno.EIO, "Input/output error")]
+
+    def fail(writer: McapWriter) -> None:
+        if failures:
+            raise failures.pop()
+        flush(writer)
+
+    monkeypatch.setattr(McapWriter, "flush", fail)
+    life.recorder.flush()
+    life.hear(2.0)
+    life.recorder.close()
+
+    assert "nothing is recorded now: [Errno 5]" in caplog.text
+    events = replayed(ring_files(life.recordings / "ring"), table(5.0))
+    assert [type(e).__name__ for e in events] == ["Resumed", "Heard", "Lost", "Heard"]
+    assert [value for _, _, value in heard(events)] == [1.0, 2.0], "the last of before is valid"
+
+
+def test_a_disk_that_fails_for_good_leaves_the_folder_to_the_next(
+    life: Life, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    life.begin(table(5.0))
+    life.recorder.tick()
+
+    def full(_: object) -> Any:
+        return shutil._ntuple_diskusage(1, 1, 0)
+
+    monkeypatch.setattr(shutil, "disk_usage", full)
+    monkeypatch.setattr(McapWriter, "_put", _no_space)
+    with pytest.raises(OSError, match="left to others"):
+        life.recorder.close()
+    monkeypatch.undo()
+
+    life.recorder = life.start()
+    life.recorder.close()
+
+
+def _no_space(*_: object) -> None:
+    raise OSError(errno.ENOSPC, "No space left on device")
 
 
 def test_a_kept_stretch_begins_with_the_table_in_force_and_what_was_valid(life: Life) -> None:
