@@ -237,6 +237,7 @@ class Desk:
                 self._stored().set_confirmed(revision, author=who.author, role=who.role)
             except StoreError as error:
                 return self._fail(error)
+            self._merge = None
             self._set(InForce(now.table, revision, revision))
             return Answer("applied", f"revision {revision} is confirmed", revision)
 
@@ -329,6 +330,8 @@ class Desk:
         swap = self._engine.swap(compiled, made.number, tuple(reset), by if cancel else "")
         ends = self._clock() + probation if probation else None
         confirmed = now.confirmed if probation else made.number
+        if not probation and origin == "edit":
+            self._merge = None  # taken, or decided against; until then the offer stands
         self._set(InForce(table, made.number, confirmed, ends))
         body = ApplyReport(
             revision=made.number,
@@ -418,8 +421,6 @@ class Desk:
         return self._store
 
     def _set(self, in_force: InForce) -> None:
-        if in_force.table is not self._in_force.table:
-            self._merge = None
         self._in_force = in_force
         self._changed()
 

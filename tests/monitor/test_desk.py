@@ -82,6 +82,7 @@ class Office:
             lints=lambda _: [],
             changed=self._count,
             announce=self.said.append,
+            merge=boot.merge,
             clock=lambda: self.now,
         )
 
@@ -346,6 +347,25 @@ def test_without_a_store_rules_can_be_seen_and_not_changed() -> None:
     assert notice in answer.message
     assert not desk.rollback(0, OPERATOR).ok
     assert desk.in_force.table == table
+
+
+def test_edits_of_an_older_recipe_are_offered_until_somebody_decides(tmp_path: Path) -> None:
+    first = Office(tmp_path)
+    assert first.apply([*BASE, NEW], probation=0.0).ok
+    first.store.close()
+    second = Office(tmp_path, [rule("first", compare("a", ">", 5)), BASE[1]])
+    offer = second.desk.view().merge
+    assert offer is not None
+    assert ids(offer.table) == ["first", "guarded", "new"]
+    assert offer.table.rules[0].event == second.recipe.rules[0].event
+    merged = json.loads(offer.table.model_dump_json())["rules"]
+    assert second.apply(merged, probation=5.0).ok
+    second.now += 6.0
+    second.desk.tick()
+    assert second.desk.view().merge == offer
+    assert second.apply(merged, probation=0.0).ok
+    assert second.desk.view().merge is None
+    second.store.close()
 
 
 STEPS = st.lists(

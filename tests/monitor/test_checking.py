@@ -1,0 +1,86 @@
+"""A recipe whose rules do not fit the robot is refused, with where and what to do."""
+
+from typing import Any
+
+import pytest
+
+from kompass.components import Component
+from kompass.components.actions import component_action
+from kompass.monitor.catalog import RecipeCatalog
+from kompass.monitor.checking import check_recipe
+from kompass.monitor.message_types import MessageTypes, constants
+from kompass.recipe.table import RecipeRules
+from kompass.rules.catalog import FieldType
+from kompass.rules.table import Table
+from tests.support.rules import compare, rule
+
+
+class Lamp(Component):
+    """Shines, or does not."""
+
+    @component_action
+    def switch(self, on: bool, colour: str = "white") -> bool:
+        """Switch it on or off."""
+        return on and bool(colour)
+
+
+def call(method: str, **kwargs: Any) -> dict[str, Any]:
+    return {"kind": "method", "component": "lamp", "method": method, "kwargs": kwargs}
+
+
+def change(**parameters: Any) -> dict[str, Any]:
+    return {"kind": "update_parameters", "component": "lamp", "parameters": parameters}
+
+
+def check(made: dict[str, Any]) -> None:
+    catalog = RecipeCatalog([Lamp("lamp")], RecipeRules())
+    check_recipe(Table.model_validate({"rules": [made]}), catalog)
+
+
+def test_what_fits_passes() -> None:
+    for action in (call("switch", on=True), call("restart"), change(loop_rate=5)):
+        check(rule("r", compare("a", ">", 1), action))
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (rule("r", compare("a", ">", 1, path="dat")), ("rule 'r'", "did you mean 'data'")),
+        (rule("r", compare("a", ">", "x")), ("an integer",)),
+        (rule("r", compare("a-b", ">", 1)), ("must not contain",)),
+        (rule("r", compare("a", ">", 1), call("swich", on=True)), ("swich", "switch")),
+        (rule("r", compare("a", ">", 1), call("switch")), ("on",)),
+        (rule("r", compare("a", ">", 1), call("switch", on="yes")), ("on", "true or false")),
+        (rule("r", compare("a", ">", 1), call("switch", on=True, size=1)), ("size",)),
+        (rule("r", compare("a", ">", 1), change(loop_rat=5)), ("loop_rate",)),
+        (rule("r", compare("a", ">", 1), change(loop_rate="fast")), ("loop_rate", "number")),
+        (rule("r", compare("a", ">", 1), {"kind": "python", "name": "nobody"}), ("nobody",)),
+    ],
+)
+def test_what_does_not_fit_is_refused(made: dict[str, Any], words: tuple[str, ...]) -> None:
+    with pytest.raises(ValueError) as refused:
+        check(made)
+    for word in words:
+        assert word in str(refused.value)
+
+
+def test_messages_requests_and_goals_are_known_by_their_fields() -> None:
+    types = MessageTypes()
+    known = types.field_type
+    assert known("sensor_msgs/msg/LaserScan", ("ranges",)) == FieldType(
+        "list", element=FieldType("float")
+    )
+    assert known("nav_msgs/msg/Path", ("poses", 0, "pose", "position", "x")) == FieldType("float")
+    assert known("std_srvs/srv/SetBool_Request", ("data",)) == FieldType("bool")
+    assert known("kompass_interfaces/action/PlanPath_Goal", ("goal", "position", "x")) is not None
+    assert known("geometry_msgs/msg/PoseWithCovariance", ("covariance", 3)) == FieldType("float")
+    assert known("std_msgs/msg/Nothing", ()) is None
+    assert known("no_such/msg/Bool", ()) is None
+    assert known("std_msgs/msg/Bool", ("data", "more")) is None
+    assert list(types.walk("std_srvs/srv/Trigger_Request")) == []
+
+
+def test_constants_are_told_with_their_field() -> None:
+    found = constants("automatika_ros_sugar/msg/ComponentStatus", "status")
+    assert found["STATUS_FAILURE_ALGORITHM_LEVEL"] == 1
+    assert constants("std_msgs/msg/Int32", "data") == {}
