@@ -7,7 +7,6 @@ returns when the change has reached the disk, and either all of it is stored or 
 
 from __future__ import annotations
 
-import logging
 import os
 import sqlite3
 import threading
@@ -35,8 +34,6 @@ from kompass.store.schema import RULES, RULES_ID
 
 FILE = "rules.db"
 FORMAT = Format(RULES_ID, RULES, "FULL")
-
-_logger = logging.getLogger("kompass.store")
 
 
 class RuleStore(JournalAccess):
@@ -163,12 +160,10 @@ class RuleStore(JournalAccess):
         self._recipe, self._epoch, self._stack = recipe_table, epoch, stack
         self._active = number
         self._confirmed = self._revisions.pointers(recipe).confirmed
-        if boot.revision is None:
+        if boot.revision is None or self.notices:
             self._back_up()
         self._journal.abandon(epoch, now)
         notice = "\n".join(text for text in (*self.notices, boot.notice) if text)
-        if notice:
-            _logger.warning("%s", notice)
         return boot._replace(revision=number, notice=notice)
 
     def _append_boot(self, boot: Boot, recipe: str, now: float) -> int:

@@ -303,7 +303,7 @@ def _outcome(revision: Revision) -> str:
 def _changes(revision: Revision) -> list[str]:
     changes = revision.diff.changes
     if revision.parent is None:
-        return [f"{len(changes)} rules"]
+        return [f"{len(changes)} {'rule' if len(changes) == 1 else 'rules'}"]
     lines = [f"{change.rule_id}: {change.summary}" for change in changes[:CHANGES]]
     return [*lines, f"… and {len(changes) - CHANGES} more"] if len(changes) > CHANGES else lines
 

@@ -52,6 +52,15 @@ def test_a_damaged_file_is_set_aside_and_said(robot: Robot, how: str) -> None:
     assert robot.store.append(edited("works"), confirmed=True, **BY).number == 24
 
 
+def test_numbers_go_on_through_damage_upon_damage(robot: Robot) -> None:
+    file = grown(robot)
+    for number in (23, 25):
+        file.write_bytes(b"hello")
+        robot.start()
+        assert robot.store.active == number
+        robot.stop()
+
+
 def test_a_damaged_history_without_a_copy_ends_with_the_recipe(robot: Robot) -> None:
     file = grown(robot)
     file.write_bytes(b"hello")
