@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, expect
 
 from tests.browser.chromium import chromium
 from tests.browser.console_page import ConsolePage
@@ -12,6 +12,9 @@ from tests.support.robot import Robot
 from tests.support.stack import TOKEN, Stack
 
 OpenPage = Callable[..., ConsolePage]
+
+# A busy machine without a GPU draws slowly; waiting longer costs nothing where it is fast.
+expect.set_options(timeout=15_000)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +54,7 @@ def new_page(
 
     def make(width: int = 1120, height: int = 640, **options: Any) -> ConsolePage:
         context = browser.new_context(viewport={"width": width, "height": height}, **options)
-        context.set_default_timeout(10_000)
+        context.set_default_timeout(30_000)
         made.append(ConsolePage(context.new_page(), stack.url))
         return made[-1]
 

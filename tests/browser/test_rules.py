@@ -1,4 +1,4 @@
-"""A person reads, changes, tries, applies and takes back the robot's rules, on the running robot."""
+"""A person reads, changes, tries, applies and takes back the rules of the running robot."""
 
 import os
 import re
@@ -10,7 +10,6 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from tests.browser.conftest import OpenPage
-from tests.browser.console_page import ConsolePage
 from tests.browser.rules_page import RulesPage
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
@@ -68,7 +67,9 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
     rules.choose(condition.get_by_test_id("operator"), re.compile("less than"))
     condition.get_by_test_id("literal").fill("0.3")
     # Beside it stands what the robot makes of it right now.
-    expect(condition.get_by_test_id("leaf-now")).to_contain_text(re.compile(r"now 0\.\d+ →\s+false"))
+    expect(condition.get_by_test_id("leaf-now")).to_contain_text(
+        re.compile(r"now 0\.\d+ →\s+false")
+    )
     rules.get("hold").fill("1")
     rules.choose(rules.get("add-action"), "Write a line to the log")
     rules.get("log-text").fill("too near")
@@ -148,9 +149,7 @@ def test_page_and_robot_agree_after_console_and_monitor_died_in_the_middle_of_an
     rules.get("cooldown").fill("33")
     before = rules.in_force(STUCK)["event"]["cooldown"]
     for process in ("monitor", "console"):
-        killed = stack.pid_of(process)
-        os.kill(killed, signal.SIGKILL)
-        wait_until(lambda k=killed, p=process: stack.pid_of(p) != k, 10, f"another {process}")
+        _kill(stack, process)
         expect(rules.get("cooldown")).to_have_value("33 s")
         expect(rules.get("rules-stale")).to_be_hidden(timeout=20_000)
     assert rules.in_force(STUCK)["event"]["cooldown"] == before
@@ -162,9 +161,7 @@ def test_page_and_robot_agree_after_console_and_monitor_died_in_the_middle_of_an
     wait_until(lambda: rules.in_force(STUCK)["event"]["cooldown"] == before, 5, "the way back")
 
 
-def test_a_viewer_reads_everything_and_can_change_nothing(
-    new_page: OpenPage, stack: Stack
-) -> None:
+def test_a_viewer_reads_everything_and_can_change_nothing(new_page: OpenPage, stack: Stack) -> None:
     found = re.search(r"To watch:\s+\S+#token=(\S+)", stack.output)
     assert found
     rules = RulesPage.opened(new_page(1280, 800), found[1])
@@ -208,6 +205,13 @@ def test_rules_are_a_tab_of_a_small_screen_and_stop_stays_free(
     expect(rules.get("cooldown")).to_be_visible()
     _stop_is_free(page.get("stop-button"))
     assert page.page.evaluate("() => document.documentElement.scrollWidth") <= width
+
+
+def _kill(stack: Stack, process: str) -> None:
+    """End a process without a word, and wait for the next one."""
+    killed = stack.pid_of(process)
+    os.kill(killed, signal.SIGKILL)
+    wait_until(lambda: stack.pid_of(process) != killed, 10, f"another {process}")
 
 
 def _stop_is_free(stop: Locator) -> None:

@@ -24,6 +24,7 @@ export function RevisionBadge() {
     <UnstyledButton
       className={classes.badge}
       data-probation={left > 0 || undefined}
+      data-unsaved={unsaved > 0 || undefined}
       data-silent={!available || undefined}
       data-testid="revision-badge"
       title="Open the rules (R)"
