@@ -145,6 +145,14 @@ class Declaration:
         """The topic of an output key; a list when there are several, None when there is none."""
         return _one_or_all(self._topics_out.get(str(getattr(key, "value", key)), []))
 
+    def in_topic_name(self, key: str) -> str | list[str] | None:
+        """As :meth:`get_in_topic`, names only."""
+        return _names(self.get_in_topic(key))
+
+    def out_topic_name(self, key: str) -> str | list[str] | None:
+        """As :meth:`get_out_topic`, names only."""
+        return _names(self.get_out_topic(key))
+
     @property
     def run_type(self) -> ComponentRunType:
         """What makes the component work."""
@@ -320,6 +328,12 @@ class Declaration:
 
 def _one_or_all(topics: list[Topic]) -> Topic | list[Topic] | None:
     return topics[0] if len(topics) == 1 else (list(topics) or None)
+
+
+def _names(topics: Topic | list[Topic] | None) -> str | list[str] | None:
+    if isinstance(topics, list):
+        return [topic.name for topic in topics]
+    return topics.name if topics is not None else None
 
 
 def _lay_over(config: dict[str, Any], key: str, value: Any) -> None:

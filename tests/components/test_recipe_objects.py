@@ -15,6 +15,7 @@ from kompass.components import (
     LocalMapper,
     Planner,
     PlannerConfig,
+    TopicsKeys,
 )
 from kompass.components.config_file import ConfigFileError
 from kompass.components.topic import Topic
@@ -197,3 +198,17 @@ def test_two_components_of_one_name_are_refused() -> None:
 def test_a_launcher_without_components_says_so() -> None:
     with pytest.raises(ValueError, match="no components"):
         Launcher().bringup()
+
+
+def test_topics_may_be_asked_for_by_the_older_keys() -> None:
+    driver, planner = DriveManager(), Planner()
+    assert driver.out_topic_name(TopicsKeys.EMERGENCY) == "emergency_stop"
+    assert name_of(driver.get_in_topic(TopicsKeys.SPATIAL_SENSOR)) == "scan"
+    assert driver.in_topic_name("map") is None
+    planner.inputs(
+        goal_point=[
+            Topic(name="/goal_pose", msg_type="PoseStamped"),
+            Topic(name="/clicked_point", msg_type="PointStamped"),
+        ]
+    )
+    assert planner.in_topic_name(TopicsKeys.GOAL_POINT) == ["goal_pose", "clicked_point"]
