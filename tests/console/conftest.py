@@ -95,12 +95,21 @@ def console(tmp_path_factory: pytest.TempPathFactory, domain: int) -> Iterator[S
         yield served
 
 
-@contextlib.contextmanager
-def running_stack(*options: str) -> Iterator[subprocess.Popen[bytes]]:
+def running_stack(*options: str) -> contextlib.AbstractContextManager[subprocess.Popen[bytes]]:
     """A fake stack; `running_stack("--no-poses")` leaves something out."""
-    command = [sys.executable, "-m", "tests.console.fake_stack", *options]
-    with subprocess.Popen(command) as process:
+    return running("tests.console.fake_stack", *options)
+
+
+@contextlib.contextmanager
+def running(module: str, *options: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A stand-in for the far side of DDS, in a process of its own."""
+    with subprocess.Popen([sys.executable, "-m", module, *options]) as process:
         try:
             yield process
         finally:
             process.terminate()
+            try:
+                process.wait(10.0)
+            except subprocess.TimeoutExpired:
+                # rclpy now and then waits for ever while it shuts down; the next test must not.
+                process.kill()

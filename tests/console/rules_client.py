@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -13,22 +12,16 @@ from typing import Any
 import httpx
 from websockets.sync.client import ClientConnection, connect
 
-from tests.console.conftest import Served, cookie_of
+from tests.console.conftest import Served, cookie_of, running
 from tests.console.fake_monitor import TABLE
 from tests.support.processes import wait_until
 
 Json = dict[str, Any]
 
 
-@contextlib.contextmanager
-def running_monitor() -> Iterator[subprocess.Popen[bytes]]:
+def running_monitor() -> contextlib.AbstractContextManager[subprocess.Popen[bytes]]:
     """A stand-in for the monitor."""
-    command = [sys.executable, "-m", "tests.console.fake_monitor"]
-    with subprocess.Popen(command) as process:
-        try:
-            yield process
-        finally:
-            process.terminate()
+    return running("tests.console.fake_monitor")
 
 
 def table() -> Json:

@@ -38,7 +38,7 @@ def begin(client: httpx.Client, recording: str = "") -> str:
         return answer.status_code == 202
 
     answer: httpx.Response | None = None
-    wait_until(begun, 10.0, "the monitor takes a back-test")
+    wait_until(begun, 30.0, "the monitor takes a back-test")
     assert answer is not None
     return str(answer.json()["id"])
 
@@ -51,7 +51,7 @@ def ended(client: httpx.Client, job: str) -> Json:
         progress.update(client.get(f"/api/backtests/{job}").json())
         return progress["state"] not in ("waiting", "running")
 
-    wait_until(over, 10.0, "the end of the back-test")
+    wait_until(over, 30.0, "the end of the back-test")
     return progress
 
 
