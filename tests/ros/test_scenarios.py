@@ -4,7 +4,7 @@ import json
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
@@ -14,6 +14,8 @@ from kompass_interfaces.srv import SetFault
 from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Bool, Empty, Int32, UInt32
 
+from kompass_console.problem import Problem
+from kompass_console.stack import Console, run_recipe
 from tests.support.journal import Journal
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
@@ -310,19 +312,16 @@ def state_of(pid: int) -> str:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "remedy"),
-    [
-        (("--sim", "--fault", "boxedin"), "did you mean 'boxed_in'?"),
-        (("--fault", "boxed_in"), "add --sim"),
-    ],
+    ("sim", "order", "remedy"),
+    [("hexagon", "boxedin", "did you mean 'boxed_in'?"), (None, "boxed_in", "add --sim")],
 )
-def test_a_fault_that_cannot_be_had_is_refused_in_one_line(
-    arguments: tuple[str, ...], remedy: str
+def test_a_fault_that_cannot_be_had_is_refused_before_anything_starts(
+    sim: str | None, order: str, remedy: str
 ) -> None:
-    refused = Stack("run", str(RECIPE), *arguments, "--no-browser", "--port", "0")
-    assert refused.wait() == 2
-    assert remedy in refused.output
-    assert "Traceback" not in refused.output
+    with pytest.raises(Problem) as refusal:
+        run_recipe(RECIPE, cast("Console", None), sim, [order])
+    assert refusal.value.code == 2
+    assert remedy in str(refusal.value)
 
 
 def test_the_base_is_driven_with_the_commands_of_its_distribution(robot: Robot) -> None:
