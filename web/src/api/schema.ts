@@ -717,7 +717,8 @@ export interface components {
          *     verdict
          *         ``same`` in both, ``new`` in the back-test only, ``gone`` in the recording only.
          *     assumed
-         *         Whether it rests on an assumed length of a run (one that did not happen in the recording).
+         *         Whether it rests on an assumed length of a run (one that did not happen in the recording),
+         *         or differs so near the beginning that what was before may account for it.
          */
         BacktestFiring: {
             /**
