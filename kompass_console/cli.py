@@ -10,7 +10,6 @@ from typing import Annotated
 import typer
 
 from kompass.simulation.faults import FAULTS
-from kompass.store.paths import DATA_DIR, ROBOT_NAME
 from kompass_console.domain import choose_domain
 from kompass_console.problem import Problem
 from kompass_console.rules_cli.app import app as rules
@@ -174,6 +173,8 @@ def _prepare(
     no_record: bool,
 ) -> str:
     """Tell the stack what the command says, through the environment; the robot's name."""
+    from kompass.store.paths import DATA_DIR, ROBOT_NAME
+
     robot = name or os.environ.get(ROBOT_NAME) or _robot_name(world)
     os.environ[ROBOT_NAME] = robot
     if data_dir is not None:

@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from kompass_console.rules_cli.options import Robot, command
-from kompass_console.rules_cli.table_file import TableFile
 
 
 def add_to(app: typer.Typer) -> None:
@@ -31,6 +30,7 @@ def backtest(
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     from kompass_console.rules_cli import printing
+    from kompass_console.rules_cli.table_file import TableFile
 
     table = None if file is None else TableFile(file).table
     bar = Progress(

@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 import typer
 
-from kompass_console.rules_cli.hand_in import Request, agree, hand_in, or_say_why_not
 from kompass_console.rules_cli.options import (
     ROLE,
     Author,
@@ -19,7 +18,6 @@ from kompass_console.rules_cli.options import (
     command,
     probation_seconds,
 )
-from kompass_console.rules_cli.table_file import TableFile
 
 CancelRunning = Annotated[
     bool,
@@ -56,6 +54,9 @@ def apply(
     author: Author = None,
 ) -> None:
     """Put a table in force: all of it between two messages, or nothing."""
+    from kompass_console.rules_cli.hand_in import Request, hand_in
+    from kompass_console.rules_cli.table_file import TableFile
+
     source = TableFile(file)
     request = Request(
         author_of(author),
@@ -97,6 +98,7 @@ def rollback(
 ) -> None:
     """Put the table of an earlier revision in force again."""
     from kompass_console.rules_cli import printing
+    from kompass_console.rules_cli.hand_in import agree, or_say_why_not
 
     who = author_of(author)
     with robot.connect() as client:

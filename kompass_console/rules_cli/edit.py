@@ -10,15 +10,12 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 import yaml
 
-from kompass.monitor.reading import Unreadable, read_table
-from kompass.rules.table import Table
 from kompass_console.problem import Problem
-from kompass_console.rules_cli.hand_in import Request, hand_in
 from kompass_console.rules_cli.options import (
     Author,
     Probation,
@@ -29,7 +26,10 @@ from kompass_console.rules_cli.options import (
     command,
     probation_seconds,
 )
-from kompass_console.rules_cli.table_file import TableFile
+
+if TYPE_CHECKING:
+    from kompass.rules.table import Table
+    from kompass_console.rules_cli.table_file import TableFile
 
 EDITOR = "vi"  # where neither VISUAL nor EDITOR says another
 RuleIds = Annotated[list[str], typer.Argument(metavar="RULE...", help="Ids of rules.")]
@@ -96,6 +96,7 @@ def edit(
 ) -> None:
     """Open the rules in an editor (VISUAL, EDITOR, else vi), and apply what was saved."""
     from kompass.recipe.export import export
+    from kompass_console.rules_cli.hand_in import Request, hand_in
 
     wait, who = probation_seconds(probation), author_of(author)
     with robot.connect() as client:
@@ -134,6 +135,8 @@ def _kept(problem: Problem, path: Path) -> tuple[Any, ...]:
 def _edited(path: Path) -> TableFile:
     """Let a person edit a file until it is a table, or they give up."""
     editor = os.environ.get("VISUAL") or os.environ.get("EDITOR") or EDITOR
+    from kompass_console.rules_cli.table_file import TableFile
+
     while True:
         try:
             code = subprocess.run([*shlex.split(editor), str(path)], check=False).returncode
@@ -158,6 +161,8 @@ def _change(
     probation: str,
     author: str | None,
 ) -> None:
+    from kompass_console.rules_cli.hand_in import Request, hand_in
+
     wait, who = probation_seconds(probation), author_of(author)
     changes = [_assignment(field) for field in fields]
     with robot.connect() as client:
@@ -174,6 +179,8 @@ def changed(table: Table, rule_ids: list[str], changes: list[tuple[str, Any]]) -
     Problem
         When there is no such rule or field, or the value does not fit.
     """
+    from kompass.monitor.reading import Unreadable, read_table
+
     data = json.loads(table.model_dump_json())
     rules = {rule["id"]: rule for rule in data["rules"]}
     for rule_id in rule_ids:

@@ -9,10 +9,8 @@ from typing import Annotated, Any, Literal, NoReturn
 
 import typer
 
-from kompass.rules.table import Table
 from kompass_console.problem import Problem
 from kompass_console.rules_cli.options import ROLE, Robot, command
-from kompass_console.rules_cli.table_file import TableFile
 
 FOLLOW_PERIOD = 0.5  # s between two looks at the journal
 PAGE = 200  # entries that a look goes back
@@ -53,6 +51,7 @@ def check(
     """Say what is wrong with a table, and what applying it would do; changes nothing."""
     from kompass_console.rules_cli import printing
     from kompass_console.rules_cli.client import Refused
+    from kompass_console.rules_cli.table_file import TableFile
 
     source = TableFile(file)
     with robot.connect() as client:
@@ -188,4 +187,6 @@ def export(
 
 def schema() -> None:
     """Print the JSON Schema of a table, for editors that check while one types."""
+    from kompass.rules.table import Table
+
     typer.echo(json.dumps(Table.model_json_schema(), indent=2))

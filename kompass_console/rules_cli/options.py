@@ -5,12 +5,15 @@ from __future__ import annotations
 import getpass
 import inspect
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from kompass.rules.model import Model
 from kompass_console.problem import Problem
+
+# Models and ROS are imported when a command runs: help answers at once.
+if TYPE_CHECKING:
+    from kompass.rules.model import Model
 
 ROLE = "engineer"  # whoever has the network of the robot is one
 DomainId = Annotated[
