@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from kompass.rulebook.tape import Began, Fired, Resumed, Swapped, TapeEvent
+from kompass.rulebook.tape import Began, Ended, Fired, Resumed, Swapped, TapeEvent
 from kompass.rules.compiled import compile_table
+from kompass.rules.table import rule_hash
 
 
 class EngineMemory:
@@ -13,6 +14,8 @@ class EngineMemory:
         self._last: Resumed | None = None
         self._once: frozenset[str] = frozenset()
         self._topics: frozenset[str] = frozenset()
+        self._ended: dict[str, float] = {}
+        self._running: dict[str, dict[str, float]] = {}
 
     @property
     def topics(self) -> frozenset[str]:
@@ -23,18 +26,35 @@ class EngineMemory:
         """Take note of an event."""
         if isinstance(event, Began | Resumed):
             self._last = Resumed(*event)
+            self._ended = dict(self._last.ended)
+            self._running = {rule: dict(runs) for rule, runs in self._last.running.items()}
             self._follow()
         elif self._last is None:
             return
         elif isinstance(event, Swapped):
+            self._forget_changed(event)
             self._last = self._last._replace(
                 table=event.table,
                 revision=event.revision,
                 used=tuple(sorted(set(self._last.used) - set(event.reset))),
             )
             self._follow()
-        elif isinstance(event, Fired) and event.rule_id in self._once and not event.shadow:
-            self._last = self._last._replace(used=tuple(sorted({*self._last.used, event.rule_id})))
+        elif isinstance(event, Fired) and not event.shadow:
+            self._running.setdefault(event.rule_id, {})[str(event.run_id)] = event.now
+            if event.rule_id in self._once:
+                used = tuple(sorted({*self._last.used, event.rule_id}))
+                self._last = self._last._replace(used=used)
+        elif isinstance(event, Ended):
+            self._ended[event.rule_id] = event.now
+            self._running.get(event.rule_id, {}).pop(str(event.run_id), None)
+
+    def _forget_changed(self, event: Swapped) -> None:
+        """Rules that changed, or were reset, start afresh: they do not cool down."""
+        assert self._last is not None
+        before = {rule.id: rule_hash(rule) for rule in self._last.table.rules}
+        same = {rule.id for rule in event.table.rules if before.get(rule.id) == rule_hash(rule)}
+        same -= set(event.reset)
+        self._ended = {rule_id: at for rule_id, at in self._ended.items() if rule_id in same}
 
     def _follow(self) -> None:
         assert self._last is not None
@@ -52,4 +72,9 @@ class EngineMemory:
             Monotonic seconds.
         """
         last = self._last
-        return last and last._replace(now=now, wall=last.wall + now - last.now)
+        return last and last._replace(
+            now=now,
+            wall=last.wall + now - last.now,
+            ended=dict(self._ended),
+            running={rule: dict(runs) for rule, runs in self._running.items() if runs},
+        )

@@ -5,7 +5,7 @@ did not happen then is taken to last as long as that rule's runs usually did; wh
 have changed in the world nobody knows, and what fires after it is marked as assumed.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from heapq import heappop, heappush
 from typing import NamedTuple
 
@@ -21,7 +21,7 @@ from kompass.rules.conditions import Absent, Rate, timeout_of
 from kompass.rules.engine import initial_state, step
 from kompass.rules.firing import Done, Firing, Input, Sample, Tick
 from kompass.rules.schedule import next_deadline
-from kompass.rules.state import State, counters
+from kompass.rules.state import WAITS_FOR_FALSE, State, counters
 from kompass.rules.table import Table, rule_hash
 
 FIRINGS = 5_000  # in a report; more are counted and not listed
@@ -142,6 +142,7 @@ class _Replay:
         self._start(event.now, event.wall - event.now, event.epoch, event.used)
         if isinstance(event, Resumed):
             self._midway(event.now)
+            self._recall(event, hashes)
         self._live = hashes
 
     def _start(self, now: float, offset: float, epoch: str, used: tuple[str, ...]) -> None:
@@ -160,6 +161,26 @@ class _Replay:
         memory = {plan.rule.id: _memory(self._compiled, plan) for plan in self._compiled.rules}
         self._unsure = {rule_id: now + seconds for rule_id, seconds in memory.items()}
         self._warm_up = max(self._warm_up, *memory.values(), 0.0)
+
+    def _recall(self, event: Resumed, hashes: Mapping[str, str]) -> None:
+        """Let rules that were in force then cool down and run as they did.
+
+        One whose condition is true at first may have been true for long: that is no edge.
+        """
+        state = self._state
+        assert state is not None
+        for plan in self._compiled.rules:
+            rule, rule_id = state.rules[plan.index], plan.rule.id
+            if plan.trigger == "edge" and plan.evaluate(state.verdicts) is not False:
+                rule.armed = WAITS_FOR_FALSE
+            if hashes.get(rule_id) != plan.hash:
+                continue
+            if rule_id in event.ended:
+                rule.cooldown_end = event.ended[rule_id] + plan.cooldown
+            for run, began in event.running.get(rule_id, {}).items():
+                rule.runs[state.next_run] = began
+                self._runs[int(run)] = state.next_run
+                state.next_run += 1
 
     def _hear(self, event: Heard) -> None:
         self._messages += 1

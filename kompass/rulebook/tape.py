@@ -38,7 +38,15 @@ class Began(NamedTuple):
 class Resumed(NamedTuple):
     """The engine was under way when this part of the tape began; fields as of :class:`Began`.
 
-    What it knew from before is not on the tape, but for the table and the rules that are used up.
+    What it knew from before is not on the tape, but for the table, the rules that are used up, and
+    what tells whether a rule cools down or runs.
+
+    Attributes
+    ----------
+    ended
+        When the last run of each rule ended, by rule id.
+    running
+        When runs that had not ended began, by rule id and then by run id (as text).
     """
 
     now: float
@@ -47,6 +55,8 @@ class Resumed(NamedTuple):
     revision: int
     table: Table
     used: tuple[str, ...] = ()
+    ended: Mapping[str, float] = {}
+    running: Mapping[str, Mapping[str, float]] = {}
 
 
 class Heard(NamedTuple):

@@ -13,6 +13,7 @@ from geometry_msgs.msg import PointStamped
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Float64
 
+from kompass.monitor.engine_loop import EngineLoop
 from kompass.recorder.backtest import NoRecording, backtest_files, recorded_files
 from kompass.recorder.contents import NotMcap
 from kompass.recorder.definitions import definition
@@ -29,6 +30,7 @@ from kompass.recorder.taps import Taken
 from kompass.recorder.topics import TapTopic
 from kompass.rulebook.tape import Began, Ended, Fired, Heard, Resumed, Swapped, TapeEvent, to_data
 from kompass.rules.compiled import compile_table
+from kompass.rules.firing import Firing
 from kompass.rules.table import Table, rule_hash
 
 FLOAT = "std_msgs/msg/Float64"
@@ -312,6 +314,44 @@ def test_a_backtest_over_two_lives_of_the_stack_finds_the_firings_of_both(tmp_pa
     assert (other.same, other.new, other.gone) == (0, 2, 4)
     assert same.messages == 8
     assert remark == ""
+
+
+def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_before(
+    life: Life,
+) -> None:
+    rules = Table.model_validate(
+        {
+            "rules": [
+                {**rule, "event": {**rule["event"], "trigger": "level", "cooldown": 1.05}}
+                for rule in table(5.0).model_dump(mode="json")["rules"]
+            ]
+            + table(6.0).model_dump(mode="json")["rules"]
+        }
+    )
+    engine = EngineLoop(
+        compile_table(rules),
+        1,
+        "first",
+        handle=lambda outputs: due.extend(o for o in outputs if isinstance(o, Firing)),
+        wake=lambda _: None,
+        tape=life.tape,
+        clock=lambda: life.now_ns,
+        wall=lambda: (life.now_ns + life.lane.offset_ns) * 1e-9,
+    )
+    due: list[Firing] = []
+    for count in range(300):
+        life.now_ns += NS // 10 + 7
+        raw = level(7.0 if count > 3 else 0.0)
+        engine.heard("level", FLOAT, Float64(data=7.0 if count > 3 else 0.0), raw)
+        if due and count % 5 == 0:  # each run lasts for a while
+            ended = due.pop(0)
+            engine.ended(ended.rule_id, ended.run_id, True, "")
+    life.recorder.close()
+
+    report, _ = backtest_files(rules, ring_files(life.recordings / "ring"), 10.0)
+
+    assert report.same > 5
+    assert (report.new, report.gone) == (0, 0)
 
 
 def test_only_the_end_is_replayed_when_only_the_end_is_asked_for(life: Life) -> None:
