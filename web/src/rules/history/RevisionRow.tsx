@@ -49,9 +49,7 @@ export function RevisionRow({ revision, active, startOpen }: Props) {
     >
       <div className={classes.head}>
         <strong>rev {number}</strong>
-        <span>
-          {author}, {role}
-        </span>
+        <span>{author === role ? author : `${author}, ${role}`}</span>
         <span className={classes.outcome}>
           {current ? (outcome === "confirmed" ? "in force ✓" : "in force, on probation") : outcome}
         </span>

@@ -17,6 +17,8 @@ export interface Check {
 
 /** Asked once the hand rests. */
 const REST_MS = 350;
+/** A robot that could not answer is asked again. */
+const AGAIN_MS = 1500;
 const NONE: Finding[] = [];
 
 /** What the robot says of the draft, asked again after every change. */
@@ -26,6 +28,7 @@ export function useCheck(draft: Draft | null, view: TableView | null): Check {
     report: CheckReport | null;
     error: ApiError | null;
   } | null>(null);
+  const [tries, setTries] = useState(0);
   const revision = view?.revision;
   const table = draft?.table;
 
@@ -33,13 +36,16 @@ export function useCheck(draft: Draft | null, view: TableView | null): Check {
   useEffect(() => {
     if (draft === null) return;
     const asking = new AbortController();
-    const timer = window.setTimeout(() => {
+    let timer = window.setTimeout(() => {
       checkRules(sendable(draft.table, draft.baseTable), asking.signal).then(
         (report) => setAnswer({ of: draft, report, error: null }),
         (error: unknown) => {
           if (asking.signal.aborted) return;
           const report = reportOf(error);
           setAnswer({ of: draft, report, error: report === null ? asApiError(error) : null });
+          if (report === null) {
+            timer = window.setTimeout(() => setTries((count) => count + 1), AGAIN_MS);
+          }
         },
       );
     }, REST_MS);
@@ -47,7 +53,7 @@ export function useCheck(draft: Draft | null, view: TableView | null): Check {
       window.clearTimeout(timer);
       asking.abort();
     };
-  }, [table, revision]);
+  }, [table, revision, tries]);
 
   return useMemo(() => {
     if (draft === null) {
