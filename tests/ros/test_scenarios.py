@@ -200,7 +200,9 @@ def stream(robot: Robot, topic: str, message: Any, rate: float, seconds: float) 
     for turn in range(round(rate * seconds)):
         publisher.publish(message)
         time.sleep(max(0.0, begin + (turn + 1) / rate - time.monotonic()))
-    robot.node.destroy_publisher(publisher)
+    # The last word stays, as it is latched. The publisher goes with the node: the executor of
+    # another thread must not lose it under its hands.
+    publisher.publish(type(message)())
 
 
 def test_services_and_actions_of_other_nodes_are_called(

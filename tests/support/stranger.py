@@ -13,12 +13,14 @@ class Stranger:
     """``/stranger/record`` takes as long as its goal says. Lives on the tester's node."""
 
     def __init__(self, robot: Robot) -> None:
+        self._robot = robot
         self.goals: list[MotionRecording.Goal] = []
         self._server = ActionServer(robot.node, MotionRecording, "/stranger/record", self._record)
 
     def close(self) -> None:
-        """Leave the graph."""
-        self._server.destroy()
+        """Leave the graph; on the executor's own thread, which may be looking at the server."""
+        gone = self._robot._executor.create_task(self._server.destroy)
+        self._robot.await_future(gone, 5, "the end of the server")
 
     def _record(self, handle: Any) -> MotionRecording.Result:
         self.goals.append(handle.request)
