@@ -5,12 +5,13 @@ from typing import Any
 from hypothesis import given, settings
 
 from kompass.rulebook.merge import merge
+from kompass.rulebook.recipe_code import functions_of
 from kompass.rules.actions import Log, Python
 from kompass.rules.table import Rule, Table
 from tests.rules.building import compare, rule
 from tests.rules.strategies import EXAMPLES, tables
 
-FEW = settings(EXAMPLES, max_examples=max(EXAMPLES.max_examples // 2, 1))
+FEW = settings(EXAMPLES, max_examples=max(EXAMPLES.max_examples // 4, 1))
 
 
 def recipe(rule_id: str = "stuck", **fields: Any) -> Rule:
@@ -142,5 +143,5 @@ def test_a_merge_always_gives_a_table_and_loses_nothing_silently(
     ids = {rule.id for rule in table.rules}
     assert {r.id for r in new.rules} - ids <= {r.id for r in old.rules} - {r.id for r in mine.rules}
     assert merge(old, old, new) == (new, [])
-    assert merge(old, mine, old)[1] == []
-    assert merge(old, mine, old)[0] == mine
+    if functions_of(mine) <= functions_of(old):
+        assert merge(old, mine, old) == (mine, [])
