@@ -50,14 +50,14 @@ driver = DriveManager(component_name="drive_manager")
 
 # A topic alone is an event: each message.
 clicked = Topic(name="/clicked_point", msg_type="PointStamped")
-on_click = Event(clicked)
+on_click = Event(clicked).as_rule("click-to-goal", name="Click → drive there")
 
 # A comparison is an event too. The field's name and the type of the value are checked right here.
 # Without more it fires for each message for which it is true; see also on_change and handle_once.
 on_stuck = Event(
     controller.status_topic.msg.status == ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL,
     keep_event_delay=30.0,  # not again within half a minute after the action has finished
-)
+).as_rule("stuck-unblock", name="Controller stuck → unblock")  # what people see in the console
 
 # An action for any server of the ROS graph; here the planner's own.
 send_goal = ComponentActions.send_action_goal(

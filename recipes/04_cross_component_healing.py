@@ -55,7 +55,7 @@ driver = DriveManager(component_name="drive_manager")
 # ... and when the mapper is not well, for whatever reason, with the scan itself. Once is enough.
 mapper_is_not_well = Event(
     mapper.status_topic.msg.status != ComponentStatus.STATUS_HEALTHY, handle_once=True
-)
+).as_rule("mapper-lost", name="Mapper lost → drive by the scan")
 look_yourself = update_parameter(
     component=controller, param_name="use_direct_sensor", new_value=True
 )

@@ -57,7 +57,7 @@ load_map = ComponentActions.send_srv_request(
 no_map = Event(
     planner.status_topic.msg.status == ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL,
     keep_event_delay=5.0,
-)
+).as_rule("no-map", name="No map → have it loaded")
 
 # A costmap may hold what is long gone. Clearing it costs little, so it is worth a try.
 clear_costmap = ComponentActions.send_srv_request(
@@ -68,7 +68,7 @@ clear_costmap = ComponentActions.send_srv_request(
 no_way = Event(
     planner.status_topic.msg.status == ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL,
     keep_event_delay=10.0,
-)
+).as_rule("no-way", name="No way → clear the costmap")
 
 launcher = Launcher()
 launcher.kompass(

@@ -11,7 +11,7 @@ from kompass.monitor.names import name_findings
 from kompass.monitor.reading import Unreadable, read_table
 from kompass.rulebook.diff import TableDiff
 from kompass.rulebook.diffing import conflict, diff_tables
-from kompass.rulebook.guard import guard
+from kompass.rulebook.guard import gates_of, guard
 from kompass.rulebook.lint import findings_of
 from kompass.rulebook.report import ApplyReport, CheckReport, Conflict, Effect, Finding
 from kompass.rulebook.revision import History, Origin
@@ -348,7 +348,13 @@ class Desk:
     def _report(self, compiled: CompiledTable, role: str) -> CheckReport:
         now, table = self._in_force, compiled.table
         findings = [
-            *guard(now.table, table, role=role, recipe_table=self._recipe),
+            *guard(
+                now.table,
+                table,
+                role=role,
+                recipe_table=self._recipe,
+                drive_managers=gates_of(self._catalog),
+            ),
             *name_findings(table),
             *findings_of(check_table(table, self._catalog)),
         ]

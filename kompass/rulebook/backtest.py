@@ -104,7 +104,8 @@ class _Replay:
         self._reasons: dict[tuple[str, int], str] = {}  # why recorded firings do not happen
         self._found: list[_Found] = []
         self._first: float | None = None
-        self._last = 0.0
+        self._last = 0.0  # s since the epoch
+        self._reached = 0.0  # s of the engine's clock
         self._messages = 0
         self._warm_up = 0.0
         self._totals: dict[str, tuple[int, int]] = {}  # evaluated and true, of ended lives
@@ -116,10 +117,14 @@ class _Replay:
         if isinstance(event, (Began, Resumed)):
             self._life(event)
             return
-        if isinstance(event, Fired):
-            self._compare(event)
-            return
         if isinstance(event, Lost):
+            return
+        if isinstance(event, Fired):
+            if self._state is not None:
+                # It may be the last word of the tape, and time alone its cause.
+                self._catch_up(event.now)
+                self._reach(event.now)
+            self._compare(event)
             return
         if self._state is None:
             self._start(event.now, 0.0, "", ())
@@ -132,7 +137,12 @@ class _Replay:
                 self._feed(Done(event.rule_id, run, event.ok, event.error), event.now)
         elif isinstance(event, Swapped):
             self._swap(event)
-        self._last = event.now + self._offset
+        self._reach(event.now)
+
+    def _reach(self, now: float) -> None:
+        # Kept in the engine's time too: on the way to the wall's and back it loses its last digits.
+        self._reached = max(self._reached, now)
+        self._last = self._reached + self._offset
 
     def _life(self, event: Began | Resumed) -> None:
         hashes = {rule.id: rule_hash(rule) for rule in event.table.rules}
@@ -154,6 +164,7 @@ class _Replay:
             self._first = now + offset
             if not epoch:
                 self._midway(now)
+        self._reached = now
         self._last = now + offset
 
     def _midway(self, now: float) -> None:
@@ -219,7 +230,7 @@ class _Replay:
         """End a life of the engine."""
         if self._state is None:
             return
-        self._catch_up(self._last - self._offset)
+        self._catch_up(self._reached)
         self._notes.end(self._state)
         for plan in self._compiled.rules:
             self._count(plan.rule.id)

@@ -21,7 +21,7 @@ FOLDER = Path("docs")
 DESKTOP, PHONE = (1440, 900), (390, 844)
 LARGEST = 300_000  # bytes
 RULES_RECIPE = RECIPE.with_name("03_events_and_actions.py")
-STUCK = "controller-status-status-is-1"
+STUCK = "stuck-unblock"
 
 Theme = Literal["light", "dark"]
 

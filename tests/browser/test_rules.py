@@ -18,7 +18,7 @@ from tests.support.stack import TOKEN, Stack
 pytestmark = pytest.mark.browser
 
 RECIPE = Path(__file__).parents[2] / "recipes" / "03_events_and_actions.py"
-STUCK = "controller-status-status-is-1"
+STUCK = "stuck-unblock"
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +102,7 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
 
 def test_a_draft_outlives_a_reload_and_is_taken_back_change_by_change(rules: RulesPage) -> None:
     rules.rule(STUCK).get_by_test_id("rule-toggle").click()
-    rules.edit("clicked-point-received")
+    rules.edit("click-to-goal")
     rules.get("rule-name").fill("A click")
     rules.page.page.reload()
     rules = RulesPage.of(rules.page)

@@ -14,7 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.components import Component
-from tests.support.domains import next_domain
+from tests.support.domains import give_back, next_domain
 from tests.support.processes import wait_until
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -25,7 +25,7 @@ class Alive:
 
     def __init__(self, component: Component, *, activate: bool = True) -> None:
         self.component = component
-        domain = next_domain()
+        self._domain = domain = next_domain()
         rclpy.init(args=[], domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
         self.client_context = rclpy.Context()
         rclpy.init(args=[], context=self.client_context, domain_id=domain)
@@ -62,6 +62,7 @@ class Alive:
         self.node.destroy_node()
         rclpy.shutdown()
         self.client_context.try_shutdown()
+        give_back(self._domain)
 
     def call(self, kind: type, name: str, request: Any, timeout: float = 10.0) -> Any:
         """Call a service of the component."""

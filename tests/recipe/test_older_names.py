@@ -57,6 +57,8 @@ def made(action: Any, on: Any = None) -> RecipeRules:
         ("sugar", ["Launcher"]),
         ("sugar.msg", ["ComponentStatus"]),
         ("sugar.srv", ["ChangeParameter"]),
+        ("ros_sugar_interfaces.msg", ["ComponentStatus"]),
+        ("ros_sugar_interfaces.srv", ["ChangeParameter"]),
         ("automatika_ros_sugar.msg", ["ComponentStatus"]),
     ],
 )

@@ -9,11 +9,11 @@ from pathlib import Path
 # Below 101 the ports of a domain stay clear of the system's ephemeral ones.
 _DOMAINS = range(1, 101)
 # Locks of this process: the kernel gives them back when it ends, in whatever way.
-_held: list[int] = []
+_held: dict[int, int] = {}
 
 
 def next_domain() -> int:
-    """A domain that this run has not used yet, and that no other run uses.
+    """A domain that nobody else uses, this run or another, until it is given back.
 
     Raises
     ------
@@ -29,6 +29,13 @@ def next_domain() -> int:
         except BlockingIOError:
             os.close(descriptor)
             continue
-        _held.append(descriptor)
+        _held[domain] = descriptor
         return domain
     raise RuntimeError(f"all {len(_DOMAINS)} ROS domains for tests are taken on this machine")
+
+
+def give_back(domain: int) -> None:
+    """Let others have a domain on which nothing runs any more."""
+    descriptor = _held.pop(domain, None)
+    if descriptor is not None:
+        os.close(descriptor)

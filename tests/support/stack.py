@@ -9,7 +9,7 @@ import tempfile
 import threading
 from pathlib import Path
 
-from tests.support.domains import next_domain
+from tests.support.domains import give_back, next_domain
 from tests.support.processes import wait_until
 
 TOKEN = "operator-token-for-tests"
@@ -20,6 +20,7 @@ class Stack:
     """``kompass-console ARGUMENTS``, with its output at hand and a data folder of its own."""
 
     def __init__(self, *arguments: str, domain: int | None = None, **environment: str) -> None:
+        self._own_domain = domain is None
         self.domain = next_domain() if domain is None else domain
         self._data = tempfile.TemporaryDirectory(prefix="kompass-data-")
         self.data_dir = Path(environment.get("KOMPASS_DATA_DIR", self._data.name))
@@ -101,4 +102,6 @@ class Stack:
         if self.process.stdout is not None:
             self.process.stdout.close()
         self._data.cleanup()
+        if self._own_domain:
+            give_back(self.domain)
         return code
