@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any
 
 from rclpy.node import Node
@@ -17,6 +17,9 @@ from kompass.recipe.messages import ros_class
 # Messages that wait for a monitor that is held up: a second of a fast topic. Of large ones fewer.
 DEPTH = 1000
 DEPTH_OF_LARGE = 10
+# Messages of before that a latched reader may be given again: publishers keep one as a rule.
+RECENT = 2
+TOGETHER = 0.05  # s within which two readers are handed the same message
 LARGE = ("Image", "CompressedImage", "PointCloud2", "OccupancyGrid")
 # A best-effort reader matches every publisher at once, so nothing waits for discovery. Once the
 # publishers are known, the reader is made as good as they are.
@@ -37,6 +40,11 @@ class _Input:
     count: int = 0
     # Messages that came before the table that asked for the topic; None once it is in force.
     early: deque[tuple[Any, bytes]] | None = field(default=None)
+    # The reader that is about to go; what only one of the two has brought so far, when, and which.
+    leaving: Any = None
+    single: dict[bytes, list[tuple[float, Any]]] = field(default_factory=dict)
+    again: set[bytes] = field(default_factory=set)
+    recent: deque[bytes] = field(default_factory=lambda: deque(maxlen=RECENT))
 
 
 class RuleInputs:
@@ -67,7 +75,9 @@ class RuleInputs:
         A topic that stays is not touched. Without a type, the type that is on the graph is taken.
         """
         for name in [name for name in self._open if name not in topics]:
-            self._node.destroy_subscription(self._open.pop(name).subscription)
+            gone = self._open.pop(name)
+            self._node.destroy_subscription(gone.subscription)
+            self._let_go(gone)
         self.broken = {name: why for name, why in self.broken.items() if name in topics}
         self._untyped = {name for name, kind in topics.items() if not kind}
         for name, kind in topics.items():
@@ -85,17 +95,29 @@ class RuleInputs:
         return {name: each.count for name, each in self._open.items()}
 
     def fit(self) -> None:
-        """Make each subscription as reliable, and as latched, as all of its publishers are."""
+        """Make each subscription as reliable, and as latched, as all of its publishers are.
+
+        The old reader stays until the next call, by when the new one has found the publishers:
+        nothing is missed in between, and what both are given is handled once.
+        """
         if self._untyped:
             self._find_types()
         for name, each in self._open.items():
+            if each.leaving is None:
+                each.single.clear()
+            self._let_go(each)
             best = self._offer(name, each.type_name)
             if best != each.offer:
-                # The old one goes first: for the moment of the change a message may be missed, but
-                # none is handled twice.
-                self._node.destroy_subscription(each.subscription)
-                each.offer = best
+                each.leaving, each.offer = each.subscription, best
+                if best[1] == DurabilityPolicy.TRANSIENT_LOCAL:
+                    each.again.update(each.recent)
                 each.subscription = self._subscribe(name, each.kind, best)
+
+    def _let_go(self, each: _Input) -> None:
+        if each.leaving is not None:
+            self._node.destroy_subscription(each.leaving)
+            each.leaving = None
+            each.again.clear()
 
     def _find_types(self) -> None:
         known = dict(self._node.get_topic_names_and_types())
@@ -142,19 +164,49 @@ class RuleInputs:
 
     def _subscribe(self, name: str, kind: type[Any], offer: Offer) -> Any:
         qos = QoSProfile(depth=_depth(kind), reliability=offer[0], durability=offer[1])
-        # Raw, so that the tape gets the very bytes that the engine's message was made of.
-        return self._node.create_subscription(kind, name, partial(self._take, name), qos, raw=True)
+        reader: list[Any] = []
 
-    def _take(self, name: str, raw: bytes) -> None:
+        def take(raw: bytes) -> None:
+            self._take(name, reader[0], raw)
+
+        # Raw, so that the tape gets the very bytes that the engine's message was made of.
+        reader.append(self._node.create_subscription(kind, name, take, qos, raw=True))
+        return reader[0]
+
+    def _take(self, name: str, reader: Any, raw: bytes) -> None:
         each = self._open.get(name)
-        if each is None:
+        if each is None or reader not in (each.subscription, each.leaving):
             return  # was on its way when the subscription ended
+        if (each.leaving is not None or each.single) and _is_second(each, reader, raw):
+            return
         each.count += 1
+        each.recent.append(raw)
         message = deserialize_message(raw, each.kind)
         if each.early is not None:
             each.early.append((message, raw))
         else:
             self._receive(name, each.type_name, message, raw)
+
+
+def _is_second(each: _Input, reader: Any, raw: bytes) -> bool:
+    """Whether the other of two readers has brought this message already.
+
+    rclpy tells no sequence numbers here, so it is known by its bytes. Of equal ones as many count
+    as the one reader was given that the other was not.
+    """
+    if raw in each.again and reader is each.subscription:
+        each.again.discard(raw)
+        return True
+    now = time.monotonic()
+    brought = [(when, by) for when, by in each.single.pop(raw, []) if when > now - TOGETHER]
+    second = bool(brought) and brought[-1][1] is not reader
+    if second:
+        brought.pop()
+    elif each.leaving is not None:
+        brought.append((now, reader))
+    if brought:
+        each.single[raw] = brought
+    return second
 
 
 def _depth(kind: type[Any]) -> int:

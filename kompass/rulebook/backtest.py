@@ -120,11 +120,11 @@ class _Replay:
         if isinstance(event, Lost):
             return
         if isinstance(event, Fired):
+            self._compare(event)
             if self._state is not None:
                 # It may be the last word of the tape, and time alone its cause.
                 self._catch_up(event.now)
                 self._reach(event.now)
-            self._compare(event)
             return
         if self._state is None:
             self._start(event.now, 0.0, "", ())
