@@ -1,6 +1,7 @@
 """Every run of the tests has ROS domains of its own, and leaves no process behind."""
 
 import os
+import signal
 import uuid
 from collections.abc import Iterator
 
@@ -14,6 +15,9 @@ MARK = f"KOMPASS_TEST_RUN={uuid.uuid4().hex}"
 
 
 def pytest_configure() -> None:
+    # Started in the background of a script, the tests would hand down that Ctrl-C is ignored.
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     key, _, value = MARK.partition("=")
     os.environ[key] = value
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")

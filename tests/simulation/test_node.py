@@ -351,6 +351,9 @@ def test_signal_ends_it_within_half_a_second(number: signal.Signals) -> None:
             assert process.poll() is None
         told = time.monotonic()
         process.send_signal(number)
-        assert process.wait(timeout=5.0) == 0
+        try:
+            assert process.wait(timeout=5.0) == 0
+        finally:
+            process.kill()
         assert time.monotonic() - told < 0.5
         assert "Traceback" not in process.stderr.read()
