@@ -62,13 +62,13 @@ class Watched(Robot):
         message = self.newest.get(f"/{name}/status")
         return -1 if message is None else int(message.status)
 
-    def fired(self) -> list[float]:
-        """When the rule on the mapper fired [s since the epoch]."""
-        return [
-            firing.stamp.sec + firing.stamp.nanosec * 1e-9
+    def fired(self) -> dict[int, float]:
+        """When the rule on the mapper fired [s since the epoch], by the ids of its runs."""
+        return {
+            firing.run_id: firing.stamp.sec + firing.stamp.nanosec * 1e-9
             for firing in self.firings
             if firing.phase == "fired" and "mapper" in firing.rule_id
-        ]
+        }
 
     def drive_somewhere(self) -> Any:
         """A goal under way, with the local map in use."""
@@ -91,12 +91,13 @@ class Watched(Robot):
         while not self.fired() and time.monotonic() < deadline:
             time.sleep(0.02)
         assert self.fired(), f"the rule did not fire:\n{self.stack.output}"
-        assert self.fired()[0] - began <= within
+        assert min(self.fired().values()) - began <= within
         ended = self.result(handle)
         assert ended.status == SUCCEEDED, ended.result.message
-        assert len(self.fired()) == 1
+        (run,) = self.fired()
         done = [firing for firing in self.firings if firing.phase == "done"]
-        assert [firing.ok for firing in done] == [True], [firing.text for firing in done]
+        # Of an earlier run the end alone may have come after the list was cleared.
+        assert [firing.ok for firing in done if firing.run_id == run] == [True]
         assert self.contacts == 0
 
 
