@@ -97,20 +97,46 @@ Future.__await__ = _await
 class QuietExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
     """The events executor, with coroutines that cost nothing while they wait.
 
-    An exception is raised where the task is awaited; of one that nobody awaits, rclpy writes it to
-    the terminal.
+    What a coroutine raises is raised where it is awaited; of one that nobody awaits, rclpy writes
+    it to the terminal. What a function raises comes out of :meth:`spin_once`, as from a callback.
+    rclpy's own would have the process die of SIGSEGV (7.1.6): it looks for the logger of its only
+    node with an index into a set.
     """
 
     def __init__(self) -> None:
         super().__init__(rclpy.get_default_context())
+        self._raised: Exception | None = None
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Handle what comes next, for which it waits up to ``timeout_sec`` seconds.
+
+        Raises
+        ------
+        Exception
+            What a callback, or the function of a task, has raised.
+        """
+        super().spin_once(timeout_sec=timeout_sec)
+        if self._raised is not None:
+            error, self._raised = self._raised, None
+            raise error
 
     def create_task(self, callback: Any, *args: Any, **kwargs: Any) -> Future:
         """Have a function or a coroutine run; a future of its result."""
         if inspect.iscoroutinefunction(callback):
             callback = callback(*args, **kwargs)
-        if not inspect.iscoroutine(callback):
-            return super().create_task(callback, *args, **kwargs)
         result = Future(executor=self)
+        if not inspect.iscoroutine(callback):
+
+            def call() -> None:
+                try:
+                    result.set_result(callback(*args, **kwargs))
+                except Exception as error:  # noqa: BLE001 - raised by spin_once
+                    result.set_exception(error)
+                    result.exception()  # it is told of: rclpy need not, when nobody awaits it
+                    self._raised = error
+
+            super().create_task(call)
+            return result
 
         async def run() -> None:
             result.set_result(await callback)

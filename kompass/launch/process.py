@@ -1,6 +1,7 @@
 """A process that the supervisor forks, and what runs inside it."""
 
 import ctypes
+import faulthandler
 import logging
 import os
 import signal
@@ -14,6 +15,7 @@ from kompass.launch.pulse import Pulse, adopt
 from kompass.launch.vitals import Condition
 
 PR_SET_PDEATHSIG = 1
+STDERR = 2
 
 log = logging.getLogger("kompass.process")
 Report = Callable[[str], None]
@@ -138,6 +140,8 @@ def _run(spec: ProcessSpec, parent: int, reports: int, close: list[int]) -> None
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         adopt(spec.pulse)
+        # A crash in somebody's C++ leaves nothing else behind to find it by.
+        faulthandler.enable(STDERR)
 
         def report(line: str) -> None:
             os.write(reports, line.replace("\n", " ").encode() + b"\n")

@@ -7,8 +7,12 @@ import os
 import signal
 import sys
 import threading
+import traceback
 
 import rclpy
+from rclpy.executors import Executor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.coroutine import QuietExecutor
@@ -25,6 +29,8 @@ NAME = "monitor"
 SPIN_TIMEOUT = 0.1  # s, as of the components' host
 # s after which a worker that computes lets the engine in: a fifth of Python's own
 SWITCH_INTERVAL = 0.001
+# What the middleware raises: mostly that whoever asked has gone before the answer came.
+MIDDLEWARE = (rclpy_implementation.RCLError, rclpy_implementation.InvalidHandle)
 
 
 def run_monitor(
@@ -75,7 +81,7 @@ def run_monitor(
     report(f"active {NAME}")
     try:
         while not ended.is_set():
-            executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+            _spin_once(node, executor)
             beat(NAME)
         # Not after an exception: that is a crash, and counts as one.
         if store is not None:
@@ -86,3 +92,12 @@ def run_monitor(
             store.close()
         node.destroy_node()
         rclpy.shutdown()
+
+
+def _spin_once(node: Node, executor: Executor) -> None:
+    """Handle what comes next. A client that dies is no reason to leave the robot without rules."""
+    try:
+        executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+    except MIDDLEWARE as error:
+        where = "".join(traceback.format_tb(error.__traceback__)[-1:]).strip()
+        node.get_logger().error(f"the middleware refused something: {error} ({where})")

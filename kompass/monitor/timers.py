@@ -76,7 +76,16 @@ class Timers:
     def _ring(self) -> None:
         self._timer.cancel()
         self._set = float("inf")
-        now = time.monotonic()
+        try:
+            self._call_due(time.monotonic())
+        finally:
+            # All others ring on after one that raises.
+            while self._heap and not self._heap[0][2].active:
+                heappop(self._heap)
+            if self._heap and self._heap[0][0] < self._set:
+                self._arm(self._heap[0][0])
+
+    def _call_due(self, now: float) -> None:
         while self._heap and self._heap[0][0] <= now:
             at, _, timer = heappop(self._heap)
             if not timer.active:
@@ -86,7 +95,3 @@ class Timers:
             else:
                 heappush(self._heap, (max(at + timer.period, now), next(self._order), timer))
             timer.function()
-        while self._heap and not self._heap[0][2].active:
-            heappop(self._heap)
-        if self._heap and self._heap[0][0] < self._set:
-            self._arm(self._heap[0][0])

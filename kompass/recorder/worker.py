@@ -7,6 +7,7 @@ lines on its standard output: ``progress`` now and then, then ``answer`` or ``er
 from __future__ import annotations
 
 import ctypes
+import faulthandler
 import json
 import os
 import signal
@@ -19,7 +20,7 @@ from typing import Any, Self
 
 from pydantic import ValidationError
 
-from kompass.launch.process import PR_SET_PDEATHSIG
+from kompass.launch.process import PR_SET_PDEATHSIG, STDERR
 from kompass.recorder.backtest import NoRecording, backtest_files, recorded_files
 from kompass.recorder.contents import NotMcap
 from kompass.recorder.places import BadName
@@ -103,6 +104,7 @@ def main() -> None:
     if os.getppid() != int(os.environ.get("KOMPASS_WORKER_PARENT", os.getppid())):
         return  # whoever wanted it died before the line above
     os.nice(NICENESS)
+    faulthandler.enable(STDERR)
     # What libraries print must not get among the answers.
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)

@@ -46,6 +46,11 @@ PROGRAM = """
         report("active")
         raise ValueError("no\\nluck")
 
+    def crashes(report):
+        report("active")
+        import ctypes
+        ctypes.string_at(0)
+
     def beats(report):
         import signal
         from kompass.launch.pulse import beat
@@ -143,6 +148,14 @@ def test_what_is_killed_is_started_again(tmp_path: Path, programs: list[Program]
     os.kill(first, signal.SIGKILL)
     program.wait_for("a killed by SIGKILL")
     wait_until(lambda: program.text().count("a is up") == 2, 5, "a second life")
+
+
+def test_a_crash_in_native_code_says_where_it_was(tmp_path: Path, programs: list[Program]) -> None:
+    program = Program(tmp_path, "specs = [ProcessSpec('a', crashes, restart=False)]")
+    programs.append(program)
+    program.wait_for("a killed by SIGSEGV")
+    assert "Fatal Python error: Segmentation fault" in program.text()
+    assert "in crashes" in program.text()
 
 
 def test_what_dies_again_and_again_is_given_up(tmp_path: Path, programs: list[Program]) -> None:

@@ -2,6 +2,7 @@
 
 import time
 
+import pytest
 from rclpy.task import Future
 
 from kompass.coroutine import Cancelled, Job
@@ -93,3 +94,18 @@ def test_one_that_cancels_itself_ends_at_its_next_wait(spinning: Spinning) -> No
     first.set_result(None)
     spinning.until(lambda: ends)
     assert [type(end) for end in ends] == [Cancelled]
+
+
+def test_what_a_function_raises_comes_out_of_the_spin_and_ends_no_process(
+    spinning: Spinning,
+) -> None:
+    def fail() -> None:
+        raise RuntimeError("as expected")
+
+    result = spinning.executor.create_task(fail)
+    with pytest.raises(RuntimeError, match="as expected"):
+        spinning.until(lambda: False)
+    assert str(result.exception()) == "as expected"
+    after = spinning.executor.create_task(lambda: "it goes on")
+    spinning.until(after.done)
+    assert after.result() == "it goes on"

@@ -66,3 +66,18 @@ def test_a_wake_up_is_never_late(spinning: Spinning, timers: Timers) -> None:
     assert rung[0] >= soon
     spinning.rest(0.05)
     assert len(rung) == 1
+
+
+def test_one_that_raises_silences_no_other(spinning: Spinning, timers: Timers) -> None:
+    rung: list[str] = []
+
+    def fail() -> None:
+        raise RuntimeError("as expected")
+
+    timers.after(0.01, fail)
+    timers.after(0.02, lambda: rung.append("later"))
+    again = timers.every(0.01, lambda: rung.append("again"))
+    with pytest.raises(RuntimeError, match="as expected"):
+        spinning.until(lambda: False)
+    spinning.until(lambda: "later" in rung and rung.count("again") > 2)
+    again.cancel()
