@@ -21,6 +21,7 @@ from kompass_console.api import (
     insight,
     page,
     probe,
+    recordings,
     rules,
     rules_live,
     scene,
@@ -99,6 +100,7 @@ def create_app(console: Console | None) -> FastAPI:
         rules,
         insight,
         backtests,
+        recordings,
         scene,
     ):
         app.include_router(part.router)

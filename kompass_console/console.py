@@ -8,6 +8,7 @@ from kompass_console.audit import AuditTrail
 from kompass_console.auth import Authenticator, LoginLimiter
 from kompass_console.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
+from kompass_console.recordings import Recordings
 from kompass_console.rules_feed import RulesFeed
 from kompass_console.scene.scene import Scene
 from kompass_console.settings import ConsoleSettings
@@ -18,7 +19,10 @@ from kompass_console.world import World
 
 @dataclass(frozen=True, slots=True)
 class Console:
-    """One running console."""
+    """One running console.
+
+    `recordings` is None where the robot's are not on this machine.
+    """
 
     settings: ConsoleSettings
     auth: Authenticator
@@ -31,3 +35,4 @@ class Console:
     scene: Scene
     feed: StateFeed
     rules_feed: RulesFeed
+    recordings: Recordings | None

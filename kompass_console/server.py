@@ -20,6 +20,7 @@ from kompass_console.auth import Authenticator, LoginLimiter
 from kompass_console.console import Console
 from kompass_console.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
+from kompass_console.recordings import Recordings
 from kompass_console.rules_feed import RulesFeed
 from kompass_console.scene.scene import Scene
 from kompass_console.settings import ConsoleSettings
@@ -76,6 +77,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
             scene=scene,
             feed=feed,
             rules_feed=rules_feed,
+            recordings=Recordings(folder) if (folder := settings.recordings) else None,
         )
 
 

@@ -31,7 +31,8 @@ class ConsoleSettings(BaseModel):
 
     `access_tokens` maps each role that may log in to its secret. `allow_hosts` adds names a
     browser may use in the address bar besides loopback names and literal addresses. `audit_file`
-    receives one line of JSON per write. `domain_id` None means the environment's ROS_DOMAIN_ID.
+    receives one line of JSON per write. `recordings` is the folder of the robot's recordings, None
+    where it is not on this machine. `domain_id` None means the environment's ROS_DOMAIN_ID.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -42,6 +43,7 @@ class ConsoleSettings(BaseModel):
     topics: TopicOverrides = TopicOverrides()
     allow_hosts: tuple[str, ...] = ()
     audit_file: Path | None = None
+    recordings: Path | None = None
     domain_id: int | None = Field(default=None, ge=0, le=232)
     static_dir: Path = Path(__file__).parent / "static"
 

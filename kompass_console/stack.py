@@ -78,12 +78,19 @@ class Console:
         )
 
     def serve(self, report: Report | None = None) -> None:
-        """Serve until SIGTERM or SIGINT."""
+        """Serve until SIGTERM or SIGINT.
+
+        With a ``report`` it is the robot's own console, and the recordings are at hand.
+        """
         from kompass_console.server import run_console
         from kompass_console.settings import ConsoleSettings
 
         settings = ConsoleSettings.model_validate(
-            {"robot_name": self.robot_name, "access_tokens": self.tokens}
+            {
+                "robot_name": self.robot_name,
+                "access_tokens": self.tokens,
+                "recordings": None if report is None else _recordings(),
+            }
         )
         if report is not None:
             report("active console")
@@ -91,6 +98,17 @@ class Console:
             # The socket listens already, so the page waits for the server and not the reverse.
             threading.Thread(target=webbrowser.open, args=(self.url(),), daemon=True).start()
         run_console(self.socket, settings)
+
+
+def _recordings() -> Path | None:
+    """Where this machine's robot keeps its recordings; None where it can keep nothing."""
+    from kompass.recorder.places import recordings_folder
+    from kompass.store.errors import StoreUnwritable
+
+    try:
+        return recordings_folder()
+    except StoreUnwritable:  # the stack runs without a store, and has said so
+        return None
 
 
 def _has_screen() -> bool:

@@ -64,3 +64,4 @@ def _article(role: Role) -> str:
 CurrentConsole = Annotated[Console, Depends(console_of)]
 LoggedIn = Annotated[Session, Depends(session_of)]
 Operator = Annotated[Session, Depends(at_least(Role.OPERATOR))]
+Engineer = Annotated[Session, Depends(at_least(Role.ENGINEER))]

@@ -1,22 +1,19 @@
-"""Back-tests: what a table would have done on a recording; and keeping recordings."""
+"""Back-tests: what a table would have done on a recording."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Request
-from kompass_interfaces.srv import SaveRecording
 
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
-from kompass_console.api.monitor_answers import asked, no_monitor
+from kompass_console.api.monitor_answers import no_monitor
 from kompass_console.api.payload import body_of, read_table
 from kompass_console.api.rule_models import (
     BacktestOptions,
     BacktestProgress,
     BacktestRequest,
     BacktestStarted,
-    RecordingRequest,
-    RecordingSaved,
 )
 from kompass_console.errors import ConsoleError
 from kompass_console.link.backtests import TooMany
@@ -65,24 +62,6 @@ async def cancel_backtest(
     if not console.link.backtests.cancel(backtest_id):
         raise _unknown()
     console.audit.record(session.user, session.role, "cancel back-test", "done", id=backtest_id)
-
-
-@router.post("/recordings", status_code=201)
-async def save_recording(
-    body: RecordingRequest, session: Operator, console: CurrentConsole
-) -> RecordingSaved:
-    """Keep a stretch of the flight recorder, before its ring goes over it."""
-    wanted = SaveRecording.Request(seconds=body.seconds, name=body.name)
-    what = body.model_dump()
-    try:
-        answer = await asked(console, wanted, 409, "Choose another name, or look at the disk.")
-    except ConsoleError as error:
-        console.audit.record(session.user, session.role, "save recording", error.title, **what)
-        raise
-    console.audit.record(
-        session.user, session.role, "save recording", "done", path=answer.path, **what
-    )
-    return RecordingSaved(path=answer.path, message=answer.message)
 
 
 def _unknown() -> ConsoleError:

@@ -119,20 +119,6 @@ class BacktestProgress(BaseModel):
     error: str | None
 
 
-class RecordingRequest(In):
-    """Keep the last `seconds` of the flight recorder (0: all it has) under a name."""
-
-    seconds: Annotated[float, Field(ge=0.0, le=1e7, allow_inf_nan=False)] = 0.0
-    name: Annotated[str, Field(max_length=200)] = ""
-
-
-class RecordingSaved(BaseModel):
-    """Where the recording is, on the robot."""
-
-    path: str
-    message: str
-
-
 class FiringStep(BaseModel):
     """One step in the life of a rule's run, as the monitor published it.
 

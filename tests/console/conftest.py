@@ -55,11 +55,15 @@ def cookie_of(client: httpx.Client) -> str:
 
 
 @contextlib.contextmanager
-def serving(audit_file: Path, domain_id: int) -> Iterator[Served]:
+def serving(audit_file: Path, domain_id: int, recordings: Path | None = None) -> Iterator[Served]:
     """Serve a console for as long as the block lasts."""
     listening = socket.create_server(("127.0.0.1", 0))
     settings = ConsoleSettings(
-        robot_name="test robot", access_tokens=TOKENS, audit_file=audit_file, domain_id=domain_id
+        robot_name="test robot",
+        access_tokens=TOKENS,
+        audit_file=audit_file,
+        domain_id=domain_id,
+        recordings=recordings,
     )
     stop = threading.Event()
     thread = threading.Thread(target=run_console, args=(listening, settings), kwargs={"stop": stop})

@@ -157,3 +157,11 @@ def test_two_consoles_on_one_host_do_not_log_each_other_out(console: Served) -> 
     with console.client(Role.OPERATOR) as client:
         names = [cookie.name for cookie in client.cookies.jar]
     assert names == [f"kompass_session_{console.port}"]
+
+
+def test_a_console_elsewhere_says_that_the_recordings_are_on_the_robot(console: Served) -> None:
+    with console.client(Role.ENGINEER) as client:
+        assert client.get("/api/recordings").json()["here"] is False
+        refused = client.get("/api/recordings/dock")
+        assert refused.status_code == 409
+        assert "on the robot" in refused.json()["detail"]["title"]

@@ -195,7 +195,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        get?: never;
+        /**
+         * Recordings
+         * @description What is kept, and what could be.
+         */
+        get: operations["recordings"];
         put?: never;
         /**
          * Save Recording
@@ -203,6 +207,30 @@ export interface paths {
          */
         post: operations["save_recording"];
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/recordings/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Download Recording
+         * @description The file itself, piece by piece as it is taken; parts of it by `Range`.
+         */
+        get: operations["download_recording"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete Recording
+         * @description Delete a recording for good.
+         */
+        delete: operations["delete_recording"];
         options?: never;
         head?: never;
         patch?: never;
@@ -2340,6 +2368,48 @@ export interface components {
             timeout: number | null;
         };
         /**
+         * RecordingInfo
+         * @description A recording that was kept.
+         *
+         *     `saved`, `begin` and `end` are seconds since the epoch, the latter two null for one that holds
+         *     nothing. `size` is in bytes. `of_firing` tells those that a firing had kept from those that a
+         *     person did: of the former only the newest stay. `problem` says why it cannot be read.
+         */
+        RecordingInfo: {
+            /** Begin */
+            begin: number | null;
+            /** End */
+            end: number | null;
+            /** Messages */
+            messages: number;
+            /** Name */
+            name: string;
+            /** Of Firing */
+            of_firing: boolean;
+            /** Problem */
+            problem: string;
+            /** Saved */
+            saved: number;
+            /** Size */
+            size: number;
+        };
+        /**
+         * RecordingList
+         * @description What is kept, newest first.
+         *
+         *     `here` is false for a console on another machine than the recordings: it can have some kept,
+         *     and not look at them. `ring` is null when nothing is recorded. `free` are bytes of the disk.
+         */
+        RecordingList: {
+            /** Free */
+            free: number;
+            /** Here */
+            here: boolean;
+            /** Recordings */
+            recordings: components["schemas"]["RecordingInfo"][];
+            ring: components["schemas"]["RingInfo"] | null;
+        };
+        /**
          * RecordingRequest
          * @description Keep the last `seconds` of the flight recorder (0: all it has) under a name.
          */
@@ -2357,11 +2427,13 @@ export interface components {
         };
         /**
          * RecordingSaved
-         * @description Where the recording is, on the robot.
+         * @description Where the recording is, on the robot, and the name it is asked for by.
          */
         RecordingSaved: {
             /** Message */
             message: string;
+            /** Name */
+            name: string;
             /** Path */
             path: string;
         };
@@ -2441,6 +2513,16 @@ export interface components {
             table_hash: string;
             /** Time */
             time: number;
+        };
+        /**
+         * RingInfo
+         * @description What the flight recorder has and will go over: since when (s since the epoch), and bytes.
+         */
+        RingInfo: {
+            /** Begin */
+            begin: number;
+            /** Size */
+            size: number;
         };
         /**
          * RobotInfo
@@ -3488,6 +3570,35 @@ export interface operations {
             };
         };
     };
+    recordings: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingList"];
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
     save_recording: {
         parameters: {
             query?: never;
@@ -3509,6 +3620,66 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["RecordingSaved"];
                 };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    download_recording: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description An MCAP file */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": unknown;
+                };
+            };
+            /** @description What and why, and what to do */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorAnswer"];
+                };
+            };
+        };
+    };
+    delete_recording: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description What and why, and what to do */
             default: {
