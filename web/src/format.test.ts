@@ -1,5 +1,13 @@
 import { expect, test } from "vitest";
-import { ageText, degreesText, distanceText, durationText, signed, wholeAgeText } from "./format";
+import {
+  ageText,
+  bytesText,
+  degreesText,
+  distanceText,
+  durationText,
+  signed,
+  wholeAgeText,
+} from "./format";
 
 test("an age shows a decimal only while it tells something", () => {
   expect([0, 0.24, 9.94, 9.96, 59.9, 61, 7300].map(ageText)).toEqual([
@@ -44,4 +52,14 @@ test("a heading stays within half a turn of east", () => {
 test("there is no negative zero", () => {
   expect(signed(-0.001, 2)).toBe("0.00");
   expect(signed(-0.51, 2)).toBe("−0.51");
+});
+
+test("sizes of files are told in the unit that fits", () => {
+  expect([0, 870_000, 4_200_000, 41_700_000, 1_300_000_000].map(bytesText)).toEqual([
+    "0 kB",
+    "870 kB",
+    "4.2 MB",
+    "42 MB",
+    "1.3 GB",
+  ]);
 });

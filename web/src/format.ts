@@ -42,3 +42,15 @@ export function signed(value: number, decimals: number): string {
   const text = Math.abs(value).toFixed(decimals);
   return value < 0 && Number(text) !== 0 ? `−${text}` : text;
 }
+
+/** `870 kB`, `4.2 MB`, `1.3 GB`: as the robot's disk is sold. */
+export function bytesText(bytes: number): string {
+  const units = ["kB", "MB", "GB"];
+  let size = Math.max(0, bytes) / 1000;
+  let unit = 0;
+  while (size >= 999.5 && unit < units.length - 1) {
+    size /= 1000;
+    unit += 1;
+  }
+  return `${size < 9.95 && unit > 0 ? size.toFixed(1) : Math.round(size)} ${units[unit]}`;
+}

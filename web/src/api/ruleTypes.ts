@@ -49,6 +49,8 @@ export type RulesLive = Sent<Schemas["RulesLive"]>;
 export type Alarm = RulesLive["alarms"][number];
 export type ProbeReading = Sent<Schemas["ProbeReading"]>;
 export type RecordingSaved = Sent<Schemas["RecordingSaved"]>;
+export type RecordingList = Sent<Schemas["RecordingList"]>;
+export type Recording = RecordingList["recordings"][number];
 
 /** Where a node is in the tree of a condition: child indices from its root. */
 export type TreePath = readonly number[];

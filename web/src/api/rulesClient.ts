@@ -9,7 +9,6 @@ import type {
   Graph,
   History,
   Journal,
-  RecordingSaved,
   Table,
   TableDiff,
   TableView,
@@ -99,10 +98,13 @@ export const getGraph = () => request<Graph>("GET", "/api/graph", { timeoutMs: S
 export const exportAddress = (format: "json" | "yaml" | "python") =>
   `/api/rules/export?format=${format}`;
 
-/** @param seconds the last ones of the flight recorder; 0 for all it has. */
-export const startBacktest = (table: Table, seconds: number) =>
+/**
+ * @param recording name of one that was kept; empty for the flight recorder's newest minutes.
+ * @param seconds the last ones of it; 0 for all there is.
+ */
+export const startBacktest = (table: Table, recording: string, seconds: number) =>
   request<{ id: string }>("POST", "/api/backtests", {
-    body: { table, recording: "", seconds },
+    body: { table, recording, seconds },
     timeoutMs: SLOW_MS,
   });
 
@@ -114,12 +116,6 @@ export const getBacktest = (id: string, signal: AbortSignal) =>
 
 export const cancelBacktest = (id: string) =>
   request<unknown>("DELETE", `/api/backtests/${encodeURIComponent(id)}`);
-
-export const saveRecording = (seconds: number, name: string) =>
-  request<RecordingSaved>("POST", "/api/recordings", {
-    body: { seconds, name },
-    timeoutMs: SLOW_MS,
-  });
 
 /** What somebody else changed meanwhile, when that is why a change was refused. */
 export function conflictOf(error: unknown): Conflict | null {

@@ -1,6 +1,7 @@
 import type { Finding } from "../api/ruleTypes";
 import { StatusMark } from "../health/StatusMark";
 import classes from "./Findings.module.css";
+import { sentence } from "./model/words";
 
 /** What is wrong, or to think about, right where it is; nothing when all is well. */
 export function FindingList({ findings }: { findings: readonly Finding[] }) {
@@ -24,10 +25,4 @@ export function FindingList({ findings }: { findings: readonly Finding[] }) {
       ))}
     </ul>
   );
-}
-
-function sentence(text: string): string {
-  if (text === "") return "";
-  const begun = text.charAt(0).toUpperCase() + text.slice(1);
-  return /[.!?…]$/.test(begun) ? begun : `${begun}.`;
 }

@@ -5,6 +5,7 @@ import { FiringsPage } from "./firings/FiringsPage";
 import { HistoryPage } from "./history/HistoryPage";
 import { RulesBands } from "./live/RulesBands";
 import { type Place, useNav } from "./live/RulesNav";
+import { RecordingsPage } from "./recordings/RecordingsPage";
 import { ConflictPage } from "./review/ConflictPage";
 import { ReviewPage } from "./review/ReviewPage";
 import classes from "./Sheet.module.css";
@@ -15,6 +16,7 @@ const TABS: { label: string; place: Place; holds: Place["at"][] }[] = [
   { label: "Rules", place: { at: "table" }, holds: ["table", "edit", "why", "review", "conflict"] },
   { label: "Firings", place: { at: "firings", rule: null }, holds: ["firings"] },
   { label: "History", place: { at: "history", revision: null }, holds: ["history"] },
+  { label: "Recordings", place: { at: "recordings", name: null }, holds: ["recordings"] },
 ];
 
 /** The rules of the robot, beside the scene: what is in force, what is being written, what was. */
@@ -72,5 +74,7 @@ function Page({ place }: { place: Place }) {
       return <FiringsPage rule={place.rule} />;
     case "history":
       return <HistoryPage revision={place.revision} />;
+    case "recordings":
+      return <RecordingsPage name={place.name} />;
   }
 }

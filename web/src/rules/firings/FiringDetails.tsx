@@ -1,7 +1,8 @@
 import { Button } from "@mantine/core";
 import { useState } from "react";
 import { type ApiError, asApiError } from "../../api/errors";
-import { rollbackRules, saveRecording } from "../../api/rulesClient";
+import { saveRecording } from "../../api/recordingsClient";
+import { rollbackRules } from "../../api/rulesClient";
 import type { Firing } from "../../api/ruleTypes";
 import { StatusMark } from "../../health/StatusMark";
 import { useRules } from "../live/RulesContext";
@@ -61,13 +62,25 @@ export function FiringDetails({ firing }: { firing: Firing }) {
       )}
       {firing.recording !== "" && (
         <p className={sheet.muted}>
-          Recorded in <code>{firing.recording}</code>
+          What was around it is recorded:{" "}
+          <button
+            type="button"
+            className={classes.link}
+            data-testid="firing-recording"
+            onClick={() => nav.go({ at: "recordings", name: recordingName(firing.recording) })}
+          >
+            {recordingName(firing.recording)}
+          </button>
         </p>
       )}
       <FiringActions firing={firing} />
     </section>
   );
 }
+
+/** A recording's name from its path on the robot. */
+const recordingName = (path: string): string =>
+  (path.split("/").at(-1) ?? path).replace(/\.mcap$/, "");
 
 /** What can be done about it: back to the table before this one, or keep the recording. */
 function FiringActions({ firing }: { firing: Firing }) {
@@ -92,7 +105,7 @@ function FiringActions({ firing }: { firing: Firing }) {
     reload();
     return `Revision ${report.revision} is in force.`;
   };
-  const keep = async () => (await saveRecording(KEEP_S, "")).message;
+  const keep = async () => `Kept as ${(await saveRecording(KEEP_S, "")).name}.`;
   return (
     <>
       <div className={sheet.line}>

@@ -9,7 +9,8 @@ export type Place =
   | { at: "review" }
   | { at: "conflict" }
   | { at: "firings"; rule: string | null }
-  | { at: "history"; revision: number | null };
+  | { at: "history"; revision: number | null }
+  | { at: "recordings"; name: string | null };
 
 interface Nav {
   open: boolean;
@@ -24,7 +25,7 @@ interface Nav {
 
 const NavContext = createContext<Nav | null>(null);
 const TABLE: Place = { at: "table" };
-const TABS: ReadonlySet<Place["at"]> = new Set(["table", "firings", "history"]);
+const TABS: ReadonlySet<Place["at"]> = new Set(["table", "firings", "history", "recordings"]);
 
 export function RulesNavProvider({ children }: { children: ReactNode }) {
   const [open, setOpen] = useState(false);

@@ -1,6 +1,6 @@
 import { beforeEach, expect, test } from "vitest";
 import type { Rule, Table } from "../../api/ruleTypes";
-import { defaultSide, differences, rebase } from "./conflict";
+import { defaultSide, differences, fieldSides, isMade, rebase } from "./conflict";
 import {
   beginDraft,
   changesOf,
@@ -140,4 +140,26 @@ test("what a rule lacks is said at its field, and the robot is asked about the o
   const half: Table = { rules: [{ ...a, actions: [] }, cooled(b, 2), fresh] };
   expect(sendable(half, base)).toEqual({ rules: [a, cooled(b, 2)] });
   expect(incomplete(a)).toEqual([]);
+});
+
+test("of a rule that both changed, single fields are taken from either", () => {
+  const theirs: Table = { rules: [{ ...cooled(a, 1), note: "theirs", name: "A" }, b, c] };
+  const mine: Table = { rules: [{ ...cooled(a, 2), severity: "error", name: "A" }, b, c] };
+  const [found] = differences(base, theirs, mine);
+  if (found === undefined) throw new Error("no difference was found");
+  expect(found.fields.map(({ field, by }) => [field.key, by])).toEqual([
+    ["event.cooldown", "both"],
+    ["severity", "mine"],
+    ["note", "theirs"],
+  ]);
+  const sides = fieldSides(found);
+  expect(isMade(found, sides)).toBe(false);
+  const choice = { ...sides, "event.cooldown": "theirs" } as const;
+  expect(isMade(found, choice)).toBe(true);
+  expect(rebase(base, theirs, mine, { a: choice }).rules[0]).toMatchObject({
+    name: "A",
+    note: "theirs",
+    severity: "error",
+    event: { cooldown: 1 },
+  });
 });

@@ -102,3 +102,9 @@ export function constantText(name: string, field: string): string {
 }
 
 export const SEVERITIES = ["info", "warning", "error", "critical"] as const;
+
+/** With a capital at its beginning and a stop at its end; nothing stays nothing. */
+export function sentence(text: string): string {
+  const begun = text.charAt(0).toUpperCase() + text.slice(1);
+  return begun === "" || /[.!?…]$/.test(begun) ? begun : `${begun}.`;
+}

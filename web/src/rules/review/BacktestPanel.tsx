@@ -1,18 +1,21 @@
 import { Button, Progress, Select } from "@mantine/core";
-import { useState } from "react";
+import { useEffect, useState } from "react";
+import { listRecordings } from "../../api/recordingsClient";
 import type { Table } from "../../api/ruleTypes";
-import { secondsText } from "../model/words";
+import { secondsText, sentence } from "../model/words";
 import sheet from "../Sheet.module.css";
 import { BacktestTimeline } from "./BacktestTimeline";
 import classes from "./Review.module.css";
 import { type BacktestRun, isOver, useBacktest } from "./useBacktest";
 
+/** Of the flight recorder, by their seconds; a recording that was kept is known by its name. */
 const STRETCHES = [
   { value: "60", label: "the last minute" },
   { value: "300", label: "the last 5 minutes" },
   { value: "600", label: "the last 10 minutes" },
   { value: "0", label: "all that is recorded" },
 ];
+const KEPT = "kept ";
 
 interface Props {
   table: Table;
@@ -23,9 +26,14 @@ interface Props {
 
 /** What the rules would have done on what the robot has just lived through. */
 export function BacktestPanel({ table, names, ready }: Props) {
-  const [seconds, setSeconds] = useState("300");
+  const [over, setOver] = useState("300");
+  const kept = useKept();
   const { run, start, cancel } = useBacktest();
-  const over = run === null || isOver(run);
+  const ended = run === null || isOver(run);
+  const begin = () =>
+    over.startsWith(KEPT)
+      ? start(table, over.slice(KEPT.length), 0)
+      : start(table, "", Number(over));
   return (
     <section className={sheet.section} aria-label="Back-test">
       <h3>Back-test first</h3>
@@ -35,17 +43,23 @@ export function BacktestPanel({ table, names, ready }: Props) {
           size="sm"
           aria-label="Over which stretch"
           allowDeselect={false}
-          data={STRETCHES}
-          value={seconds}
-          onChange={(value) => value !== null && setSeconds(value)}
+          data={
+            kept.length === 0
+              ? STRETCHES
+              : [
+                  { group: "The flight recorder", items: STRETCHES },
+                  {
+                    group: "Kept recordings",
+                    items: kept.map((name) => ({ value: `${KEPT}${name}`, label: name })),
+                  },
+                ]
+          }
+          value={over}
+          data-testid="backtest-over"
+          onChange={(value) => value !== null && setOver(value)}
         />
-        {over ? (
-          <Button
-            variant="default"
-            disabled={!ready}
-            onClick={() => start(table, Number(seconds))}
-            data-testid="backtest-start"
-          >
+        {ended ? (
+          <Button variant="default" disabled={!ready} onClick={begin} data-testid="backtest-start">
             {run === null ? "Back-test" : "Again"}
           </Button>
         ) : (
@@ -57,6 +71,24 @@ export function BacktestPanel({ table, names, ready }: Props) {
       {run !== null && <Outcome run={run} names={names} stale={run.of !== table} />}
     </section>
   );
+}
+
+/** Names of the recordings that were kept; none where they cannot be looked at. */
+function useKept(): string[] {
+  const [names, setNames] = useState<string[]>([]);
+  useEffect(() => {
+    let left = false;
+    listRecordings().then(
+      ({ recordings }) => {
+        if (!left) setNames(recordings.filter(({ end }) => end !== null).map(({ name }) => name));
+      },
+      () => undefined, // the flight recorder's minutes are there all the same
+    );
+    return () => {
+      left = true;
+    };
+  }, []);
+  return names;
 }
 
 function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; stale: boolean }) {
@@ -102,6 +134,11 @@ function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; 
           {report.messages.toLocaleString()} messages
         </span>
       </p>
+      {answer.text !== "" && (
+        <p className={sheet.note} data-testid="backtest-remark">
+          {sentence(answer.text)}
+        </p>
+      )}
       {report.missing_topics.length > 0 && (
         <p className={sheet.note}>
           Not recorded, so not judged: {report.missing_topics.join(", ")}. They are recorded from

@@ -1,22 +1,22 @@
 import { Button } from "@mantine/core";
 import { useEffect, useMemo, useState } from "react";
 import { getHistory } from "../../api/rulesClient";
-import type { Revision, RuleChange } from "../../api/ruleTypes";
+import type { Revision } from "../../api/ruleTypes";
 import { useRules } from "../live/RulesContext";
 import { useNav } from "../live/RulesNav";
 import { useNow } from "../live/useNow";
-import { type Difference, defaultSide, differences, rebase, type Side } from "../model/conflict";
+import { type Choice, defaultSide, differences, isMade, rebase } from "../model/conflict";
 import { beginDraft } from "../model/draft";
 import { whenText } from "../model/words";
 import sheet from "../Sheet.module.css";
-import classes from "./Review.module.css";
+import { ConflictChoice } from "./ConflictChoice";
 
 /** Somebody else was faster: both changes side by side, and a choice for each rule. */
 export function ConflictPage() {
   const { view, draft } = useRules();
   const nav = useNav();
   const mine = draft.draft;
-  const [sides, setSides] = useState<Record<string, Side>>({});
+  const [sides, setSides] = useState<Record<string, Choice>>({});
   const found = useMemo(
     () =>
       mine === null || view === null ? [] : differences(mine.baseTable, view.table, mine.table),
@@ -41,7 +41,7 @@ export function ConflictPage() {
     nav.go({ at: "review" });
   };
   const both = found.filter((each) => each.both);
-  const open = both.filter((each) => sides[each.id] === undefined);
+  const open = both.filter((each) => !isMade(each, sides[each.id]));
   const others = found.filter((each) => !each.both);
   return (
     <div className={sheet.page} data-testid="conflict">
@@ -53,22 +53,24 @@ export function ConflictPage() {
         {mine.base}; <Who revision={view.revision} /> Choose for each rule that both of you changed.
       </p>
       {both.map((each) => (
-        <Choice
+        <ConflictChoice
           key={each.id}
           difference={each}
-          side={sides[each.id] ?? null}
-          onChoose={(side) => setSides({ ...sides, [each.id]: side })}
+          choice={sides[each.id] ?? null}
+          tables={{ mine: mine.table, theirs: view.table }}
+          onChoose={(choice) => setSides({ ...sides, [each.id]: choice })}
         />
       ))}
       {others.length > 0 && (
         <section className={sheet.section} aria-label="Changed by one of you">
           <h3>Changed by one of you only</h3>
           {others.map((each) => (
-            <Choice
+            <ConflictChoice
               key={each.id}
               difference={each}
-              side={sides[each.id] ?? defaultSide(each)}
-              onChoose={(side) => setSides({ ...sides, [each.id]: side })}
+              choice={sides[each.id] ?? defaultSide(each)}
+              tables={{ mine: mine.table, theirs: view.table }}
+              onChoose={(choice) => setSides({ ...sides, [each.id]: choice })}
             />
           ))}
         </section>
@@ -107,58 +109,5 @@ function Who({ revision }: { revision: number }) {
       {whenText(found.time, now)}
       {found.reason !== "" && ` ("${found.reason}")`}.
     </>
-  );
-}
-
-interface ChoiceProps {
-  difference: Difference;
-  side: Side | null;
-  onChoose: (side: Side) => void;
-}
-
-function Choice({ difference, side, onChoose }: ChoiceProps) {
-  return (
-    <div className={classes.conflict} data-testid={`conflict-${difference.id}`}>
-      <strong>{difference.name}</strong>
-      <div className={classes.sides} role="radiogroup" aria-label={difference.name}>
-        <SideButton
-          label="Mine"
-          change={difference.mine}
-          on={side === "mine"}
-          onClick={() => onChoose("mine")}
-        />
-        <SideButton
-          label="Theirs"
-          change={difference.theirs}
-          on={side === "theirs"}
-          onClick={() => onChoose("theirs")}
-        />
-      </div>
-    </div>
-  );
-}
-
-function SideButton(props: {
-  label: "Mine" | "Theirs";
-  change: RuleChange | null;
-  on: boolean;
-  onClick: () => void;
-}) {
-  const { label, change, on, onClick } = props;
-  return (
-    // biome-ignore lint/a11y/useSemanticElements: a radio input has no room for what is chosen
-    <button
-      type="button"
-      role="radio"
-      aria-checked={on}
-      className={classes.side}
-      data-testid={`keep-${label.toLowerCase()}`}
-      onClick={onClick}
-    >
-      <strong>
-        {on ? "◉" : "○"} {label}
-      </strong>
-      {change === null ? "as it was" : change.summary}
-    </button>
   );
 }

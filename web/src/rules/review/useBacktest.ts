@@ -32,13 +32,13 @@ export function useBacktest() {
     setRun(null);
   }, []);
 
-  const start = useCallback((table: Table, seconds: number) => {
+  const start = useCallback((table: Table, recording: string, seconds: number) => {
     current.current?.abort();
     const mine = new AbortController();
     current.current = mine;
     setRun({ of: table, id: null, answer: null, error: null });
     const follow = async () => {
-      const { id } = await startBacktest(table, seconds);
+      const { id } = await startBacktest(table, recording, seconds);
       if (mine.signal.aborted) {
         await cancelBacktest(id);
         return;

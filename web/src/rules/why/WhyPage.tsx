@@ -10,7 +10,7 @@ import { useNav } from "../live/RulesNav";
 import { useNow } from "../live/useNow";
 import { actionText } from "../model/actions";
 import { ruleOf } from "../model/draft";
-import { leftText, ruleName, whenText } from "../model/words";
+import { leftText, ruleName, sentence, whenText } from "../model/words";
 import sheet from "../Sheet.module.css";
 import { LeafList } from "./LeafList";
 import classes from "./Why.module.css";
@@ -179,9 +179,4 @@ function Then({ found }: { found: Explanation }) {
       </Button>
     </section>
   );
-}
-
-function sentence(text: string): string {
-  const begun = text.charAt(0).toUpperCase() + text.slice(1);
-  return begun === "" || /[.!?]$/.test(begun) ? begun : `${begun}.`;
 }

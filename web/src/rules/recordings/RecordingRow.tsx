@@ -1,0 +1,118 @@
+import { Button } from "@mantine/core";
+import { IconDownload, IconTrash } from "@tabler/icons-react";
+import { useEffect, useRef, useState } from "react";
+import { type ApiError, asApiError } from "../../api/errors";
+import { deleteRecording, recordingAddress } from "../../api/recordingsClient";
+import type { Recording } from "../../api/ruleTypes";
+import { bytesText, durationText } from "../../format";
+import { useSession } from "../../session/SessionContext";
+import { useNow } from "../live/useNow";
+import { whenText } from "../model/words";
+import sheet from "../Sheet.module.css";
+import classes from "./Recordings.module.css";
+
+interface Props {
+  recording: Recording;
+  /** Whether one came here to see this one. */
+  wanted: boolean;
+  onDeleted: () => void;
+}
+
+/** One recording: what, when, how long, how large. */
+export function RecordingRow({ recording, wanted, onDeleted }: Props) {
+  const { session } = useSession();
+  const now = useNow();
+  const row = useRef<HTMLLIElement>(null);
+  useEffect(() => {
+    if (wanted) row.current?.scrollIntoView({ block: "nearest" });
+  }, [wanted]);
+  const { name, saved, begin, end, size, messages, of_firing, problem } = recording;
+  return (
+    <li
+      ref={row}
+      className={classes.row}
+      data-testid={`recording-${name}`}
+      data-wanted={wanted || undefined}
+    >
+      <strong className={classes.name}>{name}</strong>
+      <p className={sheet.muted}>
+        {whenText(begin ?? saved, now)}
+        {begin !== null && end !== null && ` · ${durationText(end - begin)}`} · {bytesText(size)}
+        {messages > 0 && ` · ${messages.toLocaleString()} messages`}
+        {of_firing && " · kept by a firing"}
+      </p>
+      {problem !== "" && <p className={sheet.problem}>{problem}</p>}
+      <div className={classes.buttons}>
+        {session.role !== "viewer" && (
+          <Button
+            component="a"
+            variant="default"
+            size="compact-md"
+            leftSection={<IconDownload size={16} aria-hidden />}
+            href={recordingAddress(name)}
+            download={`${name}.mcap`}
+            aria-label={`Download ${name}`}
+            data-testid="recording-download"
+          >
+            Download
+          </Button>
+        )}
+        {session.role === "engineer" && <DeleteButton name={name} onDeleted={onDeleted} />}
+      </div>
+    </li>
+  );
+}
+
+/** A file that is gone cannot be had back: the button asks once. */
+function DeleteButton({ name, onDeleted }: { name: string; onDeleted: () => void }) {
+  const [asking, setAsking] = useState(false);
+  const [busy, setBusy] = useState(false);
+  const [error, setError] = useState<ApiError | null>(null);
+  const remove = () => {
+    setBusy(true);
+    setError(null);
+    deleteRecording(name)
+      .then(onDeleted, (failure: unknown) => {
+        setError(asApiError(failure));
+        setAsking(false);
+      })
+      .finally(() => setBusy(false));
+  };
+  return (
+    <>
+      {asking ? (
+        <>
+          <Button
+            color="red"
+            size="compact-md"
+            loading={busy}
+            autoFocus
+            onClick={remove}
+            data-testid="recording-delete-sure"
+          >
+            Delete for good
+          </Button>
+          <Button variant="default" size="compact-md" onClick={() => setAsking(false)}>
+            Leave it
+          </Button>
+        </>
+      ) : (
+        <Button
+          variant="default"
+          size="compact-md"
+          leftSection={<IconTrash size={16} aria-hidden />}
+          aria-label={`Delete ${name}`}
+          onClick={() => setAsking(true)}
+          data-testid="recording-delete"
+        >
+          Delete
+        </Button>
+      )}
+      {error !== null && (
+        <p className={sheet.problem} role="alert">
+          {error.title} {error.remedy}
+        </p>
+      )}
+    </>
+  );
+}
