@@ -14,6 +14,7 @@ from playwright.sync_api import expect
 
 from tests.browser.console_page import ConsolePage
 from tests.browser.stopwatch import ANSWERED, Stopwatch
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
 
@@ -84,7 +85,7 @@ def test_a_dragged_goal_around_a_pillar_is_foretold_followed_and_reached(
 
     page.get("goal-go").click()
     expect(page.get("goal-status")).to_have_attribute(
-        "data-phase", re.compile("accepted|driving"), timeout=5000
+        "data-phase", re.compile("accepted|driving"), timeout=patient(5000)
     )
     told = arrive(page)
     assert len(set(told)) > 5

@@ -14,6 +14,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from tests.console.conftest import Served, cookie_of, running
 from tests.console.fake_monitor import TABLE
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 
 Json = dict[str, Any]
@@ -50,10 +51,10 @@ def opened(console: Served, path: str, client: httpx.Client) -> Iterator[ClientC
 
 def until(socket: ClientConnection, good: Callable[[Json], object], timeout: float = 8.0) -> Json:
     """The first message for which `good` holds."""
-    deadline = time.monotonic() + timeout
+    deadline = time.monotonic() + patient(timeout)
     message: Json = {}
     while time.monotonic() < deadline:
         message = json.loads(socket.recv(timeout=max(deadline - time.monotonic(), 0.01)))
         if good(message):
             return message
-    raise AssertionError(f"not within {timeout} s; the last message was {message}")
+    raise AssertionError(f"not within {patient(timeout):g} s; the last message was {message}")

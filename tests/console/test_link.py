@@ -18,6 +18,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from kompass_console.roles import Role
 from tests.console.conftest import Served, cookie_of, running_stack, serving
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 
 pytestmark = pytest.mark.ros
@@ -34,19 +35,19 @@ def listening(console: Served, client: httpx.Client) -> Iterator[ClientConnectio
         additional_headers={"Cookie": cookie_of(client)},
         close_timeout=1.0,
     ) as socket:
-        assert json.loads(socket.recv(timeout=2.0))["type"] == "hello"
+        assert json.loads(socket.recv(timeout=patient(2.0)))["type"] == "hello"
         yield socket
 
 
 def until(socket: ClientConnection, good: Callable[[State], object], timeout: float = 8.0) -> State:
     """The first state for which `good` holds."""
-    deadline = time.monotonic() + timeout
+    deadline = time.monotonic() + patient(timeout)
     state: State = {}
     while time.monotonic() < deadline:
-        state = json.loads(socket.recv(timeout=2.0))
+        state = json.loads(socket.recv(timeout=patient(2.0)))
         if state["type"] == "state" and good(state):
             return state
-    raise AssertionError(f"not within {timeout} s; the last state was {state}")
+    raise AssertionError(f"not within {patient(timeout):g} s; the last state was {state}")
 
 
 def complete(state: State) -> bool:
@@ -108,7 +109,7 @@ def test_the_state_tells_all_of_the_robot(socket: ClientConnection, stack: None)
     assert state["robot"]["name"] == "test robot"
     assert state["robot"]["radius"] == pytest.approx(0.105, abs=1e-6)
     assert state["pose"]["x"] == pytest.approx(-0.75)
-    assert state["pose"]["age"] < 0.2
+    assert state["pose"]["age"] < patient(0.2)
     labels = {c["name"]: (c["label"], c["status"]) for c in state["components"]}
     assert labels["drive_manager"] == ("Drive", "healthy")
     assert state["drive"]["standstill"]
@@ -117,8 +118,8 @@ def test_the_state_tells_all_of_the_robot(socket: ClientConnection, stack: None)
 def test_a_ping_is_answered_and_noise_is_not(socket: ClientConnection) -> None:
     socket.send("noise")
     socket.send(json.dumps({"type": "ping", "t": 12.5}))
-    deadline = time.monotonic() + 2.0
-    while (answer := json.loads(socket.recv(timeout=2.0)))["type"] != "pong":
+    deadline = time.monotonic() + patient(2.0)
+    while (answer := json.loads(socket.recv(timeout=patient(2.0))))["type"] != "pong":
         assert time.monotonic() < deadline
     assert answer == {"type": "pong", "t": 12.5}
 
@@ -171,17 +172,18 @@ def test_a_goal_that_cannot_be_reached_is_not_sent(
 def test_a_goal_that_has_just_passed_is_sent_without_another_check(
     socket: ClientConnection, client: httpx.Client
 ) -> None:
-    with running_stack("--slow-checks", "0.8"):
+    slow = 1.3  # s, of the 2 s after which the console gives up
+    with running_stack("--slow-checks", str(slow)):
         until(socket, complete)
         ready(client)
         body = {"x": 0.7, "y": 0.6, "yaw": 0.0}
         assert client.post("/api/goals/check", json=body).json()["ok"]
         pressed = time.monotonic()
         assert client.post("/api/goals", json=body).status_code == 200
-        assert time.monotonic() - pressed < 0.5
+        assert time.monotonic() - pressed < slow
         pressed = time.monotonic()
         assert client.post("/api/goals", json={**body, "x": 0.75}).status_code == 200
-        assert time.monotonic() - pressed > 0.7  # this one was never checked
+        assert time.monotonic() - pressed >= slow  # this one was never checked
 
 
 def test_stop_ends_the_drive_and_stays_until_released(
@@ -218,7 +220,7 @@ def test_stop_waits_for_nothing_else(console: Served, socket: ClientConnection) 
             client.post("/api/stop", json={})
             times.append(time.monotonic() - pressed)
             checks[0].join(0.05)
-        assert statistics.median(times) < 0.5
+        assert statistics.median(times) < 0.75  # half of what a check takes
         assert len(times) > 2
         client.post("/api/stop/release")
 
@@ -300,7 +302,7 @@ def test_without_a_drive_manager_stop_says_so_at_once(
         wait_until(lambda: client.post("/api/stop", json={}).status_code == 503, 5.0, "no answer")
         pressed = time.monotonic()
         answer = client.post("/api/stop", json={})
-        assert time.monotonic() - pressed < 1.5
+        assert time.monotonic() - pressed < patient(1.5)
     assert "emergency stop" in answer.json()["detail"]["remedy"]
 
 

@@ -16,6 +16,6 @@ def test_no_answer_waits_for_the_acknowledgement_of_its_first_half(console: Serv
             began = time.perf_counter()
             assert client.get("/api/session").status_code == 200
             took.append(time.perf_counter() - began)
-    # A new connection is acknowledged at once for a while, and a busy machine is slow at times.
-    settled = sorted(took[20:])
-    assert settled[len(settled) // 4] < 0.75 * DELAYED_ACKNOWLEDGEMENT
+    # A new connection is acknowledged at once for a while; later each half would wait, even on a
+    # machine that is never busy.
+    assert min(took[20:]) < 0.75 * DELAYED_ACKNOWLEDGEMENT

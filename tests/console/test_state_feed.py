@@ -54,18 +54,21 @@ def test_what_matters_is_told_at_once_and_the_rest_ten_times_a_second() -> None:
             await page.get()
             await page.get()
             begun = time.monotonic()
-            await page.get()
+            for _ in range(3):  # of which the first may be half over
+                await page.get()
             calm = time.monotonic() - begun
-            await asyncio.sleep(0.03)  # past the least time between two states
-            begun = time.monotonic()
-            feed.changed()
-            await page.get()
-            urgent = time.monotonic() - begun
+            urgent = []
+            for _ in range(5):
+                await asyncio.sleep(0.03)  # past the least time between two states
+                begun = time.monotonic()
+                feed.changed()
+                await page.get()
+                urgent.append(time.monotonic() - begun)
         feeding.cancel()
-        return calm, urgent
+        return calm, min(urgent)  # the best of some: a busy machine may hold one up
 
     calm, urgent = asyncio.run(listen())
-    assert calm > 0.07
+    assert calm > 0.15
     assert urgent < 0.05
 
 

@@ -9,6 +9,7 @@ from rclpy.node import Node
 
 from kompass.coroutine import QuietExecutor
 from tests.support.domains import next_domain
+from tests.support.patience import patient
 
 
 class Spinning:
@@ -19,9 +20,9 @@ class Spinning:
 
     def until(self, condition: Callable[[], object], timeout: float = 5.0) -> None:
         """Spin until a condition holds."""
-        deadline = time.monotonic() + timeout
+        deadline = time.monotonic() + patient(timeout)
         while not condition():
-            assert time.monotonic() < deadline, f"not within {timeout} s"
+            assert time.monotonic() < deadline, f"not within {patient(timeout):g} s"
             self.executor.spin_once(timeout_sec=0.02)
 
     def rest(self, seconds: float) -> None:

@@ -1,7 +1,7 @@
 """The desk keeps its promises, on a virtual clock: nothing half applied, nothing lost."""
 
 import json
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +13,13 @@ from kompass.monitor.desk import Desk
 from kompass.monitor.desk_terms import Answer, InForce, Who
 from kompass.monitor.engine_loop import Swap
 from kompass.monitor.message_types import MessageTypes
-from kompass.rulebook.report import ApplyReport, CheckReport, Conflict
+from kompass.rulebook.report import ApplyReport, CheckReport, Conflict, Finding
 from kompass.rules.bridge import bridge
 from kompass.rules.carry import exchange
 from kompass.rules.compiled import CompiledTable, compile_table
 from kompass.rules.engine import initial_state
 from kompass.rules.table import Table, table_hash
+from kompass.rules.values import Verdict
 from kompass.store import RuleStore, StoreUnwritable
 from tests.support.rules import compare, rule
 
@@ -60,6 +61,20 @@ class FakeEngine:
         return frozenset(self.busy)
 
 
+class NoLints:
+    """Finds nothing to think about, unless it is told to fail."""
+
+    problem: Exception | None = None
+
+    def foreseen(self, table: CompiledTable) -> list[Finding]:
+        return []
+
+    def found(self, table: Table, verdicts: Mapping[str, Verdict]) -> list[Finding]:
+        if self.problem is not None:
+            raise self.problem
+        return []
+
+
 class Office:
     """A desk with a real store, and a clock that stands still until it is moved."""
 
@@ -69,7 +84,7 @@ class Office:
         self.store = RuleStore.open(folder, clock=lambda: self.now)
         boot = self.store.begin_life(self.recipe, epoch=f"life-{id(self)}", stack="s")
         assert boot.revision is not None
-        self.engine = FakeEngine(boot.table)
+        self.engine, self.lints = FakeEngine(boot.table), NoLints()
         self.said: list[str] = []
         self.changes = 0
         self.desk = Desk(
@@ -79,7 +94,7 @@ class Office:
             InForce(boot.table, boot.revision, boot.revision, notice=boot.notice),
             recipe=self.recipe,
             robot="test",
-            lints=lambda _: [],
+            lints=self.lints,
             changed=self._count,
             announce=self.said.append,
             merge=boot.merge,
@@ -298,7 +313,7 @@ def test_protected_rules_and_viewers_are_refused_and_it_is_noted(office: Office)
 
 def test_a_check_changes_nothing_and_says_what_would_happen(office: Office) -> None:
     office.engine.busy = {"first"}
-    report = office.desk.check(
+    report = office.desk.window.check(
         json.dumps({"rules": [rule("first", compare("a", ">", 2)), BASE[1], NEW]}), "operator"
     )
     assert report.ok
@@ -315,6 +330,31 @@ def test_a_disabled_rule_stays_disabled_over_a_restart(tmp_path: Path) -> None:
     second = Office(tmp_path)
     assert [each.enabled for each in second.desk.in_force.table.rules] == [False, True]
     second.store.close()
+
+
+def test_a_table_that_cannot_be_looked_through_is_in_force_and_said_to_be(office: Office) -> None:
+    office.lints.problem = RuntimeError("the graph does not answer")
+    answer = office.apply([*BASE, NEW])
+    assert answer.ok
+    assert office.agree
+    assert isinstance(answer.body, ApplyReport)
+    assert [each.code for each in answer.body.findings] == ["not-looked-at"]
+    assert "the graph does not answer" in answer.body.findings[0].text
+
+
+def test_where_a_rule_comes_from_is_for_the_desk_to_say(office: Office) -> None:
+    def sources() -> dict[str, str]:
+        return {each.id: each.source for each in office.desk.in_force.table.rules}
+
+    # A file may say what it likes: of another robot's recipe, or of rules changed since.
+    mine = rule("mine", compare("c", ">", 1)) | {"source": "recipe"}
+    dressed = BASE[0] | {"note": "mind the dock", "source": "recipe"}
+    assert office.apply([dressed, BASE[1] | {"source": "edited"}, mine]).ok
+    assert sources() == {"first": "edited", "guarded": "recipe", "mine": "edited"}
+    # What is as the recipe has it is the recipe's again, however it came back.
+    assert office.apply([BASE[0] | {"source": "edited"}, BASE[1]]).ok
+    assert sources() == {"first": "recipe", "guarded": "recipe"}
+    assert office.agree
 
 
 def test_a_reset_rule_starts_afresh_and_makes_no_revision(office: Office) -> None:
@@ -337,11 +377,11 @@ def test_without_a_store_rules_can_be_seen_and_not_changed() -> None:
         InForce(table, 0, 0, notice=notice),
         recipe=table,
         robot="test",
-        lints=lambda _: [],
+        lints=NoLints(),
         changed=lambda: None,
         announce=lambda _: None,
     )
-    assert desk.view().table == table
+    assert desk.window.view().table == table
     answer = desk.apply(json.dumps({"rules": [*BASE, NEW]}), OPERATOR, expected=0)
     assert answer.outcome == "failed"
     assert notice in answer.message
@@ -354,7 +394,7 @@ def test_edits_of_an_older_recipe_are_offered_until_somebody_decides(tmp_path: P
     assert first.apply([*BASE, NEW], probation=0.0).ok
     first.store.close()
     second = Office(tmp_path, [rule("first", compare("a", ">", 5)), BASE[1]])
-    offer = second.desk.view().merge
+    offer = second.desk.window.view().merge
     assert offer is not None
     assert ids(offer.table) == ["first", "guarded", "new"]
     assert offer.table.rules[0].event == second.recipe.rules[0].event
@@ -362,9 +402,9 @@ def test_edits_of_an_older_recipe_are_offered_until_somebody_decides(tmp_path: P
     assert second.apply(merged, probation=5.0).ok
     second.now += 6.0
     second.desk.tick()
-    assert second.desk.view().merge == offer
+    assert second.desk.window.view().merge == offer
     assert second.apply(merged, probation=0.0).ok
-    assert second.desk.view().merge is None
+    assert second.desk.window.view().merge is None
     second.store.close()
 
 

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kompass.monitor.reading import MAX_BYTES, MAX_RULES, Unreadable, read_table
+from kompass.monitor.reading import MAX_BYTES, MAX_RULES, TableReader, Unreadable, read_table
 from kompass.rulebook.report import Finding
+from kompass.rules.conditions import Compare
 from kompass.rules.table import Table
 from tests.support.rules import compare, rule
 
@@ -39,6 +40,30 @@ def test_the_rule_and_the_field_are_named(change: dict[str, Any], field: str, re
     found = refused(json.dumps({"rules": [GOOD | {"id": "first"}, GOOD | change]})).findings
     assert ("good", field) in [(each.rule_id, each.field) for each in found]
     assert any(remedy in each.remedy for each in found if each.field == field)
+
+
+def test_a_rule_that_was_read_before_is_the_same_object_and_others_are_not() -> None:
+    reader = TableReader()
+    both = [GOOD, rule("other", compare("a", "==", 1))]
+    first = reader.read(json.dumps({"rules": both}))
+    again = reader.read(json.dumps({"rules": [both[1], GOOD]}))
+    assert [again.rules[1] is first.rules[0], again.rules[0] is first.rules[1]] == [True, True]
+    # Python takes these for the same.
+    for value in (True, 1.0):
+        table = reader.read(json.dumps({"rules": [rule("other", compare("a", "==", value))]}))
+        made = table.rules[0].event.condition
+        assert isinstance(made, Compare)
+        assert type(made.value) is type(value)
+
+
+def test_what_is_wrong_beside_a_rule_that_was_read_before_is_told_as_ever() -> None:
+    reader = TableReader()
+    reader.read(json.dumps({"rules": [GOOD]}))
+    for rules in ([GOOD, GOOD | {"id": "second", "evnt": {}}], [GOOD, GOOD]):
+        text = json.dumps({"rules": rules})
+        with pytest.raises(Unreadable) as caught:
+            reader.read(text)
+        assert caught.value.findings == refused(text).findings
 
 
 def test_what_is_too_large_is_not_even_looked_at() -> None:

@@ -1,5 +1,6 @@
 """Of what the engine lets fire, each run is begun, told of and ended exactly once."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
@@ -8,8 +9,10 @@ from rclpy.task import Future
 from kompass.monitor.outcome import Outcome
 from kompass.monitor.runs import Entry, Runs, Tell
 from kompass.rules.actions import Log, Method
-from kompass.rules.firing import Firing, Note
-from kompass.rules.table import Severity
+from kompass.rules.compiled import compile_table
+from kompass.rules.firing import Firing, Note, Output
+from kompass.rules.table import Severity, Table
+from tests.support.rules import compare, rule
 
 
 class Told:
@@ -17,6 +20,7 @@ class Told:
 
     def __init__(self) -> None:
         self.heard: list[tuple[Any, ...]] = []
+        self.entries: list[Entry] = []
         self._number = 0
 
     def begins(self, entry: Entry) -> None:
@@ -25,12 +29,14 @@ class Told:
     def fired(self, entry: Entry, message: Any) -> int:
         self._number += 1
         self.heard.append((entry.kind, entry.rule_id, entry.text))
+        self.entries.append(entry)
         return self._number
 
     def acted(self, entry: Entry, number: int, outcome: Outcome) -> None:
         self.heard.append(("acted", entry.rule_id, outcome.action))
 
     def ended(self, entry: Entry, number: int, ok: bool, error: str) -> None:
+        self.entries.append(entry)
         self.heard.append(("ended", entry.rule_id, ok, error))
 
 
@@ -53,7 +59,13 @@ class World:
     def _done(self, rule_id: str, run_id: int, ok: bool, error: str) -> None:
         self.done.append((rule_id, run_id, ok, error))
         if rule_id in self.follows:
-            self.runs.take([self.follows.pop(rule_id)])
+            self.take([self.follows.pop(rule_id)])
+
+    def take(self, outputs: Sequence[Output], revision: int = 1) -> None:
+        """Have outputs carried out that rules of one table let come."""
+        rules = [rule(each.rule_id, compare("a", ">", 1), name="named") for each in outputs]
+        table = compile_table(Table.model_validate({"rules": rules}))
+        self.runs.take(outputs, table, revision)
 
     def end(self, rule_id: str, run_id: int, ok: bool = True) -> None:
         self.futures[(rule_id, run_id)].set_result(ok)
@@ -75,7 +87,7 @@ def firing(rule_id: str, run_id: int, component: str = "", **more: Any) -> Firin
 
 
 def test_a_run_is_told_from_its_beginning_to_its_end(world: World) -> None:
-    world.runs.take([firing("a", 1)])
+    world.take([firing("a", 1)])
     assert world.runs.running() == {"a"}
     world.end("a", 1)
     assert world.told.heard == [
@@ -88,9 +100,20 @@ def test_a_run_is_told_from_its_beginning_to_its_end(world: World) -> None:
     assert world.runs.extras("a").last_ok is True
 
 
+def test_a_run_is_told_of_with_the_table_that_let_it_fire_to_its_end(world: World) -> None:
+    world.take([firing("a", 1)], revision=7)
+    world.take([firing("b", 2)], revision=8)  # a swap lies between the two
+    world.end("a", 1)
+    assert [(each.rule_id, each.revision, each.name) for each in world.told.entries] == [
+        ("a", 7, "named"),
+        ("b", 8, "named"),
+        ("a", 7, "named"),
+    ]
+
+
 def test_a_run_that_takes_over_ends_the_one_before_for_good(world: World) -> None:
-    world.runs.take([firing("a", 1)])
-    world.runs.take([firing("a", 2, cancels=(1,))])
+    world.take([firing("a", 1)])
+    world.take([firing("a", 2, cancels=(1,))])
     assert world.done == [("a", 1, False, "cancelled: run 2 of the same rule took over")]
     world.end("a", 1)
     world.end("a", 2)
@@ -98,12 +121,12 @@ def test_a_run_that_takes_over_ends_the_one_before_for_good(world: World) -> Non
 
 
 def test_the_more_severe_rule_takes_the_component_and_the_loser_is_recorded(world: World) -> None:
-    world.runs.take([firing("mild", 1, "wheels")])
-    world.runs.take([firing("stern", 2, "wheels", severity=Severity.ERROR)])
+    world.take([firing("mild", 1, "wheels")])
+    world.take([firing("stern", 2, "wheels", severity=Severity.ERROR)])
     assert world.done == [
         ("mild", 1, False, "cancelled: the more severe rule 'stern' took over"),
     ]
-    world.runs.take([firing("mild", 3, "wheels"), firing("other", 4, "lamp")])
+    world.take([firing("mild", 3, "wheels"), firing("other", 4, "lamp")])
     assert world.runs.running() == {"stern", "other"}
     assert world.done[-1] == (
         *("mild", 3, False),
@@ -114,13 +137,13 @@ def test_the_more_severe_rule_takes_the_component_and_the_loser_is_recorded(worl
 
 
 def test_what_keeps_people_safe_begins_first(world: World) -> None:
-    world.runs.take([firing("slow", 1), firing("safe", 2, lane="safety")])
+    world.take([firing("slow", 1), firing("safe", 2, lane="safety")])
     assert [each[1] for each in world.told.heard] == ["safe", "slow"]
 
 
 def test_what_follows_from_an_end_is_carried_out_too(world: World) -> None:
     world.follows["a"] = firing("b", 2)
-    world.runs.take([firing("a", 1)])
+    world.take([firing("a", 1)])
     world.end("a", 1, ok=False)
     assert world.done == [("a", 1, False, "it failed")]
     assert world.runs.running() == {"b"}
@@ -128,14 +151,14 @@ def test_what_follows_from_an_end_is_carried_out_too(world: World) -> None:
 
 def test_a_shadow_and_a_note_are_told_and_not_run(world: World) -> None:
     note = Note("near_miss", "b", 1.0, "hash", Severity.INFO, "it nearly fired")
-    world.runs.take([firing("a", 1, shadow=True), note])
+    world.take([firing("a", 1, shadow=True), note])
     assert world.told.heard == [("shadow", "a", ""), ("near miss", "b", "it nearly fired")]
     assert world.runs.running() == frozenset()
     assert world.done == []
 
 
 def test_at_the_end_of_the_monitor_all_runs_end(world: World) -> None:
-    world.runs.take([firing("a", 1), firing("b", 2)])
+    world.take([firing("a", 1), firing("b", 2)])
     world.runs.close()
     assert [each[0] for each in world.done] == ["a", "b"]
     assert all("the monitor ends" in each[3] for each in world.done)

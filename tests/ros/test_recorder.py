@@ -26,7 +26,7 @@ from tests.recorder.reality import (
     same_times,
     since,
 )
-from tests.support.processes import wait_until
+from tests.support.processes import children, wait_until
 from tests.support.robot import Robot
 from tests.support.stack import Stack
 
@@ -146,6 +146,28 @@ def test_a_backtest_can_be_cancelled_and_bad_ones_say_what_is_wrong(
         result = reality.result(reality.send(bad, name))
         assert not result.success
         assert complaint in result.message
+
+
+def test_kill_9_of_a_backtest_fails_it_with_a_reason_and_harms_nobody(
+    stack: Stack, reality: Reality, recording: Path
+) -> None:
+    table = reality_table(THRESHOLD).model_dump_json()
+    monitor = stack.pid_of("monitor")
+    failed = []
+    for _ in range(5):  # it may be done before it is killed
+        handle = reality.send(table, "reality")
+        wait_until(lambda: children(monitor), 10, "the process of the back-test")
+        for pid in children(monitor):
+            os.kill(pid, signal.SIGKILL)
+        result = reality.result(handle)
+        if not result.success:
+            failed.append(result.message)
+            break
+    assert len(failed) == 1
+    assert "was killed" in failed[0]
+    assert reality.backtest(reality_table(THRESHOLD), "reality").messages > 20
+    assert stack.pid_of("monitor") == monitor
+    assert not children(monitor)
 
 
 def test_a_name_is_never_used_twice_and_never_leaves_the_folder(

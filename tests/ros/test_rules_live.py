@@ -18,6 +18,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, Int32, String
 
 from kompass.rules.table import Table
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
 from tests.support.rules import Rules, compare, rule, signal
@@ -150,7 +151,7 @@ def test_a_rule_added_while_messages_rain_down_is_effective_within_50_ms(
             delays.append(at - begun)
 
     # The best of ten: the machine of a test may be busy with something else.
-    assert min(delays) < 0.05
+    assert min(delays) < patient(0.05)
     rules.remove("rain-never", *(f"rain-{number}" for number in range(10)))
 
 
@@ -174,7 +175,7 @@ def test_swaps_under_load_neither_miss_nor_double_a_message(robot: Robot, rules:
     # A message that is missed is not counted; one that is taken twice changes nothing.
     assert (found.evaluated, found.true) == (stream.sent, stream.sent - 1)
 
-    assert statistics.median(pauses) < 0.001
+    assert statistics.median(pauses) < patient(0.001)
     rules.remove("every", "other")
 
 
@@ -197,7 +198,7 @@ def test_an_emergency_is_answered_while_twelve_slow_rules_run(
         # What comes before the run is known to have ended is dropped, as the mode says.
         wait_until(lambda: phases(rules, "emergency", "done") == len(delays), 5, "its end")
         over = [f.rule_id for f in rules.firings if f.rule_id in slow and f.phase == "done"]
-    assert min(delays) < 0.02
+    assert min(delays) < patient(0.02)
 
 
 def test_of_two_writers_one_wins_and_the_other_sees_both_diffs(rules: Rules) -> None:

@@ -15,6 +15,7 @@ from kompass_interfaces.msg import RuleFiring, StackState
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
 from tests.support.stack import Stack
@@ -87,11 +88,11 @@ class Watched(Robot):
 
     def drives_on(self, handle: Any, began: float, within: float) -> None:
         """The rule fired once, in time; the robot goes on with the scan and arrives."""
-        deadline = time.monotonic() + 5
+        deadline = time.monotonic() + patient(5)
         while not self.fired() and time.monotonic() < deadline:
             time.sleep(0.02)
         assert self.fired(), f"the rule did not fire:\n{self.stack.output}"
-        assert min(self.fired().values()) - began <= within
+        assert min(self.fired().values()) - began <= patient(within)
         ended = self.result(handle)
         assert ended.status == SUCCEEDED, ended.result.message
         (run,) = self.fired()

@@ -127,13 +127,22 @@ def test_a_rule_does_something() -> None:
         rule(received("a"), actions=())
 
 
-def test_severity_is_a_number_or_a_name_and_is_written_as_a_name() -> None:
-    named, numbered = rule(received("a"), severity="error"), rule(received("a"), severity=2)
-    assert named == numbered
+def test_severity_is_told_by_its_name_as_the_schema_says() -> None:
+    named = rule(received("a"), severity="error")
+    assert named == rule(received("a"), severity=Severity.ERROR)
     assert named.severity is Severity.ERROR
     assert named.model_dump(mode="json")["severity"] == "error"
+    for mode in ("validation", "serialization"):
+        told = Table.model_json_schema(mode=mode)["$defs"]["Rule"]["properties"]["severity"]
+        assert told["enum"] == [each.name.lower() for each in Severity]
+        assert told["default"] == rule(received("a")).model_dump(mode="json")["severity"]
+        assert told["default"] in told["enum"]
+
+
+@pytest.mark.parametrize("wrong", ["fatal", "ERROR", 2, True, None])
+def test_a_severity_that_is_not_in_the_schema_is_refused(wrong: object) -> None:
     with pytest.raises(ValidationError, match="known are: info, warning, error, critical"):
-        rule(received("a"), severity="fatal")
+        rule(received("a"), severity=wrong)
 
 
 def test_numbers_that_json_cannot_say_are_refused_in_arguments() -> None:

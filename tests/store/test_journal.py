@@ -6,6 +6,7 @@ from kompass.rulebook.journal import ActionRecord
 from kompass.store import Bounds, RuleStore
 from kompass.store.journal import LARGEST
 from tests.store.tables import Robot, entry
+from tests.support.patience import patient
 
 
 def test_a_firing_is_found_with_how_it_ended(robot: Robot) -> None:
@@ -113,7 +114,7 @@ def test_entering_does_not_wait_for_the_disk(robot: Robot) -> None:
         for number in range(1000):
             robot.store.record_firing(entry(run_id=number))
         took = time.perf_counter() - begin
-    assert took < 0.5  # measured: 10 µs each
+    assert took < patient(0.5)  # measured: 10 µs each
     assert len(robot.store.journal(count=2000).firings) == 1000
 
 

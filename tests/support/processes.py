@@ -4,6 +4,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from tests.support.patience import patient
+
 
 def marked(mark: str) -> list[str]:
     """Command lines of all other living processes that carry ``mark`` in their environment."""
@@ -26,8 +28,8 @@ def marked(mark: str) -> list[str]:
 
 
 def ended(look: Callable[[], list[str]], timeout: float) -> list[str]:
-    """Wait until ``look`` finds nothing; what it still finds after ``timeout`` seconds."""
-    deadline = time.monotonic() + timeout
+    """Wait until ``look`` finds nothing; what it still finds after ``timeout`` patient seconds."""
+    deadline = time.monotonic() + patient(timeout)
     while (left := look()) and time.monotonic() < deadline:
         time.sleep(0.05)
     return left
@@ -43,8 +45,8 @@ def children(pid: int) -> dict[int, list[int]]:
 
 
 def wait_until(condition: Callable[[], object], timeout: float, what: str) -> None:
-    """Wait until a condition holds; fails naming ``what`` after ``timeout`` seconds."""
-    deadline = time.monotonic() + timeout
+    """Wait until a condition holds; fails naming ``what`` after ``timeout`` patient seconds."""
+    deadline = time.monotonic() + patient(timeout)
     while not condition():
-        assert time.monotonic() < deadline, f"not within {timeout} s: {what}"
+        assert time.monotonic() < deadline, f"not within {patient(timeout):g} s: {what}"
         time.sleep(0.02)

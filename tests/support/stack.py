@@ -10,6 +10,7 @@ import threading
 from pathlib import Path
 
 from tests.support.domains import give_back, next_domain
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 
 TOKEN = "operator-token-for-tests"
@@ -97,7 +98,7 @@ class Stack:
 
     def wait(self, timeout: float = 20.0) -> int:
         """Wait for it to end by itself; the exit code."""
-        code = self.process.wait(timeout)
+        code = self.process.wait(patient(timeout))
         self._reader.join(2.0)
         if self.process.stdout is not None:
             self.process.stdout.close()
