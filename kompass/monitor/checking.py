@@ -1,14 +1,20 @@
-"""Refuse a recipe whose rules do not fit the robot, before anything starts."""
+"""Whether rules fit the robot; a recipe whose rules do not is refused before anything starts."""
 
 from __future__ import annotations
 
 from kompass.monitor.names import name_findings
 from kompass.rulebook.lint import findings_of
+from kompass.rulebook.report import Finding
 from kompass.rules.catalog import Catalog
-from kompass.rules.check import check_table
-from kompass.rules.table import Table
+from kompass.rules.check import check_rule
+from kompass.rules.table import Rule, Table
 
 SHOWN = 5
+
+
+def faults_of(rule: Rule, catalog: Catalog) -> tuple[Finding, ...]:
+    """What makes a rule unfit for the robot that a catalog describes; empty if it fits."""
+    return (*name_findings(rule), *findings_of(check_rule(rule, catalog)))
 
 
 def check_recipe(table: Table, catalog: Catalog) -> None:
@@ -21,7 +27,8 @@ def check_recipe(table: Table, catalog: Catalog) -> None:
     """
     problems = [
         f"rule '{each.rule_id}': {each.field} = {each.value!r}: {each.text}; {each.remedy}"
-        for each in (*name_findings(table), *findings_of(check_table(table, catalog)))
+        for rule in table.rules
+        for each in faults_of(rule, catalog)
     ]
     if problems:
         more = f"; and {len(problems) - SHOWN} more" if len(problems) > SHOWN else ""

@@ -14,11 +14,28 @@ from kompass.rules.table import Table
 Outcome = Literal["applied", "conflict", "refused", "failed"]
 
 
+MAX_TEXT = 1_000  # characters of a name or a reason
+
+
 class Who(NamedTuple):
     """Who asks."""
 
     author: str
     role: str
+
+    @property
+    def barred(self) -> str:
+        """Why this role may change nothing; empty if it may."""
+        if self.role in ("operator", "engineer"):
+            return ""
+        return f"role {self.role[:50]!r} may look at rules and change nothing; ask an operator"
+
+    def too_long(self, reason: str = "") -> str:
+        """What is too long of what goes into the history; empty if nothing is."""
+        for name, text in (("author", self.author), ("reason", reason)):
+            if len(text) > MAX_TEXT:
+                return f"{name} has {len(text)} characters, at most {MAX_TEXT}"
+        return ""
 
 
 class Answer(NamedTuple):
@@ -48,7 +65,9 @@ class Store(Protocol):
         origin: Origin,
         restores: int | None = None,
         confirmed: bool = False,
+        copied: bool = True,
     ) -> Revision: ...
+    def keep_copy(self) -> None: ...
     def take_back(self, reason: str) -> Revision: ...
     def set_confirmed(self, number: int, *, author: str, role: str) -> Revision: ...
     def refuse(self, *, author: str, role: str, what: str, text: str) -> None: ...

@@ -4,26 +4,45 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from kompass.monitor.tape import NoTape, Tape
 from kompass.rulebook.records import fired_event
-from kompass.rulebook.tape import Began, Ended, Heard, Swapped, TapeEvent, to_data
+from kompass.rulebook.tape import (
+    Began,
+    Ended,
+    Heard,
+    Swapped,
+    TapeEvent,
+    swapped_text,
+    to_data,
+)
 from kompass.rules.bridge import Bridge
 from kompass.rules.carry import Carried, exchange
 from kompass.rules.compiled import CompiledTable
 from kompass.rules.engine import initial_state, step
+from kompass.rules.explain import verdict_of
 from kompass.rules.firing import Done, Firing, Input, Output, Sample, Tick
 from kompass.rules.schedule import next_deadline
 from kompass.rules.state import State
+from kompass.rules.values import Verdict
 
 
 class Swap(NamedTuple):
-    """A table went into force."""
+    """A table went into force.
+
+    Attributes
+    ----------
+    pause
+        Seconds for which no message was taken.
+    verdicts
+        What the conditions of new and changed rules said right after it, by rule id.
+    """
 
     carried: Carried
-    pause: float  # s for which no message was taken
+    pause: float
+    verdicts: Mapping[str, Verdict] = {}
 
 
 class EngineLoop:
@@ -36,7 +55,8 @@ class EngineLoop:
     epoch
         Name of this life of the monitor.
     handle
-        Takes what the engine puts out, in its order.
+        Takes what the engine puts out, in its order, and the table and its revision that let it:
+        at a swap, those that were in force until then.
     wake
         Told when :meth:`tick` is due, in monotonic seconds; None for not at all.
     used
@@ -53,7 +73,7 @@ class EngineLoop:
         revision: int,
         epoch: str,
         *,
-        handle: Callable[[list[Output]], None],
+        handle: Callable[[list[Output], CompiledTable, int], None],
         wake: Callable[[float | None], None],
         used: Iterable[str] = (),
         tape: Tape | None = None,
@@ -123,23 +143,28 @@ class EngineLoop:
         """
         assert way.old is self.table
         begun = self._clock()
-        now = begun * 1e-9
+        now, before = begun * 1e-9, self.revision
         self.state, carried, outputs = exchange(way, self.state, now)
-        pause = (self._clock() - begun) * 1e-9
         self._untaped += [(output, begun) for output in outputs if isinstance(output, Firing)]
         self._tape_fired()
         self.table, self.revision = way.new, revision
-        self._record(Swapped(now, revision, way.new.table, tuple(reset)), begun)
-        self._handle(outputs)
+        event = Swapped(now, revision, way.new.table, tuple(reset))
+        self._tape.text("swapped", swapped_text(event), begun)
+        verdicts = {
+            plan.rule.id: verdict_of(way.new, self.state, plan, now) for plan, _ in way.fresh
+        }
+        pause = (self._clock() - begun) * 1e-9
+        # Only now, for what follows from it is the new table's; but it was the old one that fired.
+        self._handle(outputs, way.old, before)
         self._schedule()
-        return Swap(carried, pause)
+        return Swap(carried, pause, verdicts)
 
     def _step(self, event: Input, now: int) -> None:
         self.state, outputs = step(self.table, self.state, event, now * 1e-9)
         if outputs:
             # Carried out first, and then taken down: that takes about as long as all the rest.
             self._untaped += [(output, now) for output in outputs if isinstance(output, Firing)]
-            self._handle(outputs)
+            self._handle(outputs, self.table, self.revision)
             self._tape_fired()
         self._schedule()
 

@@ -70,8 +70,7 @@ class Firings:
 
     def begins(self, entry: Entry) -> None:
         """A run is about to begin; that of a rule that fires once must not begin again."""
-        plan = self._loop.table.by_id.get(entry.rule_id)
-        if plan is not None and plan.rule.event.once and self._journal is not None:
+        if entry.once and self._journal is not None:
             self._journal.use_once(entry.rule_id, entry.rule_hash)
 
     def fired(self, entry: Entry, message: Any) -> int:
@@ -113,12 +112,25 @@ class Firings:
     def announce(self, text: str) -> None:
         """Say what concerns the table and no single rule."""
         self._log.warning(text)
-        entry = Entry("note", "", 0, self._loop.now, "", "warning", None, text, ())
+        loop = self._loop
+        entry = Entry(
+            kind="note",
+            rule_id="",
+            name="",
+            once=False,
+            revision=loop.revision,
+            run_id=0,
+            at=loop.now,
+            rule_hash="",
+            severity="warning",
+            topic=None,
+            text=text,
+            leaves=(),
+        )
         self._say(entry, "note", True, text, self._details(entry))
         self._keep(entry, None)
 
     def _keep(self, entry: Entry, message: Any) -> int:
-        rule = self._loop.table.by_id.get(entry.rule_id)
         time_ = entry.at + self._loop.wall_offset
         self._numbers += 1
         record = FiringRecord(
@@ -126,10 +138,10 @@ class Firings:
             epoch=self._loop.epoch,
             run_id=entry.run_id,
             rule_id=entry.rule_id,
-            name=rule.rule.name if rule else "",
+            name=entry.name,
             kind=entry.kind,
             time=time_,
-            revision=self._loop.revision,
+            revision=entry.revision,
             rule_hash=entry.rule_hash,
             severity=entry.severity,
             topic=entry.topic,
@@ -156,7 +168,7 @@ class Firings:
                 stamp=self._stamp(),
                 rule_id=entry.rule_id,
                 revision=entry.rule_hash,
-                table_revision=self._loop.revision,
+                table_revision=entry.revision,
                 run_id=entry.run_id,
                 phase=phase,
                 ok=ok,

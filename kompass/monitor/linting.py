@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.monitor.graph import Graph
 from kompass.monitor.main_thread import MainThread
@@ -10,19 +12,27 @@ from kompass.rulebook.lint_context import verdicts_after
 from kompass.rulebook.report import Finding
 from kompass.rules.compiled import CompiledTable
 from kompass.rules.state import State
+from kompass.rules.table import Table
+from kompass.rules.values import Verdict
 
 
 class Linting:
-    """Called on a worker: the engine's thread only copies its state."""
+    """A :class:`kompass.monitor.examiner.Lints`; called on a worker.
+
+    The engine's thread only copies its state, and nothing for a table that is in force already.
+    """
 
     def __init__(self, main: MainThread, loop: EngineLoop, graph: Graph) -> None:
         self._main, self._loop, self._graph = main, loop, graph
 
-    def __call__(self, table: CompiledTable) -> list[Finding]:
+    def foreseen(self, table: CompiledTable) -> list[Finding]:
         """The lints of a table, if it were in force now."""
         now, compiled, state = self._main.call(self._snapshot)
-        verdicts = verdicts_after(compiled, state, table, now)
-        return lint_table(table.table, self._graph.facts()._replace(verdicts=verdicts))
+        return self.found(table.table, verdicts_after(compiled, state, table, now))
+
+    def found(self, table: Table, verdicts: Mapping[str, Verdict]) -> list[Finding]:
+        """The lints of a table whose new conditions say this."""
+        return lint_table(table, self._graph.facts()._replace(verdicts=verdicts))
 
     def _snapshot(self) -> tuple[float, CompiledTable, State]:
         return self._loop.now, self._loop.table, self._loop.state.copy()

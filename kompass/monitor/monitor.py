@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
 from builtin_interfaces.msg import Time
@@ -93,7 +93,7 @@ class Monitor:
             compile_table(start.table),
             start.revision,
             start.epoch,
-            handle=lambda outputs: self._runs.take(outputs),
+            handle=lambda outputs, table, revision: self._runs.take(outputs, table, revision),
             wake=self._wake_up.set,
             used=start.used,
             tape=self._recording.tape,
@@ -140,7 +140,7 @@ class Monitor:
             Sources(explaining.explain, explaining.firings, self._graph.view, self._recording.save),
         )
         self._recording.start(node, executor, store)
-        self._listen(self._loop.table)
+        self._listen(self._loop.table, _topics(self._loop.table))
         timers.every(FIT_PERIOD, self._inputs.fit)
         timers.every(REPEAT_PERIOD, self._repeat)
         timers.every(RATE_PERIOD, self._graph.measure)
@@ -187,19 +187,21 @@ class Monitor:
 
     def prepare(self, table: CompiledTable) -> None:
         """Listen to what a coming table needs; the engine goes on between two subscriptions."""
-        for name, kind in wanted(table.topic_types().items()).items():
-            self._main.call(partial(self._inputs.prepare, {name: kind}))
+        for name, kind in _topics(table).items():
+            # Asked on this thread: whoever calls this is the only one who has topics listened to.
+            if not self._inputs.listens_to(name):
+                self._main.call(partial(self._inputs.prepare, {name: kind}))
 
     def swap(
         self, table: CompiledTable, revision: int, reset: Collection[str], cancel: str
     ) -> Swap:
         """Put a table in force between two messages."""
         # Whoever calls this is the only one who changes the table in force.
-        way = bridge(self._loop.table, table, reset)
+        way, topics = bridge(self._loop.table, table, reset), _topics(table)
 
         def between_messages() -> Swap:
             swap = self._loop.swap(way, revision, reset)
-            self._listen(table)
+            self._listen(table, topics)
             if cancel:
                 self._runs.cancel(swap.carried.running, cancel)
             self._runs.forget((*swap.carried.reset, *swap.carried.removed))
@@ -213,8 +215,8 @@ class Monitor:
 
     # -- into the engine ------------------------------------------------------------------------
 
-    def _listen(self, table: CompiledTable) -> None:
-        self._inputs.follow(wanted(table.topic_types().items()))
+    def _listen(self, table: CompiledTable, topics: Mapping[str, str]) -> None:
+        self._inputs.follow(topics)
         self._polled.follow(table)
 
     def _receive(self, topic: str, type_name: str, message: object, raw: bytes) -> None:
@@ -255,3 +257,7 @@ class Monitor:
 
     def _stamp(self) -> Time:
         return self._node.get_clock().now().to_msg()
+
+
+def _topics(table: CompiledTable) -> dict[str, str]:
+    return wanted(table.topic_types().items())

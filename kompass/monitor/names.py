@@ -1,4 +1,4 @@
-"""Whether the names in a table are names for ROS: found when it is handed in."""
+"""Whether the names in a rule are names for ROS: found when it is handed in."""
 
 from __future__ import annotations
 
@@ -10,29 +10,24 @@ from rclpy.validate_topic_name import validate_topic_name
 from kompass.rulebook.report import Finding
 from kompass.rules.actions import CallService, CancelGoal, Publish, SendGoal, topics_in
 from kompass.rules.conditions import CallableCondition, leaves, topic_of
-from kompass.rules.table import Rule, Table
+from kompass.rules.table import Rule
 
 
-def name_findings(table: Table) -> list[Finding]:
+def name_findings(rule: Rule) -> Iterator[Finding]:
     """The names of topics, services and action servers that ROS refuses, as errors."""
-    found = []
-    for rule in table.rules:
-        for field, name in dict.fromkeys(_names(rule)):
-            try:
-                validate_topic_name(name)
-            except InvalidTopicNameException as error:
-                found.append(
-                    Finding(
-                        level="error",
-                        code="invalid-name",
-                        rule_id=rule.id,
-                        field=field,
-                        value=name,
-                        text=str(error).splitlines()[0].removeprefix("Invalid topic name: "),
-                        remedy="use letters, digits, '_' and '/', as in 'front/scan'",
-                    )
-                )
-    return found
+    for field, name in dict.fromkeys(_names(rule)):
+        try:
+            validate_topic_name(name)
+        except InvalidTopicNameException as error:
+            yield Finding(
+                level="error",
+                code="invalid-name",
+                rule_id=rule.id,
+                field=field,
+                value=name,
+                text=str(error).splitlines()[0].removeprefix("Invalid topic name: "),
+                remedy="use letters, digits, '_' and '/', as in 'front/scan'",
+            )
 
 
 def _names(rule: Rule) -> Iterator[tuple[str, str]]:

@@ -9,7 +9,8 @@ from typing import Any
 from pydantic import JsonValue, ValidationError
 
 from kompass.rulebook.report import Finding
-from kompass.rules.table import Table
+from kompass.rules.interned import interned_table
+from kompass.rules.table import Rule, Table
 
 # Beyond these a table is no table of a robot, and reading it would hold up the engine.
 MAX_BYTES = 2_000_000
@@ -30,14 +31,63 @@ class Unreadable(ValueError):
         self.findings = tuple(findings)
 
 
+class TableReader:
+    """Reads one table after another; a rule that was in the last one is not validated again.
+
+    Rules of the same content are one object (:mod:`kompass.rules.interned`), so that what was
+    worked out of a rule is known of it in the next table, too. May be used from any thread.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[str, Rule] = {}
+
+    def read(self, text: str) -> Table:
+        """Return the table of a JSON text.
+
+        Raises
+        ------
+        Unreadable
+            When it is none, or too large.
+        """
+        data = _load(text)
+        try:
+            table = self._validated(data)
+        except RecursionError:
+            text = "conditions or arguments are nested too deep"
+            raise Unreadable([_finding("too-deep", text, "nest them less")]) from None
+        except ValidationError as error:
+            found = error.errors(include_url=False, include_context=False)
+            raise Unreadable([_of_item(item, data) for item in found[:SHOWN]]) from None
+        return table
+
+    def _validated(self, data: Any) -> Table:
+        rules = data.get("rules") if isinstance(data, dict) else None
+        if not isinstance(rules, list):
+            return Table.model_validate(data)
+        # By their text, for Python takes 1, 1.0 and True for the same.
+        texts = [json.dumps(rule) for rule in rules]
+        known = [self._known.get(text, rule) for text, rule in zip(texts, rules, strict=True)]
+        try:
+            table = Table.model_validate({**data, "rules": known})
+        except ValidationError:
+            table = Table.model_validate(data)  # complains of what was sent, and of nothing else
+        table = interned_table(table)
+        self._known = dict(zip(texts, table.rules, strict=True))
+        return table
+
+
 def read_table(text: str) -> Table:
-    """Return the table of a JSON text.
+    """Return the table of a JSON text, read by itself.
 
     Raises
     ------
     Unreadable
         When it is none, or too large.
     """
+    return TableReader().read(text)
+
+
+def _load(text: str) -> Any:
     if len(text) > MAX_BYTES:
         raise Unreadable(
             [
@@ -58,14 +108,7 @@ def read_table(text: str) -> Table:
     if isinstance(rules, list) and len(rules) > MAX_RULES:
         text = f"{len(rules)} rules are more than {MAX_RULES}"
         raise Unreadable([_finding("too-many", text, "send fewer rules", "rules")])
-    try:
-        return Table.model_validate(data)
-    except ValidationError as error:
-        found = error.errors(include_url=False, include_context=False)
-        raise Unreadable([_of_item(item, data) for item in found[:SHOWN]]) from None
-    except RecursionError:
-        text = "conditions or arguments are nested too deep"
-        raise Unreadable([_finding("too-deep", text, "nest them less")]) from None
+    return data
 
 
 def _finding(code: str, text: str, remedy: str, field: str = "", rule_id: str = "") -> Finding:

@@ -63,6 +63,10 @@ class RuleInputs:
         self._untyped: set[str] = set()
         self.broken: dict[str, str] = {}
 
+    def listens_to(self, topic: str) -> bool:
+        """Whether there is a subscription to a topic; may be asked from any thread."""
+        return topic in self._open
+
     def prepare(self, topics: Mapping[str, str]) -> None:
         """Listen already to what a coming table needs; what comes early waits for it."""
         for name in topics:

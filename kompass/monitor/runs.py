@@ -12,6 +12,7 @@ from kompass.monitor.outcome import Outcome
 from kompass.rulebook.status import LeafReading
 from kompass.rulebook.views import Extras, leaf_reading
 from kompass.rules.arbitrate import Running, arbitrate, components_of
+from kompass.rules.compiled import CompiledTable
 from kompass.rules.firing import Firing, Note, Output
 
 Kind = Literal["firing", "shadow", "note", "near miss", "outranked"]
@@ -41,12 +42,19 @@ class Entry(NamedTuple):
     ----------
     kind
         As in :class:`FiringRecord`.
+    name, once
+        Of the rule as it was then: the name, and whether it fires once only.
+    revision
+        Of the table that held it.
     at
         Monotonic seconds.
     """
 
     kind: Kind
     rule_id: str
+    name: str
+    once: bool
+    revision: int
     run_id: int
     at: float
     rule_hash: str
@@ -102,7 +110,7 @@ class Runs:
     ) -> None:
         self._perform, self._done, self._teller = perform, done, teller
         self._runs: dict[tuple[str, int], Run] = {}
-        self._outputs: deque[Output] = deque()
+        self._outputs: deque[tuple[Output, _Origin]] = deque()
         self._busy = False
         self._extras: dict[str, Extras] = {}
 
@@ -115,9 +123,16 @@ class Runs:
         for rule_id in rule_ids:
             self._extras.pop(rule_id, None)
 
-    def take(self, outputs: Iterable[Output]) -> None:
-        """Carry out what the engine put out; what follows from that at once, too."""
-        self._outputs.extend(outputs)
+    def take(self, outputs: Iterable[Output], table: CompiledTable, revision: int) -> None:
+        """Carry out what the engine put out; what follows from that at once, too.
+
+        Parameters
+        ----------
+        table, revision
+            That let it fire.
+        """
+        origin = _Origin(table, revision)
+        self._outputs.extend((output, origin) for output in outputs)
         if self._busy:
             return
         self._busy = True
@@ -145,15 +160,17 @@ class Runs:
         """End all that is in progress."""
         self.cancel(list(self._runs), "the monitor ends")
 
-    def _take(self, outputs: list[Output]) -> None:
-        firings = []
-        for output in outputs:
+    def _take(self, outputs: list[tuple[Output, _Origin]]) -> None:
+        firings: list[Firing] = []
+        entries: dict[int, Entry] = {}  # by run
+        for output, origin in outputs:
             if isinstance(output, Note):
-                self._note(output)
+                self._teller.fired(_noted(output, origin), None)
             elif output.shadow:
-                self._teller.fired(_entry(output, "shadow"), output.message)
+                self._teller.fired(_entry(output, origin, "shadow"), output.message)
             else:
                 firings.append(output)
+                entries[output.run_id] = _entry(output, origin, "firing")
         if not firings:
             return
         for firing in firings:
@@ -166,35 +183,21 @@ class Runs:
             by = next(f.rule_id for f in settled.start if loser.components & _wanted(f))
             self.cancel([(loser.rule_id, loser.run_id)], f"the more severe rule '{by}' took over")
         for lost in settled.lost:
-            self._lose(lost.firing, lost.component, lost.winner_rule_id)
+            entry = entries[lost.firing.run_id]
+            self._lose(lost.firing, entry, lost.component, lost.winner_rule_id)
         # What keeps people safe begins first.
         for firing in sorted(settled.start, key=lambda f: f.lane != "safety"):
-            self._start(firing)
+            self._start(firing, entries[firing.run_id])
 
-    def _note(self, note: Note) -> None:
-        kind: Kind = "near miss" if note.kind == "near_miss" else "note"
-        entry = Entry(
-            kind=kind,
-            rule_id=note.rule_id,
-            run_id=0,
-            at=note.at,
-            rule_hash=note.revision_hash,
-            severity=note.severity.name.lower(),
-            topic=None,
-            text=note.text,
-            leaves=tuple(map(leaf_reading, note.leaves)),
-        )
-        self._teller.fired(entry, None)
-
-    def _lose(self, firing: Firing, component: str, winner: str) -> None:
+    def _lose(self, firing: Firing, entry: Entry, component: str, winner: str) -> None:
         text = f"the more severe rule '{winner}' has {component}"
         extras = self.extras(firing.rule_id)
         self._extras[firing.rule_id] = extras._replace(outranked=extras.outranked + 1)
-        self._teller.fired(_entry(firing, "outranked", text), firing.message)
+        self._teller.fired(entry._replace(kind="outranked", text=text), firing.message)
         self._done(firing.rule_id, firing.run_id, False, f"outranked: {text}")
 
-    def _start(self, firing: Firing) -> None:
-        run = Run(firing, _entry(firing, "firing"), _wanted(firing))
+    def _start(self, firing: Firing, entry: Entry) -> None:
+        run = Run(firing, entry, _wanted(firing))
         self._runs[(firing.rule_id, firing.run_id)] = run
         self._teller.begins(run.entry)
         # What it starts is started first: telling of it takes longer.
@@ -221,18 +224,33 @@ class Runs:
         run.tell(lambda: self._done(firing.rule_id, firing.run_id, run.ok, run.error))
 
 
-def _entry(firing: Firing, kind: Kind, text: str = "") -> Entry:
+class _Origin(NamedTuple):
+    """The table that let something fire; another one may be in force when that is told."""
+
+    table: CompiledTable
+    revision: int
+
+
+def _entry(output: Output, origin: _Origin, kind: Kind) -> Entry:
+    rule = origin.table.by_id[output.rule_id].rule
     return Entry(
         kind=kind,
-        rule_id=firing.rule_id,
-        run_id=firing.run_id,
-        at=firing.at,
-        rule_hash=firing.revision_hash,
-        severity=firing.severity.name.lower(),
-        topic=firing.topic,
-        text=text,
-        leaves=tuple(map(leaf_reading, firing.leaves)),
+        rule_id=rule.id,
+        name=rule.name,
+        once=rule.event.once,
+        revision=origin.revision,
+        run_id=0 if isinstance(output, Note) else output.run_id,
+        at=output.at,
+        rule_hash=output.revision_hash,
+        severity=output.severity.name.lower(),
+        topic=None if isinstance(output, Note) else output.topic,
+        text=output.text if isinstance(output, Note) else "",
+        leaves=tuple(map(leaf_reading, output.leaves)),
     )
+
+
+def _noted(note: Note, origin: _Origin) -> Entry:
+    return _entry(note, origin, "near miss" if note.kind == "near_miss" else "note")
 
 
 def _wanted(firing: Firing) -> frozenset[str]:

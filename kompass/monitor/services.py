@@ -97,10 +97,10 @@ class Services:
             worker.shutdown(wait=True, cancel_futures=True)
 
     def _get(self, request: Any, response: Any) -> Any:
-        return _told(response, self._desk.view(request.revision))
+        return _told(response, self._desk.window.view(request.revision))
 
     def _check(self, request: Any, response: Any) -> Any:
-        report = self._desk.check(request.table, request.role)
+        report = self._desk.window.check(request.table, request.role)
         response.success, response.answer = report.ok, report.model_dump_json()
         errors = sum(finding.level == "error" for finding in report.findings)
         response.message = "" if report.ok else f"{errors} errors; nothing was changed"
@@ -140,9 +140,9 @@ class Services:
 
     def _history(self, request: Any, response: Any) -> Any:
         if request.diff_from or request.diff_to:
-            return _told(response, self._desk.diff(request.diff_from, request.diff_to))
+            return _told(response, self._desk.window.diff(request.diff_from, request.diff_to))
         count = min(request.count or REVISIONS, MOST)
-        return _told(response, self._desk.history(request.before, count))
+        return _told(response, self._desk.window.history(request.before, count))
 
     def _explain(self, request: Any, response: Any) -> Any:
         view = self._sources.explain(request.rule_id, request.run_id, request.epoch)

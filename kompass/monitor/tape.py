@@ -18,6 +18,9 @@ class Tape(Protocol):
     def event(self, kind: str, data: dict[str, Any], now_ns: int) -> None:
         """Anything else: an event of :mod:`kompass.rulebook.tape` as JSON data."""
 
+    def text(self, kind: str, text: str, now_ns: int) -> None:
+        """The same as :meth:`event`, for one that is JSON text already."""
+
     def close(self) -> None:
         """Nothing follows."""
 
@@ -29,6 +32,9 @@ class NoTape:
         """Let it go."""
 
     def event(self, kind: str, data: dict[str, Any], now_ns: int) -> None:
+        """Let it go."""
+
+    def text(self, kind: str, text: str, now_ns: int) -> None:
         """Let it go."""
 
     def close(self) -> None:

@@ -24,7 +24,10 @@ class LaneTape:
 
     def event(self, kind: str, data: dict[str, Any], now_ns: int) -> None:
         """An event of :mod:`kompass.rulebook.tape` as JSON data."""
-        text = json.dumps(data, separators=(",", ":"), allow_nan=True)
+        self.text(kind, json.dumps(data, separators=(",", ":"), allow_nan=True), now_ns)
+
+    def text(self, kind: str, text: str, now_ns: int) -> None:
+        """The same, for one that is JSON text already."""
         self._lane.write(now_ns, True, kind, "", text.encode())
 
     def close(self) -> None:

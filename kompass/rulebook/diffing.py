@@ -172,7 +172,7 @@ def _removed(rule: Rule) -> RuleChange:
 
 
 def _changed(was: Rule, rule: Rule, places: tuple[int, int] | None) -> RuleChange | None:
-    fields = field_changes(was, rule)
+    fields = () if was is rule else field_changes(was, rule)
     if not fields and places is None:
         return None
     sentences = list(_sentences(was, rule))

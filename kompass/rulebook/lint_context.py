@@ -6,7 +6,7 @@ from typing import NamedTuple
 from kompass.rules.carry import carry
 from kompass.rules.catalog import ComponentSpec
 from kompass.rules.compiled import CompiledTable
-from kompass.rules.explain import explain
+from kompass.rules.explain import verdict_of
 from kompass.rules.state import State
 from kompass.rules.values import Verdict
 
@@ -64,6 +64,6 @@ def verdicts_after(
     """
     state_after, carried = carry(old, state, new, now)
     return {
-        rule_id: explain(new, state_after, rule_id, now).verdict
+        rule_id: verdict_of(new, state_after, new.by_id[rule_id], now)
         for rule_id in (*carried.added, *carried.reset)
     }

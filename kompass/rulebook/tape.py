@@ -5,12 +5,14 @@ the same inputs at the same times gives the same firings. Ticks are not on the t
 change no firing and no time of one.
 """
 
+import json
 from collections.abc import Mapping
 from typing import Any, NamedTuple, TypeAlias
 
 from pydantic import JsonValue
 
 from kompass.rulebook.status import LeafReading
+from kompass.rules.interned import table_text
 from kompass.rules.table import Table
 
 
@@ -134,6 +136,16 @@ def to_data(event: TapeEvent) -> tuple[str, dict[str, JsonValue]]:
     """
     kind = type(event).__name__.lower()
     return kind, {name: _plain(getattr(event, name)) for name in event._fields}
+
+
+def swapped_text(event: Swapped) -> str:
+    """Return a :class:`Swapped` as JSON text, as :func:`to_data` has it.
+
+    It is written between two messages: of rules that were in the table before, the text is known.
+    """
+    rest = event._asdict() | {"reset": list(event.reset)}
+    del rest["table"]
+    return f'{{"table":{table_text(event.table)},{json.dumps(rest)[1:]}'
 
 
 def from_data(kind: str, data: Mapping[str, Any]) -> TapeEvent:

@@ -11,29 +11,24 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from kompass.rules.actions import topics_in
 from kompass.rules.conditions import (
     Absent,
     AllOf,
     CallableCondition,
     Changed,
-    Compare,
     Condition,
     Leaf,
     Rate,
     Received,
     TreePath,
     leaves,
-    timeout_of,
     topic_of,
 )
-from kompass.rules.describe import describe
 from kompass.rules.events import Queued
-from kompass.rules.judges import Evaluate, Judge, judge_of, tree_of
+from kompass.rules.judges import Evaluate, Judge, tree_of
 from kompass.rules.leaf_index import LeafIndex
-from kompass.rules.signals import reader
-from kompass.rules.table import Rule, Table, rule_hash, table_hash
-from kompass.rules.values import MISSING
+from kompass.rules.prepared import PreparedLeaf, Source, prepared
+from kompass.rules.table import Rule, Table, table_hash
 
 
 @dataclass(slots=True)
@@ -194,52 +189,42 @@ class _Builder:
             self.topics.append(plan)
         return plan
 
-    def leaf(self, condition: Leaf) -> int:
-        key = condition.model_dump_json()
-        known = self.leaf_index.get(key)
+    def leaf(self, leaf: PreparedLeaf) -> int:
+        known = self.leaf_index.get(leaf.key)
         if known is not None:
             return known
-        topic = self.topic(topic_of(condition))
+        condition = leaf.condition
+        topic = self.topic(leaf.topic)
         topic.callable = topic.callable or isinstance(condition, CallableCondition)
-        probe = self._probe(topic, condition)
+        probe = None if leaf.source is None else self._probe(topic, leaf.source)
         plan = LeafPlan(
             index=len(self.plans),
-            key=key,
+            key=leaf.key,
             condition=condition,
             topic=topic.index,
             probe=probe.index if probe else -1,
-            text=describe(condition),
-            judge=_judge(condition),
+            text=leaf.text,
+            judge=leaf.judge,
         )
-        self.leaf_index[key] = plan.index
+        self.leaf_index[leaf.key] = plan.index
         self.plans.append(plan)
         self.rules_of_leaf.append([])
         if probe:
             _watch(probe, plan)
-        topic.pulses = topic.pulses or isinstance(condition, (Changed, Received))
-        self._timer(topic, plan)
+        topic.pulses = topic.pulses or leaf.pulses
+        self._timer(topic, plan, leaf.timeout)
         return plan.index
 
-    def _probe(self, topic: TopicPlan, condition: Leaf) -> Probe | None:
-        if isinstance(condition, Rate):
-            return None
-        path: tuple[str | int, ...] = ()
-        aggregate: str | None = None
-        if not isinstance(condition, CallableCondition):
-            path, aggregate = condition.signal.path, condition.signal.aggregate
-        if isinstance(condition, Absent) and not path and not aggregate:
-            return None
-        key = f"{topic.name} {path!r} {aggregate}"
-        probe = self.probes.get(key)
+    def _probe(self, topic: TopicPlan, source: Source) -> Probe:
+        probe = self.probes.get(source.key)
         if probe is None:
-            probe = Probe(len(self.probes), key, topic.index, reader(path, aggregate))
-            self.probes[key] = probe
+            probe = Probe(len(self.probes), source.key, topic.index, source.read)
+            self.probes[source.key] = probe
             topic.probes.append(probe)
         return probe
 
-    def _timer(self, topic: TopicPlan, leaf: LeafPlan) -> None:
+    def _timer(self, topic: TopicPlan, leaf: LeafPlan, timeout: float | None) -> None:
         condition = leaf.condition
-        timeout = timeout_of(condition)
         if timeout is not None:
             key = f"stale {topic.name} {timeout!r}"
             timer = self._add_timer(key, "stale", topic, timeout)
@@ -268,54 +253,43 @@ class _Builder:
         return timer
 
     def rule(self, index: int, rule: Rule) -> RulePlan:
-        event = rule.event
-        tree = [(path, self.leaf(leaf)) for path, leaf in leaves(event.condition)]
-        clear = [] if event.clear is None else self._tree(event.clear)
-        found = [(self.plans[leaf], leaf) for _, leaf in tree]
-        pulses = {leaf for plan, leaf in found if isinstance(plan.condition, (Changed, Received))}
-        topics = _unique(plan.topic for plan, _ in found)
+        event, known = rule.event, prepared(rule)
+        tree = tuple((path, self.leaf(leaf)) for path, leaf in known.leaves)
+        clear = tuple((path, self.leaf(leaf)) for path, leaf in known.clear)
+        pulses = {at for (_, at), (_, leaf) in zip(tree, known.leaves, strict=True) if leaf.pulses}
+        topics = _unique(self.plans[leaf].topic for _, leaf in tree)
         if rule.enabled:
-            for _, leaf in (*tree, *clear):
-                if index not in self.rules_of_leaf[leaf]:
-                    self.rules_of_leaf[leaf].append(index)
+            for leaf in _unique(leaf for _, leaf in (*tree, *clear)):
+                self.rules_of_leaf[leaf].append(index)
             for topic in topics:
                 self.topics[topic].rules.append(index)
-            for plan in (self.plans[leaf] for _, leaf in clear):
-                if isinstance(plan.condition, (Changed, Received)):
-                    self.topics[plan.topic].always.append(index)
-        mentioned = [self.topic(name).index for a in rule.actions for name in topics_in(a)]
+            for (_, at), (_, each) in zip(clear, known.clear, strict=True):
+                if each.pulses:
+                    self.topics[self.plans[at].topic].always.append(index)
+        mentioned = [self.topic(name).index for name in known.mentioned]
+        places = dict(tree)
         return RulePlan(
             index=index,
             rule=rule,
-            hash=rule_hash(rule),
-            evaluate=tree_of(event.condition, dict(tree)),
+            hash=known.hash,
+            evaluate=tree_of(event.condition, places),
             possible=tree_of(event.condition, {at: -1 if i in pulses else i for at, i in tree}),
             clear=None if event.clear is None else tree_of(event.clear, dict(clear)),
-            leaves=tuple(tree),
-            clear_leaves=tuple(clear),
+            leaves=tree,
+            clear_leaves=clear,
             topics=topics,
             message_topics=_unique([*topics, *mentioned]),
             pulses=bool(pulses),
-            changes=self._changes(event.condition) if event.trigger == "change" else (),
-            timed=any(plan.timer >= 0 for plan, _ in found),
+            changes=_unique(map(self.leaf, known.changes)),
+            timed=any(self.plans[leaf].timer >= 0 for _, leaf in tree),
             trigger=event.trigger,
             hold=event.hold,
             cooldown=event.cooldown,
             queue=event.mode.size if isinstance(event.mode, Queued) else 0,
             listening=event.trigger != "edge" or bool(pulses),
             shadow=rule.shadow,
-            parts=_parts(event.condition, dict(tree), pulses),
+            parts=_parts(event.condition, places, pulses),
         )
-
-    def _tree(self, condition: Condition) -> list[tuple[TreePath, int]]:
-        return [(path, self.leaf(leaf)) for path, leaf in leaves(condition)]
-
-    def _changes(self, condition: Condition) -> tuple[int, ...]:
-        found = []
-        for _, leaf in leaves(condition):
-            if isinstance(leaf, (Compare, Changed, Received)):
-                found.append(self.leaf(Changed(signal=leaf.signal)))
-        return _unique(found)
 
     def finish(self, table: Table, rules: list[RulePlan]) -> CompiledTable:
         plans = self.plans
@@ -348,14 +322,6 @@ def _watch(probe: Probe, leaf: LeafPlan) -> None:
         probe.watched = True
     else:
         probe.compares.append(leaf.index)
-
-
-def _judge(condition: Leaf) -> Judge:
-    if isinstance(condition, Compare):
-        return judge_of(condition)
-    if isinstance(condition, CallableCondition):
-        return lambda value: None if value is MISSING else bool(value)
-    return lambda value: None
 
 
 def _parts(

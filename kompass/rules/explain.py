@@ -96,6 +96,14 @@ _READY = {
 }
 
 
+def verdict_of(table: CompiledTable, state: State, plan: RulePlan, now: float) -> Verdict:
+    """Return the verdict of a rule's condition at a moment after the last step."""
+    now = max(now, state.now)
+    return plan.evaluate(
+        {index: verdict_at(table, state, table.leaves[index], now) for _, index in plan.leaves}
+    )
+
+
 def verdict_at(table: CompiledTable, state: State, leaf: LeafPlan, now: float) -> Verdict:
     """Return the verdict of a leaf at a moment after the last step."""
     verdict = state.verdicts[leaf.index]

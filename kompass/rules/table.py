@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, mo
 from kompass.rules.actions import Action
 from kompass.rules.events import Event
 from kompass.rules.model import Model
+from kompass.rules.remembered import Remembered
 
 
 class Severity(IntEnum):
@@ -21,21 +22,23 @@ class Severity(IntEnum):
     CRITICAL = 3
 
 
-def _severity(value: Any) -> Any:
-    if isinstance(value, str):
-        try:
-            return Severity[value.upper()]
-        except KeyError:
-            names = ", ".join(s.name.lower() for s in Severity)
-            raise ValueError(f"{value!r} is not a severity; known are: {names}") from None
-    return value
+_SEVERITIES = {severity.name.lower(): severity for severity in Severity}
+
+
+def _severity(value: Any) -> Severity:
+    if isinstance(value, Severity):
+        return value
+    found = _SEVERITIES.get(value) if isinstance(value, str) else None
+    if found is None:
+        raise ValueError(f"{value!r} is not a severity; known are: {', '.join(_SEVERITIES)}")
+    return found
 
 
 SeverityField = Annotated[
     Severity,
     BeforeValidator(_severity),
     PlainSerializer(lambda s: s.name.lower(), return_type=str),
-    WithJsonSchema({"enum": [s.name.lower() for s in Severity], "type": "string"}),
+    WithJsonSchema({"enum": [*_SEVERITIES], "type": "string"}),
 ]
 RuleId = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_.-]{0,99}$", examples=["stuck-unblock"])]
 Lane = Literal["safety", "normal"]
@@ -65,7 +68,10 @@ class Rule(Model):
     enabled: bool = True
     event: Event
     actions: Annotated[tuple[Action, ...], Field(min_length=1)]
-    severity: SeverityField = Severity.WARNING
+    # The default of the schema, too, is told by its name: JSON knows no number of it.
+    severity: Annotated[SeverityField, Field(json_schema_extra={"default": "warning"})] = (
+        Severity.WARNING
+    )
     lane: Lane = "normal"
     protected: bool = False
     shadow: bool = False
@@ -98,15 +104,22 @@ _NOT_SEMANTIC = {"name", "note", "source"}
 
 def rule_hash(rule: Rule) -> str:
     """Return 16 hex digits that differ between rules that behave differently."""
-    data = rule.model_dump(mode="json", exclude=_NOT_SEMANTIC)
-    return _digest(data)
+    return _rule_hash(rule)
 
 
 def table_hash(table: Table) -> str:
     """Return 16 hex digits over what the rules do and their order."""
-    return _digest([rule_hash(rule) for rule in table.rules])
+    return _table_hash(table)
 
 
 def _digest(data: Any) -> str:
     text = json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+_rule_hash = Remembered[Rule, str](
+    lambda rule: _digest(rule.model_dump(mode="json", exclude=_NOT_SEMANTIC))
+)
+_table_hash = Remembered[Table, str](
+    lambda table: _digest([rule_hash(rule) for rule in table.rules])
+)

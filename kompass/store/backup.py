@@ -8,6 +8,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from kompass.rulebook.revision import Revision
 from kompass.rules.model import Model
 from kompass.rules.table import Table
 from kompass.store.content import table_content
@@ -33,6 +34,19 @@ class Backup(Model):
     recipe: Table
     table: Table
     content: str
+
+
+def backup_of(revision: Revision, table: Table, recipe: Table) -> Backup:
+    """Make a copy of a confirmed revision."""
+    return Backup(
+        revision=revision.number,
+        author=revision.author,
+        role=revision.role,
+        time=revision.time,
+        recipe=recipe,
+        table=table,
+        content=table_content(table),
+    )
 
 
 def write_backup(folder: Path, backup: Backup) -> None:

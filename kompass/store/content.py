@@ -6,6 +6,8 @@ import sqlite3
 
 from pydantic import ValidationError
 
+from kompass.rules.interned import read_rule, text_of
+from kompass.rules.remembered import Remembered
 from kompass.rules.table import Rule, Table
 from kompass.store.errors import MalformedTable, StoreCorrupt
 
@@ -17,7 +19,7 @@ def content_hash(text: str) -> str:
 
 def table_content(table: Table) -> str:
     """Hash over everything in a table, its names and notes included."""
-    return content_hash(_listing([content_hash(rule.model_dump_json()) for rule in table.rules]))
+    return content_hash(_listing([content_hash(text_of(rule)) for rule in table.rules]))
 
 
 def write_table(connection: sqlite3.Connection, table: Table) -> str:
@@ -28,15 +30,13 @@ def write_table(connection: sqlite3.Connection, table: Table) -> str:
     MalformedTable
         When what would be stored could not be read back.
     """
-    contents = []
     for rule in table.rules:
-        text = rule.model_dump_json()
-        contents.append(content_hash(text))
-        cursor = connection.execute(
-            "INSERT OR IGNORE INTO rules VALUES (?, ?)", (contents[-1], text)
-        )
-        if cursor.rowcount:
-            _check_readable(text)
+        _readable(rule)
+    texts = list(map(text_of, table.rules))
+    contents = list(map(content_hash, texts))
+    connection.executemany(
+        "INSERT OR IGNORE INTO rules VALUES (?, ?)", zip(contents, texts, strict=True)
+    )
     listing = _listing(contents)
     content = content_hash(listing)
     connection.execute("INSERT OR IGNORE INTO tables VALUES (?, ?)", (content, listing))
@@ -60,7 +60,7 @@ def read_table(connection: sqlite3.Connection, content: str, what: str) -> Table
         if found is None or content_hash(found[0]) != wanted:
             raise StoreCorrupt(f"{what} is damaged: rule {place + 1} is not what was written")
         try:
-            rules.append(Rule.model_validate_json(found[0]))
+            rules.append(read_rule(found[0]))
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
@@ -70,16 +70,19 @@ def read_table(connection: sqlite3.Connection, content: str, what: str) -> Table
     return Table(rules=tuple(rules))
 
 
-def _check_readable(text: str) -> None:
+def _check_readable(rule: Rule) -> None:
     """A rule may have been made around its validation; the next start would fall over it."""
     try:
-        Rule.model_validate_json(text)
+        Rule.model_validate_json(text_of(rule))
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
         raise MalformedTable(
             f"a rule cannot be stored: {where} = {first['input']!r}: {first['msg']}"
         ) from None
+
+
+_readable = Remembered[Rule, None](_check_readable)
 
 
 def _listing(contents: list[str]) -> str:

@@ -7,6 +7,7 @@ returns when the change has reached the disk, and either all of it is stored or 
 
 from __future__ import annotations
 
+import logging
 import os
 import sqlite3
 import threading
@@ -19,12 +20,11 @@ from typing import Self
 
 from kompass.rulebook.revision import History, Origin, Revision
 from kompass.rules.table import Table, table_hash
-from kompass.store.backup import Backup, read_backup, write_backup
+from kompass.store.backup import backup_of, read_backup, write_backup
 from kompass.store.begin_again import begin_again
 from kompass.store.boot import Boot, StoreFacts, choose
-from kompass.store.content import table_content
 from kompass.store.database import Format, open_database, transaction, unwritable
-from kompass.store.errors import StaleRevision, StoreClosed, StoreCorrupt
+from kompass.store.errors import StaleRevision, StoreClosed, StoreCorrupt, StoreError
 from kompass.store.journal import DEFAULT_BOUNDS, Bounds, JournalFile
 from kompass.store.journal_access import JournalAccess
 from kompass.store.life import MONITOR, this_machine
@@ -32,6 +32,7 @@ from kompass.store.lock import take_lock
 from kompass.store.revisions import Entry, Outcome, Revisions
 from kompass.store.schema import RULES, RULES_ID
 
+_logger = logging.getLogger("kompass.store")
 FILE = "rules.db"
 FORMAT = Format(RULES_ID, RULES, "FULL")
 
@@ -217,6 +218,7 @@ class RuleStore(JournalAccess):
         parent: int | None = None,
         restores: int | None = None,
         confirmed: bool = False,
+        copied: bool = True,
     ) -> Revision:
         """Store a table as the revision in force; returns only when it is on the disk.
 
@@ -226,6 +228,9 @@ class RuleStore(JournalAccess):
             Revision that it began from; the one in force if None.
         confirmed
             Whether it needs no confirmation: it then survives a restart.
+        copied
+            Whether a confirmed one is copied beside the database, too, before this returns; else
+            :meth:`keep_copy` is to follow.
 
         Raises
         ------
@@ -269,8 +274,19 @@ class RuleStore(JournalAccess):
         self._active = number
         if confirmed:
             self._confirmed = number
-            self._back_up()
+            if copied:
+                self._back_up()
         return revision
+
+    def keep_copy(self) -> None:
+        """Bring the copy of the confirmed table, for a damaged database, up to date.
+
+        What hinders it is logged, for the database has the table.
+        """
+        try:
+            self._back_up()
+        except StoreError as error:
+            _logger.error("the confirmed table is not copied beside the database: %s", error)
 
     def take_back(self, reason: str, *, author: str = MONITOR, role: str = MONITOR) -> Revision:
         """Put the confirmed revision in force again, as a new and confirmed one.
@@ -360,16 +376,7 @@ class RuleStore(JournalAccess):
         with self._guard:  # of two at a time the newer one is to stay
             revision = self.revision(self._confirmed)
             table = self.table(self._confirmed)
-            backup = Backup(
-                revision=revision.number,
-                author=revision.author,
-                role=revision.role,
-                time=revision.time,
-                recipe=self._recipe,
-                table=table,
-                content=table_content(table),
-            )
-            write_backup(self._folder, backup)
+            write_backup(self._folder, backup_of(revision, table, self._recipe))
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

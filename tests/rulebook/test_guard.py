@@ -84,7 +84,7 @@ def test_what_is_not_protected_may_be_changed_disabled_moved_and_removed(role: s
     [
         ({"enabled": False}, "enabled"),
         ({"shadow": True}, "shadow"),
-        ({"severity": 0}, "severity"),
+        ({"severity": "info"}, "severity"),
         ({"lane": "safety"}, "lane"),
         ({"actions": (Log(text="!"),)}, "actions[0]"),
         ({"event": own("x", cooldown=99.0).event}, "event.cooldown"),
