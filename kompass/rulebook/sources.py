@@ -1,6 +1,7 @@
 """Whether rules are as the recipe has them: worked out, and never taken from who hands them in."""
 
 from kompass.rules.interned import interned
+from kompass.rules.remembered import Remembered
 from kompass.rules.table import Rule, Table, rule_hash
 
 
@@ -22,7 +23,12 @@ def _with_source(rule: Rule, own: Rule | None) -> Rule:
         and rule_hash(own) == rule_hash(rule)
         and (own.name, own.note) == (rule.name, rule.note)
     )
-    source = "recipe" if same else "edited"
-    if rule.source == source:
-        return rule
+    return rule if (rule.source == "recipe") == same else _of_the_other(rule)
+
+
+def _other(rule: Rule) -> Rule:
+    source = "edited" if rule.source == "recipe" else "recipe"
     return interned(rule.model_copy(update={"source": source}))
+
+
+_of_the_other = Remembered[Rule, Rule](_other)

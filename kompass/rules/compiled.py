@@ -268,12 +268,15 @@ class _Builder:
                     self.topics[self.plans[at].topic].always.append(index)
         mentioned = [self.topic(name).index for name in known.mentioned]
         places = dict(tree)
+        evaluate = possible = tree_of(event.condition, places)
+        if pulses:
+            possible = tree_of(event.condition, {p: -1 if i in pulses else i for p, i in tree})
         return RulePlan(
             index=index,
             rule=rule,
             hash=known.hash,
-            evaluate=tree_of(event.condition, places),
-            possible=tree_of(event.condition, {at: -1 if i in pulses else i for at, i in tree}),
+            evaluate=evaluate,
+            possible=possible,
             clear=None if event.clear is None else tree_of(event.clear, dict(clear)),
             leaves=tree,
             clear_leaves=clear,
