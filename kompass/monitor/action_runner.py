@@ -20,6 +20,7 @@ from kompass.coroutine import Cancelled
 from kompass.monitor.alarms import Alarms
 from kompass.monitor.log_line import write_log
 from kompass.monitor.outcome import Outcome
+from kompass.monitor.refusal import refusal
 from kompass.monitor.timers import Timers
 from kompass.monitor.waiting import Waiting
 from kompass.recipe.fallbacks import Ladder
@@ -179,6 +180,8 @@ class ActionRunner:
                 answer = await self._call(
                     ros_class(action.type), action.service, request, action.timeout
                 )
+                if why := refusal(answer):
+                    raise Failed(f"{action.service} says no: {why}")
                 return _short(answer)
             case kinds.SendGoal():
                 given = made.get("action_request_msg", made.get("request_msg"))

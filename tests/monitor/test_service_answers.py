@@ -1,0 +1,106 @@
+"""A service that says no has not done it: the run fails, and says what the service said."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from automatika_ros_sugar.srv import ChangeParameters
+from nav2_msgs.srv import ClearEntireCostmap, LoadMap
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from std_srvs.srv import SetBool, Trigger
+
+from kompass.monitor.action_runner import ActionRunner
+from kompass.monitor.alarms import Alarms
+from kompass.monitor.outcome import Outcome
+from kompass.monitor.refusal import refusal
+from kompass.monitor.timers import Timers
+from kompass.rules.actions import Action, CallService, Log
+from kompass.rules.firing import Firing
+from kompass.rules.table import Severity
+from tests.monitor.conftest import Spinning
+
+LOAD = LoadMap.Response
+BAD = SetParametersResult(successful=False, reason="too fast")
+GOOD = SetParametersResult(successful=True)
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (Trigger.Response(success=False, message="the door is locked"), "the door is locked"),
+        (Trigger.Response(success=False), "success is false"),
+        (SetBool.Response(success=True, message="fine"), ""),
+        (LOAD(result=LOAD.RESULT_SUCCESS), ""),
+        (LOAD(result=LOAD.RESULT_MAP_DOES_NOT_EXIST), "RESULT_MAP_DOES_NOT_EXIST"),
+        (LOAD(result=77), "result is 77"),
+        (ClearEntireCostmap.Response(), ""),
+        (ChangeParameters.Response(success=[True, False], error_msg=["", "no"]), "no"),
+        (SetParameters.Response(results=[GOOD, BAD]), "too fast"),
+        (SetParameters.Response(results=[GOOD]), ""),
+        (SetParametersAtomically.Response(result=BAD), "too fast"),
+    ],
+)
+def test_an_answer_says_no_only_where_custom_says_so(answer: Any, words: str) -> None:
+    assert refusal(answer) == words
+
+
+class Desk:
+    """Actions of a rule, and the services that answer them, on one executor."""
+
+    def __init__(self, spinning: Spinning) -> None:
+        self._spinning = spinning
+        node = spinning.node
+        self.runner = ActionRunner(node, spinning.executor, Timers(node), {}, Alarms(node))
+
+    def offer(self, kind: Any, name: str, answer: Callable[[Any], Any]) -> None:
+        """A service, that answers what a function makes of the response."""
+        self._spinning.node.create_service(kind, name, lambda _, response: answer(response))
+
+    def run(self, *actions: Action) -> tuple[tuple[bool, str], list[Outcome]]:
+        """How a run of these ends, and each of its actions."""
+        told: list[Outcome] = []
+        more: dict[str, Any] = {"lane": "normal", "severity": Severity.INFO, "actions": actions}
+        firing = Firing("r", 1, 0.0, 0.0, "hash", None, None, {}, (), **more)
+        ended = self._spinning.executor.create_task(self.runner.run, firing, told.append)
+        self._spinning.until(ended.done, 20.0)
+        result: tuple[bool, str] = ended.result()
+        return result, told
+
+
+@pytest.fixture(scope="module")
+def desk(spinning: Spinning) -> Iterator[Desk]:
+    made = Desk(spinning)
+    yield made
+    made.runner.close()
+
+
+def test_a_service_that_says_no_fails_the_run_and_what_follows_waits(desk: Desk) -> None:
+    answers = [LOAD.RESULT_INVALID_MAP_DATA, LOAD.RESULT_SUCCESS]
+
+    def load(response: Any) -> Any:
+        response.result = answers.pop(0)
+        return response
+
+    desk.offer(LoadMap, "load_map", load)
+    call = CallService(service="load_map", type="nav2_msgs/srv/LoadMap", request={}, timeout=15.0)
+    (ok, error), told = desk.run(call, Log(text="the map is there"))
+    assert (ok, [each.ok for each in told]) == (False, [False])
+    assert "load_map says no: RESULT_INVALID_MAP_DATA" in error
+    # The next try, after the cooldown of its rule, is a run of its own.
+    (ok, error), told = desk.run(call, Log(text="the map is there"))
+    assert (ok, error, [each.ok for each in told]) == (True, "", [True, True])
+
+
+def test_who_does_not_care_goes_on_and_it_is_recorded_all_the_same(desk: Desk) -> None:
+    def refuse(response: Any) -> Any:
+        response.message = "the lamp is broken"
+        return response
+
+    desk.offer(SetBool, "lamp", refuse)
+    call = CallService(
+        service="lamp", type="std_srvs/srv/SetBool", request={}, timeout=15.0, on_error="continue"
+    )
+    (ok, error), told = desk.run(call, Log(text="dark"))
+    assert (ok, [each.ok for each in told]) == (False, [False, True])
+    assert "the lamp is broken" in error
