@@ -1,9 +1,12 @@
 import { useEffect, useRef } from "react";
 
-/** A key pressed in the page or in the scene's frame. `onControl`: a button has the focus. */
+/** A key pressed in the page or in the scene's frame. */
 export interface KeyPress {
   key: string;
+  /** A button has the focus. */
   onControl: boolean;
+  /** Something lies open over the page that knows best what Escape means: a menu, a list. */
+  inMenu: boolean;
 }
 
 const TEXT_INPUTS = new Set(["text", "search", "url", "tel", "email", "password", "number"]);
@@ -43,7 +46,10 @@ export function useKeys(handle: (press: KeyPress) => boolean): void {
       const onControl =
         event.target instanceof Element &&
         event.target.closest("button, a, [role=menuitemcheckbox]") !== null;
-      if (latest.current({ key: event.key, onControl })) event.preventDefault();
+      const inMenu =
+        event.target instanceof Element &&
+        event.target.closest("[role=menu],[role=listbox]") !== null;
+      if (latest.current({ key: event.key, onControl, inMenu })) event.preventDefault();
     };
     // Some browsers press a focused button when the space bar is let go.
     const onKeyUp = (event: KeyboardEvent) => {
@@ -51,7 +57,7 @@ export function useKeys(handle: (press: KeyPress) => boolean): void {
     };
     const onMessage = (event: MessageEvent<unknown>) => {
       const key = forwardedKey(event);
-      if (key !== null) latest.current({ key, onControl: false });
+      if (key !== null) latest.current({ key, onControl: false, inMenu: false });
     };
     // Capture: a menu that keeps its keys to itself must not keep STOP from the robot.
     window.addEventListener("keydown", onKeyDown, true);

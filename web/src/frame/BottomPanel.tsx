@@ -6,7 +6,7 @@ import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
 import { DraftBar } from "../rules/DraftBar";
 import { FiringsPanel } from "../rules/firings/FiringsPanel";
-import { useNav } from "../rules/live/RulesNav";
+import { OPENERS, useNav } from "../rules/live/RulesNav";
 import { RulesSheet } from "../rules/RulesSheet";
 import { StopButton } from "../stop/StopButton";
 import classes from "./BottomPanel.module.css";
@@ -70,6 +70,7 @@ export function BottomPanel({ startOpen }: { startOpen: boolean }) {
               className={classes.tab}
               aria-expanded={rules.open}
               aria-controls="sheet"
+              id={OPENERS.tab}
               data-testid="tab-rules"
               onClick={rules.toggle}
             >

@@ -54,7 +54,7 @@ function Workplace() {
   const narrow = useMediaQuery("(max-width: 1100px)", false, { getInitialValueInEffect: false });
   const phone = useMediaQuery("(max-width: 560px)", false, { getInitialValueInEffect: false });
 
-  useKeys(({ key, onControl }) => {
+  useKeys(({ key, onControl, inMenu }) => {
     switch (key.toLowerCase()) {
       case "g":
         if (session.role !== "viewer" && view !== null) goal.toggle();
@@ -81,11 +81,12 @@ function Workplace() {
         goal.go();
         return true;
       case "escape":
-        if (layersOpen) return false;
+        if (inMenu || layersOpen) return false;
         if (goal.back()) return true;
         if (helpOpen) setHelpOpen(false);
-        else if (rules.open) rules.close();
-        else return false;
+        else if (rules.open) {
+          if (!rules.back()) rules.close();
+        } else return false;
         return true;
       default:
         return false;

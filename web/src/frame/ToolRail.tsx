@@ -8,7 +8,7 @@ import {
 } from "@tabler/icons-react";
 import type { ReactNode } from "react";
 import type { GoalTool } from "../goal/useGoalTool";
-import { useNav } from "../rules/live/RulesNav";
+import { OPENERS, useNav } from "../rules/live/RulesNav";
 import { LayersMenu } from "../scene/LayersMenu";
 import type { ViewHandle } from "../scene/useView";
 import { useSession } from "../session/SessionContext";
@@ -60,6 +60,7 @@ export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }
       />
       <Tool
         testId="rules"
+        id={OPENERS.rail}
         label="Rules"
         hint="What the robot does when something happens (R)"
         wide
@@ -81,6 +82,7 @@ export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }
 
 interface ToolProps {
   testId: string;
+  id?: string;
   label: string;
   hint: string;
   on: boolean;
@@ -92,10 +94,11 @@ interface ToolProps {
 }
 
 function Tool(props: ToolProps) {
-  const { testId, label, hint, on, disabled = false, wide = false, onClick, icon } = props;
+  const { testId, id, label, hint, on, disabled = false, wide = false, onClick, icon } = props;
   return (
     <UnstyledButton
       className={classes.tool}
+      id={id}
       data-testid={testId}
       data-wide={wide || undefined}
       aria-pressed={on}

@@ -17,7 +17,7 @@ export function DraftBar() {
   const count = draft.changes.length;
   if (count === 0) {
     return (
-      <div className={classes.draft}>
+      <div className={classes.draft} data-idle={draft.undo === null || undefined}>
         <span className={classes.muted} data-testid="draft-state">
           No unsaved changes
         </span>

@@ -1,10 +1,10 @@
 import { CloseButton, UnstyledButton } from "@mantine/core";
-import { ExportMenu } from "./ExportMenu";
+import { useEffect, useRef } from "react";
 import { RuleEditor } from "./editor/RuleEditor";
 import { FiringsPage } from "./firings/FiringsPage";
 import { HistoryPage } from "./history/HistoryPage";
 import { RulesBands } from "./live/RulesBands";
-import { type Place, useNav } from "./live/RulesNav";
+import { type Place, SHEET_ID, useNav } from "./live/RulesNav";
 import { RecordingsPage } from "./recordings/RecordingsPage";
 import { ConflictPage } from "./review/ConflictPage";
 import { ReviewPage } from "./review/ReviewPage";
@@ -22,22 +22,32 @@ const TABS: { label: string; place: Place; holds: Place["at"][] }[] = [
 /** The rules of the robot, beside the scene: what is in force, what is being written, what was. */
 export function RulesSheet() {
   const nav = useNav();
+  const body = useRef<HTMLDivElement>(null);
+  const { place, returnTo } = nav;
+
+  // The button that led elsewhere is gone with its page, and the keyboard would begin anew at the
+  // top of everything. Where somebody has put the focus meanwhile, it stays.
+  useEffect(() => {
+    if (document.activeElement !== null && document.activeElement !== document.body) return;
+    const from = returnTo === "" ? null : document.getElementById(returnTo);
+    (from ?? (place.at === "table" ? null : body.current))?.focus();
+  }, [place, returnTo]);
+
   return (
-    <section className={classes.sheet} aria-label="Rules" data-testid="rules-sheet">
+    <section className={classes.sheet} id={SHEET_ID} aria-label="Rules" data-testid="rules-sheet">
       <header className={classes.head}>
-        {TABS.map(({ label, place, holds }) => (
+        {TABS.map(({ label, place: tab, holds }) => (
           <UnstyledButton
             key={label}
             className={classes.tab}
-            aria-current={holds.includes(nav.place.at) ? "page" : undefined}
-            data-testid={`rules-tab-${place.at}`}
-            onClick={() => nav.go(place)}
+            aria-current={holds.includes(place.at) ? "page" : undefined}
+            data-testid={`rules-tab-${tab.at}`}
+            onClick={() => nav.go(tab)}
           >
             {label}
           </UnstyledButton>
         ))}
         <span className={classes.gap} />
-        <ExportMenu />
         <CloseButton
           size="lg"
           aria-label="Close the rules"
@@ -49,8 +59,8 @@ export function RulesSheet() {
       <div className={classes.bands}>
         <RulesBands />
       </div>
-      <div className={classes.body} key={nav.place.at}>
-        <Page place={nav.place} />
+      <div className={classes.body} key={place.at} ref={body} tabIndex={-1}>
+        <Page place={place} />
       </div>
     </section>
   );

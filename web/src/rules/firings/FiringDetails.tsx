@@ -3,7 +3,7 @@ import { useState } from "react";
 import { type ApiError, asApiError } from "../../api/errors";
 import { saveRecording } from "../../api/recordingsClient";
 import { rollbackRules } from "../../api/rulesClient";
-import type { Firing } from "../../api/ruleTypes";
+import type { Firing, Rule } from "../../api/ruleTypes";
 import { StatusMark } from "../../health/StatusMark";
 import { useRules } from "../live/RulesContext";
 import { useNav } from "../live/RulesNav";
@@ -17,8 +17,9 @@ import { outcomeText } from "./outcome";
 const KEEP_S = 60;
 
 /** One firing: what made it fire, what was done, and what came of each step. */
-export function FiringDetails({ firing }: { firing: Firing }) {
+export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | null }) {
   const nav = useNav();
+  const failedStep = firing.actions.some((action) => !action.ok && action.text !== "");
   return (
     <section className={sheet.section} aria-label="This firing" data-testid="firing-details">
       <p className={classes.head}>
@@ -38,8 +39,8 @@ export function FiringDetails({ firing }: { firing: Firing }) {
         </button>
       </p>
       {firing.text !== "" && <p className={classes.text}>{firing.text}</p>}
-      {firing.error !== "" && <p className={sheet.problem}>{firing.error}</p>}
-      <LeafList leaves={firing.leaves} then />
+      {firing.error !== "" && !failedStep && <p className={sheet.problem}>{firing.error}</p>}
+      <LeafList leaves={firing.leaves} of={rule?.event.condition ?? null} then />
       {firing.actions.length > 0 && (
         <ol className={classes.steps}>
           {firing.actions.map((action, index) => (
@@ -48,7 +49,12 @@ export function FiringDetails({ firing }: { firing: Firing }) {
               <StatusMark level={action.ok ? "healthy" : "failed"} />
               <span>
                 {action.action}: {action.ok ? "ok" : "failed"} after {leftText(action.seconds)}
-                {action.text !== "" && <span className={sheet.muted}> {action.text}</span>}
+                {action.text !== "" && (
+                  <span className={action.ok ? sheet.muted : sheet.problem}>
+                    {" "}
+                    {action.text.replace(`${action.action} did not succeed: `, "")}
+                  </span>
+                )}
               </span>
             </li>
           ))}

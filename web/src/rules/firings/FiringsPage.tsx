@@ -48,7 +48,7 @@ export function FiringsPage({ rule }: { rule: string | null }) {
   const known = rule === null || rules.some(({ value }) => value === rule);
   return (
     <div className={sheet.page} data-testid="firings">
-      <div className={sheet.line}>
+      <div className={sheet.pair}>
         <Select
           size="sm"
           aria-label="Of which rule"

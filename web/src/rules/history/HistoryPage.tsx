@@ -107,24 +107,21 @@ function Compare({ revisions }: { revisions: Revision[] }) {
   }));
   return (
     <section className={sheet.section} aria-label="Compare two revisions">
-      <div className={sheet.line}>
-        <span className={sheet.muted}>Compare</span>
+      <h3>Compare two revisions</h3>
+      <div className={sheet.pair}>
         <Select
           size="sm"
-          className={classes.pick}
           aria-label="From revision"
-          placeholder="from"
+          placeholder="from revision"
           data={data}
           value={from}
           onChange={setFrom}
           clearable
         />
-        <span className={sheet.muted}>with</span>
         <Select
           size="sm"
-          className={classes.pick}
           aria-label="To revision"
-          placeholder="to"
+          placeholder="to revision"
           data={data}
           value={to}
           onChange={setTo}

@@ -2,7 +2,14 @@ import { expect, test } from "vitest";
 import type { Rule, RuleStatus } from "../../api/ruleTypes";
 import { constantText, leftText, secondsText, statusLevel, statusText, whenText } from "./words";
 
-const rule = { id: "a", name: "", enabled: true, event: { hold: 2 } } as unknown as Rule;
+const waitingFor = (kind: string): Rule =>
+  ({
+    id: "a",
+    name: "",
+    enabled: true,
+    event: { hold: 2, condition: { kind } },
+  }) as unknown as Rule;
+const rule = waitingFor("compare");
 const status = (part: Partial<RuleStatus>): RuleStatus => ({
   rule_id: "a",
   state: "ready",
@@ -43,14 +50,20 @@ test("a state says how long it lasts", () => {
   );
 });
 
+test("a rule that waits for a message is well while none comes", () => {
+  const silent = status({ state: "unknown", text: "nothing received yet" });
+  expect(statusText(silent, waitingFor("received"))).toBe("waits for a message");
+  expect(statusLevel(silent, waitingFor("received"))).toBe("healthy");
+});
+
 test("constants are words, without the name of their field", () => {
   expect(constantText("STATUS_FAILURE_ALGORITHM_LEVEL", "status")).toBe("failure algorithm level");
   expect(constantText("UNKNOWN", "reason")).toBe("unknown");
 });
 
 test("only what needs a person is loud", () => {
-  expect(statusLevel(status({ state: "cooling" }))).toBe("healthy");
-  expect(statusLevel(status({ state: "broken" }))).toBe("failed");
-  expect(statusLevel(status({ state: "ready", last_ok: false }))).toBe("degraded");
-  expect(statusLevel(status({ state: "disabled" }))).toBe("unknown");
+  expect(statusLevel(status({ state: "cooling" }), rule)).toBe("healthy");
+  expect(statusLevel(status({ state: "broken" }), rule)).toBe("failed");
+  expect(statusLevel(status({ state: "ready", last_ok: false }), rule)).toBe("degraded");
+  expect(statusLevel(status({ state: "disabled" }), rule)).toBe("unknown");
 });

@@ -39,9 +39,15 @@ export const clockText = (time: number): string => clock.format(time * 1000);
 
 export const ruleName = (rule: { id: string; name: string }): string => rule.name || rule.id;
 
+/** Whether nothing but a message is waited for: silence is the normal state of such a rule. */
+function awaitsMessage(status: RuleStatus, rule: Rule): boolean {
+  return status.state === "unknown" && rule.event.condition.kind === "received";
+}
+
 /** How loud a rule's state is: calm while all is normal. */
-export function statusLevel(status: RuleStatus | null): Level {
+export function statusLevel(status: RuleStatus | null, rule: Rule): Level {
   if (status === null) return "unknown";
+  if (awaitsMessage(status, rule)) return status.last_ok === false ? "degraded" : "healthy";
   switch (status.state) {
     case "broken":
       return "failed";
@@ -60,6 +66,7 @@ export function statusLevel(status: RuleStatus | null): Level {
 export function statusText(status: RuleStatus | null, rule: Rule): string {
   if (status === null) return rule.enabled ? "not in force yet" : "disabled";
   const { state, left } = status;
+  if (awaitsMessage(status, rule)) return "waits for a message";
   switch (state) {
     case "cooling":
       return left === null ? "cooling" : `cooling ${leftText(left)}`;
@@ -69,10 +76,9 @@ export function statusText(status: RuleStatus | null, rule: Rule): string {
       return `holding ${Math.max(0, hold - left).toFixed(1)}/${Number(hold.toPrecision(3))} s`;
     }
     case "unknown":
-    case "broken": {
-      const why = status.error || status.text;
-      return why === "" ? state : `${state}: ${why}`;
-    }
+      return told(state, status.text);
+    case "broken":
+      return told(state, status.error || status.text);
     case "waiting":
       return "waits to re-arm";
     case "latched":
@@ -85,6 +91,8 @@ export function statusText(status: RuleStatus | null, rule: Rule): string {
       return state;
   }
 }
+
+const told = (state: string, why: string): string => (why === "" ? state : `${state}: ${why}`);
 
 export const TRIGGER_WORDS: Record<Trigger, string> = {
   level: "every message, while it is true",

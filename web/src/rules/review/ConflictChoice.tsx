@@ -25,7 +25,7 @@ export function ConflictChoice({ difference, choice, tables, onChoose }: Props) 
   return (
     <div className={classes.conflict} data-testid={`conflict-${id}`}>
       <strong>{name}</strong>
-      <div className={classes.sides} role="radiogroup" aria-label={name}>
+      <fieldset className={classes.sides} aria-label={name}>
         {SIDES.map((side) => (
           <SideButton
             key={side}
@@ -48,7 +48,7 @@ export function ConflictChoice({ difference, choice, tables, onChoose }: Props) 
             choose for each of the {fields.length} fields
           </SideButton>
         )}
-      </div>
+      </fieldset>
       {byField && mine !== null && theirs !== null && (
         <div className={classes.fieldChoices}>
           {fields.map(({ field }) => (
@@ -77,7 +77,7 @@ function FieldChoice({ field, versions, side, onChoose }: FieldProps) {
   return (
     <div className={classes.fieldChoice} data-testid={`field-${field.key}`}>
       <span>{field.label}</span>
-      <div className={classes.sides} role="radiogroup" aria-label={field.label}>
+      <fieldset className={classes.sides} aria-label={field.label}>
         {SIDES.map((each) => (
           <SideButton
             key={each}
@@ -89,7 +89,7 @@ function FieldChoice({ field, versions, side, onChoose }: FieldProps) {
             {field.tell(versions[each])}
           </SideButton>
         ))}
-      </div>
+      </fieldset>
     </div>
   );
 }
@@ -104,11 +104,9 @@ function SideButton(props: {
 }) {
   const { title, on, wide = false, testId, onClick, children } = props;
   return (
-    // biome-ignore lint/a11y/useSemanticElements: a radio input has no room for what is chosen
     <button
       type="button"
-      role="radio"
-      aria-checked={on}
+      aria-pressed={on}
       className={classes.side}
       data-wide={wide || undefined}
       data-testid={testId}

@@ -28,7 +28,7 @@ export function RuleRow({ rule, lines, status, change, findings, fromRecipe }: P
   const { draft, mayEdit } = useRules();
   const nav = useNav();
   const name = ruleName(rule);
-  const level = statusLevel(status);
+  const level = statusLevel(status, rule);
   const state = statusText(status, rule);
   return (
     <li
@@ -81,6 +81,7 @@ export function RuleRow({ rule, lines, status, change, findings, fromRecipe }: P
             size="compact-md"
             leftSection={<IconZoomQuestion size={16} aria-hidden />}
             aria-label={`Why, or why not: ${name}`}
+            id={`why-${rule.id}`}
             data-testid="rule-why"
             onClick={() => nav.go({ at: "why", id: rule.id, firing: null })}
           >
@@ -93,6 +94,7 @@ export function RuleRow({ rule, lines, status, change, findings, fromRecipe }: P
                 size="compact-md"
                 leftSection={<IconPencil size={16} aria-hidden />}
                 aria-label={`Edit ${name}`}
+                id={`edit-${rule.id}`}
                 data-testid="rule-edit"
                 onClick={() => nav.go({ at: "edit", id: rule.id })}
               >

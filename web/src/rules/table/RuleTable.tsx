@@ -2,6 +2,7 @@ import { Button, TextInput } from "@mantine/core";
 import { IconPlus, IconSearch } from "@tabler/icons-react";
 import { useMemo, useState } from "react";
 import type { Rule } from "../../api/ruleTypes";
+import { ExportMenu } from "../ExportMenu";
 import { useLive, useRules } from "../live/RulesContext";
 import { useNav } from "../live/RulesNav";
 import { newRule, putRule, ruleOf } from "../model/draft";
@@ -77,6 +78,16 @@ export function RuleTable() {
           data-testid="rule-search"
           onChange={(event) => setSearch(event.currentTarget.value)}
         />
+        {mayEdit && (
+          <Button
+            leftSection={<IconPlus size={16} aria-hidden />}
+            onClick={add}
+            id="rule-add"
+            data-testid="rule-add"
+          >
+            Add rule
+          </Button>
+        )}
         <fieldset className={classes.filters} aria-label="Which rules">
           {FILTERS.map((each) => (
             <button
@@ -91,15 +102,7 @@ export function RuleTable() {
             </button>
           ))}
         </fieldset>
-        {mayEdit && (
-          <Button
-            leftSection={<IconPlus size={16} aria-hidden />}
-            onClick={add}
-            data-testid="rule-add"
-          >
-            Add rule
-          </Button>
-        )}
+        <ExportMenu />
       </div>
       <ul className={classes.list} aria-label="Rules">
         {shown.map((rule) => (

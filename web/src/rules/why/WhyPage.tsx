@@ -1,6 +1,6 @@
 import { Button } from "@mantine/core";
 import { IconArrowLeft } from "@tabler/icons-react";
-import { useEffect, useState } from "react";
+import { useEffect, useMemo, useState } from "react";
 import { type ApiError, asApiError } from "../../api/errors";
 import { explainRule } from "../../api/rulesClient";
 import type { Explanation, Firing } from "../../api/ruleTypes";
@@ -9,9 +9,11 @@ import { useRules } from "../live/RulesContext";
 import { useNav } from "../live/RulesNav";
 import { useNow } from "../live/useNow";
 import { actionText } from "../model/actions";
+import { conditionText } from "../model/condition";
 import { ruleOf } from "../model/draft";
-import { leftText, ruleName, sentence, whenText } from "../model/words";
+import { ruleName, sentence, whenText } from "../model/words";
 import sheet from "../Sheet.module.css";
+import { constantNames } from "../table/ruleLines";
 import { LeafList } from "./LeafList";
 import classes from "./Why.module.css";
 
@@ -75,7 +77,9 @@ export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
           {error.title} {error.remedy}
         </p>
       )}
-      {firing !== null && <FiringDetails firing={found?.firing ?? firing} />}
+      {firing !== null && (
+        <FiringDetails firing={found?.firing ?? firing} rule={found?.rule ?? null} />
+      )}
       {found === null && error === null && firing === null && (
         <p className={sheet.muted}>Asking the robot…</p>
       )}
@@ -87,32 +91,32 @@ export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
 function Now({ found }: { found: Explanation }) {
   const nav = useNav();
   const now = useNow();
-  const { status, gates, leaves, clear_leaves, near_misses } = found;
+  const { graph } = useRules();
+  const { rule, status, gates, leaves, clear_leaves, near_misses } = found;
+  const names = useMemo(() => constantNames(graph), [graph]);
+  const told = gates.filter(({ kind }) => kind !== "false" && kind !== "disabled");
   return (
     <>
       <p className={classes.answer} data-testid="why-answer">
-        {sentence(found.text)}
+        {gates.length === 0
+          ? sentence(found.text)
+          : `It does not fire now: ${gates.map(gateText).join("; ")}.`}
       </p>
-      {gates.length > 0 && (
+      {told.length > 0 && (
         <ul className={classes.gates} data-testid="gates">
-          {gates.map((gate) => (
-            <li key={gate.kind}>
-              {sentence(gate.text)}
-              {gate.left !== null && (
-                <span className={sheet.muted}> {leftText(gate.left)} left</span>
-              )}
-            </li>
+          {told.map((gate) => (
+            <li key={gate.kind}>{sentence(gate.text)}</li>
           ))}
         </ul>
       )}
       <section className={sheet.section} aria-label="When">
-        <h3>When {found.condition}</h3>
-        <LeafList leaves={leaves} />
+        <h3>When {conditionText(rule.event.condition, names)}</h3>
+        <LeafList leaves={leaves} of={rule.event.condition} />
       </section>
       {clear_leaves.length > 0 && (
         <section className={sheet.section} aria-label="Again after">
           <h3>Fires again after</h3>
-          <LeafList leaves={clear_leaves} />
+          <LeafList leaves={clear_leaves} of={rule.event.clear} />
         </section>
       )}
       {status !== null && (
@@ -131,7 +135,7 @@ function Now({ found }: { found: Explanation }) {
             {near_misses.map((miss) => (
               <li key={miss.number}>
                 <strong>{whenText(miss.time, now)}</strong> {sentence(miss.text)}
-                <LeafList leaves={miss.leaves} then />
+                <LeafList leaves={miss.leaves} of={rule.event.condition} then />
               </li>
             ))}
           </ul>
@@ -150,11 +154,14 @@ function Now({ found }: { found: Explanation }) {
 
 function Then({ found }: { found: Explanation }) {
   const nav = useNav();
+  const { graph } = useRules();
+  const names = useMemo(() => constantNames(graph), [graph]);
   return (
     <section className={sheet.section} aria-label="The rule as it was">
       <h3>The rule as it was, in revision {found.revision}</h3>
       <p>
-        When {found.condition}, then {found.rule.actions.map(actionText).join(", then ")}.
+        When {conditionText(found.rule.event.condition, names)}, then{" "}
+        {found.rule.actions.map(actionText).join(", then ")}.
       </p>
       {found.changed_since ? (
         <p className={sheet.note} data-testid="changed-since">
@@ -180,3 +187,18 @@ function Then({ found }: { found: Explanation }) {
     </section>
   );
 }
+
+const GATE_WORDS: Record<string, string> = {
+  disabled: "it is switched off",
+  rate_latched: "it fired too often",
+  once: "it fires once only, and has fired",
+  unknown: "a value is missing or too old",
+  false: "its condition is false",
+  hold: "its condition is not true for long enough yet",
+  not_armed: "it waits to re-arm",
+  cooldown: "it cools down",
+  busy: "its actions are still running",
+};
+
+/** What holds it back in a few words; the list below tells more. */
+const gateText = ({ kind, text }: Explanation["gates"][number]): string => GATE_WORDS[kind] ?? text;
