@@ -84,15 +84,23 @@ class Components:
         """Components whose status topic has been seen, sorted."""
         return sorted(self._reports)
 
-    def refresh(self, published: Graph) -> None:
-        """Listen to new components; forget those that have been gone for long."""
+    def refresh(
+        self, published: Graph, process_of: Callable[[str], ProcessInfo | None] = lambda _: None
+    ) -> None:
+        """Listen to new components; forget those that have been gone for long.
+
+        Forget at once whose process is well and has no status: it is no component, and the
+        monitor has only spoken for it (a simulator that did not get the processor for a while).
+        """
         topics = status_topics(published)
         for name, topic in topics.items():
             if name not in self._readers:
                 self._add(name)
             self._readers[name].follow(topic)
         for name in [n for n in self._readers if n not in topics]:
-            if self._age(name) > _FORGET_AFTER:
+            process = process_of(name)
+            well = process is not None and process.state == "active"
+            if well or self._age(name) > _FORGET_AFTER:
                 self._readers.pop(name).close()
                 self._reports = {k: v for k, v in self._reports.items() if k != name}
 

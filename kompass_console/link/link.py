@@ -162,7 +162,7 @@ class RosLink:
         named = dict(self._node.get_service_names_and_types())
         services = {n: t for n, t in named.items() if self._node.count_services(n) > 0}
         self.streams.refresh(published)
-        self.components.refresh(published)
+        self.components.refresh(published, self.processes.of)
         self.inputs.refresh(self.components.names)
         self.drive.refresh(published, services)
         self.goals.refresh(published, services)
