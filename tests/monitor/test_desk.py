@@ -16,6 +16,7 @@ from kompass.monitor.message_types import MessageTypes
 from kompass.rulebook.report import ApplyReport, CheckReport, Conflict, Finding
 from kompass.rules.bridge import bridge
 from kompass.rules.carry import exchange
+from kompass.rules.catalog import Catalog, FieldType
 from kompass.rules.compiled import CompiledTable, compile_table
 from kompass.rules.engine import initial_state
 from kompass.rules.table import Table, table_hash
@@ -78,7 +79,12 @@ class NoLints:
 class Office:
     """A desk with a real store, and a clock that stands still until it is moved."""
 
-    def __init__(self, folder: Path, recipe: list[dict[str, Any]] | None = None) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        recipe: list[dict[str, Any]] | None = None,
+        catalog: Catalog | None = None,
+    ) -> None:
         self.now = 1000.0
         self.recipe = Table.model_validate({"rules": BASE if recipe is None else recipe})
         self.store = RuleStore.open(folder, clock=lambda: self.now)
@@ -90,7 +96,7 @@ class Office:
         self.desk = Desk(
             self.store,
             self.engine,
-            MessageTypes(),
+            catalog or MessageTypes(),
             InForce(boot.table, boot.revision, boot.revision, notice=boot.notice),
             recipe=self.recipe,
             robot="test",
@@ -171,6 +177,30 @@ def test_what_the_engine_cannot_listen_to_is_not_stored(office: Office) -> None:
         office.apply([*BASE, NEW])
     assert office.agree
     assert office.store.active == 1
+
+
+def test_a_change_costs_what_changed(tmp_path: Path) -> None:
+    class Counting(MessageTypes):
+        looked = 0
+
+        def field_type(self, type_name: str, path: tuple[str | int, ...]) -> FieldType | None:
+            self.looked += 1
+            return super().field_type(type_name, path)
+
+    catalog = Counting()
+    office = Office(tmp_path, catalog=catalog)
+    many = [*BASE, *(rule(f"rule-{number}", compare("c", ">", number)) for number in range(40))]
+    assert office.apply(many).ok
+    first, before = catalog.looked, office.desk.in_force.table.rules
+    many[20] = rule("rule-18", compare("c", ">", 99))
+    catalog.looked = 0
+    assert office.apply(many).ok
+    assert catalog.looked <= first / 20
+    now = office.desk.in_force.table.rules
+    # The same objects: what was worked out of them (hash, text, what compiling needs) still holds.
+    assert [i for i, (a, b) in enumerate(zip(before, now, strict=True)) if a is not b] == [20]
+    assert [a is b for a, b in zip(now, office.store.table(3).rules, strict=True)] == [True] * 42
+    office.store.close()
 
 
 def test_who_is_too_late_gets_both_diffs_and_changes_nothing(office: Office) -> None:

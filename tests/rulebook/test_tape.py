@@ -15,6 +15,7 @@ from kompass.rulebook.tape import (
     Swapped,
     TapeEvent,
     from_data,
+    swapped_text,
     to_data,
 )
 from kompass.rules.table import Table
@@ -39,6 +40,13 @@ LEAF = LeafReading(path=(0,), text="a.x < 1", value=0.1 + 0.2, age=None, verdict
 def test_an_event_is_the_same_again_to_the_last_bit(event: TapeEvent) -> None:
     kind, data = to_data(event)
     assert from_data(kind, json.loads(json.dumps(data))) == event
+
+
+def test_a_swap_is_the_same_as_text_that_is_put_together_from_what_is_known() -> None:
+    event = Swapped(0.1 + 0.2, 4, TABLE, ("r",))
+    kind, data = to_data(event)
+    assert json.loads(swapped_text(event)) == data
+    assert from_data(kind, json.loads(swapped_text(event))) == event
 
 
 def test_fields_of_a_later_version_are_left_out_and_later_fields_have_defaults() -> None:
