@@ -2625,7 +2625,7 @@ export interface components {
              */
             protected: boolean;
             /**
-             * @default 1
+             * @default warning
              * @enum {string}
              */
             severity: "info" | "warning" | "error" | "critical";
