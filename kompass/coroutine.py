@@ -12,6 +12,7 @@ from collections.abc import Callable, Coroutine, Generator
 from typing import Any
 
 import rclpy
+from rclpy.context import Context
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.task import Future
 
@@ -101,10 +102,17 @@ class QuietExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
     it to the terminal. What a function raises comes out of :meth:`spin_once`, as from a callback.
     rclpy's own would have the process die of SIGSEGV (7.1.6): it looks for the logger of its only
     node with an index into a set.
+
+    Its nodes must be :class:`kompass.quiet_node.Eventless`.
+
+    Parameters
+    ----------
+    context
+        The process's own when left out.
     """
 
-    def __init__(self) -> None:
-        super().__init__(rclpy.get_default_context())
+    def __init__(self, context: Context | None = None) -> None:
+        super().__init__(context or rclpy.get_default_context())
         self._raised: Exception | None = None
 
     def spin_once(self, timeout_sec: float | None = None) -> None:

@@ -4,6 +4,8 @@ from typing import Protocol
 
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
+from kompass.quiet_node import Eventless
+
 
 class Transitions(Protocol):
     """What a component does at each transition. An exception fails the transition."""
@@ -16,7 +18,7 @@ class Transitions(Protocol):
     def on_transition_error(self, transition: str, error: Exception) -> None: ...
 
 
-class ComponentNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
+class ComponentNode(Eventless, LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     """A lifecycle node; an exception in a transition is reported and leaves the node alive."""
 
     def __init__(self, name: str, component: Transitions, namespace: str = "") -> None:

@@ -23,6 +23,7 @@ from kompass.monitor.monitor import Monitor
 from kompass.monitor.recording import Recording
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import start_from_store
+from kompass.quiet_node import QuietNode
 from kompass.recipe.table import RecipeRules
 
 NAME = "monitor"
@@ -62,7 +63,7 @@ def run_monitor(
     settings = MonitorSettings.of()
     start, store = start_from_store(recipe.table, settings)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node(NAME, namespace=namespace or None)
+    node = QuietNode(NAME, namespace=namespace or None)
     executor = QuietExecutor()
     executor.add_node(node)
     monitor = Monitor(node, executor, recipe, catalog, start, store, settings, recording)

@@ -56,9 +56,10 @@ def run_simulator(
     orders = [parse_fault(text) for text in faults]
     # Imported here, so that the process that forks this one stays small and without threads.
     import rclpy
-    from rclpy.experimental import EventsExecutor
     from rclpy.signals import SignalHandlerOptions
 
+    from kompass.coroutine import QuietExecutor
+    from kompass.quiet_node import QuietNode
     from kompass.simulation.broadcast import Broadcast
     from kompass.simulation.command_input import CommandInput
     from kompass.simulation.costmap import Costmap
@@ -68,8 +69,8 @@ def run_simulator(
     robot = Robot(place, seed)
     context = rclpy.Context()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node(node_name, context=context)
-    executor = EventsExecutor(context=context)
+    node = QuietNode(node_name, context=context)
+    executor = QuietExecutor(context)
     try:
         with _signals() as told_to_stop, ExitStack() as undo:
             broadcast = Broadcast(node, robot)

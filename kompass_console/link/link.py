@@ -12,10 +12,11 @@ import numpy as np
 import numpy.typing as npt
 import rclpy
 from kompass_interfaces.srv import CheckGoal
-from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
+from kompass.coroutine import QuietExecutor
+from kompass.quiet_node import QuietNode
 from kompass_console.link import convert
 from kompass_console.link.backtests import Backtests
 from kompass_console.link.components import Components
@@ -77,7 +78,7 @@ class RosLink:
         self.domain_id = int(self._context.get_domain_id())
         self.middleware = str(get_rmw_implementation_identifier())
         # The process id keeps two consoles on one robot apart.
-        self._node = rclpy.create_node(
+        self._node = QuietNode(
             f"{NODE_NAME}_{os.getpid()}",
             context=self._context,
             use_global_arguments=False,
@@ -97,7 +98,7 @@ class RosLink:
         self._checks = ServicePool(self._node, CheckGoal, "kompass_interfaces/srv/CheckGoal")
         self._node.create_timer(_LOOK_AROUND, self._look_around)
         self._node.create_timer(_TICK, self.goals.tick)
-        self._executor = EventsExecutor(context=self._context)
+        self._executor = QuietExecutor(self._context)
         self._executor.add_node(self._node)
         self._look_around()
         self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)

@@ -1,0 +1,47 @@
+"""What comes and goes under the events executor takes nobody with it."""
+
+import time
+
+import rclpy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from std_msgs.msg import Int32
+
+from kompass.components.node import ComponentNode
+from kompass.coroutine import QuietExecutor
+from kompass.quiet_node import Eventless, QuietNode
+from tests.support.domains import give_back, next_domain
+
+DEMANDING = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+MODEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+def test_readers_and_writers_that_do_not_fit_each_other_come_and_go() -> None:
+    domain = next_domain()
+    context = rclpy.Context()
+    rclpy.init(args=[], context=context, domain_id=domain)
+    executor = QuietExecutor(context)
+    nodes = [QuietNode(name, context=context) for name in ("one", "other")]
+    try:
+        for node in nodes:
+            executor.add_node(node)
+        end = time.monotonic() + 1.0
+        while time.monotonic() < end:
+            readers = [nodes[0].create_subscription(Int32, "/t", print, DEMANDING) for _ in "abc"]
+            writers = [nodes[1].create_publisher(Int32, "/t", MODEST) for _ in "abc"]
+            executor.spin_once(timeout_sec=0.01)
+            # An event of one that is destroyed is what rclpy's own executor dies of.
+            assert not any(each.event_handlers for each in (*readers, *writers))
+            for reader, writer in zip(readers, writers, strict=True):
+                nodes[0].destroy_subscription(reader)
+                nodes[1].destroy_publisher(writer)
+            executor.spin_once(timeout_sec=0.01)
+    finally:
+        executor.shutdown()
+        for node in nodes:
+            node.destroy_node()
+        context.try_shutdown()
+        give_back(domain)
+
+
+def test_components_are_spared_too() -> None:
+    assert issubclass(ComponentNode, Eventless)
