@@ -72,6 +72,9 @@ class Desk:
         self._standing = Standing(in_force, merge, changed, clock)
         self._shelf = Shelf(store, lambda: self.in_force.notice)
         self._reader, self._examiner = TableReader(), Examiner(catalog, recipe, lints)
+        # The first change is to cost no more than those that follow.
+        self._reader.learn(in_force.table)
+        self._examiner.learn(in_force.table)
         self.window = Window(
             *(self._standing, self._shelf, self._reader, self._examiner, engine.running),
             robot=robot,

@@ -46,6 +46,11 @@ class Examiner:
         self._gates = gates_of(catalog)
         self._faults = Remembered[Rule, tuple[Finding, ...]](partial(faults_of, catalog=catalog))
 
+    def learn(self, table: Table) -> None:
+        """Look at the rules of a table already, before somebody waits for it."""
+        for rule in table.rules:
+            self._faults(rule)
+
     def named(self, table: Table) -> Table:
         """A table with the truth about where its rules come from, whatever it says itself."""
         return with_sources(table, self._recipe)

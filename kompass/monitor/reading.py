@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import JsonValue, ValidationError
 
 from kompass.rulebook.report import Finding
-from kompass.rules.interned import interned_table
+from kompass.rules.interned import interned_table, text_of
 from kompass.rules.table import Rule, Table
 
 # Beyond these a table is no table of a robot, and reading it would hold up the engine.
@@ -40,6 +40,11 @@ class TableReader:
 
     def __init__(self) -> None:
         self._known: dict[str, Rule] = {}
+
+    def learn(self, table: Table) -> None:
+        """Know the rules of a table that was made otherwise, as they will be sent back."""
+        rules = interned_table(table).rules
+        self._known = {json.dumps(json.loads(text_of(rule))): rule for rule in rules}
 
     def read(self, text: str) -> Table:
         """Return the table of a JSON text.

@@ -188,18 +188,22 @@ def test_a_change_costs_what_changed(tmp_path: Path) -> None:
             return super().field_type(type_name, path)
 
     catalog = Counting()
-    office = Office(tmp_path, catalog=catalog)
-    many = [*BASE, *(rule(f"rule-{number}", compare("c", ">", number)) for number in range(40))]
-    assert office.apply(many).ok
-    first, before = catalog.looked, office.desk.in_force.table.rules
-    many[20] = rule("rule-18", compare("c", ">", 99))
-    catalog.looked = 0
-    assert office.apply(many).ok
-    assert catalog.looked <= first / 20
-    now = office.desk.in_force.table.rules
-    # The same objects: what was worked out of them (hash, text, what compiling needs) still holds.
-    assert [i for i, (a, b) in enumerate(zip(before, now, strict=True)) if a is not b] == [20]
-    assert [a is b for a, b in zip(now, office.store.table(3).rules, strict=True)] == [True] * 42
+    many = [
+        rule(f"rule-{number}", compare("c", ">", number)) | {"source": "recipe"}
+        for number in range(42)
+    ]
+    office = Office(tmp_path, many, catalog=catalog)
+    all_of_them = catalog.looked
+    for bound in (98, 99):  # the first change after a start, and another
+        before, catalog.looked = office.desk.in_force.table.rules, 0
+        many[20] = rule("rule-20", compare("c", ">", bound))
+        assert office.apply(many).ok
+        assert 0 < catalog.looked <= all_of_them / 20
+        now = office.desk.in_force.table.rules
+        # The same objects: what was worked out of them (hash, text, …) still holds.
+        assert [place for place in range(42) if now[place] is not before[place]] == [20]
+        stored = office.store.table(office.store.active).rules
+        assert all(a is b for a, b in zip(now, stored, strict=True))
     office.store.close()
 
 
