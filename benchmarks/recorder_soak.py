@@ -36,6 +36,14 @@ def memory(pid: int) -> float:
     return 0.0
 
 
+def size_of(path: Path) -> int:
+    """Bytes of a file; 0 for one that has gone, as the oldest of a ring do."""
+    try:
+        return path.stat().st_size
+    except FileNotFoundError:
+        return 0
+
+
 def main() -> None:
     minutes = float(sys.argv[1]) if len(sys.argv) > 1 else 30.0
     stack = Stack.simulated()
@@ -49,8 +57,12 @@ def main() -> None:
         began, used = time.monotonic(), processor_time(pid)
         largest = 0
         while (passed := time.monotonic() - began) < minutes * 60:
-            reality.drive(min(20.0, minutes * 60 - passed))
-            size = sum(path.stat().st_size for path in ring_files(ring))
+            try:
+                reality.drive(min(20.0, minutes * 60 - passed))
+            except AssertionError as error:
+                # Not what is measured: on a machine with much else to do an answer may be late.
+                print(f"  {error}", flush=True)
+            size = sum(size_of(path) for path in ring_files(ring))
             largest = max(largest, size)
             share = (processor_time(pid) - used) / (time.monotonic() - began)
             print(

@@ -5,12 +5,13 @@ from __future__ import annotations
 import logging
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from kompass.recorder.places import SUFFIX, saved_folder
-from kompass.recorder.saving import CannotSave, save
+from kompass.recorder.saving import CannotSave, drop_partials, save
 from kompass.rules.table import Severity
 
 log = logging.getLogger("kompass.recorder")
@@ -95,11 +96,22 @@ class Keeper:
 
 
 class Keeps:
-    """The recorder's end: carries orders out when their time has come."""
+    """The recorder's end: carries orders out when their time has come.
 
-    def __init__(self, recordings: Path) -> None:
-        self._recordings = recordings
+    Parameters
+    ----------
+    recordings
+        Folder of all recordings.
+    run
+        Calls a function at once or in a thread; copying a stretch takes seconds on a busy machine.
+    """
+
+    def __init__(
+        self, recordings: Path, run: Callable[[Callable[[], None]], object] = lambda job: job()
+    ) -> None:
+        self._recordings, self._run = recordings, run
         self._orders: dict[str, Keep] = {}
+        drop_partials(saved_folder(recordings))
 
     def order(self, keep: Keep) -> None:
         """Keep a stretch once it is over; a second order for a file replaces the first."""
@@ -110,12 +122,16 @@ class Keeps:
         due = [k for k in self._orders.values() if now >= k.end + SETTLE * 1e9]
         for keep in due:
             del self._orders[keep.path]
+        if due:
+            self._run(partial(self._keep, due))
+
+    def _keep(self, due: list[Keep]) -> None:
+        for keep in due:
             try:
                 save(self._recordings, Path(keep.path), keep.start, keep.end)
             except (CannotSave, ValueError, OSError) as error:
                 log.error("a firing is not kept: %s", error)
-        if due:
-            self._prune()
+        self._prune()
 
     def _prune(self) -> None:
         folder = saved_folder(self._recordings)

@@ -6,6 +6,7 @@ import json
 import logging
 import time
 from collections.abc import Callable, Collection
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +68,9 @@ class Recorder:
         self._lane, self._resolve, self._leave_out = lane, resolve, leave_out
         metadata = {"life": str(lane.life), "offset_ns": str(lane.offset_ns)}
         folder = ring_folder(recordings)
-        self._keeps = Keeps(recordings)
+        # Copying a stretch must not hold up what comes from the lane.
+        self._saver = ThreadPoolExecutor(1, thread_name_prefix="keep")
+        self._keeps = Keeps(recordings, self._in_background)
         self._ring = Ring(folder, metadata, self._now, bounds, self._file_begins)
         self._memory = EngineMemory()
         self._streams: dict[tuple[str, str, str, bool], Stream] = {}
@@ -118,7 +121,11 @@ class Recorder:
             self.tick()
             self.flush()
         finally:
+            self._saver.shutdown(wait=False, cancel_futures=True)
             self._ring.close()
+
+    def _in_background(self, job: Callable[[], None]) -> None:
+        self._saver.submit(job).add_done_callback(_complain)
 
     def _compare_clocks(self) -> None:
         """The clock of the day may be set meanwhile; that of the recording must not leap."""
@@ -218,3 +225,8 @@ class Recorder:
                         latched=LATCHED in track.channel.metadata,
                     )
                     self._ring.remember(stream, message.data, message.publish_time)
+
+
+def _complain(done: Future[None]) -> None:
+    if not done.cancelled() and (error := done.exception()) is not None:
+        log.error("a firing is not kept", exc_info=error)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+import os
 import struct
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
@@ -100,7 +101,7 @@ class Recording:
             stream = self._stack.enter_context(path.open("rb"))
         except FileNotFoundError:
             return
-        if not path.stat().st_size:
+        if not os.fstat(stream.fileno()).st_size:
             return  # just begun
         contents = read_contents(stream, str(path))
         self.files.append(File(path, stream, contents, _tracks(contents)))

@@ -12,6 +12,7 @@ from kompass.recorder.ring import ring_files
 from kompass.recorder.stretch import stretch
 
 CHUNK = 1 << 20  # bytes
+PARTIAL = ".partial"
 
 
 class CannotSave(RuntimeError):
@@ -39,7 +40,7 @@ def save(recordings: Path, path: Path, start: int, end: int | None = None) -> Pa
     if path.exists():
         raise CannotSave(f"there is a recording {path.name} already; choose another name")
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    partial = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
     try:
         with Recording(ring_files(ring_folder(recordings))) as recording:
             files = [file for file in recording.files if file.contents.end_time >= start]
@@ -55,6 +56,14 @@ def save(recordings: Path, path: Path, start: int, end: int | None = None) -> Pa
     finally:
         partial.unlink(missing_ok=True)
     return path
+
+
+def drop_partials(folder: Path) -> None:
+    """Throw away what processes that are dead have left half-written."""
+    for path in folder.glob(f".*{PARTIAL}"):
+        pid = path.name.removesuffix(PARTIAL).rpartition(".")[2]
+        if not Path(f"/proc/{pid}").exists():
+            path.unlink(missing_ok=True)
 
 
 def _write(files: list[File], path: Path, start: int, end: int | None) -> None:

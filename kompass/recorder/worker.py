@@ -89,13 +89,22 @@ class Worker:
                 raise WorkerFailed(line["error"])
             progress(line["progress"])
         code = self._process.wait()
-        how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-        raise WorkerFailed(f"the process that did it ended with {how}")
+        raise WorkerFailed(_death(code))
 
     def _lines(self) -> Iterator[dict[str, Any]]:
         assert self._process.stdout is not None
         for line in self._process.stdout:
             yield json.loads(line)
+
+
+def _death(code: int) -> str:
+    if code == -signal.SIGKILL:
+        return (
+            "the process that did it was killed; if nobody did so, memory is short: "
+            "take fewer seconds, or have less run on this machine"
+        )
+    how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+    return f"the process that did it ended with {how}; its last words are in the stack's output"
 
 
 def main() -> None:

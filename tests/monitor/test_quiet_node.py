@@ -35,6 +35,7 @@ def test_readers_and_writers_that_do_not_fit_each_other_come_and_go() -> None:
                 nodes[0].destroy_subscription(reader)
                 nodes[1].destroy_publisher(writer)
             executor.spin_once(timeout_sec=0.01)
+        assert len(nodes[0].default_callback_group.entities) < 20, "none of them is remembered"
     finally:
         executor.shutdown()
         for node in nodes:

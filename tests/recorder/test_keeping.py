@@ -1,6 +1,8 @@
 """Which firings are kept, and for how long."""
 
 import json
+import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -172,3 +174,27 @@ def test_a_robot_with_no_place_to_record_drives_all_the_same(
 def test_a_length_that_is_none_is_refused(tmp_path: Path, seconds: float) -> None:
     with pytest.raises(ValueError, match="is no length of time"):
         FlightRecorder(tmp_path, Lane(), None).save(seconds, "x")
+
+
+def test_what_a_killed_process_left_half_written_goes(tmp_path: Path) -> None:
+    folder = saved_folder(tmp_path)
+    folder.mkdir(parents=True)
+    dead, living = folder / ".a.mcap.99999999.partial", folder / f".b.mcap.{os.getpid()}.partial"
+    for path in (dead, living, folder / "kept.mcap"):
+        path.touch()
+
+    Keeps(tmp_path)
+
+    assert sorted(path.name for path in folder.iterdir()) == [living.name, "kept.mcap"]
+
+
+def test_keeping_holds_nobody_up(tmp_path: Path) -> None:
+    jobs: list[Callable[[], None]] = []
+    keeps = Keeps(tmp_path, jobs.append)
+    keeps.order(Keep(str(saved_folder(tmp_path) / "firing-x.mcap"), START, START + NS))
+
+    keeps.carry_out(START + 10 * NS)
+
+    assert len(jobs) == 1, "done elsewhere"
+    keeps.carry_out(START + 20 * NS)
+    assert len(jobs) == 1, "once"
