@@ -29,11 +29,15 @@ from kompass.monitor.main_thread import MainThread
 from kompass.rulebook.explanation import ExplanationView
 from kompass.rulebook.graph_view import GraphView
 from kompass.rulebook.journal import Journal
+from kompass.rulebook.revision import History
 from kompass.rules.model import Model
 
 REVISIONS = 50  # of the history, unless asked otherwise
 FIRINGS = 100
 MOST = 1_000
+# Characters of an answer that can be asked for in parts. The middleware keeps the last ten of each
+# service for good: without a bound, a look at a long history costs the monitor its memory tenfold.
+LARGEST = 1_000_000
 _OUTCOMES = {
     "applied": ApplyRules.Request.APPLIED,
     "conflict": ApplyRules.Request.CONFLICT,
@@ -142,7 +146,8 @@ class Services:
         if request.diff_from or request.diff_to:
             return _told(response, self._desk.window.diff(request.diff_from, request.diff_to))
         count = min(request.count or REVISIONS, MOST)
-        return _told(response, self._desk.window.history(request.before, count))
+        history = self._desk.window.history(request.before, count)
+        return _told_in_parts(response, history, "revisions")
 
     def _explain(self, request: Any, response: Any) -> Any:
         view = self._sources.explain(request.rule_id, request.run_id, request.epoch)
@@ -150,7 +155,8 @@ class Services:
 
     def _firings(self, request: Any, response: Any) -> Any:
         count = min(request.count or FIRINGS, MOST)
-        return _told(response, self._sources.firings(request.before, count, request.rule_id))
+        journal = self._sources.firings(request.before, count, request.rule_id)
+        return _told_in_parts(response, journal, "firings")
 
     def _graph(self, request: Any, response: Any) -> Any:
         return _told(response, self._sources.graph())
@@ -163,6 +169,16 @@ class Services:
 
 def _told(response: Any, answer: Model) -> Any:
     response.success, response.answer = True, answer.model_dump_json()
+    return response
+
+
+def _told_in_parts(response: Any, answer: History | Journal, items: str) -> Any:
+    """As many items as fit; that there are more is said, and the rest can be asked for."""
+    _told(response, answer)
+    while (size := len(response.answer)) > LARGEST and (count := len(getattr(answer, items))) > 1:
+        fewer = getattr(answer, items)[: max(min(count - 1, count * LARGEST // size), 1)]
+        answer = answer.model_copy(update={items: fewer, "more": True})
+        _told(response, answer)
     return response
 
 
