@@ -9,7 +9,7 @@ export function LeafNow({ reading, then = false }: { reading: LeafReading; then?
   const { value, verdict, age } = reading;
   return (
     <span className={classes.now} data-verdict={verdict ?? "unknown"} data-testid="leaf-now">
-      {then ? "was" : "now"} {value === null ? "no value" : nowText(value)}
+      {then ? "was" : "now"} {value === null ? "no value" : nowText(reading)}
       {" → "}
       <VerdictMark verdict={verdict} /> {verdictWord(verdict)}
       {age !== null && (
@@ -19,7 +19,9 @@ export function LeafNow({ reading, then = false }: { reading: LeafReading; then?
   );
 }
 
-function nowText(value: boolean | number | string): string {
+function nowText({ value, text }: LeafReading): string {
+  // Of one that waits for any message, the robot tells the type.
+  if (text.endsWith(" received")) return "a message";
   if (typeof value !== "number") return valueText(value);
   return Number.isInteger(value) ? String(value) : String(Number(value.toPrecision(4)));
 }

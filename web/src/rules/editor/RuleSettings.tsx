@@ -18,6 +18,7 @@ export function RuleSettings({ rule, onChange }: { rule: Rule; onChange: (rule: 
         <Select
           size="sm"
           label="Severity"
+          data-testid="severity"
           description="Which rule wins over a component"
           allowDeselect={false}
           data={[...SEVERITIES]}

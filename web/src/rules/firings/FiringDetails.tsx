@@ -7,7 +7,7 @@ import type { Firing, Rule } from "../../api/ruleTypes";
 import { StatusMark } from "../../health/StatusMark";
 import { useRules } from "../live/RulesContext";
 import { useNav } from "../live/RulesNav";
-import { clockText, leftText } from "../model/words";
+import { clockText, leftText, sentence } from "../model/words";
 import sheet from "../Sheet.module.css";
 import { LeafList } from "../why/LeafList";
 import classes from "./Firings.module.css";
@@ -38,7 +38,7 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
           revision {firing.revision}
         </button>
       </p>
-      {firing.text !== "" && <p className={classes.text}>{firing.text}</p>}
+      {firing.text !== "" && <p className={classes.text}>{sentence(firing.text)}</p>}
       {firing.error !== "" && !failedStep && <p className={sheet.problem}>{firing.error}</p>}
       <LeafList leaves={firing.leaves} of={rule?.event.condition ?? null} then />
       {firing.actions.length > 0 && (
@@ -50,8 +50,7 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
               <span>
                 {action.action}: {action.ok ? "ok" : "failed"} after {leftText(action.seconds)}
                 {action.text !== "" && (
-                  <span className={action.ok ? sheet.muted : sheet.problem}>
-                    {" "}
+                  <span className={classes.said} data-failed={!action.ok || undefined}>
                     {action.text.replace(`${action.action} did not succeed: `, "")}
                   </span>
                 )}

@@ -3,19 +3,42 @@ import { useState } from "react";
 import { type ApiError, asApiError } from "../../api/errors";
 import { confirmRules, rollbackRules } from "../../api/rulesClient";
 import { Band } from "../../frame/Band";
-import { leftText } from "../model/words";
+import { leftText, sentence } from "../model/words";
 import { useRules } from "./RulesContext";
 import { useProbation } from "./useProbation";
+
+const SEEN = "kompass.rules.notice";
+
+/** The notice that was read already in this browser's tab, and how to say so of another. */
+function useSeen(): [string | null, (notice: string) => void] {
+  const [seen, setSeen] = useState(() => sessionStorage.getItem(SEEN));
+  const see = (notice: string) => {
+    sessionStorage.setItem(SEEN, notice);
+    setSeen(notice);
+  };
+  return [seen, see];
+}
 
 /** A table on probation: how long it has, and whether to keep it. */
 export function ProbationBand() {
   const { mayEdit, reload } = useRules();
   const probation = useProbation();
   const [busy, setBusy] = useState(false);
+  const [seen, see] = useSeen();
   const [error, setError] = useState<ApiError | null>(null);
   if (probation === null || probation.left <= 0) {
-    return probation === null || probation.notice === "" ? null : (
-      <Band tone="notice" title={probation.notice} testId="rules-notice" />
+    const notice = probation?.notice ?? "";
+    return notice === "" || notice === seen ? null : (
+      <Band
+        tone="notice"
+        title={sentence(notice)}
+        testId="rules-notice"
+        action={
+          <Button variant="default" onClick={() => see(notice)} data-testid="notice-seen">
+            Understood
+          </Button>
+        }
+      />
     );
   }
   const { revision, confirmed, left } = probation;

@@ -83,7 +83,8 @@ function DeleteButton({ name, onDeleted }: { name: string; onDeleted: () => void
       {asking ? (
         <>
           <Button
-            color="red"
+            variant="default"
+            className={classes.sure}
             size="compact-md"
             loading={busy}
             autoFocus

@@ -16,9 +16,10 @@ export function EffectView({ effect, names, done = false }: Props) {
     <ul className={classes.effect} data-testid="effect">
       {carried.length > 0 && (
         <li>
-          {carried.length === 1 ? "1 rule" : `${carried.length} rules`} {done ? "went on" : "go on"}{" "}
-          as they were: holds, cooldowns and counters
-          {done ? " were" : " are"} carried.
+          {carried.length === 1
+            ? `1 rule ${done ? "went" : "goes"} on as it was`
+            : `${carried.length} rules ${done ? "went" : "go"} on as they were`}
+          : holds, cooldowns and counters {done ? "were" : "are"} carried.
         </li>
       )}
       {reset.length > 0 && (

@@ -138,7 +138,9 @@ function Facts({ rule, status, fromRecipe }: Pick<Props, "rule" | "status" | "fr
     if (status.failed > 0) facts.push(`failed ${status.failed}×`);
     if (status.outranked > 0) facts.push(`outranked ${status.outranked}×`);
     if (status.last_fired !== null) {
-      const how = status.last_ok === null ? "" : status.last_ok ? " ok" : " failed";
+      // While it runs, the outcome is still that of the time before.
+      const known = status.state !== "running" && status.last_ok !== null;
+      const how = known ? (status.last_ok ? " ok" : " failed") : "";
       facts.push(`last ${whenText(status.last_fired, now)}${how}`);
     }
   }

@@ -58,6 +58,7 @@ export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
   }, [id, runId, epoch]);
 
   const rule = view === null ? null : ruleOf(view.table, id);
+  const gone = view !== null && rule === null;
   const name = firing?.name || (rule === null ? id : ruleName(rule));
   return (
     <div className={sheet.page} data-testid="why">
@@ -72,7 +73,12 @@ export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
         </Button>
         <h2>{name}</h2>
       </div>
-      {error !== null && (
+      {gone && (
+        <p className={sheet.note} data-testid="rule-gone">
+          This rule is no longer in the table in force.
+        </p>
+      )}
+      {error !== null && !gone && (
         <p className={sheet.problem} role="alert">
           {error.title} {error.remedy}
         </p>
@@ -83,7 +89,8 @@ export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
       {found === null && error === null && firing === null && (
         <p className={sheet.muted}>Asking the robot…</p>
       )}
-      {found !== null && (run === null ? <Now found={found} /> : <Then found={found} />)}
+      {found !== null &&
+        (run === null ? <Now found={found} /> : <Then found={found} gone={gone} />)}
     </div>
   );
 }
@@ -152,7 +159,7 @@ function Now({ found }: { found: Explanation }) {
   );
 }
 
-function Then({ found }: { found: Explanation }) {
+function Then({ found, gone }: { found: Explanation; gone: boolean }) {
   const nav = useNav();
   const { graph } = useRules();
   const names = useMemo(() => constantNames(graph), [graph]);
@@ -163,7 +170,7 @@ function Then({ found }: { found: Explanation }) {
         When {conditionText(found.rule.event.condition, names)}, then{" "}
         {found.rule.actions.map(actionText).join(", then ")}.
       </p>
-      {found.changed_since ? (
+      {gone ? null : found.changed_since ? (
         <p className={sheet.note} data-testid="changed-since">
           It has been changed since.{" "}
           <button
@@ -177,13 +184,15 @@ function Then({ found }: { found: Explanation }) {
       ) : (
         <p className={sheet.muted}>It is the same today.</p>
       )}
-      <Button
-        variant="default"
-        style={{ alignSelf: "flex-start" }}
-        onClick={() => nav.go({ at: "why", id: found.rule_id, firing: null })}
-      >
-        Why, or why not, now
-      </Button>
+      {!gone && (
+        <Button
+          variant="default"
+          style={{ alignSelf: "flex-start" }}
+          onClick={() => nav.go({ at: "why", id: found.rule_id, firing: null })}
+        >
+          Why, or why not, now
+        </Button>
+      )}
     </section>
   );
 }
