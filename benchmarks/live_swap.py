@@ -22,12 +22,13 @@ from typing import Any
 from automatika_ros_sugar.msg import ComponentStatus
 from common import percentile
 from geometry_msgs.msg import PointStamped
+from rclpy.qos import ReliabilityPolicy
 
 from kompass.rulebook.status import RuleStatus
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.ros.test_rules_live import LAB, RELIABLE, await_listener
+from tests.ros.test_rules_live import LAB, RELIABLE
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.rules import Rules, compare, rule, signal
@@ -50,13 +51,20 @@ class Stream:
         self._thread = threading.Thread(target=self._run)
 
     def __enter__(self) -> "Stream":
-        await_listener(self._robot, self._publisher)
+        wait_until(self._heard, 10, f"a reliable listener to {self._publisher.topic_name}")
         self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._ended.set()
         self._thread.join()
+
+    def _heard(self) -> bool:
+        """Whether the monitor has one reader, as reliable as this; others may listen, too."""
+        readers = self._robot.node.get_subscriptions_info_by_topic(self._publisher.topic_name)
+        offers = [r.qos_profile.reliability for r in readers if r.node_name == "monitor"]
+        matched = self._publisher.get_subscription_count() == len(readers)
+        return matched and offers == [ReliabilityPolicy.RELIABLE]
 
     def _run(self) -> None:
         begun = time.monotonic()

@@ -19,7 +19,7 @@ from kompass.rulebook.views import Extras, rule_status
 
 PERIOD = 0.25  # s between two looks while anybody listens
 # After a change: whoever asked for it is to have the answer first, and several are told at once.
-SOON = 0.02  # s
+SOON = 0.05  # s
 # Rules that are looked at in one go: the engine goes on between two of them.
 SLICE = 20
 PAUSE = 0.001  # s
