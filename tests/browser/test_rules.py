@@ -43,7 +43,7 @@ def test_a_cooldown_is_changed_reviewed_applied_and_kept(rules: RulesPage, stack
     expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
     rules.review()
     expect(rules.get("diff")).to_contain_text("cooldown 30 s → 45 s")
-    expect(rules.get("effect")).to_contain_text("1 rule go on as they were")
+    expect(rules.get("effect")).to_contain_text("1 rule goes on as it was")
     revision = rules.apply("less often")
     expect(rules.get("probation-band")).to_contain_text(f"Revision {revision} is on probation")
     expect(rules.get("revision-badge")).to_contain_text("probation")
@@ -70,10 +70,11 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
     expect(condition.get_by_test_id("leaf-now")).to_contain_text(
         re.compile(r"now 0\.\d+ →\s+false")
     )
-    rules.get("hold").fill("1")
+    rules.get("hold").fill("2")
     rules.choose(rules.get("add-action"), "Write a line to the log")
     rules.get("log-text").fill("too near")
     rules.choose(rules.get("add-action"), "Stop the robot")
+    rules.choose(rules.get("severity"), "error")
     rules.review()
     rules.get("backtest-start").click()
     expect(rules.get("backtest-report")).to_contain_text("no longer", timeout=20_000)
@@ -98,6 +99,16 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
     rules.get("rules-tab-history").click()
     expect(rules.get(f"revision-{revision}")).to_contain_text("shelves ahead")
     assert before < revision
+    # What was around a severe firing is kept, and found from there.
+    rules.get("rules-tab-firings").click()
+    rules.get("firing-too-near-stop").first.click()
+    rules.get("firing-recording").click()
+    kept = rules.get("recordings").locator("li[data-wanted]")
+    expect(kept).to_contain_text("too-near-stop", timeout=30_000)
+    with rules.page.page.expect_download() as download:
+        kept.get_by_test_id("recording-download").click()
+    assert download.value.path().read_bytes().startswith(b"\x89MCAP")
+    expect(kept.get_by_test_id("recording-delete")).to_have_count(0)
 
 
 def test_a_draft_outlives_a_reload_and_is_taken_back_change_by_change(rules: RulesPage) -> None:
@@ -123,6 +134,7 @@ def test_two_who_edit_one_rule_see_both_changes_and_lose_nothing_typed(
     other.get("cooldown").fill("77")
     rules.edit(STUCK)
     rules.get("cooldown").fill("12")
+    rules.get("rule-name").fill("Stuck: get free")
     rules.review()
     revision = rules.apply("mine first")
     rules.get("keep-it").click()
@@ -134,12 +146,46 @@ def test_two_who_edit_one_rule_see_both_changes_and_lose_nothing_typed(
     expect(choice.get_by_test_id("keep-mine")).to_contain_text("→ 77 s")
     expect(choice.get_by_test_id("keep-theirs")).to_contain_text("→ 12 s")
     expect(other.get("conflict-merge")).to_be_disabled()
-    choice.get_by_test_id("keep-mine").click()
+    # Their name, and my cooldown: it is the one that both have touched.
+    choice.get_by_test_id("keep-fields").click()
+    expect(other.get("conflict-merge")).to_be_disabled()
+    choice.get_by_test_id("field-event.cooldown").get_by_test_id("field-mine").click()
     other.get("conflict-merge").click()
     expect(other.get("diff")).to_contain_text("cooldown 12 s → 77 s")
+    expect(other.get("diff")).not_to_contain_text("name")
     other.apply("after a talk")
+    assert other.in_force(STUCK)["name"] == "Stuck: get free"
     other.get("take-back").click()
     wait_until(lambda: other.in_force(STUCK)["event"]["cooldown"] == 12.0, 5, "the way back")
+
+
+def test_a_form_is_filled_by_keys_alone_and_leaves_the_keyboard_where_it_was(
+    rules: RulesPage,
+) -> None:
+    keys = rules.page.page.keyboard
+    edit = rules.rule(STUCK).get_by_test_id("rule-edit")
+    edit.focus()
+    keys.press("Enter")
+    expect(rules.get("rule-editor")).to_be_visible()
+    rules.get("rule-name").focus()
+    keys.press("Tab")
+    keys.press("Enter")  # opens the list of the kinds of conditions
+    expect(rules.page.page.get_by_role("listbox")).to_be_visible()
+    keys.press("Escape")
+    expect(rules.page.page.get_by_role("listbox")).to_be_hidden()
+    expect(rules.get("rule-editor")).to_be_visible()
+    rules.get("editor-back").focus()
+    keys.press("Escape")
+    expect(edit).to_be_focused()
+    rules.rule(STUCK).get_by_test_id("rule-menu").focus()
+    keys.press("Enter")
+    expect(rules.page.page.get_by_role("menu")).to_be_visible()
+    keys.press("Escape")
+    expect(rules.page.page.get_by_role("menu")).to_be_hidden()
+    expect(rules.get("rule-table")).to_be_visible()
+    rules.get("rules-close").focus()
+    keys.press("Enter")
+    expect(rules.get("rules")).to_be_focused()
 
 
 def test_page_and_robot_agree_after_console_and_monitor_died_in_the_middle_of_an_edit(
