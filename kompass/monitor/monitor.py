@@ -22,6 +22,7 @@ from kompass.monitor.engine_loop import EngineLoop, Swap
 from kompass.monitor.explaining import Explaining
 from kompass.monitor.firings import Firings
 from kompass.monitor.graph import Graph
+from kompass.monitor.journal_watch import JournalWatch
 from kompass.monitor.linting import Linting
 from kompass.monitor.main_thread import MainThread
 from kompass.monitor.polled import Polled
@@ -44,6 +45,7 @@ from kompass.store import RuleStore
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
 REPEAT_PERIOD = 0.4  # s between repetitions for those who are silent
 RATE_PERIOD = 2.0  # s between two measurements of how fast messages come
+JOURNAL_PERIOD = 1.0  # s between looks at whether firings can be written down
 PROBATION_PERIOD = 0.2  # s between looks at the end of a probation
 SILENT = ("stuck", "dead", "given up")  # who cannot speak is spoken for
 
@@ -99,7 +101,8 @@ class Monitor:
             tape=self._recording.tape,
         )
         self._firings = Firings(node, self._loop, store, self._stamp, self._recording.fired)
-        self._runner = ActionRunner(node, executor, timers, recipe.functions, Alarms(node))
+        alarms = Alarms(node)
+        self._runner = ActionRunner(node, executor, timers, recipe.functions, alarms)
         self._runs = Runs(self._runner.run, self._loop.ended, self._firings)
         self._inputs = RuleInputs(node, self._receive)
         self._polled = Polled(
@@ -145,6 +148,9 @@ class Monitor:
         timers.every(REPEAT_PERIOD, self._repeat)
         timers.every(RATE_PERIOD, self._graph.measure)
         timers.every(PROBATION_PERIOD, self._look_at_probation)
+        if store is not None:
+            watch = JournalWatch(store, alarms, self._firings.announce)
+            timers.every(JOURNAL_PERIOD, watch.look)
         self._loop.begin()
         self._state.changed()
         if start.notice:

@@ -87,6 +87,7 @@ class JournalFile:
         self._numbering = threading.Lock()
         self._queue: queue.Queue[_Work | threading.Event | None] = queue.Queue(WAITING)
         self._lost = 0
+        self._trouble = ""
         self._complained = float("-inf")
         self._held = {minor: self._count(minor) for minor in (0, 1)}
         self._next = self._first_number()
@@ -235,6 +236,11 @@ class JournalFile:
         """Number of entries that could not be written since the start."""
         return self._lost
 
+    @property
+    def trouble(self) -> str:
+        """Why the last entries could not be written; empty when they were."""
+        return self._trouble
+
     # -- the thread ---------------------------------------------------------------------------
 
     def _hand_over(self, work: _Work) -> None:
@@ -274,7 +280,11 @@ class JournalFile:
                 self._trim()
         except StoreError as error:
             self._held = held
+            self._trouble = str(error)
             self._lose(len(batch), str(error))
+        else:
+            if batch:
+                self._trouble = ""
 
     def _lose(self, count: int, why: str) -> None:
         self._lost += count

@@ -57,6 +57,11 @@ class JournalAccess:
         """Number of entries that the disk did not take since the start."""
         return self._journal.lost
 
+    @property
+    def journal_trouble(self) -> str:
+        """Why the last entries could not be written; empty when they were."""
+        return self._journal.trouble
+
     def refuse(self, *, author: str, role: str, what: str, text: str) -> None:
         """Note what a guard rail forbade."""
         self._journal.refuse(Refusal(self._clock(), author, role, what, text))
