@@ -19,6 +19,8 @@ from kompass.monitor.outcome import Outcome
 from kompass.monitor.runs import Entry
 from kompass.rulebook.journal import ActionRecord, FiringRecord
 
+REPEATED = 60.0  # s within which the same failure is the same
+
 
 class Journal(Protocol):
     """Where firings are kept; nothing of it waits for the disk."""
@@ -66,6 +68,7 @@ class Firings:
             RuleFiring, f"{node.get_name()}/firings", QoSConfig(queue_size=100).to_ros()
         )
         self._actions: dict[int, list[ActionRecord]] = {}
+        self._failing: dict[tuple[str, str], tuple[str, float]] = {}
         self._numbers = 0
 
     def begins(self, entry: Entry) -> None:
@@ -87,18 +90,26 @@ class Firings:
 
     def acted(self, entry: Entry, number: int, outcome: Outcome) -> None:
         """One action of a run has ended."""
-        how = "done" if outcome.ok else "failed"
-        write_log(
-            self._log,
-            "info" if outcome.ok else "error",
-            f"{entry.rule_id}: {outcome.action} {how}: {outcome.text}",
-        )
+        self._log_outcome(entry, outcome)
         seconds = round(outcome.seconds, 3)
         self._actions.setdefault(number, []).append(
             ActionRecord(action=outcome.action, ok=outcome.ok, text=outcome.text, seconds=seconds)
         )
         details = {"action": outcome.action, "seconds": seconds}
         self._say(entry, "action", outcome.ok, outcome.text, details)
+
+    def _log_outcome(self, entry: Entry, outcome: Outcome) -> None:
+        """A line of the log; one that fails as it did a moment ago is not told of again."""
+        key = (entry.rule_id, outcome.action)
+        if outcome.ok:
+            self._failing.pop(key, None)
+            write_log(self._log, "info", f"{entry.rule_id}: {outcome.action} done: {outcome.text}")
+            return
+        text, at = self._failing.get(key, ("", float("-inf")))
+        self._failing[key] = (outcome.text, entry.at)
+        if outcome.text != text or entry.at - at > REPEATED:
+            failed = f"{entry.rule_id}: {outcome.action} failed: {outcome.text}"
+            write_log(self._log, "error", failed)
 
     def ended(self, entry: Entry, number: int, ok: bool, error: str) -> None:
         """A run has ended."""
