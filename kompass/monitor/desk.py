@@ -48,6 +48,8 @@ class Desk:
     ----------
     window
         Where one looks and changes nothing.
+    later
+        Has something done that nobody waits for: at once, unless whoever answers sets another.
     """
 
     def __init__(
@@ -69,6 +71,7 @@ class Desk:
     ) -> None:
         self._engine, self._announce, self._probation = engine, announce, probation
         self._lock = threading.RLock()
+        self.later: Callable[[Callable[[], None]], None] = lambda work: work()
         self._standing = Standing(in_force, merge, changed, clock)
         self._shelf = Shelf(store, lambda: self.in_force.notice)
         self._reader, self._examiner = TableReader(), Examiner(catalog, recipe, lints)
@@ -290,7 +293,7 @@ class Desk:
             if origin == "edit":
                 self._standing.merge = None  # taken, or decided against
             self._standing.keep(table, made.number)
-            store.keep_copy()
+            self.later(store.keep_copy)
         body = ApplyReport(
             revision=made.number,
             previous=now.revision,

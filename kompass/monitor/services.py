@@ -73,8 +73,9 @@ class Services:
     """
 
     def __init__(self, node: Node, main: MainThread, desk: Desk, sources: Sources) -> None:
-        self._desk, self._sources = desk, sources
+        self._desk, self._sources, self._log = desk, sources, node.get_logger()
         self.worker = ThreadPoolExecutor(1, thread_name_prefix="desk")
+        desk.later = self._after
         self._looker = ThreadPoolExecutor(1, thread_name_prefix="look")
         offers: list[tuple[Any, str, Callable[[Any, Any], Any], ThreadPoolExecutor]] = [
             (GetRules, "get_rules", self._get, self.worker),
@@ -94,6 +95,17 @@ class Services:
             create_late_service(
                 node, main, worker, kind, f"{node.get_name()}/{name}", answer, failed
             )
+
+    def _after(self, work: Callable[[], None]) -> None:
+        """Have something done once the request under way is answered."""
+
+        def do() -> None:
+            try:
+                work()
+            except Exception as error:  # noqa: BLE001 - a worker's future tells nobody
+                self._log.error(f"{type(error).__name__}: {error}")
+
+        self.worker.submit(do)
 
     def close(self) -> None:
         """Take no more requests; the one under way ends first."""

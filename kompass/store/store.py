@@ -50,7 +50,7 @@ class RuleStore(JournalAccess):
         self._folder, self._path, self._clock = folder, folder / FILE, clock
         self._guard = threading.RLock()
         self._recipe, self._epoch, self._stack = Table(), "", ""
-        self._active = self._confirmed = 0
+        self._active = self._confirmed = self._copied = 0
         try:
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         except OSError as error:
@@ -104,6 +104,8 @@ class RuleStore(JournalAccess):
         with self._guard:
             if self._closed:
                 return
+            if self._copied != self._confirmed:
+                self.keep_copy()
             self._closed = True
             self._journal.close()
             self._sql.close()
@@ -160,7 +162,7 @@ class RuleStore(JournalAccess):
             )
         self._recipe, self._epoch, self._stack = recipe_table, epoch, stack
         self._active = number
-        self._confirmed = self._revisions.pointers(recipe).confirmed
+        self._confirmed = self._copied = self._revisions.pointers(recipe).confirmed
         if boot.revision is None or self.notices:
             self._back_up()
         self._journal.abandon(epoch, now)
@@ -230,7 +232,7 @@ class RuleStore(JournalAccess):
             Whether it needs no confirmation: it then survives a restart.
         copied
             Whether a confirmed one is copied beside the database, too, before this returns; else
-            :meth:`keep_copy` is to follow.
+            :meth:`keep_copy` is to follow soon, and does at the latest when the store is closed.
 
         Raises
         ------
@@ -377,6 +379,7 @@ class RuleStore(JournalAccess):
             revision = self.revision(self._confirmed)
             table = self.table(self._confirmed)
             write_backup(self._folder, backup_of(revision, table, self._recipe))
+            self._copied = revision.number
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

@@ -8,6 +8,7 @@ import pytest
 
 from kompass.rules.table import Table
 from kompass.store import RuleStore, StoreBusy, StoreCorrupt, StoreTooNew, StoreUnwritable
+from kompass.store.backup import read_backup
 from tests.rules.building import received, rule
 from tests.store.tables import BY, RECIPE, Robot, edited, entry
 
@@ -59,6 +60,20 @@ def test_numbers_go_on_through_damage_upon_damage(robot: Robot) -> None:
         robot.start()
         assert robot.store.active == number
         robot.stop()
+
+
+def test_a_copy_that_was_put_off_is_made_when_asked_for_and_at_the_end(robot: Robot) -> None:
+    robot.start()
+    for number, text in ((2, "x"), (3, "y")):
+        robot.store.append(edited(text), confirmed=True, copied=False, **BY)
+        before = read_backup(robot.folder)
+        assert before is not None
+        assert before.revision == number - 1
+        if number == 2:
+            robot.store.keep_copy()
+    robot.stop()
+    (robot.folder / "rules.db").write_bytes(b"hello")
+    assert robot.start().table == edited("y")
 
 
 def test_a_damaged_history_without_a_copy_ends_with_the_recipe(robot: Robot) -> None:
