@@ -44,15 +44,20 @@ class Graph:
         self._node, self._catalog, self._counts = node, catalog, counts
         self._rates: dict[str, float] = {}
         self._before: tuple[float, dict[str, int]] = (time.monotonic(), {})
+        self._heard: dict[str, float] = {}  # when a message last came, at most
 
     def measure(self) -> None:
         """Take note of how fast messages come; to be called every two seconds or so."""
         now, counts = time.monotonic(), self._counts()
         then, before = self._before
+        self._heard = {
+            name: now if count != before.get(name, 0) else self._heard.get(name, now)
+            for name, count in counts.items()
+        }
         self._rates = {
             name: (count - before[name]) / (now - then)
             for name, count in counts.items()
-            if name in before and count >= before[name]
+            if name in before and count > before[name]
         }
         self._before = (now, counts)
 
@@ -106,7 +111,14 @@ class Graph:
                 publishers=len(infos),
                 component=status.get(name, ""),
                 rate=self._rates.get(name),
+                silent=self._silent(name),
             )
+
+    def _silent(self, name: str) -> float | None:
+        heard = self._heard.get(name)
+        if heard is None or name in self._rates:
+            return None
+        return round(time.monotonic() - heard, 1)
 
     def _services(self) -> Iterable[TargetView]:
         for full, types in sorted(self._node.get_service_names_and_types()):

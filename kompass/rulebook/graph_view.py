@@ -33,7 +33,10 @@ class TopicView(Model):
     Attributes
     ----------
     rate
-        Hz as last measured by the monitor; None where it does not listen.
+        Hz as last measured by the monitor; None where it does not listen, or nothing comes.
+    silent
+        Seconds since the last message, or since the monitor began to listen to a topic that has
+        never spoken; None where it does not listen, or messages come.
     """
 
     name: str
@@ -42,6 +45,7 @@ class TopicView(Model):
     publishers: int
     component: str = ""  # whose status it is
     rate: float | None = None
+    silent: float | None = None
 
 
 class ParameterView(Model):

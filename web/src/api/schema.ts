@@ -3161,7 +3161,10 @@ export interface components {
          *     Attributes
          *     ----------
          *     rate
-         *         Hz as last measured by the monitor; None where it does not listen.
+         *         Hz as last measured by the monitor; None where it does not listen, or nothing comes.
+         *     silent
+         *         Seconds since the last message, or since the monitor began to listen to a topic that has
+         *         never spoken; None where it does not listen, or messages come.
          */
         TopicView: {
             /**
@@ -3177,6 +3180,8 @@ export interface components {
             publishers: number;
             /** Rate */
             rate?: number | null;
+            /** Silent */
+            silent?: number | null;
             /** Type */
             type: string;
         };

@@ -56,11 +56,13 @@ export function TopicPicker({ topic, type, onChange }: Props) {
       maxDropdownHeight={320}
       nothingFoundMessage="No such topic on the graph"
       data-testid="topic-picker"
-      title={
-        type === ""
-          ? undefined
-          : `${type}${chosen?.rate == null ? "" : `, ${chosen.rate.toPrecision(3)} Hz`}`
-      }
+      title={type === "" ? undefined : `${type}${pace(chosen)}`}
     />
   );
+}
+
+/** How fast messages come, or for how long none has; nothing where the monitor does not listen. */
+function pace(topic: GraphTopic | undefined): string {
+  if (topic?.rate != null) return `, ${topic.rate.toPrecision(3)} Hz`;
+  return topic?.silent == null ? "" : `, silent for ${Math.round(topic.silent)} s`;
 }
