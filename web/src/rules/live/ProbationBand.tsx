@@ -5,6 +5,7 @@ import { confirmRules, rollbackRules } from "../../api/rulesClient";
 import { Band } from "../../frame/Band";
 import { leftText, sentence } from "../model/words";
 import { useRules } from "./RulesContext";
+import { useNav } from "./RulesNav";
 import { useProbation } from "./useProbation";
 
 const SEEN = "kompass.rules.notice";
@@ -21,13 +22,16 @@ function useSeen(): [string | null, (notice: string) => void] {
 
 /** A table on probation: how long it has, and whether to keep it. */
 export function ProbationBand() {
-  const { mayEdit, reload } = useRules();
+  const { view, mayEdit, reload } = useRules();
+  const { open } = useNav();
   const probation = useProbation();
   const [busy, setBusy] = useState(false);
   const [seen, see] = useSeen();
   const [error, setError] = useState<ApiError | null>(null);
   if (probation === null || probation.left <= 0) {
-    const notice = probation?.notice ?? "";
+    // Where the rules are open, a band of its own says more of these two.
+    const elsewhere = open && (view?.merge != null || view?.safe_mode === true);
+    const notice = elsewhere ? "" : (probation?.notice ?? "");
     return notice === "" || notice === seen ? null : (
       <Band
         tone="notice"
