@@ -23,7 +23,7 @@ REPEATED = 60.0  # s within which the same failure is the same
 
 
 class Journal(Protocol):
-    """Where firings are kept; nothing of it waits for the disk."""
+    """Where firings are kept; nothing but :meth:`use_once` waits for that."""
 
     def record_firing(self, entry: FiringRecord) -> FiringRecord:
         """Keep an entry; the same with its number."""
@@ -40,7 +40,7 @@ class Journal(Protocol):
         """Add what came of it."""
 
     def use_once(self, rule_id: str, rule_hash: str) -> None:
-        """A rule that fires once only has fired."""
+        """A rule that fires once only has fired; kept when this returns."""
 
 
 class Firings:

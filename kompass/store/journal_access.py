@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from kompass.rulebook.journal import ActionRecord, FiringRecord, Journal
 from kompass.store.journal import JournalFile, Refusal
 
+HANGING = 0.5  # s after which a disk is not waited for
+
 
 class JournalAccess:
     """Part of :class:`kompass.store.store.RuleStore`."""
@@ -71,8 +73,13 @@ class JournalAccess:
         return self._journal.refusals(count)
 
     def use_once(self, rule_id: str, rule_hash: str) -> None:
-        """Remember that a ``once`` rule has fired in this run of the stack."""
+        """Remember that a ``once`` rule has fired in this run of the stack.
+
+        Unlike all else in the journal it is written before this returns, so that who is killed in
+        the next moment has still had the one firing; a disk that hangs is not waited for.
+        """
         self._journal.use(self._stack, rule_id, rule_hash, self._clock())
+        self._journal.flush(HANGING)
 
     def reset_once(self, rule_id: str) -> None:
         """Let a ``once`` rule fire again in this run of the stack."""

@@ -1,9 +1,13 @@
 """The journal of firings."""
 
+import sqlite3
 import time
+from contextlib import closing
+
+import pytest
 
 from kompass.rulebook.journal import ActionRecord
-from kompass.store import Bounds, RuleStore
+from kompass.store import Bounds, RuleStore, journal_access
 from kompass.store.journal import LARGEST
 from tests.store.tables import Robot, entry
 from tests.support.patience import patient
@@ -148,3 +152,17 @@ def test_once_means_once_in_the_life_of_the_stack(robot: Robot) -> None:
     robot.stop()
     robot.start(stack="tuesday")
     assert robot.store.used_once() == set()
+
+
+def test_who_is_killed_right_after_its_one_firing_has_had_it(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal_access, "HANGING", 60.0)  # of a slow machine's disk
+    robot.start()
+    for number in range(20):
+        robot.store.record_firing(entry(run_id=number))
+        robot.store.use_once(f"rule-{number}", "abc")
+        # As another process finds the file, without this one having ended.
+        with closing(sqlite3.connect(robot.folder / "journal.db")) as other:
+            found = other.execute("SELECT COUNT(*) FROM used").fetchone()
+        assert found == (number + 1,)
