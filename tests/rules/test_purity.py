@@ -20,6 +20,7 @@ ALLOWED = {
     "pydantic",
     "re",
     "typing",
+    "weakref",
 }
 SOURCES = sorted(Path(kompass.rules.__file__).parent.glob("*.py"))
 
