@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Coroutine, Generator
-from typing import Any
+from typing import Any, Protocol
 
 import rclpy
 from rclpy.context import Context
@@ -95,6 +95,13 @@ def _await(future: Future) -> Generator[Future, None, Any]:
 Future.__await__ = _await
 
 
+class Bell(Protocol):
+    """Something that is due at times, without a timer of ROS."""
+
+    def ring(self) -> float:
+        """Do what is due; the seconds until it is to be called again."""
+
+
 class QuietExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
     """The events executor, with coroutines that cost nothing while they wait.
 
@@ -114,15 +121,26 @@ class QuietExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
     def __init__(self, context: Context | None = None) -> None:
         super().__init__(context or rclpy.get_default_context())
         self._raised: Exception | None = None
+        self._bells: list[Bell] = []
+
+    def add_bell(self, bell: Bell) -> None:
+        """Have a bell rung whenever it is due."""
+        self._bells.append(bell)
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Handle what comes next, for which it waits up to ``timeout_sec`` seconds.
+        """Ring what is due, and handle what comes next.
+
+        It waits for that up to ``timeout_sec`` seconds, or until the next bell is due.
 
         Raises
         ------
         Exception
             What a callback, or the function of a task, has raised.
         """
+        for bell in self._bells:
+            left = bell.ring()
+            if timeout_sec is None or left < timeout_sec:
+                timeout_sec = left
         super().spin_once(timeout_sec=timeout_sec)
         if self._raised is not None:
             error, self._raised = self._raised, None

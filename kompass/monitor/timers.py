@@ -1,7 +1,9 @@
-"""Any number of timers on one timer of ROS.
+"""Any number of timers on an executor, and none of ROS.
 
 rclpy's events executor (7.1.6) handles nine timers of a node badly, and says so on the terminal; a
-monitor has two for each action that runs.
+monitor has two for each action that runs. One timer of ROS that is set anew each time it rings is
+worse: on a machine that is too busy for a while, each ring leaves two more events in the
+executor's queue, until it does nothing else and fills the memory.
 """
 
 from __future__ import annotations
@@ -11,11 +13,8 @@ from collections.abc import Callable
 from heapq import heapify, heappop, heappush
 from itertools import count
 
-from rclpy.clock import Clock
-from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
-SOONEST = 1e-4  # s
 LATEST = 3600.0  # s; later than that, it looks again
 CLUTTER = 256  # cancelled timers that may lie about
 
@@ -34,16 +33,18 @@ class Timer:
 
 
 class Timers:
-    """Timers on the thread that spins a node; on the monotonic clock, whatever time ROS has."""
+    """Timers on the thread that spins a node; on the monotonic clock, whatever time ROS has.
+
+    Parameters
+    ----------
+    node
+        Must be in a :class:`kompass.coroutine.QuietExecutor`, which rings them.
+    """
 
     def __init__(self, node: Node) -> None:
         self._heap: list[tuple[float, int, Timer]] = []
         self._order = count()
-        self._set = float("inf")
-        self._timer = node.create_timer(
-            LATEST, self._ring, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
-        self._timer.cancel()
+        node.executor.add_bell(self)
 
     def after(self, seconds: float, function: Callable[[], None]) -> Timer:
         """Call a function once, some seconds from now."""
@@ -64,28 +65,10 @@ class Timers:
             self._heap = [item for item in self._heap if item[2].active]
             heapify(self._heap)
         heappush(self._heap, (at, next(self._order), timer))
-        if at < self._set:
-            self._arm(at)
 
-    def _arm(self, at: float) -> None:
-        self._set = at
-        delay = min(max(at - time.monotonic(), SOONEST), LATEST)
-        self._timer.timer_period_ns = int(delay * 1e9)
-        self._timer.reset()
-
-    def _ring(self) -> None:
-        self._timer.cancel()
-        self._set = float("inf")
-        try:
-            self._call_due(time.monotonic())
-        finally:
-            # All others ring on after one that raises.
-            while self._heap and not self._heap[0][2].active:
-                heappop(self._heap)
-            if self._heap and self._heap[0][0] < self._set:
-                self._arm(self._heap[0][0])
-
-    def _call_due(self, now: float) -> None:
+    def ring(self) -> float:
+        """Call what is due; the seconds until the next is."""
+        now = time.monotonic()
         while self._heap and self._heap[0][0] <= now:
             at, _, timer = heappop(self._heap)
             if not timer.active:
@@ -95,3 +78,8 @@ class Timers:
             else:
                 heappush(self._heap, (max(at + timer.period, now), next(self._order), timer))
             timer.function()
+        while self._heap and not self._heap[0][2].active:
+            heappop(self._heap)
+        if not self._heap:
+            return LATEST
+        return min(max(self._heap[0][0] - time.monotonic(), 0.0), LATEST)

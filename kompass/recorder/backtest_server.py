@@ -13,6 +13,7 @@ from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from kompass.goal_expiry import expire_goals
 from kompass.recorder.worker import Worker, WorkerFailed
 
 AT_ONCE = 2
@@ -56,6 +57,8 @@ class BacktestServer:
         return GoalResponse.ACCEPT if sensible else GoalResponse.REJECT
 
     def _begin(self, handle: Any) -> None:
+        # Reports are large: those that were fetched long ago make room.
+        self._executor.create_task(expire_goals, self._server)
         key = bytes(handle.goal_id.uuid)
         self._jobs[key] = _Job(handle, self._recordings, self._post, lambda: self._jobs.pop(key))
 

@@ -1,0 +1,34 @@
+"""An action server forgets what nobody can want any more."""
+
+from typing import Any
+
+from kompass_interfaces.action import MotionRecording
+from rclpy.action import ActionClient, ActionServer
+
+from kompass.goal_expiry import expire_goals
+from tests.monitor.conftest import Spinning
+
+
+def test_goals_that_have_ended_are_forgotten_after_their_time(spinning: Spinning) -> None:
+    def execute(handle: Any) -> MotionRecording.Result:
+        handle.succeed()
+        return MotionRecording.Result()
+
+    server = ActionServer(spinning.node, MotionRecording, "brief", execute, result_timeout=1)
+    client = ActionClient(spinning.node, MotionRecording, "brief")
+    spinning.until(client.server_is_ready)
+    for _ in range(3):
+        sent = client.send_goal_async(MotionRecording.Goal())
+        spinning.until(sent.done)
+        ended = sent.result().get_result_async()
+        spinning.until(ended.done)
+    assert len(server._goal_handles) == 3
+
+    def forgotten() -> bool:
+        spinning.executor.create_task(expire_goals, server)
+        spinning.rest(0.1)
+        return not server._goal_handles and not server._result_futures
+
+    spinning.until(forgotten)
+    client.destroy()
+    server.destroy()
