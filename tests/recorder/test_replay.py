@@ -332,7 +332,7 @@ def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_befor
         compile_table(rules),
         1,
         "first",
-        handle=lambda outputs: due.extend(o for o in outputs if isinstance(o, Firing)),
+        handle=lambda outputs, *_: due.extend(o for o in outputs if isinstance(o, Firing)),
         wake=lambda _: None,
         tape=life.tape,
         clock=lambda: life.now_ns,
