@@ -103,7 +103,10 @@ class Replay:
                 continue
             if source == "tap" and track.rule_topic in heard:
                 continue
-            yield self._heard(message, (message.log_time - shift) * 1e-9)
+            taken = self._heard(message, (message.log_time - shift) * 1e-9)
+            # What the engine listens to only now, it would be given by a publisher that latches.
+            again = source != track.source and source == "engine"
+            yield taken._replace(again=again)
 
     def _others(self, files: list[File]) -> Iterator[TapeEvent]:
         """A recording without an engine: from another tool, or of a stack without a monitor."""

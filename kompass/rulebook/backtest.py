@@ -10,14 +10,14 @@ from heapq import heappop, heappush
 from typing import NamedTuple
 
 from kompass.rulebook.backtest_report import BacktestFiring, BacktestReport, RuleTally
+from kompass.rulebook.memory import memory
 from kompass.rulebook.recorded_runs import RecordedRuns
 from kompass.rulebook.replay_notes import ReplayNotes
 from kompass.rulebook.status import LeafReading
 from kompass.rulebook.tape import Began, Ended, Fired, Heard, Lost, Resumed, Swapped, TapeEvent
 from kompass.rulebook.views import leaf_reading, why_not
 from kompass.rules.carry import carry
-from kompass.rules.compiled import CompiledTable, RulePlan, compile_table
-from kompass.rules.conditions import Absent, Rate, timeout_of
+from kompass.rules.compiled import CompiledTable, compile_table
 from kompass.rules.engine import initial_state, step
 from kompass.rules.firing import Done, Firing, Input, Sample, Tick
 from kompass.rules.schedule import next_deadline
@@ -169,9 +169,9 @@ class _Replay:
 
     def _midway(self, now: float) -> None:
         """Take note that something was before of which nothing is known."""
-        memory = {plan.rule.id: _memory(self._compiled, plan) for plan in self._compiled.rules}
-        self._unsure = {rule_id: now + seconds for rule_id, seconds in memory.items()}
-        self._warm_up = max(self._warm_up, *memory.values(), 0.0)
+        lasts = {plan.rule.id: memory(self._compiled, plan) for plan in self._compiled.rules}
+        self._unsure = {rule_id: now + seconds for rule_id, seconds in lasts.items()}
+        self._warm_up = max(self._warm_up, *lasts.values(), 0.0)
 
     def _recall(self, event: Resumed, hashes: Mapping[str, str]) -> None:
         """Let rules that were in force then cool down and run as they did.
@@ -199,9 +199,24 @@ class _Replay:
         expected = self._types.get(topic)
         if event.type and expected and event.type not in expected:
             return  # the rules ask for another type: the monitor would not have heard it
-        self._feed(Sample(event.topic, event.message), event.now)
+        if event.again:
+            self._remind(event)
+        else:
+            self._feed(Sample(event.topic, event.message), event.now)
         assert self._state is not None
         self._notes.heard(self._state, topic)
+
+    def _remind(self, event: Heard) -> None:
+        """Let the engine know a message that it has handled before: nothing fires on it again."""
+        state = self._state
+        assert state is not None
+        ends = [rule.cooldown_end for rule in state.rules]
+        for rule in state.rules:
+            rule.cooldown_end = float("inf")
+        step(self._compiled, state, Sample(event.topic, event.message), event.now)
+        for rule, end in zip(state.rules, ends, strict=True):
+            rule.cooldown_end = end
+        self._notes.passed(state, event.now)
 
     def _swap(self, event: Swapped) -> None:
         """Have rules start afresh where they did: on request, and where they came into force."""
@@ -377,18 +392,3 @@ def _listed(found: _Found, start: float) -> BacktestFiring:
         text=found.text,
         assumed=found.assumed,
     )
-
-
-def _memory(compiled: CompiledTable, plan: RulePlan) -> float:
-    """Seconds for which what was before a recording may still matter to a rule."""
-    event = plan.rule.event
-    longest = max(event.hold, event.cooldown, event.max_rate.window if event.max_rate else 0.0)
-    for _, index in (*plan.leaves, *plan.clear_leaves):
-        condition = compiled.leaves[index].condition
-        if isinstance(condition, Absent):
-            longest = max(longest, condition.seconds)
-        elif isinstance(condition, Rate):
-            longest = max(longest, condition.window)
-        else:
-            longest = max(longest, timeout_of(condition) or 0.0)
-    return longest

@@ -63,12 +63,16 @@ class Resumed(NamedTuple):
 
 class Heard(NamedTuple):
     """It took a message, or what stands for one: the word for a silent component, an answer of a
-    polled function (topic ``callable/<name>``, no ``type``)."""
+    polled function (topic ``callable/<name>``, no ``type``).
+
+    ``again`` marks one that it took before this part of the tape began, and that is valid still.
+    """
 
     now: float
     topic: str
     type: str
     message: Any
+    again: bool = False
 
 
 class Ended(NamedTuple):

@@ -234,6 +234,20 @@ def test_a_difference_that_what_was_before_may_account_for_is_marked() -> None:
     assert report.warm_up == 15.0
 
 
+def test_what_was_handled_before_the_recording_began_is_known_and_not_handled_again() -> None:
+    clicked = received("a")
+    whole = both(compare("a", ">", 3, timeout=None), compare("b", ">", 0))
+    table = Table(rules=(rule(clicked, "clicked"), rule(whole, "both")))
+    tape: list[TapeEvent] = [
+        Resumed(10.0, EPOCH_TIME + 10.0, "life", 1, table),
+        say(10.0, 5)._replace(again=True),
+        say(12.0, 1, "b"),
+        say(13.0, 4),
+    ]
+    report = backtest(table, tape, tape)
+    assert [(f.rule_id, f.at) for f in report.firings][:2] == [("both", 2.0), ("clicked", 3.0)]
+
+
 def test_rules_that_are_used_up_stay_so() -> None:
     table = Table(rules=(rule(compare("a", "<", 3), "r", once=True),))
     tape: list[TapeEvent] = [Began(0.0, 100.0, "life", 1, table, ("r",)), say(1.0, 1)]
