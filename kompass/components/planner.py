@@ -26,6 +26,7 @@ from kompass.components.mission import FREE_HEADING, Mission, Outcome, Tolerance
 from kompass.components.planner_config import PlannerConfig, usable_planner
 from kompass.components.standstill import Standstill
 from kompass.components.topic import LATCHED, AllowedTopics, Topic
+from kompass.goal_expiry import expire_goals
 
 PROGRESS_RATE = 10.0  # Hz, only while a goal is pursued
 FEEDBACK_EVERY = 2  # turns of the progress timer
@@ -216,6 +217,7 @@ class Planner(Located):
     # -- the action ---------------------------------------------------------------------------
 
     async def _execute(self, handle: ServerGoalHandle) -> PlanPath.Result:
+        self.node.executor.create_task(expire_goals, self._server)
         self._end(Outcome.PREEMPTED, "A newer goal took over.")
         self._handle, self._ended = handle, Future(executor=self.node.executor)
         ended = self._ended
