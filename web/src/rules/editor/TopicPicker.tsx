@@ -62,7 +62,7 @@ export function TopicPicker({ topic, type, onChange }: Props) {
 }
 
 /** How fast messages come, or for how long none has; nothing where the monitor does not listen. */
-function pace(topic: GraphTopic | undefined): string {
+function pace(topic: GraphTopic | null): string {
   if (topic?.rate != null) return `, ${topic.rate.toPrecision(3)} Hz`;
   return topic?.silent == null ? "" : `, silent for ${Math.round(topic.silent)} s`;
 }

@@ -34,6 +34,7 @@ const topic = (name: string, type: string, part: Partial<GraphTopic> = {}): Grap
   publishers: 1,
   component: "",
   rate: 10,
+  silent: null,
   ...part,
 });
 const graph: Graph = {
