@@ -98,9 +98,10 @@ class Scene:
         view = self._find_view(view_id)
         if view is None:
             return
-        self._pages[view_id] = PageScene(
-            client, view, self._drawings, self._memories.pop(view_id, None)
-        )
+        # The end of a connection that broke may be noticed only after the page has another one.
+        before = self._pages.get(view_id)
+        memory = self._memories.pop(view_id, None) if before is None else before.memory
+        self._pages[view_id] = PageScene(client, view, self._drawings, memory)
 
     def _disconnected(self, view_id: str, client: viser.ClientHandle) -> None:
         page = self._pages.get(view_id)

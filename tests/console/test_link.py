@@ -194,7 +194,7 @@ def test_stop_ends_the_drive_and_stays_until_released(
     assert client.post("/api/stop", json={"reason": "test"}).json()["accepted"]
     state = until(socket, lambda s: s["drive"]["stopped"] and s["drive"]["standstill"])
     assert (state["drive"]["stopped_by"], state["drive"]["reason"]) == ("ava", "test")
-    until(socket, lambda s: s["goal"]["phase"] == "failed" and "Stopped" in s["goal"]["message"])
+    until(socket, lambda s: s["goal"]["phase"] == "failed" and "topped" in s["goal"]["message"])
     check = client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()
     assert "release STOP" in check["note"]
     assert client.post("/api/goals", json={"x": 0.6, "y": 0.6}).status_code == 409
