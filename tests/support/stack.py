@@ -22,7 +22,7 @@ class Stack:
 
     def __init__(self, *arguments: str, domain: int | None = None, **environment: str) -> None:
         self._own_domain = domain is None
-        self.domain = next_domain() if domain is None else domain
+        self.domain = next_domain(stack=True) if domain is None else domain
         self._data = tempfile.TemporaryDirectory(prefix="kompass-data-")
         self.data_dir = Path(environment.get("KOMPASS_DATA_DIR", self._data.name))
         command = [str(Path(sys.executable).with_name("kompass-console")), *arguments]
