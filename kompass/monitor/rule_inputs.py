@@ -19,9 +19,7 @@ DEPTH = 1000
 DEPTH_OF_LARGE = 10
 # Messages of before that a latched reader may be given again: publishers keep one as a rule.
 RECENT = 2
-# s within which two readers are handed the same message, on a machine that is busy, too. Shorter
-# than the time for which there are two: what only the older one was given is forgotten before.
-TOGETHER = 0.25
+TOGETHER = 0.05  # s within which two readers are handed the same message
 LARGE = ("Image", "CompressedImage", "PointCloud2", "OccupancyGrid")
 # A best-effort reader matches every publisher at once, so nothing waits for discovery. Once the
 # publishers are known, the reader is made as good as they are.
