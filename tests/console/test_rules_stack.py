@@ -94,19 +94,26 @@ def test_a_rule_is_tried_applied_fires_and_is_explained(
     with socket_of(stack, operator, "/api/rules/probe") as socket:
         socket.send(json.dumps({"condition": condition}))
         until(socket, lambda m: m["leaves"])
-        wait_until(lambda: publisher.get_subscription_count() > 0, 10, "the probe listens")
-        publisher.publish(Int32(data=3))
-        tried = until(socket, lambda m: m["verdict"] is False)
+
+        def judged(reading: Json) -> bool:
+            # The probe may not know this publisher yet, though that knows the probe.
+            publisher.publish(Int32(data=3))
+            return reading["verdict"] is False
+
+        tried = until(socket, judged)
         assert tried["leaves"][0]["value"] == 3
-    report = apply(operator, rule("high", condition), reason="try it", probation=0.0)
+    report = apply(operator, rule("high", condition, cooldown=100.0), reason="try", probation=0.0)
     assert report.status_code == 200, report.text
     with socket_of(stack, operator, "/api/rules/live") as socket:
         until(socket, lambda m: m["revision"] == report.json()["revision"])
-        wait_until(lambda: _monitor_listens(robot, "/level"), 10, "the monitor listens")
-        publisher.publish(Int32(data=9))
+
+        def fired(state: Json) -> bool:
+            publisher.publish(Int32(data=9))
+            return bool(state["firings"])
+
         phases: list[str] = []
         while "done" not in phases:
-            phases += [step["phase"] for step in until(socket, lambda m: m["firings"])["firings"]]
+            phases += [step["phase"] for step in until(socket, fired)["firings"]]
     assert phases == ["fired", "action", "done"]
     wait_until(lambda: _entries(operator), 5, "the journal's entry")
     entry = _entries(operator)[0]

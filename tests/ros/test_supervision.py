@@ -11,13 +11,15 @@ from typing import Any
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 from automatika_ros_sugar.srv import ChangeParameter
-from kompass_interfaces.msg import RuleFiring, StackState
+from kompass_interfaces.msg import StackState
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
+from kompass.rulebook.journal import FiringRecord
 from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
+from tests.support.rules import Rules
 from tests.support.stack import Stack
 
 pytestmark = pytest.mark.ros
@@ -30,12 +32,12 @@ PLACES = ((-1.5, 0.3), (-1.5, -0.4))
 
 
 class Watched(Robot):
-    """A robot whose firings and processes are watched; it lends its scan to the mapper."""
+    """A robot whose rules and processes are watched; it lends its scan to the mapper."""
 
     def __init__(self, stack: Stack) -> None:
         super().__init__(stack.domain)
         self.stack = stack
-        self.firings: list[RuleFiring] = []
+        self.rules = Rules(self)
         self.blind = False
         self._goals = 0
         scans = self.node.create_publisher(
@@ -47,7 +49,6 @@ class Watched(Robot):
             lambda scan: None if self.blind else scans.publish(scan),
             qos_profile_sensor_data,
         )
-        self.node.create_subscription(RuleFiring, "/monitor/firings", self.firings.append, 100)
         self.subscribe(StackState, "/monitor/stack_state", LATCHED)
         for name in ("mapper", "controller", "planner"):
             self.subscribe(ComponentStatus, f"/{name}/status", LATCHED)
@@ -63,13 +64,13 @@ class Watched(Robot):
         message = self.newest.get(f"/{name}/status")
         return -1 if message is None else int(message.status)
 
-    def fired(self) -> dict[int, float]:
-        """When the rule on the mapper fired [s since the epoch], by the ids of its runs."""
-        return {
-            firing.run_id: firing.stamp.sec + firing.stamp.nanosec * 1e-9
-            for firing in self.firings
-            if firing.phase == "fired" and "mapper" in firing.rule_id
-        }
+    def fired(self, since: float) -> list[FiringRecord]:
+        """What the journal has of the rule on the mapper since a time [s since the epoch]."""
+        return [
+            entry
+            for entry in self.rules.journal()
+            if entry.kind == "firing" and "mapper" in entry.rule_id and entry.time >= since
+        ]
 
     def drive_somewhere(self) -> Any:
         """A goal under way, with the local map in use."""
@@ -83,22 +84,16 @@ class Watched(Robot):
         self._goals += 1
         wait_until(lambda: self.speed > 0.1, 20, "motion")
         wait_until(lambda: self.level("mapper") == HEALTHY, 5, "a healthy mapper still")
-        self.firings.clear()
         return handle
 
     def drives_on(self, handle: Any, began: float, within: float) -> None:
         """The rule fired once, in time; the robot goes on with the scan and arrives."""
-        deadline = time.monotonic() + patient(5)
-        while not self.fired() and time.monotonic() < deadline:
-            time.sleep(0.02)
-        assert self.fired(), f"the rule did not fire:\n{self.stack.output}"
-        assert min(self.fired().values()) - began <= patient(within)
+        wait_until(lambda: self.fired(began), 5, "the rule's firing")
         ended = self.result(handle)
         assert ended.status == SUCCEEDED, ended.result.message
-        (run,) = self.fired()
-        done = [firing for firing in self.firings if firing.phase == "done"]
-        # Of an earlier run the end alone may have come after the list was cleared.
-        assert [firing.ok for firing in done if firing.run_id == run] == [True]
+        (firing,) = self.fired(began)
+        assert firing.time - began <= patient(within)
+        assert firing.ok, firing.error
         assert self.contacts == 0
 
 

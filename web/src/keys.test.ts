@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { forwardedKey, isTyping } from "./keys";
+import { forwardedKey, isInMenu, isTyping } from "./keys";
 
 test.each(["text", "password", "number"])("a space in a %s field is text, not STOP", (type) => {
   const input = document.createElement("input");
@@ -13,6 +13,19 @@ test("a space on a button, a checkbox or the page is STOP", () => {
   expect(isTyping(box)).toBe(false);
   expect(isTyping(document.createElement("button"))).toBe(false);
   expect(isTyping(document.body)).toBe(false);
+});
+
+test("an open menu knows best what a key means, also while its button has the focus", () => {
+  const button = document.createElement("button");
+  button.setAttribute("aria-haspopup", "menu");
+  button.setAttribute("aria-expanded", "false");
+  expect(isInMenu(button)).toBe(false);
+  button.setAttribute("aria-expanded", "true");
+  expect(isInMenu(button)).toBe(true);
+  const menu = document.createElement("div");
+  menu.setAttribute("role", "menu");
+  expect(isInMenu(menu.appendChild(document.createElement("button")))).toBe(true);
+  expect(isInMenu(document.body)).toBe(false);
 });
 
 test("keys are taken from this console's own scene only", () => {

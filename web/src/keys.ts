@@ -9,6 +9,7 @@ export interface KeyPress {
   inMenu: boolean;
 }
 
+const MENU = "[role=menu],[role=listbox],[aria-haspopup][aria-expanded=true]";
 const TEXT_INPUTS = new Set(["text", "search", "url", "tel", "email", "password", "number"]);
 
 /** True where a key is text: there a space is a space, and not STOP. */
@@ -16,6 +17,11 @@ export function isTyping(target: EventTarget | null): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target instanceof HTMLInputElement) return TEXT_INPUTS.has(target.type);
   return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement;
+}
+
+/** True in an open menu or list, and on its button: that has the focus until the menu takes it. */
+export function isInMenu(target: EventTarget | null): boolean {
+  return target instanceof Element && target.closest(MENU) !== null;
 }
 
 /** The key that the scene's frame passed on, or null for any other message. */
@@ -46,9 +52,7 @@ export function useKeys(handle: (press: KeyPress) => boolean): void {
       const onControl =
         event.target instanceof Element &&
         event.target.closest("button, a, [role=menuitemcheckbox]") !== null;
-      const inMenu =
-        event.target instanceof Element &&
-        event.target.closest("[role=menu],[role=listbox]") !== null;
+      const inMenu = isInMenu(event.target);
       if (latest.current({ key: event.key, onControl, inMenu })) event.preventDefault();
     };
     // Some browsers press a focused button when the space bar is let go.
