@@ -14,7 +14,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from kompass.rulebook.backtest_report import BacktestFiring
+from kompass.backtest.report import BacktestFiring
 from tests.recorder.reality import (
     EDITED,
     NEAR,

@@ -19,12 +19,12 @@ from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import LaserScan
 
-from kompass.recorder.lane import Lane
+from kompass.backtest.event_log import Began, to_data
+from kompass.recorder.event_log import LaneTape
 from kompass.recorder.recorder import Recorder
-from kompass.recorder.tape import LaneTape
-from kompass.recorder.worker import Worker
-from kompass.rulebook.tape import Began, to_data
-from kompass.rules.table import Table
+from kompass.recorder.replay.worker import Worker
+from kompass.recorder.shm_queue import Lane
+from kompass.rules.schema.table import Table
 from tests.recorder.reality import reality_table
 
 RATES = {"scan": 10, "odometry/filtered": 50, "controller/status": 5}

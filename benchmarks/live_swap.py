@@ -24,7 +24,7 @@ from common import percentile
 from geometry_msgs.msg import PointStamped
 from rclpy.qos import ReliabilityPolicy
 
-from kompass.rulebook.status import RuleStatus
+from kompass.rulebook.schema.status import RuleStatus
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 

@@ -20,7 +20,7 @@ def prepare_environment() -> None:
     """Choose domain and middleware; comes before rclpy is imported."""
     os.environ["ROS_DOMAIN_ID"] = DOMAIN
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    from kompass.middleware import prepare_middleware
+    from kompass.rclpy_ext.middleware import prepare_middleware
 
     prepare_middleware()
 

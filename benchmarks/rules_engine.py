@@ -11,14 +11,14 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from kompass.rules.actions import Log
-from kompass.rules.compiled import compile_table
-from kompass.rules.conditions import AllOf, Changed, Compare, Condition, Operator
-from kompass.rules.engine import initial_state, step
-from kompass.rules.events import Event
-from kompass.rules.firing import Sample
-from kompass.rules.signals import Signal
-from kompass.rules.table import Rule, Table
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.engine.firing import Sample
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.actions import Log
+from kompass.rules.schema.conditions import AllOf, Changed, Compare, Condition, Operator
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Table
 
 REPETITIONS = 7
 SAMPLES = 20_000

@@ -16,17 +16,17 @@ from typing import NamedTuple
 
 from common import percentile
 
-from kompass.rules.actions import Log
-from kompass.rules.bridge import bridge
-from kompass.rules.carry import exchange
-from kompass.rules.compiled import CompiledTable, compile_table
-from kompass.rules.conditions import Absent, AllOf, Compare, Condition, Rate
-from kompass.rules.engine import initial_state, step
-from kompass.rules.events import Event
-from kompass.rules.firing import Done, Firing, Sample
-from kompass.rules.signals import Signal
-from kompass.rules.state import State
-from kompass.rules.table import Rule, Table
+from kompass.rules.engine.compiled_table import CompiledTable, compile_table
+from kompass.rules.engine.firing import Done, Firing, Sample
+from kompass.rules.engine.migrate import exchange
+from kompass.rules.engine.migration import bridge
+from kompass.rules.engine.state import State
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.actions import Log
+from kompass.rules.schema.conditions import Absent, AllOf, Compare, Condition, Rate
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Table
 
 SIZES = (10, 100, 1000)
 AIM = 1e-3  # s

@@ -23,11 +23,11 @@ from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
-from kompass.rules.actions import Log
-from kompass.rules.conditions import Compare
-from kompass.rules.events import Event
-from kompass.rules.signals import Signal
-from kompass.rules.table import Rule, Table
+from kompass.rules.schema.actions import Log
+from kompass.rules.schema.conditions import Compare
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Table
 from kompass.store.database import open_database
 from kompass.store.revisions import Revisions
 from kompass.store.store import FILE, FORMAT, RuleStore

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from kompass.middleware import prepare_middleware
+from kompass.rclpy_ext.middleware import prepare_middleware
 
 prepare_middleware()
 

@@ -1,7 +1,7 @@
 """The actions of recipes."""
 
-from kompass.compat.services import make_services_instantiable
 from kompass.recipe.action import Action
+from kompass.recipe.service_classes import make_services_instantiable
 from kompass.recipe.verbs import (
     ComponentActions,
     LogInfo,

@@ -1,6 +1,6 @@
 """Configuration: validated models, and the files that fill them."""
 
-from kompass.components.component_config import ComponentConfig, ComponentRunType
+from kompass.components.base.component_config import ComponentConfig, ComponentRunType
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.settings import Settings
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from kompass.rules.conditions import AllOf, AnyOf, Compare, Not, Received
-from kompass.rules.conditions import Condition as RuleCondition
-from kompass.rules.signals import Signal, path_text
+from kompass.rules.schema.conditions import AllOf, AnyOf, Compare, Not, Received
+from kompass.rules.schema.conditions import Condition as RuleCondition
+from kompass.rules.schema.signals import Signal, path_text
 
 _ARRAYS = (list, tuple, array.array, np.ndarray)
 

@@ -3,8 +3,8 @@
 import logging
 
 from kompass import actions
-from kompass.components.topic import AllowedTopics, QoSConfig, Topic
 from kompass.launch.launcher import Launcher
+from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.recipe.action import Action
 from kompass.recipe.clients import ActionClientConfig, ServiceClientConfig
 from kompass.recipe.event import Event

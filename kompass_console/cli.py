@@ -9,9 +9,9 @@ from typing import Annotated
 
 import typer
 
-from kompass.simulation.faults import FAULTS
+from kompass.simulation.faults.fault_names import FAULTS
+from kompass_console.cli_error import Problem
 from kompass_console.domain import choose_domain
-from kompass_console.problem import Problem
 from kompass_console.rules_cli.app import app as rules
 
 # What each command needs is imported when it runs: help answers at once, and Ctrl-C during the

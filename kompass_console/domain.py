@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from kompass_console.problem import Problem
+from kompass_console.cli_error import Problem
 
 
 def choose_domain(domain_id: int | None, *, alone: bool) -> None:
@@ -18,7 +18,7 @@ def choose_domain(domain_id: int | None, *, alone: bool) -> None:
         When ROS could not start with what the environment says.
     """
     from kompass.launch.environment import EnvironmentProblem, check_environment
-    from kompass.middleware import RANGE, prepare_middleware
+    from kompass.rclpy_ext.middleware import RANGE, prepare_middleware
 
     if domain_id is not None:
         os.environ["ROS_DOMAIN_ID"] = str(domain_id)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 
-from kompass_console.app import create_app, openapi
+from kompass_console.api.app import create_app, openapi
 
 
 def main() -> None:

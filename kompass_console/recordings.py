@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from kompass.recorder.contents import NotMcap, read_contents
-from kompass.recorder.keeping import PREFIX
+from kompass.recorder.clip_policy import PREFIX
+from kompass.recorder.mcap.contents import NotMcap, read_contents
 from kompass.recorder.places import SUFFIX, ring_folder, saved_folder
-from kompass.recorder.ring import ring_files
+from kompass.recorder.rotating_recording import ring_files
 
 
 class Inside(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from kompass.recipe.export import Format, export
-from kompass.rulebook.table_view import TableView
+from kompass.rulebook.schema.table_view import TableView
 
 SUFFIX: dict[Format, str] = {"json": "json", "yaml": "yaml", "python": "py"}
 

@@ -13,20 +13,20 @@ from collections.abc import Iterator
 import uvicorn
 from fastapi import FastAPI
 
-from kompass.launch.pulse import beat
-from kompass_console.app import create_app
-from kompass_console.audit import AuditTrail
-from kompass_console.auth import Authenticator, LoginLimiter
-from kompass_console.console import Console
-from kompass_console.goal_check import GoalChecker
+from kompass.supervisor.heartbeat import beat
+from kompass_console.api.app import create_app
+from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
 from kompass_console.recordings import Recordings
-from kompass_console.rules_feed import RulesFeed
 from kompass_console.scene.scene import Scene
+from kompass_console.schema.world import World
 from kompass_console.settings import ConsoleSettings
-from kompass_console.state_feed import StateFeed
-from kompass_console.views import ViewRegistry
-from kompass_console.world import World
+from kompass_console.web.audit import AuditTrail
+from kompass_console.web.auth import Authenticator, LoginLimiter
+from kompass_console.web.console import Console
+from kompass_console.web.rules_feed import RulesFeed
+from kompass_console.web.state_feed import StateFeed
+from kompass_console.web.views import ViewRegistry
 
 _logger = logging.getLogger(__name__)
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from kompass_console.roles import Role
-
-Theme = Literal["light", "dark"]
+from kompass_console.schema.models import Theme
+from kompass_console.schema.roles import Role
 
 _SHORTEST_TOKEN = 16
 

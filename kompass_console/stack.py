@@ -18,12 +18,12 @@ from pathlib import Path
 import typer
 from pydantic import ValidationError
 
-from kompass.launch.claim import AlreadyRunning
 from kompass.launch.companions import add_companion
 from kompass.launch.environment import EnvironmentProblem
-from kompass.launch.process import ProcessSpec, Report
-from kompass.launch.supervisor import StartupError
-from kompass_console.problem import Problem
+from kompass.supervisor.instance_lock import AlreadyRunning
+from kompass.supervisor.process import ProcessSpec, Report
+from kompass.supervisor.supervisor import StartupError
+from kompass_console.cli_error import Problem
 
 
 @dataclass
@@ -118,7 +118,7 @@ def _has_screen() -> bool:
 def run_recipe(recipe: Path, console: Console, sim: str | None, faults: Sequence[str] = ()) -> None:
     """Run a recipe with the console beside it, until Ctrl-C.
 
-    ``faults`` are those of the embedded robot (:mod:`kompass.simulation.faults`).
+    ``faults`` are those of the embedded robot (:mod:`kompass.simulation.faults.fault_names`).
 
     Raises
     ------
@@ -162,7 +162,7 @@ def _where(recipe: Path, error: Exception) -> str:
 def _add_robot(world_name: str, faults: Sequence[str]) -> None:
     """The embedded robot and its map, as processes beside the recipe's."""
     from kompass.share import map_path
-    from kompass.simulation.faults import UnknownFault, withholds_map
+    from kompass.simulation.faults.fault_names import UnknownFault, withholds_map
     from kompass.simulation.worlds.registry import world_names
 
     if world_name not in world_names():

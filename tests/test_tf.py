@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kompass.tf import TransformBuffer, TransformError, interpolate, matrix_of
+from kompass.algorithms.transforms import TransformBuffer, TransformError, interpolate, matrix_of
 
 
 def planar(x: float, y: float, yaw: float) -> np.ndarray:

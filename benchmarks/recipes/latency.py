@@ -11,7 +11,7 @@ import time
 
 from kompass.actions import Action, LogInfo
 from kompass.components import component_action
-from kompass.components.component import Component
+from kompass.components.base.component import Component
 from kompass.ros import Event, Launcher, Topic
 
 OUT = os.environ["OUT"]

@@ -7,9 +7,9 @@ ids of the messages that it fired for (``OUT``).
 import os
 
 from kompass.actions import Action, LogInfo
-from kompass.components.component import Component
+from kompass.components.base.component import Component
 from kompass.ros import Event, Launcher, Topic
-from kompass.rules.events import Queued
+from kompass.rules.schema.events import Queued
 
 OUT = os.environ["OUT"]
 topic = Topic(name="/bench/event", msg_type="TwistStamped")

@@ -1,6 +1,6 @@
 """For the benchmarks: four components that do nothing, ten times a second."""
 
-from kompass.components.component import Component
+from kompass.components.base.component import Component
 from kompass.ros import Launcher
 
 

@@ -4,7 +4,7 @@ The command line adds them before it runs the recipe, whose own ``launcher.bring
 them too. So the recipe stays as it is, and this package knows nothing of either.
 """
 
-from kompass.launch.process import ProcessSpec
+from kompass.supervisor.process import ProcessSpec
 
 _companions: list[ProcessSpec] = []
 

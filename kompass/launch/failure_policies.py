@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from kompass.components.component import Component
-from kompass.launch.restarts import RETRIES
+from kompass.components.base.component import Component
+from kompass.supervisor.restarts import RETRIES
 
 
 class FailurePolicies:

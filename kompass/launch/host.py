@@ -8,12 +8,12 @@ import rclpy
 from rclpy.executors import Executor
 from rclpy.signals import SignalHandlerOptions
 
-from kompass.components.component import Component
-from kompass.components.node import ComponentNode
-from kompass.coroutine import QuietExecutor
-from kompass.launch.intent import Intent
-from kompass.launch.process import Report
-from kompass.launch.pulse import beat
+from kompass.components.base.component import Component
+from kompass.components.base.node import ComponentNode
+from kompass.rclpy_ext.executor import QuietExecutor
+from kompass.supervisor.desired_state import Intent
+from kompass.supervisor.heartbeat import beat
+from kompass.supervisor.process import Report
 
 TWIN_CHECK_DELAY = 1.0  # s in which DDS finds the other participants
 # The events executor does not rebuild its wait set for every callback: a fifth of the work of the

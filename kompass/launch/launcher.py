@@ -6,25 +6,25 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from kompass.components.component import Component
-from kompass.components.topic import Topic
-from kompass.launch.claim import claim
+from kompass.components.base.component import Component
 from kompass.launch.companions import companions
 from kompass.launch.environment import check_environment
 from kompass.launch.failure_policies import FailurePolicies
 from kompass.launch.host import host
-from kompass.launch.intent import Intent
 from kompass.launch.older_names import OlderNames, processes_wanted
-from kompass.launch.process import ProcessSpec, Report
-from kompass.launch.restarts import Restarts
-from kompass.launch.supervisor import Supervisor
-from kompass.launch.vitals import Patience
-from kompass.monitor.catalog import RecipeCatalog
-from kompass.monitor.checking import check_recipe
+from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.process import NAME, run_monitor
+from kompass.monitor.tables.recipe_check import check_recipe
+from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import recipe_rules
 from kompass.recorder.process import flight_recorder
 from kompass.robot import RobotConfig, RobotFrames
+from kompass.supervisor.desired_state import Intent
+from kompass.supervisor.instance_lock import claim
+from kompass.supervisor.liveness import Patience
+from kompass.supervisor.process import ProcessSpec, Report
+from kompass.supervisor.restarts import Restarts
+from kompass.supervisor.supervisor import Supervisor
 
 
 class Launcher(FailurePolicies, OlderNames):

@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from kompass.components.component import Component
-from kompass.components.notice import notice_once
+from kompass.components.base.component import Component
+from kompass.components.base.notice import notice_once
 from kompass.launch.companions import add_companion
-from kompass.launch.process import ProcessSpec, Report
+from kompass.supervisor.process import ProcessSpec, Report
 
 
 class OlderNames:

@@ -7,9 +7,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
 
-from kompass.monitor.tape import NoTape, Tape
-from kompass.rulebook.records import fired_event
-from kompass.rulebook.tape import (
+from kompass.backtest.event_log import (
     Began,
     Ended,
     Heard,
@@ -18,15 +16,17 @@ from kompass.rulebook.tape import (
     swapped_text,
     to_data,
 )
-from kompass.rules.bridge import Bridge
-from kompass.rules.carry import Carried, exchange
-from kompass.rules.compiled import CompiledTable
-from kompass.rules.engine import initial_state, step
-from kompass.rules.explain import verdict_of
-from kompass.rules.firing import Done, Firing, Input, Output, Sample, Tick
-from kompass.rules.schedule import next_deadline
-from kompass.rules.state import State
-from kompass.rules.values import Verdict
+from kompass.backtest.records import fired_event
+from kompass.monitor.event_log import NoTape, Tape
+from kompass.rules.engine.compiled_table import CompiledTable
+from kompass.rules.engine.explain import verdict_of
+from kompass.rules.engine.firing import Done, Firing, Input, Output, Sample, Tick
+from kompass.rules.engine.migrate import Carried, exchange
+from kompass.rules.engine.migration import Bridge
+from kompass.rules.engine.schedule import next_deadline
+from kompass.rules.engine.state import State
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.values import Verdict
 
 
 class Swap(NamedTuple):

@@ -12,34 +12,34 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
-from kompass.components.topic import LATCHED
-from kompass.monitor.action_runner import ActionRunner
-from kompass.monitor.alarms import Alarms
-from kompass.monitor.catalog import RecipeCatalog
-from kompass.monitor.desk import Desk
-from kompass.monitor.desk_terms import InForce
 from kompass.monitor.engine_loop import EngineLoop, Swap
-from kompass.monitor.explaining import Explaining
-from kompass.monitor.firings import Firings
-from kompass.monitor.graph import Graph
-from kompass.monitor.journal_watch import JournalWatch
-from kompass.monitor.linting import Linting
-from kompass.monitor.main_thread import MainThread
-from kompass.monitor.polled import Polled
+from kompass.monitor.execution.action_runner import ActionRunner
+from kompass.monitor.execution.alarms import Alarms
+from kompass.monitor.execution.runs import Runs
+from kompass.monitor.inputs.polled_functions import Polled
+from kompass.monitor.inputs.rule_inputs import RuleInputs, wanted
+from kompass.monitor.introspection.catalog import RecipeCatalog
+from kompass.monitor.introspection.graph import Graph
 from kompass.monitor.recording import NoRecording, Recording
-from kompass.monitor.rule_inputs import RuleInputs, wanted
-from kompass.monitor.rules_state import RulesStatePublisher
-from kompass.monitor.runs import Runs
+from kompass.monitor.reporting.explanations import Explaining
+from kompass.monitor.reporting.firings import Firings
+from kompass.monitor.reporting.journal_watch import JournalWatch
+from kompass.monitor.reporting.rules_state import RulesStatePublisher
+from kompass.monitor.reporting.status_proxy import Spokesman
 from kompass.monitor.services import Services, Sources
 from kompass.monitor.settings import MonitorSettings
-from kompass.monitor.spokesman import Spokesman
 from kompass.monitor.start import Start
-from kompass.monitor.timers import Timers
-from kompass.monitor.wake_up import WakeUp
+from kompass.monitor.tables.live_lints import Linting
+from kompass.monitor.tables.table_manager import Desk
+from kompass.monitor.tables.types import InForce
+from kompass.rclpy_ext.main_thread import MainThread
+from kompass.rclpy_ext.movable_timer import WakeUp
+from kompass.rclpy_ext.timers import Timers
+from kompass.rclpy_ext.topic import LATCHED
 from kompass.recipe.table import RecipeRules
-from kompass.rulebook.views import Extras
-from kompass.rules.bridge import bridge
-from kompass.rules.compiled import CompiledTable, compile_table
+from kompass.rulebook.views.views import Extras
+from kompass.rules.engine.compiled_table import CompiledTable, compile_table
+from kompass.rules.engine.migration import bridge
 from kompass.store import RuleStore
 
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
@@ -189,7 +189,7 @@ class Monitor:
 
         self._runner.restart_stuck = restart_stuck
 
-    # -- the engine, as the desk uses it (kompass.monitor.desk.Engine) --------------------------
+    # -- the engine, as the desk uses it (kompass.monitor.tables.table_manager.Engine) --------------------------
 
     def prepare(self, table: CompiledTable) -> None:
         """Listen to what a coming table needs; the engine goes on between two subscriptions."""

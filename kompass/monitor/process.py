@@ -15,16 +15,16 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from kompass.coroutine import QuietExecutor
-from kompass.launch.process import Report
-from kompass.launch.pulse import beat
-from kompass.monitor.catalog import RecipeCatalog
+from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.recording import Recording
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import start_from_store
-from kompass.quiet_node import QuietNode
+from kompass.rclpy_ext.executor import QuietExecutor
+from kompass.rclpy_ext.node import QuietNode
 from kompass.recipe.table import RecipeRules
+from kompass.supervisor.heartbeat import beat
+from kompass.supervisor.process import Report
 
 NAME = "monitor"
 SPIN_TIMEOUT = 0.1  # s, as of the components' host

@@ -7,8 +7,8 @@ from typing import Any, Protocol
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from kompass.monitor.tape import NoTape, Tape
-from kompass.rulebook.journal import FiringRecord
+from kompass.monitor.event_log import NoTape, Tape
+from kompass.rulebook.schema.journal import FiringRecord
 
 
 class Recording(Protocol):

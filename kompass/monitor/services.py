@@ -22,15 +22,15 @@ from kompass_interfaces.srv import (
 )
 from rclpy.node import Node
 
-from kompass.monitor.desk import Desk
-from kompass.monitor.desk_terms import Answer, Who
-from kompass.monitor.late_service import create_late_service
-from kompass.monitor.main_thread import MainThread
-from kompass.rulebook.explanation import ExplanationView
-from kompass.rulebook.graph_view import GraphView
-from kompass.rulebook.journal import Journal
-from kompass.rulebook.revision import History
-from kompass.rules.model import Model
+from kompass.monitor.tables.table_manager import Desk
+from kompass.monitor.tables.types import Answer, Who
+from kompass.rclpy_ext.deferred_service import create_late_service
+from kompass.rclpy_ext.main_thread import MainThread
+from kompass.rulebook.schema.explanation import ExplanationView
+from kompass.rulebook.schema.graph_view import GraphView
+from kompass.rulebook.schema.journal import Journal
+from kompass.rulebook.schema.revision import History
+from kompass.rules.schema.model import Model
 
 REVISIONS = 50  # of the history, unless asked otherwise
 FIRINGS = 100

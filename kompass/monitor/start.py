@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from kompass.monitor.settings import MonitorSettings
-from kompass.rulebook.table_view import Merge
-from kompass.rules.table import Table, rule_hash
+from kompass.rulebook.schema.table_view import Merge
+from kompass.rules.schema.table import Table, rule_hash
 from kompass.store import RuleStore, StoreError, robot_folder
 
 log = logging.getLogger("kompass.monitor")

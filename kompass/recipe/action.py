@@ -10,12 +10,12 @@ from typing import Any, get_type_hints
 
 from pydantic import PydanticSchemaGenerationError, PydanticUserError, TypeAdapter, ValidationError
 
-from kompass.components.actions import actions_of, signature_text
-from kompass.components.component import Component
+from kompass.components.base.actions import actions_of, signature_text
+from kompass.components.base.component import Component
 from kompass.expressions import MessageField, reference_of
-from kompass.recipe.messages import to_plain
-from kompass.rules.actions import Action as RuleAction
-from kompass.rules.actions import Lifecycle, Method, Python
+from kompass.rclpy_ext.messages import to_plain
+from kompass.rules.schema.actions import Action as RuleAction
+from kompass.rules.schema.actions import Lifecycle, Method, Python
 
 LIFECYCLE = ("start", "stop", "restart")
 # Seconds; a goal takes as long as it takes, and ends by itself.

@@ -7,11 +7,11 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self
 
-from kompass.components.topic import Topic
 from kompass.expressions import MessageField, condition_of, signal_of
-from kompass.rules.conditions import CallableCondition, Changed, Condition
-from kompass.rules.describe import describe
-from kompass.rules.events import Event as RuleEvent
+from kompass.rclpy_ext.topic import Topic
+from kompass.rules.schema.conditions import CallableCondition, Changed, Condition
+from kompass.rules.schema.describe import describe
+from kompass.rules.schema.events import Event as RuleEvent
 
 
 class Event:

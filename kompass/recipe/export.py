@@ -15,9 +15,9 @@ from typing import Any, Literal
 
 from pydantic import BaseModel
 
-from kompass.rulebook.recipe_code import functions_in
-from kompass.rulebook.wording import describe_rule
-from kompass.rules.actions import (
+from kompass.rulebook.views.recipe_code import functions_in
+from kompass.rulebook.views.wording import describe_rule
+from kompass.rules.schema.actions import (
     Action,
     Lifecycle,
     Log,
@@ -26,8 +26,8 @@ from kompass.rules.actions import (
     UpdateParameters,
     component_of,
 )
-from kompass.rules.arguments import references
-from kompass.rules.conditions import (
+from kompass.rules.schema.arguments import references
+from kompass.rules.schema.conditions import (
     AllOf,
     AnyOf,
     CallableCondition,
@@ -38,9 +38,9 @@ from kompass.rules.conditions import (
     children,
     leaves,
 )
-from kompass.rules.events import Event, Single
-from kompass.rules.signals import Signal
-from kompass.rules.table import Rule, Table
+from kompass.rules.schema.events import Event, Single
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Table
 
 Format = Literal["json", "yaml", "python"]
 # What the functions of :mod:`kompass.actions` set by themselves; s.
@@ -181,7 +181,7 @@ class _Fragment:
             self._ros.add("Topic")
         yield f"from kompass.ros import {', '.join(sorted(self._ros))}"
         for module, names in sorted(self._data.items()):
-            if module == "kompass.rules.actions":
+            if module == "kompass.rules.schema.actions":
                 yield "from kompass.rules import actions as data"
             elif module != "kompass.expressions":
                 yield f"from {module} import {', '.join(sorted(names))}"
@@ -337,7 +337,7 @@ class _Fragment:
         if isinstance(action, Python):
             self._functions[action.name] = None
         self._ros.add("Action")
-        self._data.setdefault("kompass.rules.actions", set())
+        self._data.setdefault("kompass.rules.schema.actions", set())
         return f"Action.from_data(data.{self._construct(action)})"
 
     def _call(self, function: str, arguments: str) -> str:
@@ -356,7 +356,7 @@ class _Fragment:
         """Return the call that makes a model, with what is not as it is by default."""
         name = type(model).__name__
         module = type(model).__module__
-        if module != "kompass.rules.actions":
+        if module != "kompass.rules.schema.actions":
             self._data.setdefault(module, set()).add(name)
         given = []
         for key, field in type(model).model_fields.items():

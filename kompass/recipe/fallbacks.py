@@ -8,15 +8,15 @@ from typing import Any
 
 from automatika_ros_sugar.msg import ComponentStatus
 
-from kompass.components.component import Component
-from kompass.components.fallbacks import Fallback
+from kompass.components.base.component import Component
+from kompass.components.base.fallbacks import Fallback
 from kompass.expressions import condition_of
 from kompass.recipe.action import Action
-from kompass.rules.actions import Action as RuleAction
-from kompass.rules.actions import Python
-from kompass.rules.conditions import AllOf, Condition
-from kompass.rules.events import Event
-from kompass.rules.table import Rule
+from kompass.rules.schema.actions import Action as RuleAction
+from kompass.rules.schema.actions import Python
+from kompass.rules.schema.conditions import AllOf, Condition
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.table import Rule
 
 # A failure that passes by itself within this time, as while the first messages arrive, is left to
 # do so.

@@ -7,15 +7,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from kompass.components.component import Component
+from kompass.components.base.component import Component
 from kompass.recipe.action import Action, Parser
 from kompass.recipe.event import Event
 from kompass.recipe.fallbacks import Ladder, fallback_rules
-from kompass.rules.actions import Action as RuleAction
-from kompass.rules.actions import Python, SendGoal, component_of
-from kompass.rules.describe import describe
-from kompass.rules.events import Parallel
-from kompass.rules.table import Rule, Table
+from kompass.rules.schema.actions import Action as RuleAction
+from kompass.rules.schema.actions import Python, SendGoal, component_of
+from kompass.rules.schema.describe import describe
+from kompass.rules.schema.events import Parallel
+from kompass.rules.schema.table import Rule, Table
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from kompass.components.component import Component
-from kompass.components.parameter import with_values
-from kompass.components.topic import Topic
+from kompass.components.base.component import Component
+from kompass.components.base.parameter import with_values
 from kompass.expressions import MessageField, type_name
+from kompass.rclpy_ext.messages import copy_fields, to_plain
+from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.action import METHOD_TIMEOUT, Action, argument
-from kompass.recipe.messages import copy_fields, to_plain
-from kompass.rules.actions import (
+from kompass.rules.schema.actions import (
     CallService,
     Lifecycle,
     Log,

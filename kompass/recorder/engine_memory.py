@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from kompass.rulebook.tape import Began, Ended, Fired, Resumed, Swapped, TapeEvent
-from kompass.rules.compiled import compile_table
-from kompass.rules.table import rule_hash
+from kompass.backtest.event_log import Began, Ended, Fired, Resumed, Swapped, TapeEvent
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.schema.table import rule_hash
 
 
 class EngineMemory:

@@ -11,15 +11,15 @@ from typing import Any
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from kompass.monitor.tape import NoTape, Tape
-from kompass.recorder.backtest_server import BacktestServer
-from kompass.recorder.keeping import KEEP, Keeper
-from kompass.recorder.lane import Lane
+from kompass.monitor.event_log import NoTape, Tape
+from kompass.recorder.clip_policy import KEEP, Keeper
+from kompass.recorder.event_log import LaneTape
 from kompass.recorder.places import saved_path
-from kompass.recorder.tape import LaneTape
-from kompass.recorder.worker import Worker
-from kompass.rulebook.journal import FiringRecord
-from kompass.rules.table import Severity
+from kompass.recorder.replay.backtest_server import BacktestServer
+from kompass.recorder.replay.worker import Worker
+from kompass.recorder.shm_queue import Lane
+from kompass.rulebook.schema.journal import FiringRecord
+from kompass.rules.schema.table import Severity
 
 SETTLE = 3.0  # s within which what was just heard must be on disk
 

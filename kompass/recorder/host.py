@@ -14,13 +14,13 @@ import rclpy
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from kompass.launch.process import Report
-from kompass.launch.pulse import beat
-from kompass.recorder.lane import Lane
 from kompass.recorder.recorder import Recorder
-from kompass.recorder.ring import RingInUse
-from kompass.recorder.taps import Taps
+from kompass.recorder.rotating_recording import RingInUse
+from kompass.recorder.shm_queue import Lane
+from kompass.recorder.topic_sampler import Taps
 from kompass.recorder.topics import TapTopic
+from kompass.supervisor.heartbeat import beat
+from kompass.supervisor.process import Report
 
 NAME = "recorder"
 PERIOD = 0.1  # s between looks

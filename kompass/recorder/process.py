@@ -6,14 +6,14 @@ import logging
 import os
 from collections.abc import Iterable, Mapping
 
-from kompass.launch.process import ProcessSpec, Report
+from kompass.recorder.clip_policy import least_severity
 from kompass.recorder.flight import FlightRecorder
 from kompass.recorder.host import NAME, run_recorder
-from kompass.recorder.keeping import least_severity
-from kompass.recorder.lane import Lane
 from kompass.recorder.places import recordings_folder
+from kompass.recorder.shm_queue import Lane
 from kompass.recorder.topics import HasTopics, standard_topics
 from kompass.store.errors import StoreUnwritable
+from kompass.supervisor.process import ProcessSpec, Report
 
 SETTING = "KOMPASS_RECORD"
 # s that the disk may take for a file that is finished; a card that is busy takes more than ten.

@@ -10,12 +10,13 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+from kompass.backtest.event_log import Began, Lost, Swapped, TapeEvent, from_data
+from kompass.recorder.clip_policy import KEEP, Keep, Keeps
 from kompass.recorder.engine_memory import EngineMemory
-from kompass.recorder.keeping import KEEP, Keep, Keeps
-from kompass.recorder.lane import Frame, Lane
+from kompass.recorder.mcap.reader import Recording, messages
 from kompass.recorder.places import ring_folder
-from kompass.recorder.recording import Recording, messages
-from kompass.recorder.ring import Bounds, Ring, ring_files
+from kompass.recorder.rotating_recording import Bounds, Ring, ring_files
+from kompass.recorder.shm_queue import Frame, Lane
 from kompass.recorder.streams import (
     EVENTS,
     LATCHED,
@@ -25,8 +26,7 @@ from kompass.recorder.streams import (
     message_stream,
     read_event,
 )
-from kompass.recorder.taps import Taken
-from kompass.rulebook.tape import Began, Lost, Swapped, TapeEvent, from_data
+from kompass.recorder.topic_sampler import Taken
 
 log = logging.getLogger("kompass.recorder")
 

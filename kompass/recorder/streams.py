@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from typing import NamedTuple
 
-from kompass.recorder.definitions import definition
-from kompass.rulebook.tape import TapeEvent, from_data, to_data
+from kompass.backtest.event_log import TapeEvent, from_data, to_data
+from kompass.recorder.mcap.definitions import definition
 
 ENGINE_TOPIC = "/monitor/engine"
 REPEAT = " repeat"

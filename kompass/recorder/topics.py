@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import NamedTuple, Protocol
 
-from kompass.components.topic import Topic
+from kompass.rclpy_ext.topic import Topic
 
 # Said by every stack, whatever its components.
 COMMON = {

@@ -6,11 +6,13 @@ from typing import Literal
 
 from pydantic import JsonValue
 
-from kompass.rulebook.diffing import field_changes
-from kompass.rulebook.recipe_code import functions_of
-from kompass.rulebook.report import Finding
-from kompass.rulebook.wording import describe_action
-from kompass.rules.actions import (
+from kompass.rulebook.diff import field_changes
+from kompass.rulebook.schema.report import Finding
+from kompass.rulebook.views.recipe_code import functions_of
+from kompass.rulebook.views.wording import describe_action
+from kompass.rules.checks.catalog import Catalog, StackCatalog
+from kompass.rules.engine.arbitrate import components_of
+from kompass.rules.schema.actions import (
     Action,
     CallService,
     Lifecycle,
@@ -21,11 +23,9 @@ from kompass.rules.actions import (
     UpdateParameters,
     component_of,
 )
-from kompass.rules.arbitrate import components_of
-from kompass.rules.catalog import Catalog, StackCatalog
-from kompass.rules.conditions import CallableCondition, leaves
-from kompass.rules.model import topic_key
-from kompass.rules.table import Rule, Table, rule_hash
+from kompass.rules.schema.conditions import CallableCondition, leaves
+from kompass.rules.schema.model import topic_key
+from kompass.rules.schema.table import Rule, Table, rule_hash
 
 Role = Literal["viewer", "operator", "engineer"]
 ROLES: tuple[Role, ...] = ("viewer", "operator", "engineer")

@@ -5,12 +5,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from kompass.rulebook.diffing import field_changes
-from kompass.rulebook.recipe_code import functions_in, functions_of
-from kompass.rulebook.wording import describe_actions, seconds
-from kompass.rules.describe import describe
-from kompass.rules.events import Event
-from kompass.rules.table import Rule, Table, rule_hash
+from kompass.rulebook.diff import field_changes
+from kompass.rulebook.views.recipe_code import functions_in, functions_of
+from kompass.rulebook.views.wording import describe_actions, seconds
+from kompass.rules.schema.describe import describe
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.table import Rule, Table, rule_hash
 
 _FIELDS = ("name", "enabled", "severity", "lane", "shadow", "note", "actions")
 

@@ -1,8 +1,8 @@
 """Whether rules are as the recipe has them: worked out, and never taken from who hands them in."""
 
-from kompass.rules.interned import interned
-from kompass.rules.remembered import Remembered
-from kompass.rules.table import Rule, Table, rule_hash
+from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.interned import interned
+from kompass.rules.schema.table import Rule, Table, rule_hash
 
 
 def with_sources(table: Table, recipe: Table) -> Table:

@@ -4,11 +4,7 @@
 shell feeds it and carries out the firings; nothing else decides whether a rule fires.
 """
 
-from kompass.rules.arbitrate import Arbitration, Lost, Running, arbitrate, components_of
-from kompass.rules.arguments import ArgumentError, expand, resolve
-from kompass.rules.bridge import Bridge, bridge
-from kompass.rules.carry import Carried, carry, exchange
-from kompass.rules.catalog import (
+from kompass.rules.checks.catalog import (
     ArgumentSpec,
     Catalog,
     ComponentSpec,
@@ -17,18 +13,23 @@ from kompass.rules.catalog import (
     ParameterSpec,
     StackCatalog,
 )
-from kompass.rules.check import check_rule, check_table
-from kompass.rules.compiled import CompiledTable, compile_table
-from kompass.rules.describe import describe
-from kompass.rules.engine import initial_state, step
-from kompass.rules.events import Event
-from kompass.rules.explain import Explanation, Gate, explain
-from kompass.rules.firing import Done, Firing, Input, LeafVerdict, Note, Output, Sample, Tick
-from kompass.rules.problem import Problem
-from kompass.rules.schedule import next_deadline
-from kompass.rules.signals import Signal
-from kompass.rules.state import Counters, State, counters
-from kompass.rules.table import Rule, Severity, Table, rule_hash, table_hash
+from kompass.rules.checks.check import check_rule, check_table
+from kompass.rules.checks.problem import Problem
+from kompass.rules.engine.arbitrate import Arbitration, Lost, Running, arbitrate, components_of
+from kompass.rules.engine.compiled_table import CompiledTable, compile_table
+from kompass.rules.engine.explain import Explanation, Gate, explain
+from kompass.rules.engine.firing import Done, Firing, Input, LeafVerdict, Note, Output, Sample, Tick
+from kompass.rules.engine.migrate import Carried, carry, exchange
+from kompass.rules.engine.migration import Bridge, bridge
+from kompass.rules.engine.schedule import next_deadline
+from kompass.rules.engine.state import Counters, State, counters
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema import actions
+from kompass.rules.schema.arguments import ArgumentError, expand, resolve
+from kompass.rules.schema.describe import describe
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Severity, Table, rule_hash, table_hash
 
 __all__ = [
     "Arbitration",
@@ -63,6 +64,7 @@ __all__ = [
     "State",
     "Table",
     "Tick",
+    "actions",
     "arbitrate",
     "bridge",
     "carry",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from kompass.simulation.faults import UnknownFault, help_text, parse_fault
+from kompass.simulation.faults.fault_names import UnknownFault, help_text, parse_fault
 from kompass.simulation.node import run_simulator
 from kompass.simulation.worlds.registry import world_names
 

@@ -14,8 +14,8 @@ from tf2_msgs.msg import TFMessage
 
 from kompass.algorithms.geometry import compose, inverse
 from kompass.simulation import messages
-from kompass.simulation.mjcf import IMU_HEIGHT, LIDAR_HEIGHT
-from kompass.simulation.parts import NoReading
+from kompass.simulation.physics.mjcf import IMU_HEIGHT, LIDAR_HEIGHT
+from kompass.simulation.physics.parts import NoReading
 from kompass.simulation.robot import Robot
 
 MAP, ODOM, BASE, LIDAR, IMU = "map", "odom", "base_link", "LDS-01", "imu_link"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import Imu, LaserScan
 
 from kompass.algorithms.geometry import quaternion_from_yaw
-from kompass.simulation.motion import Matrix3, Motion
+from kompass.simulation.physics.motion import Matrix3, Motion
 from kompass.simulation.sensors import imu, lidar
 
 # Where x, y and yaw stand among (x, y, z, roll, pitch, yaw).

@@ -10,14 +10,14 @@ from contextlib import ExitStack, contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from kompass.simulation.faults import parse_fault
+from kompass.simulation.faults.fault_names import parse_fault
 from kompass.simulation.pacer import Pacer
 from kompass.simulation.worlds.registry import world
 
 if TYPE_CHECKING:
     from kompass.simulation.broadcast import Broadcast
     from kompass.simulation.command_input import CommandInput
-    from kompass.simulation.fault_service import FaultService
+    from kompass.simulation.faults.fault_service import FaultService
     from kompass.simulation.robot import Robot
 
 PERIOD = 0.02  # of odometry and transforms, s
@@ -47,7 +47,7 @@ def run_simulator(
         node_name: Of the ROS 2 node.
         stop: Asked after every event, at least ten times a second, whether to end.
         faults: To begin by themselves, each as `NAME` or `NAME:SECONDS` after the start; see
-            `kompass.simulation.faults`. More of them are had from `/simulator/set_fault`.
+            `kompass.simulation.faults.fault_names`. More of them are had from `/simulator/set_fault`.
 
     Raises:
         ValueError: There is no such world, or no such fault.
@@ -58,12 +58,12 @@ def run_simulator(
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
-    from kompass.coroutine import QuietExecutor
-    from kompass.quiet_node import QuietNode
+    from kompass.rclpy_ext.executor import QuietExecutor
+    from kompass.rclpy_ext.node import QuietNode
     from kompass.simulation.broadcast import Broadcast
     from kompass.simulation.command_input import CommandInput
     from kompass.simulation.costmap import Costmap
-    from kompass.simulation.fault_service import FaultService
+    from kompass.simulation.faults.fault_service import FaultService
     from kompass.simulation.robot import Robot
 
     robot = Robot(place, seed)

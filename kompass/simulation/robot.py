@@ -9,17 +9,17 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from kompass.simulation.barriers import Barrier
-from kompass.simulation.drive import DifferentialDrive
-from kompass.simulation.mjcf import BARRIER_STORE, TIMESTEP, model_text
-from kompass.simulation.motion import Motion
-from kompass.simulation.parts import Drive, Odometer, PoseSource, RangeFinder
+from kompass.simulation.physics.barriers import Barrier
+from kompass.simulation.physics.drive import DifferentialDrive
+from kompass.simulation.physics.mjcf import BARRIER_STORE, TIMESTEP, model_text
+from kompass.simulation.physics.motion import Motion
+from kompass.simulation.physics.parts import Drive, Odometer, PoseSource, RangeFinder
 from kompass.simulation.sensors.bumper import Bumper
 from kompass.simulation.sensors.imu import Imu, ImuReading
 from kompass.simulation.sensors.lidar import Lidar
 from kompass.simulation.sensors.localizer import Localizer
 from kompass.simulation.sensors.wheel_odometry import WheelOdometry
-from kompass.simulation.world import World
+from kompass.simulation.worlds.world import World
 
 # Encoders and localizer are sampled at this period of simulated time, however `step` is called.
 SAMPLE_STEPS = 10

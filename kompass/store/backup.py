@@ -8,9 +8,9 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from kompass.rulebook.revision import Revision
-from kompass.rules.model import Model
-from kompass.rules.table import Table
+from kompass.rulebook.schema.revision import Revision
+from kompass.rules.schema.model import Model
+from kompass.rules.schema.table import Table
 from kompass.store.content import table_content
 from kompass.store.durable import sync_folder
 

@@ -6,10 +6,10 @@ import time as clock
 from typing import NamedTuple
 
 from kompass.rulebook.merge import merge
-from kompass.rulebook.revision import Origin
-from kompass.rulebook.table_view import Merge
-from kompass.rules.table import Table, table_hash
-from kompass.store.life import Life
+from kompass.rulebook.schema.revision import Origin
+from kompass.rulebook.schema.table_view import Merge
+from kompass.rules.schema.table import Table, table_hash
+from kompass.store.session import Life
 
 SOON = 60.0  # s after an apply in which a crash is put down to it
 SOON_CRASHES = 2

@@ -6,9 +6,9 @@ import sqlite3
 
 from pydantic import ValidationError
 
-from kompass.rules.interned import read_rule, text_of
-from kompass.rules.remembered import Remembered
-from kompass.rules.table import Rule, Table
+from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.interned import read_rule, text_of
+from kompass.rules.schema.table import Rule, Table
 from kompass.store.errors import MalformedTable, StoreCorrupt
 
 

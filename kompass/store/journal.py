@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from kompass.rulebook.journal import FiringRecord, Journal
+from kompass.rulebook.schema.journal import FiringRecord, Journal
 from kompass.store.database import Format, open_database, transaction
 from kompass.store.errors import StoreClosed, StoreCorrupt, StoreError
 from kompass.store.schema import JOURNAL, JOURNAL_ID

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from kompass.rulebook.journal import ActionRecord, FiringRecord, Journal
+from kompass.rulebook.schema.journal import ActionRecord, FiringRecord, Journal
 from kompass.store.journal import JournalFile, Refusal
 
 HANGING = 0.5  # s after which a disk is not waited for

@@ -6,14 +6,14 @@ import logging
 import sqlite3
 from typing import Literal, NamedTuple
 
-from kompass.rulebook.diff import TableDiff
-from kompass.rulebook.diffing import diff_tables
-from kompass.rulebook.revision import Origin, Revision
-from kompass.rules.table import Table, table_hash
+from kompass.rulebook.diff import diff_tables
+from kompass.rulebook.schema.diff_models import TableDiff
+from kompass.rulebook.schema.revision import Origin, Revision
+from kompass.rules.schema.table import Table, table_hash
 from kompass.store.boot import Kept, OlderEdits, StoreFacts
 from kompass.store.content import read_table, write_table
 from kompass.store.errors import NoSuchRevision, StoreCorrupt
-from kompass.store.life import Life
+from kompass.store.session import Life
 
 _logger = logging.getLogger("kompass.store")
 Outcome = Literal["confirmed", "taken back", "superseded"]

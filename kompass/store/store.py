@@ -18,19 +18,19 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from kompass.rulebook.revision import History, Origin, Revision
-from kompass.rules.table import Table, table_hash
+from kompass.rulebook.schema.revision import History, Origin, Revision
+from kompass.rules.schema.table import Table, table_hash
 from kompass.store.backup import backup_of, read_backup, write_backup
-from kompass.store.begin_again import begin_again
 from kompass.store.boot import Boot, StoreFacts, choose
 from kompass.store.database import Format, open_database, transaction, unwritable
 from kompass.store.errors import StaleRevision, StoreClosed, StoreCorrupt, StoreError
 from kompass.store.journal import DEFAULT_BOUNDS, Bounds, JournalFile
 from kompass.store.journal_access import JournalAccess
-from kompass.store.life import MONITOR, this_machine
 from kompass.store.lock import take_lock
+from kompass.store.rebuild import begin_again
 from kompass.store.revisions import Entry, Outcome, Revisions
 from kompass.store.schema import RULES, RULES_ID
+from kompass.store.session import MONITOR, this_machine
 
 _logger = logging.getLogger("kompass.store")
 FILE = "rules.db"

@@ -8,10 +8,10 @@ from typing import Annotated, cast
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
-from kompass_console.auth import Session
-from kompass_console.console import Console
-from kompass_console.errors import ConsoleError
-from kompass_console.roles import Role
+from kompass_console.schema.roles import Role
+from kompass_console.web.auth import Session
+from kompass_console.web.console import Console
+from kompass_console.web.errors import ConsoleError
 
 
 def console_of(connection: HTTPConnection) -> Console:

@@ -9,15 +9,15 @@ from fastapi import APIRouter, Path, Request
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
 from kompass_console.api.monitor_answers import no_monitor
 from kompass_console.api.payload import body_of, read_table
-from kompass_console.api.rule_models import (
+from kompass_console.link.backtests import TooMany
+from kompass_console.link.services import NoAnswer
+from kompass_console.schema.rule_models import (
     BacktestOptions,
     BacktestProgress,
     BacktestRequest,
     BacktestStarted,
 )
-from kompass_console.errors import ConsoleError
-from kompass_console.link.backtests import TooMany
-from kompass_console.link.services import NoAnswer
+from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(prefix="/api", tags=["backtests"])
 

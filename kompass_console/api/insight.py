@@ -16,18 +16,18 @@ from kompass_interfaces.srv import (
 )
 
 from kompass.recipe.export import Format
-from kompass.rulebook.diff import TableDiff
-from kompass.rulebook.explanation import ExplanationView
-from kompass.rulebook.graph_view import GraphView
-from kompass.rulebook.journal import Journal
-from kompass.rulebook.revision import History
-from kompass.rules.table import Table
+from kompass.rulebook.schema.diff_models import TableDiff
+from kompass.rulebook.schema.explanation import ExplanationView
+from kompass.rulebook.schema.graph_view import GraphView
+from kompass.rulebook.schema.journal import Journal
+from kompass.rulebook.schema.revision import History
+from kompass.rules.schema.table import Table
 from kompass_console.api.access import CurrentConsole, LoggedIn
 from kompass_console.api.monitor_answers import asked
 from kompass_console.api.payload import passed_on
-from kompass_console.api.rule_models import Revision
 from kompass_console.api.rules import RuleName
 from kompass_console.rules_text import SUFFIX, table_text
+from kompass_console.schema.rule_models import Revision
 
 router = APIRouter(prefix="/api", tags=["rules"])
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from kompass_console.console import Console
-from kompass_console.errors import ConsoleError
 from kompass_console.link.services import NoAnswer
+from kompass_console.web.console import Console
+from kompass_console.web.errors import ConsoleError
 
 _WAIT = (
     "Wait a few seconds and try again; if it stays so, look at the health of the monitor. "

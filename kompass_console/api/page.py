@@ -8,7 +8,7 @@ from fastapi import APIRouter, Response
 from fastapi.responses import FileResponse
 
 from kompass_console.api.access import CurrentConsole
-from kompass_console.errors import ConsoleError
+from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(include_in_schema=False)
 

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 from fastapi import Request, Response
 from pydantic import BaseModel, ValidationError
 
-from kompass_console.api.models import ErrorDetail
-from kompass_console.errors import ConsoleError
+from kompass_console.schema.models import ErrorDetail
+from kompass_console.web.errors import ConsoleError
 
 _Envelope = TypeVar("_Envelope", bound=BaseModel)
 

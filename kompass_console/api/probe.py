@@ -9,11 +9,11 @@ from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
 
 from kompass_console.api.access import console_of
-from kompass_console.api.rule_models import ProbeReading, ProbeRequest
 from kompass_console.api.sockets import admitted, telling, texts
 from kompass_console.link.probes import Probe
-from kompass_console.link.taps import Taps
-from kompass_console.roles import Role
+from kompass_console.link.topic_watch import Taps
+from kompass_console.schema.roles import Role
+from kompass_console.schema.rule_models import ProbeReading, ProbeRequest
 
 router = APIRouter()
 

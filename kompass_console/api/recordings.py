@@ -13,16 +13,16 @@ from kompass_interfaces.srv import SaveRecording
 from kompass.recorder.places import SUFFIX
 from kompass_console.api.access import CurrentConsole, Engineer, LoggedIn, Operator
 from kompass_console.api.monitor_answers import asked
-from kompass_console.api.recording_models import (
+from kompass_console.recordings import Kept, Recordings
+from kompass_console.schema.recording_models import (
     RecordingInfo,
     RecordingList,
     RecordingRequest,
     RecordingSaved,
     RingInfo,
 )
-from kompass_console.console import Console
-from kompass_console.errors import ConsoleError
-from kompass_console.recordings import Kept, Recordings
+from kompass_console.web.console import Console
+from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(prefix="/api/recordings", tags=["recordings"])
 

@@ -14,12 +14,12 @@ from kompass_interfaces.srv import (
     RollbackRules,
 )
 
-from kompass.rulebook.report import ApplyReport, CheckReport
-from kompass.rulebook.table_view import TableView
+from kompass.rulebook.schema.report import ApplyReport, CheckReport
+from kompass.rulebook.schema.table_view import TableView
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
 from kompass_console.api.monitor_answers import ask, asked, sentence
 from kompass_console.api.payload import body_of, passed_on, read_table, refusal
-from kompass_console.api.rule_models import (
+from kompass_console.schema.rule_models import (
     ApplyOptions,
     ApplyRequest,
     CheckRequest,
@@ -31,9 +31,9 @@ from kompass_console.api.rule_models import (
     Revision,
     RollbackRequest,
 )
-from kompass_console.auth import Session
-from kompass_console.console import Console
-from kompass_console.errors import ConsoleError
+from kompass_console.web.auth import Session
+from kompass_console.web.console import Console
+from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(prefix="/api/rules", tags=["rules"])
 

@@ -6,7 +6,7 @@ from fastapi import APIRouter, WebSocket
 
 from kompass_console.api.access import console_of
 from kompass_console.api.sockets import admitted, telling, texts
-from kompass_console.rules_feed import RulesListener
+from kompass_console.web.rules_feed import RulesListener
 
 router = APIRouter()
 

@@ -7,8 +7,8 @@ from fastapi import APIRouter, Response, WebSocket
 from kompass_console.api.access import CurrentConsole, LoggedIn, console_of, session_of
 from kompass_console.api.sockets import NOT_LOGGED_IN
 from kompass_console.api.views import unknown_view
-from kompass_console.errors import ConsoleError
-from kompass_console.scene_page import SCENE_POLICY, scene_page
+from kompass_console.scene.client_page import SCENE_POLICY, scene_page
+from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(include_in_schema=False)
 

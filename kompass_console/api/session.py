@@ -5,9 +5,9 @@ from __future__ import annotations
 from fastapi import APIRouter, Request, Response
 
 from kompass_console.api.access import CurrentConsole, LoggedIn, session_cookie
-from kompass_console.api.models import Login, SessionInfo
-from kompass_console.auth import SESSION_LIFETIME
-from kompass_console.errors import ConsoleError
+from kompass_console.schema.models import Login, SessionInfo
+from kompass_console.web.auth import SESSION_LIFETIME
+from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(prefix="/api", tags=["session"])
 

@@ -10,9 +10,9 @@ from typing import Any
 from fastapi import WebSocket, WebSocketDisconnect
 
 from kompass_console.api.access import session_of
-from kompass_console.auth import Session
-from kompass_console.errors import ConsoleError
-from kompass_console.roles import Role
+from kompass_console.schema.roles import Role
+from kompass_console.web.auth import Session
+from kompass_console.web.errors import ConsoleError
 
 NOT_LOGGED_IN = 4401  # close codes
 NOT_ALLOWED = 4403

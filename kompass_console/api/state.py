@@ -7,9 +7,9 @@ from pydantic import ValidationError
 
 from kompass_console import __version__
 from kompass_console.api.access import console_of
-from kompass_console.api.models import Hello, Ping, Pong, SessionInfo
 from kompass_console.api.sockets import admitted, telling, texts
-from kompass_console.state_feed import Listener
+from kompass_console.schema.models import Hello, Ping, Pong, SessionInfo
+from kompass_console.web.state_feed import Listener
 
 router = APIRouter()
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
-from kompass_console.api.models import StopAnswer, StopRequest
-from kompass_console.errors import ConsoleError
 from kompass_console.link.services import NoAnswer
+from kompass_console.schema.models import StopAnswer, StopRequest
+from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(prefix="/api/stop", tags=["stop"])
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from kompass_console.api.access import CurrentConsole, LoggedIn
-from kompass_console.api.models import View, ViewPatch
-from kompass_console.errors import ConsoleError
+from kompass_console.schema.models import View, ViewPatch
+from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(prefix="/api/views", tags=["views"])
 

@@ -16,10 +16,10 @@ from pydantic import ValidationError
 from rclpy.action import ActionClient
 from rclpy.node import Node
 
-from kompass.rulebook.backtest_report import BacktestReport
-from kompass_console.api.rule_models import BacktestProgress
+from kompass.backtest.report import BacktestReport
 from kompass_console.link.discovery import Graph, action_names
 from kompass_console.link.services import NoAnswer
+from kompass_console.schema.rule_models import BacktestProgress
 
 _TYPE = "kompass_interfaces/action/BacktestRules"
 _KEPT = 8  # reports

@@ -10,10 +10,10 @@ from typing import Any
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.node import Node
 
-from kompass_console.api.models import ComponentInfo, ComponentState, InputInfo, ProcessInfo
 from kompass_console.link.discovery import Graph, status_topics
 from kompass_console.link.reader import Reader
-from kompass_console.world import Latest
+from kompass_console.schema.models import ComponentInfo, ComponentState, InputInfo, ProcessInfo
+from kompass_console.schema.world import Latest
 
 SILENT_AFTER = 1.5  # s; components speak on change and at 5 Hz
 _FORGET_AFTER = 600.0  # s of silence, when its topic has gone as well

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from kompass_console.world import Grid, Motion, Pose, Scan
+from kompass_console.schema.world import Grid, Motion, Pose, Scan
 
 
 def seconds(stamp: Any) -> float:

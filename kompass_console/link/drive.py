@@ -11,11 +11,11 @@ from kompass_interfaces.msg import DriveState
 from kompass_interfaces.srv import ReleaseStop, StopRobot
 from rclpy.node import Node
 
-from kompass_console.api.models import DriveInfo
 from kompass_console.link.discovery import Graph, of_type
 from kompass_console.link.reader import Reader
 from kompass_console.link.services import NoAnswer, ServicePool
-from kompass_console.world import Latest
+from kompass_console.schema.models import DriveInfo
+from kompass_console.schema.world import Latest
 
 AVAILABLE_WITHIN = 1.5  # s; the drive manager speaks on change and at 5 Hz
 STOP_TIMEOUT = 1.0  # s

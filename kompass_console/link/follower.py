@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from kompass_console.api.models import GoalInfo, GoalPhase
-from kompass_console.world import GoalMark, Motion, World
+from kompass_console.schema.models import GoalInfo, GoalPhase
+from kompass_console.schema.world import GoalMark, Motion, World
 
 ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)  # action_msgs/GoalStatus
 

@@ -21,7 +21,7 @@ from kompass_console.link.discovery import Graph, action_names
 from kompass_console.link.follower import ActionStatus, Ending, GoalFollower
 from kompass_console.link.reader import Reader
 from kompass_console.link.services import NoAnswer, ServicePool
-from kompass_console.world import World
+from kompass_console.schema.world import World
 
 GoalTopic = Literal["/goal_pose", "/clicked_point"]
 POSE_TOPIC: GoalTopic = "/goal_pose"

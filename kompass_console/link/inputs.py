@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from rclpy.node import Node, NodeNameNonExistentError
 
-from kompass_console.api.models import InputInfo, StreamInfo
+from kompass_console.schema.models import InputInfo, StreamInfo
 
 _PERIOD = 2.0  # s between two looks; a component's inputs change when it is configured anew
 

@@ -15,8 +15,8 @@ from kompass_interfaces.srv import CheckGoal
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from kompass.coroutine import QuietExecutor
-from kompass.quiet_node import QuietNode
+from kompass.rclpy_ext.executor import QuietExecutor
+from kompass.rclpy_ext.node import QuietNode
 from kompass_console.link import convert
 from kompass_console.link.backtests import Backtests
 from kompass_console.link.components import Components
@@ -28,9 +28,9 @@ from kompass_console.link.processes import Processes
 from kompass_console.link.rules import Rules
 from kompass_console.link.services import ServicePool
 from kompass_console.link.streams import Streams
-from kompass_console.link.taps import Taps
+from kompass_console.link.topic_watch import Taps
+from kompass_console.schema.world import World
 from kompass_console.settings import ConsoleSettings
-from kompass_console.world import World
 
 NODE_NAME = "kompass_console"
 CHECK_TIMEOUT = 2.0  # s

@@ -8,20 +8,20 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from kompass.monitor.message_types import MessageTypes
-from kompass.rulebook.views import leaf_reading
-from kompass.rules.actions import Log
-from kompass.rules.check import check_rule
-from kompass.rules.compiled import CompiledTable, compile_table
-from kompass.rules.conditions import Condition, leaves
-from kompass.rules.engine import initial_state, step
-from kompass.rules.events import Event
-from kompass.rules.explain import explain
-from kompass.rules.firing import Sample, Tick
-from kompass.rules.state import State
-from kompass.rules.table import Rule, Table
-from kompass_console.api.rule_models import ProbeReading
-from kompass_console.link.taps import CannotOpen, Taps
+from kompass.monitor.introspection.message_types import MessageTypes
+from kompass.rulebook.views.views import leaf_reading
+from kompass.rules.checks.check import check_rule
+from kompass.rules.engine.compiled_table import CompiledTable, compile_table
+from kompass.rules.engine.explain import explain
+from kompass.rules.engine.firing import Sample, Tick
+from kompass.rules.engine.state import State
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.actions import Log
+from kompass.rules.schema.conditions import Condition, leaves
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.table import Rule, Table
+from kompass_console.link.topic_watch import CannotOpen, Taps
+from kompass_console.schema.rule_models import ProbeReading
 
 MOST_LEAVES = 100  # of a condition and its clear condition
 

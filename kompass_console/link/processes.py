@@ -9,10 +9,10 @@ from typing import Any, get_args
 from kompass_interfaces.msg import StackState
 from rclpy.node import Node
 
-from kompass_console.api.models import ProcessInfo, ProcessPhase
 from kompass_console.link.discovery import Graph, of_type
 from kompass_console.link.reader import Reader
-from kompass_console.world import Latest
+from kompass_console.schema.models import ProcessInfo, ProcessPhase
+from kompass_console.schema.world import Latest
 
 _PHASES = frozenset(get_args(ProcessPhase))
 

@@ -13,13 +13,13 @@ from pydantic import TypeAdapter
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from kompass.rulebook.alarm import Alarm
-from kompass_console.api.models import RulesInfo
-from kompass_console.api.rule_models import FiringStep
+from kompass.rulebook.schema.alarm import Alarm
 from kompass_console.link.convert import seconds
 from kompass_console.link.discovery import Graph, of_type
 from kompass_console.link.reader import Reader
-from kompass_console.world import Latest
+from kompass_console.schema.models import RulesInfo
+from kompass_console.schema.rule_models import FiringStep
+from kompass_console.schema.world import Latest
 
 AVAILABLE_WITHIN = 2.0  # s; the monitor speaks at 4 Hz while anybody listens
 

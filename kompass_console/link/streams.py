@@ -12,12 +12,12 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float32
 from tf2_msgs.msg import TFMessage
 
-from kompass_console.api.models import StreamInfo, StreamKey
 from kompass_console.link import convert
 from kompass_console.link.discovery import Graph, of_type, stream_topic
 from kompass_console.link.reader import Reader
+from kompass_console.schema.models import StreamInfo, StreamKey
+from kompass_console.schema.world import Latest, Motion, Pose, Stamped, World
 from kompass_console.settings import TopicOverrides
-from kompass_console.world import Latest, Motion, Pose, Stamped, World
 
 _BASE_FRAMES = ("base_link", "base_footprint")
 

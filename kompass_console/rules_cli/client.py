@@ -28,17 +28,17 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
-from kompass.rulebook.backtest_report import BacktestReport
-from kompass.rulebook.diff import TableDiff
-from kompass.rulebook.explanation import ExplanationView
-from kompass.rulebook.journal import Journal
-from kompass.rulebook.report import ApplyReport, CheckReport, Conflict
-from kompass.rulebook.revision import History
-from kompass.rulebook.status import RuleStatus
-from kompass.rulebook.table_view import TableView
-from kompass.rules.model import Model
-from kompass.rules.table import Table
-from kompass_console.problem import Problem
+from kompass.backtest.report import BacktestReport
+from kompass.rulebook.schema.diff_models import TableDiff
+from kompass.rulebook.schema.explanation import ExplanationView
+from kompass.rulebook.schema.journal import Journal
+from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict
+from kompass.rulebook.schema.revision import History
+from kompass.rulebook.schema.status import RuleStatus
+from kompass.rulebook.schema.table_view import TableView
+from kompass.rules.schema.model import Model
+from kompass.rules.schema.table import Table
+from kompass_console.cli_error import Problem
 
 SERVICE = "kompass_interfaces/srv/GetRules"
 NAME = "/get_rules"

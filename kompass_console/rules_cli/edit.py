@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 import yaml
 
-from kompass_console.problem import Problem
+from kompass_console.cli_error import Problem
 from kompass_console.rules_cli.options import (
     Author,
     Probation,
@@ -28,7 +28,7 @@ from kompass_console.rules_cli.options import (
 )
 
 if TYPE_CHECKING:
-    from kompass.rules.table import Table
+    from kompass.rules.schema.table import Table
     from kompass_console.rules_cli.table_file import TableFile
 
 EDITOR = "vi"  # where neither VISUAL nor EDITOR says another
@@ -179,7 +179,7 @@ def changed(table: Table, rule_ids: list[str], changes: list[tuple[str, Any]]) -
     Problem
         When there is no such rule or field, or the value does not fit.
     """
-    from kompass.monitor.reading import Unreadable, read_table
+    from kompass.monitor.tables.table_reader import Unreadable, read_table
 
     data = json.loads(table.model_dump_json())
     rules = {rule["id"]: rule for rule in data["rules"]}

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 import typer
 
-from kompass.rulebook.report import ApplyReport, CheckReport, Conflict, Finding
-from kompass.rules.model import Model
-from kompass.rules.table import Table
-from kompass_console.problem import Problem
+from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Finding
+from kompass.rules.schema.model import Model
+from kompass.rules.schema.table import Table
+from kompass_console.cli_error import Problem
 from kompass_console.rules_cli.options import ROLE, Robot
 
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, NoReturn
 
 import typer
 
-from kompass_console.problem import Problem
+from kompass_console.cli_error import Problem
 from kompass_console.rules_cli.options import ROLE, Robot, command
 
 FOLLOW_PERIOD = 0.5  # s between two looks at the journal
@@ -187,6 +187,6 @@ def export(
 
 def schema() -> None:
     """Print the JSON Schema of a table, for editors that check while one types."""
-    from kompass.rules.table import Table
+    from kompass.rules.schema.table import Table
 
     typer.echo(json.dumps(Table.model_json_schema(), indent=2))

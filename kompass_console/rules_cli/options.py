@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from kompass_console.problem import Problem
+from kompass_console.cli_error import Problem
 
 # Models and ROS are imported when a command runs: help answers at once.
 if TYPE_CHECKING:
-    from kompass.rules.model import Model
+    from kompass.rules.schema.model import Model
 
 ROLE = "engineer"  # whoever has the network of the robot is one
 DomainId = Annotated[

@@ -10,15 +10,15 @@ from rich.console import Console
 from rich.table import Table as Grid
 from rich.text import Text
 
-from kompass.rulebook.backtest_report import BacktestReport
-from kompass.rulebook.diff import TableDiff
-from kompass.rulebook.explanation import ExplanationView
-from kompass.rulebook.journal import FiringRecord, Journal
-from kompass.rulebook.report import ApplyReport, CheckReport, Conflict, Effect, Finding
-from kompass.rulebook.revision import History, Revision
-from kompass.rulebook.status import LeafReading, RuleStatus
-from kompass.rulebook.table_view import TableView
-from kompass.rulebook.wording import seconds
+from kompass.backtest.report import BacktestReport
+from kompass.rulebook.schema.diff_models import TableDiff
+from kompass.rulebook.schema.explanation import ExplanationView
+from kompass.rulebook.schema.journal import FiringRecord, Journal
+from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Effect, Finding
+from kompass.rulebook.schema.revision import History, Revision
+from kompass.rulebook.schema.status import LeafReading, RuleStatus
+from kompass.rulebook.schema.table_view import TableView
+from kompass.rulebook.views.wording import seconds
 
 PIPE_WIDTH = 200  # columns, where there is no terminal to ask
 CHANGES = 5  # of a revision that its line in the history tells

@@ -10,10 +10,10 @@ from typing import Any
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from kompass.monitor.reading import Unreadable, read_table
-from kompass.rulebook.report import Finding
-from kompass.rules.table import Table
-from kompass_console.problem import Problem
+from kompass.monitor.tables.table_reader import Unreadable, read_table
+from kompass.rulebook.schema.report import Finding
+from kompass.rules.schema.table import Table
+from kompass_console.cli_error import Problem
 
 BAD_INPUT = 2
 

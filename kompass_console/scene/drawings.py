@@ -13,7 +13,7 @@ from kompass_console.scene.local_map_layer import LocalMapDrawing
 from kompass_console.scene.map_layer import MapDrawing
 from kompass_console.scene.shapes import Vertices
 from kompass_console.scene.trail_layer import Trail
-from kompass_console.world import GoalMark, Pose, Scan, World
+from kompass_console.schema.world import GoalMark, Pose, Scan, World
 
 LayerKey = str
 

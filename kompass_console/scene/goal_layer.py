@@ -9,7 +9,7 @@ import viser
 
 from kompass_console.scene.palette import Rgb
 from kompass_console.scene.shapes import circle, closed_segments, flat_arrow
-from kompass_console.world import GoalMark
+from kompass_console.schema.world import GoalMark
 
 _RADIUS = 0.14  # m
 _HEIGHT = 0.025

@@ -15,8 +15,8 @@ from kompass_console.scene.cells import OCCUPIED_FROM, blocks, rectangles
 from kompass_console.scene.map_layer import WALL_HEIGHT
 from kompass_console.scene.palette import palette
 from kompass_console.scene.shapes import Faces, Vertices, placed
-from kompass_console.settings import Theme
-from kompass_console.world import Grid
+from kompass_console.schema.models import Theme
+from kompass_console.schema.world import Grid
 
 _HEIGHT = WALL_HEIGHT + 0.006  # m; just above the walls, so that the two never flicker
 _OPACITY = 0.6

@@ -12,8 +12,8 @@ import viser
 from kompass_console.scene.cells import OCCUPIED_FROM, blocks, rectangles
 from kompass_console.scene.palette import palette
 from kompass_console.scene.png import encode_palette
-from kompass_console.settings import Theme
-from kompass_console.world import Grid, Pose
+from kompass_console.schema.models import Theme
+from kompass_console.schema.world import Grid, Pose
 
 _UNKNOWN, _HATCH, _FREE, _OCCUPIED = 0, 1, 2, 3
 

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
-from kompass_console.api.models import View
-from kompass_console.picking import Camera
 from kompass_console.scene import camera as cameras
 from kompass_console.scene.drawings import Drawings, LayerKey
 from kompass_console.scene.goal_layer import GoalNodes
@@ -19,10 +17,12 @@ from kompass_console.scene.local_map_layer import LocalMapNodes
 from kompass_console.scene.map_layer import MapNodes
 from kompass_console.scene.palette import palette
 from kompass_console.scene.path_layer import PathNodes
+from kompass_console.scene.picking import Camera
 from kompass_console.scene.preview_layer import Preview, PreviewNodes
 from kompass_console.scene.robot_layer import RobotNodes
 from kompass_console.scene.scan_layer import ScanNodes
 from kompass_console.scene.trail_layer import TrailNodes
+from kompass_console.schema.models import View
 
 _WORLD = "/world"
 _SAME_CAMERA = 0.05  # m; a page that reconnects reports the camera it had, to within rounding

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kompass_console.settings import Theme
+from kompass_console.schema.models import Theme
 
 Rgb = tuple[int, int, int]
 Rgba = tuple[int, int, int, int]

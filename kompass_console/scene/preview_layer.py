@@ -11,8 +11,8 @@ import viser
 from kompass_console.scene.goal_layer import GoalNodes
 from kompass_console.scene.palette import palette
 from kompass_console.scene.path_layer import PathNodes, convert
-from kompass_console.settings import Theme
-from kompass_console.world import GoalMark
+from kompass_console.schema.models import Theme
+from kompass_console.schema.world import GoalMark
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,8 @@ import viser
 
 from kompass_console.scene.palette import palette
 from kompass_console.scene.shapes import circle, closed_segments, prism
-from kompass_console.settings import Theme
-from kompass_console.world import Pose
+from kompass_console.schema.models import Theme
+from kompass_console.schema.world import Pose
 
 _DEFAULT_RADIUS = 0.11  # m, until the footprint is known
 _RING_HEIGHT = 0.02

@@ -8,8 +8,8 @@ import viser
 from kompass_console.scene.map_layer import WALL_HEIGHT
 from kompass_console.scene.palette import palette
 from kompass_console.scene.shapes import Vertices, placed
-from kompass_console.settings import Theme
-from kompass_console.world import Pose, Scan
+from kompass_console.schema.models import Theme
+from kompass_console.schema.world import Pose, Scan
 
 _HEIGHT = WALL_HEIGHT + 0.01  # m; on top of the walls, or these would hide half of the points
 _POINT = 0.013  # m

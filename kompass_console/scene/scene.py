@@ -8,13 +8,13 @@ from collections.abc import Callable
 
 import viser
 
-from kompass_console.api.models import View
-from kompass_console.picking import floor_point
 from kompass_console.scene.drawings import Converter, Drawings
 from kompass_console.scene.page_scene import Memory, PageScene
+from kompass_console.scene.picking import floor_point
 from kompass_console.scene.preview_layer import Preview
-from kompass_console.viser_hub import ViserHub
-from kompass_console.world import World
+from kompass_console.scene.viser_hub import ViserHub
+from kompass_console.schema.models import View
+from kompass_console.schema.world import World
 
 _PERIOD = 0.05  # s between two rounds while somebody watches
 _IDLE_PERIOD = 0.2

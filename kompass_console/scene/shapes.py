@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from kompass_console.world import Pose
+from kompass_console.schema.world import Pose
 
 Vertices = npt.NDArray[np.float32]
 Faces = npt.NDArray[np.uint32]

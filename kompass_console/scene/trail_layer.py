@@ -10,8 +10,8 @@ import viser
 
 from kompass_console.scene.palette import palette
 from kompass_console.scene.shapes import Vertices, open_segments
-from kompass_console.settings import Theme
-from kompass_console.world import Pose
+from kompass_console.schema.models import Theme
+from kompass_console.schema.world import Pose
 
 _STEP = 0.05  # m between two points
 _LENGTH = 240  # points: the last 12 m

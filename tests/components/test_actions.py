@@ -8,7 +8,7 @@ import pytest
 from automatika_ros_sugar.srv import ExecuteMethod
 
 from kompass.components import Component, DriveManager, Planner
-from kompass.components.actions import component_action
+from kompass.components.base.actions import component_action
 from tests.components.alive import Alive
 from tests.support.processes import wait_until
 

@@ -2,7 +2,7 @@
 
 from kompass_interfaces.msg import TwistArray
 
-from kompass.components.command_queue import CommandQueue
+from kompass.components.drive.command_queue import CommandQueue
 
 
 def filled(count: int = 3) -> CommandQueue:

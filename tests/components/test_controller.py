@@ -16,10 +16,10 @@ from sensor_msgs.msg import LaserScan
 
 from kompass.algorithms.grid import Grid
 from kompass.components import Controller, ControllerConfig
-from kompass.components.config_file import ConfigFileError
-from kompass.components.convert import grid_msg
-from kompass.components.topic import Topic
+from kompass.components.base.config_file import ConfigFileError
+from kompass.components.base.convert import grid_msg
 from kompass.control import ControllersID, DWAConfig, StanleyConfig
+from kompass.rclpy_ext.topic import Topic
 from tests.components.alive import LATCHED, Alive
 from tests.components.test_manoeuvres import robot
 from tests.support.processes import wait_until

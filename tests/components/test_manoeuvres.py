@@ -12,7 +12,7 @@ from kompass_interfaces.srv import ReleaseStop, StopRobot
 from std_msgs.msg import Bool
 
 from kompass.components import DriveManager, DriveManagerConfig
-from kompass.components.manoeuvre import Manoeuvre, free_way, open_turn
+from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
 from kompass.robot import (
     AngularCtrlLimits,
     LinearCtrlLimits,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from kompass.components.mission import Mission, Tolerance
+from kompass.components.planner.mission import Mission, Tolerance
 
 STRAIGHT = np.stack([np.linspace(0, 2, 21), np.zeros(21), np.zeros(21)], axis=1)
 

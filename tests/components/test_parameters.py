@@ -13,8 +13,8 @@ from automatika_ros_sugar.srv import (
 from geometry_msgs.msg import Twist, TwistStamped
 
 from kompass.components import DriveManager, DriveManagerConfig, LocalMapper, LocalMapperConfig
-from kompass.components.parameter import ParameterError, read_values, with_values
-from kompass.components.topic import Topic
+from kompass.components.base.parameter import ParameterError, read_values, with_values
+from kompass.rclpy_ext.topic import Topic
 from tests.components.alive import Alive
 from tests.support.processes import wait_until
 

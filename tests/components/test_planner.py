@@ -10,7 +10,7 @@ from nav_msgs.msg import OccupancyGrid, Odometry, Path
 
 from kompass.algorithms.grid import Grid
 from kompass.components import Planner, PlannerConfig
-from kompass.components.convert import grid_msg
+from kompass.components.base.convert import grid_msg
 from tests.components.alive import LATCHED, Alive
 from tests.components.test_manoeuvres import robot
 from tests.support.processes import wait_until

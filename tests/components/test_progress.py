@@ -2,7 +2,7 @@
 
 import math
 
-from kompass.components.progress import Progress
+from kompass.components.controller.progress import Progress
 
 
 def stalled(poses: list[tuple[float, float, float]], *, turning: bool = False) -> float:

@@ -17,9 +17,9 @@ from kompass.components import (
     PlannerConfig,
     TopicsKeys,
 )
-from kompass.components.config_file import ConfigFileError
-from kompass.components.topic import Topic
+from kompass.components.base.config_file import ConfigFileError
 from kompass.control import ControllersID
+from kompass.rclpy_ext.topic import Topic
 from kompass.robot import AngularCtrlLimits, LinearCtrlLimits, RobotConfig, RobotGeometry
 from kompass.ros import Launcher
 

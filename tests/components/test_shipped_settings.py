@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from kompass.components import Controller, DriveManager, LocalMapper, Planner, PlannerConfig
-from kompass.components.config_file import ConfigFileError
+from kompass.components.base.config_file import ConfigFileError
 from kompass.control import ControllersID
 from kompass.share import map_path
 

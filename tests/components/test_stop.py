@@ -2,8 +2,8 @@
 
 import os
 
-from kompass.components.standstill import Standstill
-from kompass.components.stop_latch import StopLatch
+from kompass.algorithms.safety.standstill import Standstill
+from kompass.components.drive.stop_latch import StopLatch
 
 
 def test_a_latched_stop_says_who_and_why() -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from kompass_console.roles import Role
+from kompass_console.schema.roles import Role
 from kompass_console.server import run_console
 from kompass_console.settings import ConsoleSettings
 from tests.support.processes import wait_until

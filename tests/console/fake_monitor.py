@@ -34,22 +34,22 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
-from kompass.rulebook.alarm import Alarm
-from kompass.rulebook.backtest_report import BacktestReport
-from kompass.rulebook.diff import TableDiff
-from kompass.rulebook.diffing import diff_tables
-from kompass.rulebook.explanation import ExplanationView
-from kompass.rulebook.graph_view import GraphView
-from kompass.rulebook.journal import Journal
-from kompass.rulebook.report import ApplyReport, CheckReport, Conflict, Effect, Finding
-from kompass.rulebook.revision import History
-from kompass.rulebook.status import RuleStatus
-from kompass.rulebook.views import table_view
-from kompass.rules.actions import Log
-from kompass.rules.conditions import Compare
-from kompass.rules.events import Event
-from kompass.rules.signals import Signal
-from kompass.rules.table import Rule, Table
+from kompass.backtest.report import BacktestReport
+from kompass.rulebook.diff import diff_tables
+from kompass.rulebook.schema.alarm import Alarm
+from kompass.rulebook.schema.diff_models import TableDiff
+from kompass.rulebook.schema.explanation import ExplanationView
+from kompass.rulebook.schema.graph_view import GraphView
+from kompass.rulebook.schema.journal import Journal
+from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Effect, Finding
+from kompass.rulebook.schema.revision import History
+from kompass.rulebook.schema.status import RuleStatus
+from kompass.rulebook.views.views import table_view
+from kompass.rules.schema.actions import Log
+from kompass.rules.schema.conditions import Compare
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Table
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from kompass_console.roles import Role
+from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, serving
 
 pytestmark = pytest.mark.ros

@@ -1,7 +1,7 @@
 """Sessions: who gets one, and when it stops being one."""
 
-from kompass_console.auth import SESSION_LIFETIME, Authenticator, LoginLimiter
-from kompass_console.roles import Role
+from kompass_console.schema.roles import Role
+from kompass_console.web.auth import SESSION_LIFETIME, Authenticator, LoginLimiter
 
 TOKENS = {Role.VIEWER: "v" * 20, Role.OPERATOR: "o" * 20}
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import httpx
 import pytest
 
-from kompass_console.roles import Role
+from kompass_console.schema.roles import Role
 from tests.console.conftest import Served
 from tests.console.rules_client import Json, await_monitor, running_monitor, table
 from tests.support.processes import wait_until

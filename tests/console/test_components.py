@@ -4,8 +4,8 @@ from unittest.mock import create_autospec
 
 from rclpy.node import Node
 
-from kompass_console.api.models import ProcessInfo, ProcessPhase
 from kompass_console.link.components import Components
+from kompass_console.schema.models import ProcessInfo, ProcessPhase
 
 STATUS = "automatika_ros_sugar/msg/ComponentStatus"
 PLANNER = {"/planner/status": [STATUS]}

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from kompass_console.api.models import GoalInfo
 from kompass_console.link.follower import (
     ABORTED,
     CANCELED,
@@ -16,7 +15,8 @@ from kompass_console.link.follower import (
     GoalFollower,
     length_left,
 )
-from kompass_console.world import Motion, Pose, World
+from kompass_console.schema.models import GoalInfo
+from kompass_console.schema.world import Motion, Pose, World
 
 ACTION = "/planner/plan_path"
 

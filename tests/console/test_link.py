@@ -16,7 +16,7 @@ import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from kompass_console.roles import Role
+from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, cookie_of, running_stack, serving
 from tests.support.patience import patient
 from tests.support.processes import wait_until

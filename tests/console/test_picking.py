@@ -8,8 +8,8 @@ import viser.transforms as tf
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kompass_console.picking import Camera, floor_point
 from kompass_console.scene.camera import FIELD_OF_VIEW, framing
+from kompass_console.scene.picking import Camera, floor_point
 
 
 def camera_at(position: np.ndarray, look_at: np.ndarray, aspect: float) -> Camera:

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sensor_msgs.msg import LaserScan
 
-from kompass.rules.conditions import AnyOf, Compare, Condition, Not, Rate
-from kompass.rules.signals import Signal
+from kompass.rules.schema.conditions import AnyOf, Compare, Condition, Not, Rate
+from kompass.rules.schema.signals import Signal
 from kompass_console.api.probe import PageProbes
-from kompass_console.api.rule_models import ProbeReading
 from kompass_console.link.probes import Probe
-from kompass_console.link.taps import Heard, Listener, Taps
+from kompass_console.link.topic_watch import Heard, Listener, Taps
+from kompass_console.schema.rule_models import ProbeReading
 from tests.support.patience import patient
 
 

@@ -2,7 +2,7 @@
 
 import time
 
-from kompass_console.roles import Role
+from kompass_console.schema.roles import Role
 from tests.console.conftest import Served
 
 # A browser's system waits this long before it acknowledges a part of an answer.

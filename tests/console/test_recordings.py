@@ -9,8 +9,8 @@ from pathlib import Path
 import httpx
 import pytest
 
-from kompass.recorder.mcap_writer import McapWriter
-from kompass_console.roles import Role
+from kompass.recorder.mcap.writer import McapWriter
+from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, serving
 
 pytestmark = pytest.mark.ros

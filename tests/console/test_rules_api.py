@@ -14,8 +14,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from kompass_console.body_limit import LARGEST_TABLE
-from kompass_console.roles import Role
+from kompass_console.schema.roles import Role
+from kompass_console.web.body_limit import LARGEST_TABLE
 from tests.console.conftest import Served, serving
 from tests.console.fake_monitor import DISK_FULL
 from tests.console.rules_client import Json, await_monitor, running_monitor, table

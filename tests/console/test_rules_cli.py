@@ -13,12 +13,12 @@ import pytest
 import yaml
 from std_msgs.msg import Bool
 
-from kompass.rulebook.backtest_report import BacktestReport
-from kompass.rulebook.report import ApplyReport, CheckReport, Conflict
-from kompass.rulebook.revision import History
-from kompass.rules.table import Table
+from kompass.backtest.report import BacktestReport
+from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict
+from kompass.rulebook.schema.revision import History
+from kompass.rules.schema.table import Table
 from kompass_console.cli import app
-from kompass_console.problem import Problem
+from kompass_console.cli_error import Problem
 from kompass_console.rules_cli.client import RulesClient
 from kompass_console.rules_cli.options import Robot as CommandRobot
 from kompass_console.rules_cli.table_file import TableFile

@@ -13,7 +13,7 @@ from websockets import Origin
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from kompass_console.roles import Role
+from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, cookie_of, running_stack
 from tests.console.rules_client import Json, await_monitor, opened, running_monitor, table, until
 from tests.support.processes import wait_until

@@ -11,8 +11,8 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from kompass_console.roles import Role
-from kompass_console.viser_hub import allowed
+from kompass_console.scene.viser_hub import allowed
+from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, cookie_of, running_stack
 from tests.console.scene_client import SceneClient
 from tests.support.processes import wait_until

@@ -14,7 +14,7 @@ from kompass_console.scene.cells import rectangles
 from kompass_console.scene.palette import palette
 from kompass_console.scene.png import encode_palette
 from kompass_console.scene.trail_layer import Trail
-from kompass_console.world import Grid, Pose, PoseHistory, Scan
+from kompass_console.schema.world import Grid, Pose, PoseHistory, Scan
 
 
 @pytest.mark.parametrize("colours", [1, 2, 3, 4, 5, 16, 17, 256])

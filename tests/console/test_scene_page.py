@@ -1,6 +1,6 @@
 """viser's own page is made part of ours."""
 
-from kompass_console.scene_page import SCENE_POLICY, scene_page
+from kompass_console.scene.client_page import SCENE_POLICY, scene_page
 
 
 def test_the_page_is_viser_s_with_ours_before_it() -> None:

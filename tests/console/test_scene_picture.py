@@ -11,8 +11,8 @@ import pytest
 from PIL import Image
 from playwright.sync_api import BrowserContext, Page, sync_playwright
 
-from kompass_console.roles import Role
 from kompass_console.scene.palette import palette
+from kompass_console.schema.roles import Role
 from tests.console.conftest import TOKENS, Served, running_stack
 from tests.console.fake_stack import ROOM
 from tests.support.processes import wait_until

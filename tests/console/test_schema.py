@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from kompass_console.app import create_app, openapi
+from kompass_console.api.app import create_app, openapi
 
 COMMITTED = Path(__file__).parents[2] / "web" / "openapi.json"
 

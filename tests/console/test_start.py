@@ -6,9 +6,9 @@ import pytest
 import viser
 from pydantic import ValidationError
 
-from kompass_console.audit import AuditTrail
+from kompass_console.scene.viser_hub import ViserHub
 from kompass_console.settings import ConsoleSettings
-from kompass_console.viser_hub import ViserHub
+from kompass_console.web.audit import AuditTrail
 
 
 def test_another_viser_is_named_with_the_one_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,8 +7,8 @@ import time
 
 import pytest
 
-from kompass_console.api.models import RobotInfo, RosInfo, RulesInfo, State
-from kompass_console.state_feed import Listener, StateFeed
+from kompass_console.schema.models import RobotInfo, RosInfo, RulesInfo, State
+from kompass_console.web.state_feed import Listener, StateFeed
 
 
 def build(seq: int, viewers: int) -> State:

@@ -1,7 +1,7 @@
 """Views: settings of a page's scene."""
 
-from kompass_console.api.models import LayersPatch, ViewPatch
-from kompass_console.views import ViewRegistry
+from kompass_console.schema.models import LayersPatch, ViewPatch
+from kompass_console.web.views import ViewRegistry
 
 
 def test_a_patch_changes_what_it_names_and_nothing_else() -> None:

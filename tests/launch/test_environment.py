@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from kompass.launch.claim import AlreadyRunning, claim
 from kompass.launch.environment import EnvironmentProblem, check_environment
-from kompass.middleware import PROFILES, RANGE, TRANSPORTS, prepare_middleware
+from kompass.rclpy_ext.middleware import PROFILES, RANGE, TRANSPORTS, prepare_middleware
+from kompass.supervisor.instance_lock import AlreadyRunning, claim
 
 
 def test_messages_go_by_udp() -> None:

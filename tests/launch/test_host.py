@@ -24,7 +24,7 @@ PROGRAM = """
 from std_srvs.srv import Trigger
 
 from kompass.components import Component
-from kompass.components.topic import AllowedTopics, Topic
+from kompass.rclpy_ext.topic import AllowedTopics, Topic
 from kompass.launcher import Launcher
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from kompass.components import Controller, DriveManager, LocalMapper, Planner
 from kompass.launch.companions import companions
-from kompass.launch.process import ProcessSpec
 from kompass.launcher import Launcher
 from kompass.recipe.table import recipe_rules
+from kompass.supervisor.process import ProcessSpec
 
 
 def processes(launcher: Launcher) -> list[list[str]]:

@@ -1,6 +1,6 @@
 """Who dies again and again is given more and more rest, and is given up in the end."""
 
-from kompass.launch.restarts import DELAYS, HEALTHY, Restarts
+from kompass.supervisor.restarts import DELAYS, HEALTHY, Restarts
 
 
 def test_the_rest_grows_and_then_the_process_is_given_up() -> None:

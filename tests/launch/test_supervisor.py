@@ -18,8 +18,8 @@ from tests.support.processes import wait_until
 # A supervisor in an interpreter of its own: it must fork from one thread and owns its signals.
 PROGRAM = """
     import logging, os, sys, time, json
-    from kompass.launch.process import ProcessSpec
-    from kompass.launch.supervisor import StartupError, Supervisor
+    from kompass.supervisor.process import ProcessSpec
+    from kompass.supervisor.supervisor import StartupError, Supervisor
 
     logging.basicConfig(stream=sys.stdout, format="%(message)s", level=logging.INFO)
     said = open({said!r}, "a", buffering=1)
@@ -54,7 +54,7 @@ PROGRAM = """
 
     def beats(report):
         import signal
-        from kompass.launch.pulse import beat
+        from kompass.supervisor.heartbeat import beat
         signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
         hang = {hang!r}
         beat("node_a")
@@ -162,7 +162,7 @@ def test_a_crash_in_native_code_says_where_it_was(tmp_path: Path, programs: list
 def test_what_dies_again_and_again_is_given_up(tmp_path: Path, programs: list[Program]) -> None:
     program = Program(
         tmp_path,
-        "from kompass.launch.restarts import Restarts; "
+        "from kompass.supervisor.restarts import Restarts; "
         "specs = [ProcessSpec('a', dies), ProcessSpec('b', waits)]",
         options="dict(restarts=Restarts(2))",
     )
@@ -238,7 +238,7 @@ def test_who_listens_is_told_how_the_others_are_doing(
 
 EAR = "ear = ProcessSpec('m', listens, listens=True); "
 LISTENED = EAR + "specs = [ProcessSpec('a', beats, names=['node_a']), ear]"
-QUICK = "dict(patience=__import__('kompass.launch.vitals', fromlist=['x']).Patience({}))"
+QUICK = "dict(patience=__import__('kompass.supervisor.liveness', fromlist=['x']).Patience({}))"
 
 
 def listened(folder: Path, programs: list[Program], hang: str = "", patience: str = "") -> Program:

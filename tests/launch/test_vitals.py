@@ -2,7 +2,7 @@
 
 import pytest
 
-from kompass.launch.vitals import Patience, Signs, judge
+from kompass.supervisor.liveness import Patience, Signs, judge
 
 PATIENCE = Patience()
 

@@ -7,7 +7,7 @@ import pytest
 import rclpy
 from rclpy.node import Node
 
-from kompass.coroutine import QuietExecutor
+from kompass.rclpy_ext.executor import QuietExecutor
 from tests.support.domains import next_domain
 from tests.support.patience import patient
 

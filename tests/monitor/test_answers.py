@@ -3,7 +3,7 @@
 from kompass_interfaces.srv import GetFirings
 
 from kompass.monitor.services import LARGEST, _told_in_parts
-from kompass.rulebook.journal import FiringRecord, Journal
+from kompass.rulebook.schema.journal import FiringRecord, Journal
 
 
 def test_a_long_answer_comes_in_parts() -> None:

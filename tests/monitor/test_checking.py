@@ -5,13 +5,13 @@ from typing import Any
 import pytest
 
 from kompass.components import Component
-from kompass.components.actions import component_action
-from kompass.monitor.catalog import RecipeCatalog
-from kompass.monitor.checking import check_recipe
-from kompass.monitor.message_types import MessageTypes, constants
+from kompass.components.base.actions import component_action
+from kompass.monitor.introspection.catalog import RecipeCatalog
+from kompass.monitor.introspection.message_types import MessageTypes, constants
+from kompass.monitor.tables.recipe_check import check_recipe
 from kompass.recipe.table import RecipeRules
-from kompass.rules.catalog import FieldType
-from kompass.rules.table import Table
+from kompass.rules.checks.catalog import FieldType
+from kompass.rules.schema.table import Table
 from tests.support.rules import compare, rule
 
 

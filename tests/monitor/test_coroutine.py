@@ -5,7 +5,7 @@ import time
 import pytest
 from rclpy.task import Future
 
-from kompass.coroutine import Cancelled, Job
+from kompass.rclpy_ext.executor import Cancelled, Job
 from tests.monitor.conftest import Spinning
 
 

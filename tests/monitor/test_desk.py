@@ -9,18 +9,18 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from kompass.monitor.desk import Desk
-from kompass.monitor.desk_terms import Answer, InForce, Who
 from kompass.monitor.engine_loop import Swap
-from kompass.monitor.message_types import MessageTypes
-from kompass.rulebook.report import ApplyReport, CheckReport, Conflict, Finding
-from kompass.rules.bridge import bridge
-from kompass.rules.carry import exchange
-from kompass.rules.catalog import Catalog, FieldType
-from kompass.rules.compiled import CompiledTable, compile_table
-from kompass.rules.engine import initial_state
-from kompass.rules.table import Table, table_hash
-from kompass.rules.values import Verdict
+from kompass.monitor.introspection.message_types import MessageTypes
+from kompass.monitor.tables.table_manager import Desk
+from kompass.monitor.tables.types import Answer, InForce, Who
+from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Finding
+from kompass.rules.checks.catalog import Catalog, FieldType
+from kompass.rules.engine.compiled_table import CompiledTable, compile_table
+from kompass.rules.engine.migrate import exchange
+from kompass.rules.engine.migration import bridge
+from kompass.rules.engine.step import initial_state
+from kompass.rules.schema.table import Table, table_hash
+from kompass.rules.schema.values import Verdict
 from kompass.store import RuleStore, StoreUnwritable
 from tests.support.rules import compare, rule
 

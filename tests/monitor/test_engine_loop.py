@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Int32
 
+from kompass.backtest.engine import backtest
+from kompass.backtest.event_log import Fired, Heard, TapeEvent, from_data
 from kompass.monitor.engine_loop import EngineLoop
-from kompass.rulebook.backtest import backtest
-from kompass.rulebook.tape import Fired, Heard, TapeEvent, from_data
-from kompass.rules.bridge import bridge
-from kompass.rules.compiled import CompiledTable, compile_table
-from kompass.rules.firing import Firing, Output
-from kompass.rules.table import Table
+from kompass.rules.engine.compiled_table import CompiledTable, compile_table
+from kompass.rules.engine.firing import Firing, Output
+from kompass.rules.engine.migration import bridge
+from kompass.rules.schema.table import Table
 from tests.support.rules import compare, rule, signal
 
 

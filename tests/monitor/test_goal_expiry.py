@@ -5,7 +5,7 @@ from typing import Any
 from kompass_interfaces.action import MotionRecording
 from rclpy.action import ActionClient, ActionServer
 
-from kompass.goal_expiry import expire_goals
+from kompass.rclpy_ext.goal_expiry import expire_goals
 from tests.monitor.conftest import Spinning
 
 

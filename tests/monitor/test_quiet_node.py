@@ -6,9 +6,9 @@ import rclpy
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Int32
 
-from kompass.components.node import ComponentNode
-from kompass.coroutine import QuietExecutor
-from kompass.quiet_node import Eventless, QuietNode
+from kompass.components.base.node import ComponentNode
+from kompass.rclpy_ext.executor import QuietExecutor
+from kompass.rclpy_ext.node import Eventless, QuietNode
 from tests.support.domains import give_back, next_domain
 
 DEMANDING = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)

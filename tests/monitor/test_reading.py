@@ -7,10 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kompass.monitor.reading import MAX_BYTES, MAX_RULES, TableReader, Unreadable, read_table
-from kompass.rulebook.report import Finding
-from kompass.rules.conditions import Compare
-from kompass.rules.table import Table
+from kompass.monitor.tables.table_reader import (
+    MAX_BYTES,
+    MAX_RULES,
+    TableReader,
+    Unreadable,
+    read_table,
+)
+from kompass.rulebook.schema.report import Finding
+from kompass.rules.schema.conditions import Compare
+from kompass.rules.schema.table import Table
 from tests.support.rules import compare, rule
 
 GOOD = rule("good", compare("a", ">", 1))

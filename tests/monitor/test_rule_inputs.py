@@ -6,7 +6,7 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Int32
 
-from kompass.monitor.rule_inputs import RuleInputs
+from kompass.monitor.inputs.rule_inputs import RuleInputs
 from tests.monitor.conftest import Spinning
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -6,12 +6,12 @@ from typing import Any
 import pytest
 from rclpy.task import Future
 
-from kompass.monitor.outcome import Outcome
-from kompass.monitor.runs import Entry, Runs, Tell
-from kompass.rules.actions import Log, Method
-from kompass.rules.compiled import compile_table
-from kompass.rules.firing import Firing, Note, Output
-from kompass.rules.table import Severity, Table
+from kompass.monitor.execution.outcome import Outcome
+from kompass.monitor.execution.runs import Entry, Runs, Tell
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.engine.firing import Firing, Note, Output
+from kompass.rules.schema.actions import Log, Method
+from kompass.rules.schema.table import Severity, Table
 from tests.support.rules import compare, rule
 
 

@@ -10,14 +10,14 @@ from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from std_srvs.srv import SetBool, Trigger
 
-from kompass.monitor.action_runner import ActionRunner
-from kompass.monitor.alarms import Alarms
-from kompass.monitor.outcome import Outcome
-from kompass.monitor.refusal import refusal
-from kompass.monitor.timers import Timers
-from kompass.rules.actions import Action, CallService, Log
-from kompass.rules.firing import Firing
-from kompass.rules.table import Severity
+from kompass.monitor.execution.action_runner import ActionRunner
+from kompass.monitor.execution.alarms import Alarms
+from kompass.monitor.execution.outcome import Outcome
+from kompass.monitor.execution.service_refusal import refusal
+from kompass.rclpy_ext.timers import Timers
+from kompass.rules.engine.firing import Firing
+from kompass.rules.schema.actions import Action, CallService, Log
+from kompass.rules.schema.table import Severity
 from tests.monitor.conftest import Spinning
 
 LOAD = LoadMap.Response

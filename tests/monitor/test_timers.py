@@ -4,8 +4,8 @@ import time
 
 import pytest
 
-from kompass.monitor.timers import Timers
-from kompass.monitor.wake_up import WakeUp
+from kompass.rclpy_ext.movable_timer import WakeUp
+from kompass.rclpy_ext.timers import Timers
 from tests.monitor.conftest import Spinning
 from tests.support.patience import patient
 

@@ -6,11 +6,11 @@ import pytest
 from std_msgs.msg import Float64
 
 from kompass.actions import log
-from kompass.components.topic import Topic
+from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.event import Event
 from kompass.recipe.table import recipe_rules
-from kompass.rules.events import Parallel, Queued
-from kompass.rules.table import Rule, Severity
+from kompass.rules.schema.events import Parallel, Queued
+from kompass.rules.schema.table import Rule, Severity
 
 LEVEL = Topic(name="/level", msg_type=Float64)
 

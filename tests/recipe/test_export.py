@@ -14,7 +14,10 @@ from kompass.components import Controller, DriveManager
 from kompass.launch.launcher import Launcher
 from kompass.recipe.export import export, to_json, to_python
 from kompass.recipe.table import RecipeRules, recipe_rules
-from kompass.rules.actions import (
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.engine.firing import Done, Firing, Sample
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.actions import (
     Action,
     CallService,
     CancelGoal,
@@ -28,8 +31,7 @@ from kompass.rules.actions import (
     SendGoal,
     UpdateParameters,
 )
-from kompass.rules.compiled import compile_table
-from kompass.rules.conditions import (
+from kompass.rules.schema.conditions import (
     Absent,
     AllOf,
     AnyOf,
@@ -41,11 +43,9 @@ from kompass.rules.conditions import (
     Rate,
     Received,
 )
-from kompass.rules.engine import initial_state, step
-from kompass.rules.events import Event, MaxRate, Parallel, Queued, Restart
-from kompass.rules.firing import Done, Firing, Sample
-from kompass.rules.signals import Signal
-from kompass.rules.table import Rule, Severity, Table, rule_hash
+from kompass.rules.schema.events import Event, MaxRate, Parallel, Queued, Restart
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Severity, Table, rule_hash
 from tests.ros.test_seeds import DOCUMENTS, SEEDS, recipe_of
 from tests.rules.strategies import EXAMPLES
 
@@ -122,7 +122,7 @@ def test_a_recipe_goes_through_json_and_python_and_fires_as_before(
 
 def _stream(table: Table) -> list[tuple[float, str, Any]]:
     """Messages with every status in turn, on all that the table listens to."""
-    from kompass.recipe.messages import ros_class
+    from kompass.rclpy_ext.messages import ros_class
 
     made: list[tuple[float, str, Any]] = []
     for turn in range(40):

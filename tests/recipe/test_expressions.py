@@ -5,10 +5,10 @@ from kompass_interfaces.msg import TwistArray
 from rclpy.qos import DurabilityPolicy
 
 from kompass.components import Planner
-from kompass.components.topic import QoSConfig, Topic
 from kompass.expressions import condition_of, reference_of
-from kompass.rules.conditions import AllOf, AnyOf, Compare, Not, Received
-from kompass.rules.describe import describe
+from kompass.rclpy_ext.topic import QoSConfig, Topic
+from kompass.rules.schema.conditions import AllOf, AnyOf, Compare, Not, Received
+from kompass.rules.schema.describe import describe
 
 SCAN = Topic(name="/scan", msg_type="LaserScan")
 BATTERY = Topic(name="battery", msg_type="Float32", data_timeout=60.0)

@@ -4,10 +4,10 @@ from kompass.actions import Action
 from kompass.components import DriveManager
 from kompass.recipe.fallbacks import Ladder
 from kompass.recipe.table import recipe_rules
-from kompass.rules.actions import Log
-from kompass.rules.compiled import compile_table
-from kompass.rules.engine import initial_state, step
-from kompass.rules.firing import Sample, Tick
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.engine.firing import Sample, Tick
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.actions import Log
 
 A, B, LAST = Log(text="a"), Log(text="b"), Log(text="last")
 

@@ -20,11 +20,11 @@ from kompass.actions import (
     update_parameter,
 )
 from kompass.components import Controller, DriveManager, Planner
-from kompass.components.topic import Topic
 from kompass.control import ControllersID
+from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import Parsed, RecipeRules, recipe_rules
 from kompass.ros import Event
-from kompass.rules.actions import Lifecycle, Method, Python, SendGoal, UpdateParameters
+from kompass.rules.schema.actions import Lifecycle, Method, Python, SendGoal, UpdateParameters
 
 NUMBER = Topic(name="number", msg_type="Float64")
 CLICKED = Topic(name="/clicked_point", msg_type="PointStamped")

@@ -10,15 +10,22 @@ from nav2_msgs.srv import LoadMap
 from kompass import event
 from kompass.actions import Action, ComponentActions, LogInfo, update_parameter
 from kompass.components import Controller, DriveManager, Planner
-from kompass.components.topic import Topic
+from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import Parsed, recipe_rules
 from kompass.ros import Event
-from kompass.rules.actions import CallService, Lifecycle, Log, Python, SendGoal, UpdateParameters
-from kompass.rules.compiled import compile_table
-from kompass.rules.conditions import Received
-from kompass.rules.engine import initial_state, step
-from kompass.rules.firing import Done, Firing, Sample
-from kompass.rules.table import Table
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.engine.firing import Done, Firing, Sample
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.actions import (
+    CallService,
+    Lifecycle,
+    Log,
+    Python,
+    SendGoal,
+    UpdateParameters,
+)
+from kompass.rules.schema.conditions import Received
+from kompass.rules.schema.table import Table
 
 CLICKED = Topic(name="/clicked_point", msg_type="PointStamped")
 NUMBER = Topic(name="number", msg_type="Float64")

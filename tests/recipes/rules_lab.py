@@ -7,7 +7,7 @@ from pathlib import Path
 
 from kompass.actions import Action
 from kompass.components import Component
-from kompass.components.actions import component_action
+from kompass.components.base.actions import component_action
 from kompass.ros import Event, Launcher, Topic
 
 FOLDER = Path(os.environ["LAB_FOLDER"])

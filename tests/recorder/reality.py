@@ -21,11 +21,11 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import LaserScan
 
-from kompass.rulebook.backtest_report import BacktestFiring, BacktestReport
-from kompass.rulebook.report import ApplyReport
-from kompass.rulebook.status import LeafReading
-from kompass.rulebook.table_view import TableView
-from kompass.rules.table import Table
+from kompass.backtest.report import BacktestFiring, BacktestReport
+from kompass.rulebook.schema.report import ApplyReport
+from kompass.rulebook.schema.status import LeafReading
+from kompass.rulebook.schema.table_view import TableView
+from kompass.rules.schema.table import Table
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.stack import Stack

@@ -11,7 +11,7 @@ from geometry_msgs.msg import PointStamped
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import LaserScan
 
-from kompass.recorder.ring import Ring, ring_files
+from kompass.recorder.rotating_recording import Ring, ring_files
 from kompass.recorder.streams import EVENTS, message_stream
 
 HERE = Path(__file__).parent

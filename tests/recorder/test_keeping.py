@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
+from kompass.recorder.clip_policy import KEEP, KEPT, Keep, Keeper, Keeps, least_severity
 from kompass.recorder.flight import FlightRecorder, NotRecording
-from kompass.recorder.keeping import KEEP, KEPT, Keep, Keeper, Keeps, least_severity
-from kompass.recorder.lane import Lane
+from kompass.recorder.mcap.reader import Recording
 from kompass.recorder.places import ring_folder, saved_folder
 from kompass.recorder.process import flight_recorder
-from kompass.recorder.recording import Recording
-from kompass.recorder.ring import Ring
+from kompass.recorder.rotating_recording import Ring
+from kompass.recorder.shm_queue import Lane
 from kompass.recorder.streams import message_stream
-from kompass.rulebook.journal import FiringRecord
-from kompass.rules.table import Severity
+from kompass.rulebook.schema.journal import FiringRecord
+from kompass.rules.schema.table import Severity
 
 NS = 1_000_000_000
 START = 1_700_000_000 * NS

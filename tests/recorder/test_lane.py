@@ -3,7 +3,7 @@
 import os
 import signal
 
-from kompass.recorder.lane import Lane
+from kompass.recorder.shm_queue import Lane
 from tests.support.processes import wait_until
 
 

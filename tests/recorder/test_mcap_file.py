@@ -8,11 +8,11 @@ import pytest
 from mcap.reader import make_reader
 from mcap.records import Channel, Message, Schema
 
-from kompass.recorder.contents import NotMcap, read_contents
-from kompass.recorder.definitions import definition
-from kompass.recorder.mcap_writer import McapWriter
-from kompass.recorder.recording import Recording, messages
-from kompass.recorder.recover import recover
+from kompass.recorder.mcap.contents import NotMcap, read_contents
+from kompass.recorder.mcap.definitions import definition
+from kompass.recorder.mcap.reader import Recording, messages
+from kompass.recorder.mcap.recover import recover
+from kompass.recorder.mcap.writer import McapWriter
 
 SCAN = ("sensor_msgs/msg/LaserScan", "ros2msg", b"float32[] ranges\n")
 NOTE = ("note", "jsonschema", b'{"type": "object"}')

@@ -10,9 +10,9 @@ import pytest
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 
-from kompass.recorder.partial import Path, partial_decoder
-from kompass.rules.signals import reader
-from kompass.rules.values import same
+from kompass.recorder.mcap.partial_decoder import Path, partial_decoder
+from kompass.rules.schema.signals import reader
+from kompass.rules.schema.values import same
 
 PACKAGES = (
     "std_msgs",

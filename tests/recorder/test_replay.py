@@ -13,25 +13,34 @@ from geometry_msgs.msg import PointStamped
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Float64
 
+from kompass.backtest.event_log import (
+    Began,
+    Ended,
+    Fired,
+    Heard,
+    Resumed,
+    Swapped,
+    TapeEvent,
+    to_data,
+)
 from kompass.monitor.engine_loop import EngineLoop
-from kompass.recorder.backtest import NoRecording, backtest_files, recorded_files
-from kompass.recorder.contents import NotMcap
-from kompass.recorder.definitions import definition
-from kompass.recorder.lane import Lane
-from kompass.recorder.mcap_writer import McapWriter
+from kompass.recorder.clip_writer import CannotSave, save
+from kompass.recorder.event_log import LaneTape
+from kompass.recorder.mcap.contents import NotMcap
+from kompass.recorder.mcap.definitions import definition
+from kompass.recorder.mcap.reader import Recording
+from kompass.recorder.mcap.writer import McapWriter
 from kompass.recorder.places import BadName, saved_path
 from kompass.recorder.recorder import Recorder
-from kompass.recorder.recording import Recording
-from kompass.recorder.replay import Replay
-from kompass.recorder.ring import ring_files
-from kompass.recorder.saving import CannotSave, save
-from kompass.recorder.tape import LaneTape
-from kompass.recorder.taps import Taken
+from kompass.recorder.replay.backtest import NoRecording, backtest_files, recorded_files
+from kompass.recorder.replay.replay import Replay
+from kompass.recorder.rotating_recording import ring_files
+from kompass.recorder.shm_queue import Lane
+from kompass.recorder.topic_sampler import Taken
 from kompass.recorder.topics import TapTopic
-from kompass.rulebook.tape import Began, Ended, Fired, Heard, Resumed, Swapped, TapeEvent, to_data
-from kompass.rules.compiled import compile_table
-from kompass.rules.firing import Firing
-from kompass.rules.table import Table, rule_hash
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.engine.firing import Firing
+from kompass.rules.schema.table import Table, rule_hash
 
 FLOAT = "std_msgs/msg/Float64"
 NS = 1_000_000_000

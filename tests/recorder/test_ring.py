@@ -11,9 +11,9 @@ from typing import NamedTuple
 import pytest
 from mcap.reader import make_reader
 
-from kompass.recorder.mcap_writer import McapWriter
-from kompass.recorder.recording import Recording, messages
-from kompass.recorder.ring import Bounds, Ring, RingInUse, ring_files
+from kompass.recorder.mcap.reader import Recording, messages
+from kompass.recorder.mcap.writer import McapWriter
+from kompass.recorder.rotating_recording import Bounds, Ring, RingInUse, ring_files
 from kompass.recorder.streams import Stream
 
 SCAN = Stream("/scan", "cdr", ("sensor_msgs/msg/LaserScan", "ros2msg", b"float32[] ranges"), "tap")

@@ -13,9 +13,9 @@ from mcap.reader import make_reader
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.serialization import deserialize_message
 
-from kompass.recorder.ring import ring_files
-from kompass.rulebook.journal import Journal
-from kompass.rules.table import Table
+from kompass.recorder.rotating_recording import ring_files
+from kompass.rulebook.schema.journal import Journal
+from kompass.rules.schema.table import Table
 from tests.recorder.reality import (
     EDITED,
     NEAR,

@@ -17,7 +17,7 @@ from kompass_interfaces.srv import ApplyRules, ExplainRule, GetRules
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, Int32, String
 
-from kompass.rules.table import Table
+from kompass.rules.schema.table import Table
 from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot

@@ -14,7 +14,7 @@ from kompass_interfaces.srv import SetFault
 from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Bool, Empty, Int32, UInt32
 
-from kompass_console.problem import Problem
+from kompass_console.cli_error import Problem
 from kompass_console.stack import Console, run_recipe
 from tests.support.journal import Journal
 from tests.support.processes import wait_until

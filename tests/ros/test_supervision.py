@@ -15,7 +15,7 @@ from kompass_interfaces.msg import StackState
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
-from kompass.rulebook.journal import FiringRecord
+from kompass.rulebook.schema.journal import FiringRecord
 from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot

@@ -3,15 +3,15 @@
 from heapq import heappop, heappush
 from typing import Any
 
-from kompass.rulebook.records import fired_event
-from kompass.rulebook.tape import Began, Ended, Heard, Swapped, TapeEvent
-from kompass.rules.bridge import bridge
-from kompass.rules.carry import exchange
-from kompass.rules.compiled import compile_table
-from kompass.rules.engine import initial_state, step
-from kompass.rules.firing import Done, Firing, Input, Output, Sample, Tick
-from kompass.rules.schedule import next_deadline
-from kompass.rules.table import Table
+from kompass.backtest.event_log import Began, Ended, Heard, Swapped, TapeEvent
+from kompass.backtest.records import fired_event
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.engine.firing import Done, Firing, Input, Output, Sample, Tick
+from kompass.rules.engine.migrate import exchange
+from kompass.rules.engine.migration import bridge
+from kompass.rules.engine.schedule import next_deadline
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.table import Table
 
 FLOAT = "std_msgs/msg/Float64"
 EPOCH_TIME = 1_000_000.0  # s since the epoch at monotonic zero

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kompass.rulebook.backtest import backtest
-from kompass.rulebook.tape import Began, Ended, Fired, Heard, Resumed, Swapped, TapeEvent
-from kompass.rules.actions import Log
-from kompass.rules.conditions import Condition
-from kompass.rules.table import Table
+from kompass.backtest.engine import backtest
+from kompass.backtest.event_log import Began, Ended, Fired, Heard, Resumed, Swapped, TapeEvent
+from kompass.rules.schema.actions import Log
+from kompass.rules.schema.conditions import Condition
+from kompass.rules.schema.table import Table
 from tests.rulebook.taping import EPOCH_TIME, FLOAT, Shell
 from tests.rules.building import absent, both, compare, received, rule
 from tests.rules.strategies import EXAMPLES as ALL

@@ -5,11 +5,11 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 
-from kompass.rulebook.diff import FieldChange, RuleChange
-from kompass.rulebook.diffing import conflict, diff_tables, field_changes
-from kompass.rules.actions import Lifecycle, Log, Publish
-from kompass.rules.events import MaxRate, Queued
-from kompass.rules.table import Rule, Table, rule_hash
+from kompass.rulebook.diff import conflict, diff_tables, field_changes
+from kompass.rulebook.schema.diff_models import FieldChange, RuleChange
+from kompass.rules.schema.actions import Lifecycle, Log, Publish
+from kompass.rules.schema.events import MaxRate, Queued
+from kompass.rules.schema.table import Rule, Table, rule_hash
 from tests.rules.building import FLOAT, both, compare, rule
 from tests.rules.strategies import EXAMPLES, tables
 

@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 
 from kompass.rulebook.guard import gates_of, guard
-from kompass.rulebook.report import Finding
-from kompass.rules.actions import (
+from kompass.rulebook.schema.report import Finding
+from kompass.rules.checks.catalog import ComponentSpec, ParameterSpec
+from kompass.rules.schema.actions import (
     Action,
     CallService,
     Lifecycle,
@@ -18,9 +19,8 @@ from kompass.rules.actions import (
     Reconfigure,
     UpdateParameters,
 )
-from kompass.rules.catalog import ComponentSpec, ParameterSpec
-from kompass.rules.conditions import CallableCondition
-from kompass.rules.table import Rule, Table
+from kompass.rules.schema.conditions import CallableCondition
+from kompass.rules.schema.table import Rule, Table
 from tests.rules.building import compare, rule
 from tests.rules.test_check import Definitions
 

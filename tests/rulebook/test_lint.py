@@ -4,10 +4,12 @@ from typing import Any
 
 import pytest
 
-from kompass.rulebook.lint import findings_of, lint_table
-from kompass.rulebook.lint_context import LintContext, TopicFacts, verdicts_after
-from kompass.rulebook.report import Finding
-from kompass.rules.actions import (
+from kompass.rulebook.lint.context import LintContext, TopicFacts, verdicts_after
+from kompass.rulebook.lint.lint import findings_of, lint_table
+from kompass.rulebook.schema.report import Finding
+from kompass.rules.checks.catalog import ComponentSpec
+from kompass.rules.checks.problem import Problem
+from kompass.rules.schema.actions import (
     CallService,
     Lifecycle,
     Log,
@@ -16,10 +18,8 @@ from kompass.rules.actions import (
     SendGoal,
     UpdateParameters,
 )
-from kompass.rules.catalog import ComponentSpec
-from kompass.rules.conditions import Condition
-from kompass.rules.problem import Problem
-from kompass.rules.table import Rule, Table
+from kompass.rules.schema.conditions import Condition
+from kompass.rules.schema.table import Rule, Table
 from tests.rules.building import (
     FLOAT,
     Robot,

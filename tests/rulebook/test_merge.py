@@ -5,9 +5,9 @@ from typing import Any
 from hypothesis import given, settings
 
 from kompass.rulebook.merge import merge
-from kompass.rulebook.recipe_code import functions_of
-from kompass.rules.actions import Log, Python
-from kompass.rules.table import Rule, Table
+from kompass.rulebook.views.recipe_code import functions_of
+from kompass.rules.schema.actions import Log, Python
+from kompass.rules.schema.table import Rule, Table
 from tests.rules.building import compare, rule
 from tests.rules.strategies import EXAMPLES, tables
 

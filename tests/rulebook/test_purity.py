@@ -6,7 +6,7 @@ import kompass.rulebook
 from tests.rules.test_purity import ALLOWED, imports
 
 OURS = ("kompass.rules", "kompass.rulebook")
-SOURCES = sorted(Path(kompass.rulebook.__file__).parent.glob("*.py"))
+SOURCES = sorted(Path(kompass.rulebook.__file__).parent.rglob("*.py"))
 
 
 def test_nothing_is_imported_that_could_make_it_impure() -> None:

@@ -4,8 +4,7 @@ import json
 
 import pytest
 
-from kompass.rulebook.status import LeafReading
-from kompass.rulebook.tape import (
+from kompass.backtest.event_log import (
     Began,
     Ended,
     Fired,
@@ -18,7 +17,8 @@ from kompass.rulebook.tape import (
     swapped_text,
     to_data,
 )
-from kompass.rules.table import Table
+from kompass.rulebook.schema.status import LeafReading
+from kompass.rules.schema.table import Table
 from tests.rules.building import received, rule
 
 TABLE = Table(rules=(rule(received("a")),))

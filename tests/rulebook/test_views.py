@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from kompass.rulebook.explanation import ExplanationView
-from kompass.rulebook.records import fired_event, firing_record, note_record
-from kompass.rulebook.status import RuleStatus
-from kompass.rulebook.views import (
+from kompass.backtest.records import fired_event, firing_record, note_record
+from kompass.rulebook.schema.explanation import ExplanationView
+from kompass.rulebook.schema.status import RuleStatus
+from kompass.rulebook.views.views import (
     NO_EXTRAS,
     Extras,
     effect_of,
@@ -19,11 +19,11 @@ from kompass.rulebook.views import (
     statuses,
     table_view,
 )
-from kompass.rules.actions import Log, Python
-from kompass.rules.conditions import CallableCondition
-from kompass.rules.events import MaxRate
-from kompass.rules.firing import LeafVerdict
-from kompass.rules.table import Rule, Table, rule_hash
+from kompass.rules.engine.firing import LeafVerdict
+from kompass.rules.schema.actions import Log, Python
+from kompass.rules.schema.conditions import CallableCondition
+from kompass.rules.schema.events import MaxRate
+from kompass.rules.schema.table import Rule, Table, rule_hash
 from tests.rules.building import (
     Robot,
     absent,

@@ -2,8 +2,8 @@
 
 import pytest
 
-from kompass.rulebook.wording import describe_action, describe_rule, seconds
-from kompass.rules.actions import (
+from kompass.rulebook.views.wording import describe_action, describe_rule, seconds
+from kompass.rules.schema.actions import (
     Action,
     CallService,
     CancelGoal,

@@ -3,10 +3,15 @@
 from types import SimpleNamespace
 from typing import Any
 
-from kompass.rules.actions import Log
-from kompass.rules.carry import Carried, carry
-from kompass.rules.compiled import CompiledTable, compile_table
-from kompass.rules.conditions import (
+from kompass.rules.engine.compiled_table import CompiledTable, compile_table
+from kompass.rules.engine.explain import Explanation, explain
+from kompass.rules.engine.firing import Done, Firing, Input, Note, Sample, Tick
+from kompass.rules.engine.migrate import Carried, carry
+from kompass.rules.engine.schedule import next_deadline
+from kompass.rules.engine.state import Counters, counters
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.actions import Log
+from kompass.rules.schema.conditions import (
     Absent,
     AllOf,
     AnyOf,
@@ -18,13 +23,8 @@ from kompass.rules.conditions import (
     Rate,
     Received,
 )
-from kompass.rules.engine import initial_state, step
-from kompass.rules.explain import Explanation, explain
-from kompass.rules.firing import Done, Firing, Input, Note, Sample, Tick
-from kompass.rules.schedule import next_deadline
-from kompass.rules.signals import Aggregate, Signal
-from kompass.rules.state import Counters, counters
-from kompass.rules.table import Rule, Table
+from kompass.rules.schema.signals import Aggregate, Signal
+from kompass.rules.schema.table import Rule, Table
 
 FLOAT = "std_msgs/msg/Float64"
 

@@ -9,7 +9,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from kompass.rules.conditions import (
+from kompass.rules.engine.firing import Done, Input, Sample
+from kompass.rules.schema.conditions import (
     Absent,
     AllOf,
     AnyOf,
@@ -24,9 +25,8 @@ from kompass.rules.conditions import (
     leaves,
     topic_of,
 )
-from kompass.rules.firing import Done, Input, Sample
-from kompass.rules.signals import Signal
-from kompass.rules.table import Rule, Table
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Table
 
 NOTHING = object()
 Verdict = bool | None

@@ -11,8 +11,8 @@ from typing import Any
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
-from kompass.rules.actions import Log
-from kompass.rules.conditions import (
+from kompass.rules.schema.actions import Log
+from kompass.rules.schema.conditions import (
     Absent,
     AllOf,
     AnyOf,
@@ -24,9 +24,9 @@ from kompass.rules.conditions import (
     Rate,
     Received,
 )
-from kompass.rules.events import Event, MaxRate, Parallel, Queued, Restart, Single
-from kompass.rules.signals import Signal
-from kompass.rules.table import Rule, Severity, Table
+from kompass.rules.schema.events import Event, MaxRate, Parallel, Queued, Restart, Single
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Severity, Table
 
 # A few examples for every run of the tests; KOMPASS_RULES_EXAMPLES=10000 for a long one.
 EXAMPLES = settings(

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from kompass.rules.actions import Lifecycle, Log, Method
-from kompass.rules.arbitrate import Arbitration, Running, arbitrate, components_of
-from kompass.rules.firing import Firing
-from kompass.rules.table import Severity
+from kompass.rules.engine.arbitrate import Arbitration, Running, arbitrate, components_of
+from kompass.rules.engine.firing import Firing
+from kompass.rules.schema.actions import Lifecycle, Log, Method
+from kompass.rules.schema.table import Severity
 from tests.rules.building import Robot, received, rule
 
 UNBLOCK = Method(component="drive_manager", method="move_to_unblock")

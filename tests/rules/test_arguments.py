@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from kompass.rules.actions import Publish, Python, UpdateParameters, topics_in
-from kompass.rules.arguments import ArgumentError, expand, resolve
+from kompass.rules.schema.actions import Publish, Python, UpdateParameters, topics_in
+from kompass.rules.schema.arguments import ArgumentError, expand, resolve
 
 CLICK = Message(point=Message(x=1.5, y=-2.0), labels=["a", "b"])
 

@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from kompass.rules.actions import CallService, Publish, Python, SendGoal
-from kompass.rules.catalog import FieldType
-from kompass.rules.check import check_rule, check_table
-from kompass.rules.conditions import Compare, Rate
-from kompass.rules.signals import Signal
-from kompass.rules.table import Table
+from kompass.rules.checks.catalog import FieldType
+from kompass.rules.checks.check import check_rule, check_table
+from kompass.rules.schema.actions import CallService, Publish, Python, SendGoal
+from kompass.rules.schema.conditions import Compare, Rate
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Table
 from tests.rules.building import both, received, rule
 
 FLOAT, INT, BOOL, TEXT = (FieldType(k) for k in ("float", "int", "bool", "text"))

@@ -5,7 +5,9 @@ from typing import Any
 
 import pytest
 
-from kompass.rules.actions import (
+from kompass.rules.checks.catalog import ArgumentSpec, ComponentSpec, MethodSpec, ParameterSpec
+from kompass.rules.checks.check import check_rule
+from kompass.rules.schema.actions import (
     Lifecycle,
     Log,
     Method,
@@ -14,9 +16,7 @@ from kompass.rules.actions import (
     Reconfigure,
     UpdateParameters,
 )
-from kompass.rules.catalog import ArgumentSpec, ComponentSpec, MethodSpec, ParameterSpec
-from kompass.rules.check import check_rule
-from kompass.rules.conditions import CallableCondition
+from kompass.rules.schema.conditions import CallableCondition
 from tests.rules.building import compare, rule
 from tests.rules.test_check import Definitions
 

@@ -1,9 +1,9 @@
 """What a shell learns from a compiled table."""
 
-from kompass.rules.actions import Method
-from kompass.rules.compiled import compile_table
-from kompass.rules.conditions import CallableCondition
-from kompass.rules.table import Table, table_hash
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.schema.actions import Method
+from kompass.rules.schema.conditions import CallableCondition
+from kompass.rules.schema.table import Table, table_hash
 from tests.rules.building import FLOAT, Robot, absent, both, received, rule, slower
 
 

@@ -5,10 +5,10 @@ from typing import Any
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from kompass.rules.actions import Action
-from kompass.rules.conditions import Condition
-from kompass.rules.events import Event
-from kompass.rules.table import Rule, Severity, Table, rule_hash, table_hash
+from kompass.rules.schema.actions import Action
+from kompass.rules.schema.conditions import Condition
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.table import Rule, Severity, Table, rule_hash, table_hash
 from tests.rules.building import (
     absent,
     both,

@@ -2,8 +2,8 @@
 
 import pytest
 
-from kompass.rules.conditions import CallableCondition, Compare, Condition
-from kompass.rules.describe import describe
+from kompass.rules.schema.conditions import CallableCondition, Compare, Condition
+from kompass.rules.schema.describe import describe
 from tests.rules.building import (
     absent,
     both,

@@ -5,14 +5,14 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kompass.rules.carry import carry
-from kompass.rules.compiled import CompiledTable, compile_table
-from kompass.rules.conditions import AllOf, AnyOf, Condition, Not
-from kompass.rules.engine import initial_state, step
-from kompass.rules.firing import Done, Firing, Input, Output, Sample, Tick
-from kompass.rules.schedule import next_deadline
-from kompass.rules.state import State, counters
-from kompass.rules.table import Table, rule_hash, table_hash
+from kompass.rules.engine.compiled_table import CompiledTable, compile_table
+from kompass.rules.engine.firing import Done, Firing, Input, Output, Sample, Tick
+from kompass.rules.engine.migrate import carry
+from kompass.rules.engine.schedule import next_deadline
+from kompass.rules.engine.state import State, counters
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.conditions import AllOf, AnyOf, Condition, Not
+from kompass.rules.schema.table import Table, rule_hash, table_hash
 from tests.rules.oracle import Fired, Oracle
 from tests.rules.strategies import EXAMPLES, GRID, streams, tables
 

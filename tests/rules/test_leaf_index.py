@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kompass.rules.compiled import compile_table
-from kompass.rules.conditions import Compare
-from kompass.rules.judges import judge_of
-from kompass.rules.leaf_index import LeafIndex
-from kompass.rules.table import Table
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.engine.leaf_index import LeafIndex
+from kompass.rules.engine.predicates import judge_of
+from kompass.rules.schema.conditions import Compare
+from kompass.rules.schema.table import Table
 from tests.rules.building import Robot, both, changed, compare, received, rule
 from tests.rules.strategies import EXAMPLES, ITEMS, NUMBERS, WORDS, comparisons
 

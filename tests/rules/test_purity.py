@@ -22,7 +22,7 @@ ALLOWED = {
     "typing",
     "weakref",
 }
-SOURCES = sorted(Path(kompass.rules.__file__).parent.glob("*.py"))
+SOURCES = sorted(Path(kompass.rules.__file__).parent.rglob("*.py"))
 
 
 def imports(source: Path) -> set[str]:

@@ -3,9 +3,9 @@
 import gc
 from typing import Any
 
-from kompass.rules.interned import interned, interned_table, read_rule, table_text, text_of
-from kompass.rules.remembered import Remembered
-from kompass.rules.table import Rule, Table, rule_hash
+from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.interned import interned, interned_table, read_rule, table_text, text_of
+from kompass.rules.schema.table import Rule, Table, rule_hash
 from tests.rules.building import compare, received, rule
 
 

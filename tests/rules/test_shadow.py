@@ -2,8 +2,8 @@
 
 import pytest
 
-from kompass.rules.events import Restart
-from kompass.rules.firing import Done, Note
+from kompass.rules.engine.firing import Done, Note
+from kompass.rules.schema.events import Restart
 from tests.rules.building import Robot, both, compare, either, opposite, received, rule
 
 # -- shadow ---------------------------------------------------------------------------------------
@@ -167,7 +167,7 @@ def test_the_same_is_said_once_in_ten_seconds_at_most_and_remembered_across_a_sw
 
 
 def test_a_rule_that_is_used_up_from_the_start_does_not_fire() -> None:
-    from kompass.rules.engine import initial_state
+    from kompass.rules.engine.step import initial_state
 
     robot = Robot(rule(received("a"), "once", once=True), rule(received("a"), "often"))
     robot.state = initial_state(robot.table, 0.0, ("once", "often", "of another table"))

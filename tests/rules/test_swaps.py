@@ -8,13 +8,13 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kompass.rules.bridge import bridge
-from kompass.rules.carry import exchange
-from kompass.rules.compiled import compile_table
-from kompass.rules.engine import initial_state, step
-from kompass.rules.firing import Done, Firing, Output, Sample, Tick
-from kompass.rules.state import State, counters
-from kompass.rules.table import Rule, Table
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.engine.firing import Done, Firing, Output, Sample, Tick
+from kompass.rules.engine.migrate import exchange
+from kompass.rules.engine.migration import bridge
+from kompass.rules.engine.state import State, counters
+from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.table import Rule, Table
 from tests.rules.building import Robot, absent, both, compare, received, rule
 from tests.rules.strategies import EXAMPLES, GRID, streams, tables
 from tests.rules.test_engine_properties import Run, anonymous, same_run

@@ -2,7 +2,7 @@
 
 import pytest
 
-from kompass.rules.compiled import needed
+from kompass.rules.engine.compiled_table import needed
 from tests.rules.building import (
     Robot,
     absent,

@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from kompass.rules.actions import Method
-from kompass.rules.conditions import CallableCondition, Compare
-from kompass.rules.firing import Sample
-from kompass.rules.signals import Signal
+from kompass.rules.engine.firing import Sample
+from kompass.rules.schema.actions import Method
+from kompass.rules.schema.conditions import CallableCondition, Compare
+from kompass.rules.schema.signals import Signal
 from tests.rules.building import (
     Robot,
     absent,

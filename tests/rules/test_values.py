@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kompass.rules.signals import reader
-from kompass.rules.values import MISSING, compare, plain, same
+from kompass.rules.schema.signals import reader
+from kompass.rules.schema.values import MISSING, compare, plain, same
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from kompass.simulation.robot import Robot
-from kompass.simulation.shapes import Cylinder
-from kompass.simulation.world import World
 from kompass.simulation.worlds.registry import world
+from kompass.simulation.worlds.shapes import Cylinder
+from kompass.simulation.worlds.world import World
 
 PERIOD = 0.02
 HALL = World(

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kompass.simulation.fault_desk import BodyFaults, FaultDesk, FaultRefused, NotYet
-from kompass.simulation.faults import (
+from kompass.simulation.faults.fault_manager import BodyFaults, FaultDesk, FaultRefused, NotYet
+from kompass.simulation.faults.fault_names import (
     FAULTS,
     FaultOrder,
     UnknownFault,
@@ -16,9 +16,9 @@ from kompass.simulation.faults import (
     parse_fault,
     withholds_map,
 )
-from kompass.simulation.parts import NoReading
+from kompass.simulation.faults.robot_faults import ROBOT_FAULTS, RobotFaults
+from kompass.simulation.physics.parts import NoReading
 from kompass.simulation.robot import Robot
-from kompass.simulation.robot_faults import ROBOT_FAULTS, RobotFaults
 from kompass.simulation.worlds.registry import world
 
 PERIOD = 0.02

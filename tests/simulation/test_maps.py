@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from kompass.algorithms.map_file import load_map
-from kompass.simulation.make_maps import ALIASES, MAPS_FOLDER, make_maps
-from kompass.simulation.rasterize import rasterize
 from kompass.simulation.robot import Robot
+from kompass.simulation.worlds.make_maps import ALIASES, MAPS_FOLDER, make_maps
+from kompass.simulation.worlds.rasterize import rasterize
 from kompass.simulation.worlds.registry import world, world_names
 
 HALF_DIAGONAL = 0.5 * 2**0.5
@@ -21,7 +21,7 @@ def test_committed_map_files_are_what_the_geometry_gives(tmp_path: Path) -> None
         for suffix in (".yaml", ".pgm"):
             fresh, committed = path.with_suffix(suffix), MAPS_FOLDER / f"{path.stem}{suffix}"
             assert fresh.read_bytes() == committed.read_bytes(), (
-                f"{committed.name} is out of date; run python -m kompass.simulation.make_maps"
+                f"{committed.name} is out of date; run python -m kompass.simulation.worlds.make_maps"
             )
 
 

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kompass.simulation.motion import Motion
+from kompass.simulation.physics.motion import Motion
 from kompass.simulation.robot import Robot
 from kompass.simulation.sensors.bumper import Bumper
 from kompass.simulation.sensors.lidar import NOISE, RANGE_MAX, RANGE_MIN
 from kompass.simulation.sensors.localizer import HEADING_ERROR, POSITION_ERROR, Localizer
 from kompass.simulation.sensors.wheel_odometry import WheelOdometry
-from kompass.simulation.shapes import Box
-from kompass.simulation.world import World
 from kompass.simulation.worlds.registry import world, world_names
+from kompass.simulation.worlds.shapes import Box
+from kompass.simulation.worlds.world import World
 
 PERIOD = 0.02
 HALL = World(

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kompass.simulation.shapes import Box, Cylinder
-from kompass.simulation.world import World
 from kompass.simulation.worlds.registry import world, world_names
+from kompass.simulation.worlds.shapes import Box, Cylinder
+from kompass.simulation.worlds.world import World
 
 SQUARE = ((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0))
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from kompass.rulebook.journal import FiringRecord
-from kompass.rules.actions import Log
-from kompass.rules.table import Table
+from kompass.rulebook.schema.journal import FiringRecord
+from kompass.rules.schema.actions import Log
+from kompass.rules.schema.table import Table
 from kompass.store import Boot, RuleStore
 from tests.rules.building import received, rule
 

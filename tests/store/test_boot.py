@@ -2,8 +2,8 @@
 
 import pytest
 
-from kompass.rules.table import Table
-from kompass.store.life import this_machine
+from kompass.rules.schema.table import Table
+from kompass.store.session import this_machine
 from tests.rules.building import received, rule
 from tests.store.tables import BY, RECIPE, Robot, edited
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from kompass.rules.table import Table
+from kompass.rules.schema.table import Table
 from kompass.store import RuleStore, StoreBusy, StoreCorrupt, StoreTooNew, StoreUnwritable
 from kompass.store.backup import read_backup
 from tests.rules.building import received, rule

@@ -6,7 +6,7 @@ from contextlib import closing
 
 import pytest
 
-from kompass.rulebook.journal import ActionRecord
+from kompass.rulebook.schema.journal import ActionRecord
 from kompass.store import Bounds, RuleStore, journal_access
 from kompass.store.journal import LARGEST
 from tests.store.tables import Robot, entry

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from kompass.rules.table import Table
+from kompass.rules.schema.table import Table
 from kompass.store import NoSuchRevision, RuleStore, StaleRevision, StoreClosed
 from tests.rules.building import received, rule
 from tests.store.tables import BY, RECIPE, Robot, edited

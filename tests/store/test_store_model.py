@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from kompass.rules.table import Table
+from kompass.rules.schema.table import Table
 from kompass.store import StaleRevision
 from tests.rules.strategies import tables
 from tests.store.tables import BY, RECIPE, Robot

@@ -17,11 +17,11 @@ from kompass_interfaces.srv import (
     RollbackRules,
 )
 
-from kompass.rulebook.explanation import ExplanationView
-from kompass.rulebook.journal import FiringRecord, Journal
-from kompass.rulebook.revision import History
-from kompass.rulebook.status import RuleStatus
-from kompass.rulebook.table_view import TableView
+from kompass.rulebook.schema.explanation import ExplanationView
+from kompass.rulebook.schema.journal import FiringRecord, Journal
+from kompass.rulebook.schema.revision import History
+from kompass.rulebook.schema.status import RuleStatus
+from kompass.rulebook.schema.table_view import TableView
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
 

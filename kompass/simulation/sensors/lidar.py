@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from kompass.simulation.mjcf import SOLID_GROUP
+from kompass.simulation.physics.mjcf import SOLID_GROUP
 
 RAYS = 360
 RANGE_MIN = 0.12  # m

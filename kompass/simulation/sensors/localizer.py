@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from kompass.simulation.motion import Motion
+from kompass.simulation.physics.motion import Motion
 
 POSITION_ERROR = 0.005  # standard deviation of x and of y, m
 HEADING_ERROR = math.radians(0.3)

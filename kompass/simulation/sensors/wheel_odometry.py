@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from kompass.simulation.mjcf import WHEEL_RADIUS, WHEEL_SEPARATION
-from kompass.simulation.motion import Motion
+from kompass.simulation.physics.mjcf import WHEEL_RADIUS, WHEEL_SEPARATION
+from kompass.simulation.physics.motion import Motion
 
 TICKS_PER_TURN = 4096
 

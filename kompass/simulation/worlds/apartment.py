@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from kompass.simulation.shapes import Box, Cylinder
-from kompass.simulation.world import World
+from kompass.simulation.worlds.shapes import Box, Cylinder
+from kompass.simulation.worlds.world import World
 
 _WALL = 0.12
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from kompass.simulation.shapes import Cylinder
-from kompass.simulation.world import World
+from kompass.simulation.worlds.shapes import Cylinder
+from kompass.simulation.worlds.world import World
 
 INNER_WIDTH = 4.8  # between opposite walls, m
 PILLAR_SPACING = 1.1

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from kompass.simulation.world import World
 from kompass.simulation.worlds.apartment import APARTMENT
 from kompass.simulation.worlds.hexagon import HEXAGON
 from kompass.simulation.worlds.warehouse import WAREHOUSE
+from kompass.simulation.worlds.world import World
 
 _WORLDS = {item.name: item for item in (HEXAGON, APARTMENT, WAREHOUSE)}
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from kompass.simulation.shapes import Box, Cylinder, Shape
-from kompass.simulation.world import World
+from kompass.simulation.worlds.shapes import Box, Cylinder, Shape
+from kompass.simulation.worlds.world import World
 
 _RACK_LENGTH = 3.2
 _RACK_DEPTH = 0.9

@@ -1403,7 +1403,7 @@ export interface components {
          *     Attributes
          *     ----------
          *     path
-         *         As in :class:`kompass.rules.signals.Signal`; text as ``pose.position.x``.
+         *         As in :class:`kompass.rules.schema.signals.Signal`; text as ``pose.position.x``.
          *     kind
          *         Sort of the value; a list of ``element``.
          *     constants
@@ -1846,7 +1846,7 @@ export interface components {
          *     text
          *         The leaf as a person would write it.
          *     value, age, verdict
-         *         As in :class:`kompass.rules.firing.LeafVerdict`; ``verdict`` None is unknown.
+         *         As in :class:`kompass.rules.engine.firing.LeafVerdict`; ``verdict`` None is unknown.
          */
         LeafReading: {
             /** Age */

@@ -1,0 +1,56 @@
+"""The lifecycle node behind a component. It only carries transitions over to the component."""
+
+from typing import Protocol
+
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+
+from kompass.rclpy_ext.node import Eventless
+
+
+class Transitions(Protocol):
+    """What a component does at each transition. An exception fails the transition."""
+
+    def on_configure(self) -> None: ...
+    def on_activate(self) -> None: ...
+    def on_deactivate(self) -> None: ...
+    def on_cleanup(self) -> None: ...
+    def on_shutdown(self) -> None: ...
+    def on_transition_error(self, transition: str, error: Exception) -> None: ...
+
+
+class ComponentNode(Eventless, LifecycleNode):  # type: ignore[misc]  # rclpy has no types
+    """A lifecycle node; an exception in a transition is reported and leaves the node alive."""
+
+    def __init__(self, name: str, component: Transitions, namespace: str = "") -> None:
+        super().__init__(name, namespace=namespace or None)
+        self._component = component
+
+    @property
+    def state(self) -> str:
+        """Label of the lifecycle's state: unconfigured, inactive, active, finalized, …"""
+        return str(self._state_machine.current_state[1])
+
+    def _carry(self, transition: str) -> TransitionCallbackReturn:
+        try:
+            getattr(self._component, transition)()
+        except Exception as error:  # noqa: BLE001 - becomes the component's status
+            self._component.on_transition_error(transition.removeprefix("on_"), error)
+            return TransitionCallbackReturn.FAILURE
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        return self._carry("on_configure")
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        super().on_activate(state)
+        return self._carry("on_activate")
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        super().on_deactivate(state)
+        return self._carry("on_deactivate")
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        return self._carry("on_cleanup")
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        return self._carry("on_shutdown")

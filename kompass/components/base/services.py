@@ -1,0 +1,150 @@
+"""The services that every component offers, from the making of its node to its end."""
+
+import json
+from typing import Any, Protocol
+
+from automatika_ros_sugar.srv import (
+    ChangeParameter,
+    ChangeParameters,
+    ConfigureFromFile,
+    ExecuteMethod,
+    ReplaceTopic,
+)
+
+from kompass.components.base.component_config import ComponentConfig
+from kompass.components.base.health import Health
+from kompass.components.base.parameter import read_values
+from kompass.rclpy_ext.async_service import create_async_service
+from kompass.rclpy_ext.topic import Topic
+
+
+class Served(Protocol):
+    """What the services need of a component."""
+
+    node_name: str
+    config: ComponentConfig
+    health: Health
+    action_problem: str
+
+    @property
+    def node(self) -> Any: ...
+    async def call_action(self, name: str, kwargs: Any) -> Any: ...
+    def set_params(
+        self, params_names: list[str], new_values: list[Any], keep_alive: bool = True
+    ) -> bool: ...
+    def reconfigure(self, new_config: Any, keep_alive: bool = False) -> bool: ...
+    def replace_topic(self, direction: str, old_name: str, topic: Topic) -> None: ...
+
+
+class ComponentServices:
+    """Parameters, configuration, topics and actions of one component, over ROS.
+
+    Every answer comes: what goes wrong is told in ``error_msg``, and nothing has changed then.
+    """
+
+    def __init__(self, component: Served) -> None:
+        self._component = component
+        node, name = component.node, component.node_name
+        for kind, suffix, callback in (
+            (ChangeParameter, "update_config_parameter", self._on_parameter),
+            (ChangeParameters, "update_config_parameters", self._on_parameters),
+            (ConfigureFromFile, "configure_from_file", self._on_file),
+            (ReplaceTopic, "change_topic", self._on_topic),
+        ):
+            node.create_service(kind, f"{name}/{suffix}", callback)
+        create_async_service(node, ExecuteMethod, f"{name}/execute_method", self._on_execute)
+
+    def _on_parameter(
+        self, request: ChangeParameter.Request, response: ChangeParameter.Response
+    ) -> ChangeParameter.Response:
+        errors = self._set([request.name], [request.value], request.keep_alive)
+        response.success, response.error_msg = not errors[0], errors[0]
+        return response
+
+    def _on_parameters(
+        self, request: ChangeParameters.Request, response: ChangeParameters.Response
+    ) -> ChangeParameters.Response:
+        errors = self._set(list(request.names), list(request.values), request.keep_alive)
+        response.success, response.error_msg = [not error for error in errors], errors
+        return response
+
+    def _set(self, names: list[str], texts: list[str], keep_alive: bool) -> list[str]:
+        """One message for each name, empty when all were set; all or none are."""
+        component = self._component
+        if len(names) != len(texts):
+            text = f"{len(names)} names for {len(texts)} values; give one value for each name"
+            return [f"{component.node_name}: {text}"] * max(len(names), 1)
+        asked = dict(zip(names, texts, strict=True))
+        values, refused = read_values(component.config, asked, component.node_name)
+        if refused:
+            others = f"not set, because {', '.join(map(repr, refused))} was refused"
+            return [refused.get(name, f"{name!r}: {others}") for name in names]
+        try:
+            done = component.set_params(list(values), list(values.values()), keep_alive)
+        except Exception as error:  # noqa: BLE001 - becomes the answer
+            return [str(error) or type(error).__name__] * len(names)
+        return ["" if done else self._why_not("set_params")] * len(names)
+
+    def _on_file(
+        self, request: ConfigureFromFile.Request, response: ConfigureFromFile.Response
+    ) -> ConfigureFromFile.Response:
+        try:
+            done = self._component.reconfigure(request.path_to_file, request.keep_alive)
+        except Exception as error:  # noqa: BLE001 - becomes the answer
+            response.success, response.error_msg = False, str(error)
+            return response
+        response.success = done
+        response.error_msg = "" if done else self._why_not("reconfigure")
+        return response
+
+    async def _on_execute(
+        self, request: ExecuteMethod.Request, response: ExecuteMethod.Response
+    ) -> ExecuteMethod.Response:
+        response.success = False
+        try:
+            kwargs = json.loads(request.kwargs_json or "{}")
+        except json.JSONDecodeError as error:
+            response.error_msg = f"kwargs_json = {request.kwargs_json!r} is not JSON: {error}"
+            return response
+        if not isinstance(kwargs, dict):
+            response.error_msg = f"kwargs_json = {request.kwargs_json!r}: give an object, {{…}}"
+            return response
+        try:
+            result = await self._component.call_action(request.name, kwargs)
+        except Exception as error:  # noqa: BLE001 - becomes the answer
+            response.error_msg = f"{error}" or type(error).__name__
+            return response
+        response.success = result is not False
+        if result is False:
+            response.error_msg = self._why_not(request.name)
+        elif result is not None:
+            try:
+                response.response_json = json.dumps(result)
+            except (TypeError, ValueError) as error:
+                response.error_msg = f"{request.name} was done; its result is no JSON: {error}"
+        return response
+
+    def _on_topic(
+        self, request: ReplaceTopic.Request, response: ReplaceTopic.Response
+    ) -> ReplaceTopic.Response:
+        directions = {
+            ReplaceTopic.Request.INPUT_TOPIC: "input",
+            ReplaceTopic.Request.OUTPUT_TOPIC: "output",
+        }
+        try:
+            direction = directions.get(request.direction)
+            if direction is None:
+                raise ValueError(f"direction = {request.direction}: give 0 (input) or 1 (output)")
+            topic = Topic(name=request.new_name, msg_type=request.new_msg_type)
+            self._component.replace_topic(direction, request.old_name, topic)
+        except Exception as error:  # noqa: BLE001 - becomes the answer
+            response.success, response.error_msg = False, str(error)
+            return response
+        response.success = True
+        return response
+
+    def _why_not(self, name: str) -> str:
+        component = self._component
+        problem, component.action_problem = component.action_problem, ""
+        problem = problem or ("" if component.health.is_healthy else component.health.message)
+        return f"{component.node_name}.{name} did not succeed" + (f": {problem}" if problem else "")

@@ -1,0 +1,1 @@
+"""The controller, its settings, and where it sees obstacles."""

@@ -1,0 +1,65 @@
+"""Settings of the controller."""
+
+import enum
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from kompass.components.base.component_config import ComponentConfig
+from kompass.components.controller.controllers_id import ELSEWHERE, ControllersID
+from kompass.components.controller.follower_settings import (
+    DWAConfig,
+    PurePursuitConfig,
+    StanleyConfig,
+)
+
+
+class CmdPublishType(enum.Enum):
+    """How commands leave the controller."""
+
+    TWIST_SEQUENCE = "Sequence"
+    TWIST_PARALLEL = "Parallel"
+    TWIST_ARRAY = "Array"
+
+
+def _by_value(kind: type[enum.Enum]) -> Any:
+    def read(value: Any) -> Any:
+        if isinstance(value, str):
+            for member in kind:
+                if value.lower() in (member.value.lower(), member.name.lower()):
+                    return member
+            known = ", ".join(member.value for member in kind)
+            if kind is ControllersID and value in (*ELSEWHERE, *ELSEWHERE.values()):
+                raise ValueError(f"{value!r} is not offered here; choose one of {known}")
+            raise ValueError(f"{value!r} is none of {known}")
+        return value
+
+    return BeforeValidator(read)
+
+
+class ControllerConfig(ComponentConfig):
+    """How a path becomes commands."""
+
+    loop_rate: float = Field(default=20.0, ge=0.1, le=1e3, description="Hz")
+    algorithm: Annotated[ControllersID, _by_value(ControllersID)] = ControllersID.DWA
+    control_time_step: float = Field(default=0.1, gt=0, description="s that one command holds")
+    ctrl_publish_type: Annotated[CmdPublishType, _by_value(CmdPublishType)] = (
+        CmdPublishType.TWIST_ARRAY
+    )
+    use_direct_sensor: bool = Field(
+        default=False,
+        description="DWA takes obstacles from the scan itself instead of the local map",
+    )
+    sensor_timeout: float = Field(
+        default=0.5, gt=0, description="s; an older scan or local map stops the robot"
+    )
+    location_timeout: float = Field(default=0.5, gt=0, description="s; an older pose stops")
+    progress_timeout: float = Field(
+        default=5.0, gt=0, description="s; a robot that gets nowhere for so long is stuck"
+    )
+    goal_dist_tolerance: float = Field(default=0.03, gt=0, description="m")
+    goal_orientation_tolerance: float = Field(default=0.05, gt=0, description="rad")
+    DWA: DWAConfig = Field(default_factory=DWAConfig)
+    Stanley: StanleyConfig = Field(default_factory=StanleyConfig)
+    PurePursuit: PurePursuitConfig = Field(default_factory=PurePursuitConfig)
+    debug: bool = Field(default=False, description="without effect; accepted from older files")

@@ -1,0 +1,325 @@
+"""The controller: follows the path, to its very end."""
+
+import time
+from typing import Any, ClassVar
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped, Twist
+from kompass_interfaces.msg import TwistArray
+from numpy.typing import NDArray
+
+from kompass.algorithms.following.command import Command, FollowStep
+from kompass.algorithms.following.dwa import DWA, NoCommand
+from kompass.algorithms.following.follower import PathFollower
+from kompass.algorithms.geometry import inverse, transform_points
+from kompass.algorithms.mapping.scan_points import scan_to_points
+from kompass.components.base.actions import component_action
+from kompass.components.base.component_config import ComponentRunType
+from kompass.components.base.convert import Pose2D, grid_of, path_poses, quaternion_msg
+from kompass.components.base.located import Located
+from kompass.components.controller.config import CmdPublishType, ControllerConfig
+from kompass.components.controller.controllers_id import ControllersID
+from kompass.components.controller.follower_settings import (
+    SECTIONS,
+    FollowerSettings,
+    make_follower,
+)
+from kompass.components.controller.obstacle_source import HANDOVER, ObstacleSource
+from kompass.components.controller.progress import Progress
+from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, QoSConfig, Topic
+
+STILL = Command()
+SENSORS = ("sensor_data", "local_map")
+
+
+class Controller(Located):
+    """Turns ``plan`` and ``location`` into commands; stops when its inputs stop.
+
+    A path ends with its last pose, heading included. An empty path clears the old one.
+
+    DWA sees obstacles in ``local_map``, or, with ``use_direct_sensor``, in ``sensor_data``; only
+    the one in use is subscribed to. Stanley and pure pursuit need neither.
+    """
+
+    config: ControllerConfig
+    config_class = ControllerConfig
+    allowed_run_types = (ComponentRunType.TIMED,)
+    allowed_inputs: ClassVar = {
+        "plan": AllowedTopics(["Path"]),
+        "location": AllowedTopics(["Odometry", "PoseStamped", "Pose"]),
+        "sensor_data": AllowedTopics(["LaserScan"]),
+        "local_map": AllowedTopics(["OccupancyGrid"]),
+    }
+    allowed_outputs: ClassVar = {
+        "command": AllowedTopics(["Twist"]),
+        "multi_command": AllowedTopics(["TwistArray"]),
+        "tracked_point": AllowedTopics(["PoseStamped"]),
+    }
+    default_inputs: ClassVar = {
+        "plan": [Topic(name="/plan", msg_type="Path")],
+        "location": [Topic(name="/odom", msg_type="Odometry")],
+        "sensor_data": [Topic(name="/scan", msg_type="LaserScan")],
+        "local_map": [Topic(name="/local_map/occupancy_layer", msg_type="OccupancyGrid")],
+    }
+    default_outputs: ClassVar = {
+        "command": [Topic(name="/control", msg_type="Twist")],
+        "multi_command": [Topic(name="/control_list", msg_type="TwistArray")],
+        "tracked_point": [Topic(name="/tracked_point", msg_type="PoseStamped")],
+    }
+    qos: ClassVar = {"plan": LATCHED, "local_map": QoSConfig(queue_size=1)}
+    ignored_settings: ClassVar = {
+        "DVZ": "the algorithm is not offered here",
+        "prediction_horizon": "it is a setting of the algorithm's section",
+    }
+
+    def __init__(self, component_name: str = "controller", **kwargs: object) -> None:
+        super().__init__(component_name, **kwargs)
+
+    # -- what a recipe says -------------------------------------------------------------------
+
+    @property
+    def algorithm(self) -> ControllersID:
+        """The path-following algorithm; a name may be assigned too."""
+        return self.config.algorithm
+
+    @algorithm.setter
+    def algorithm(self, value: ControllersID | str) -> None:
+        self.config.algorithm = value  # type: ignore[assignment]  # validated and converted
+
+    @property
+    def direct_sensor(self) -> bool:
+        """Whether DWA takes obstacles from the scan; other algorithms need no sensor."""
+        return self.config.use_direct_sensor
+
+    @direct_sensor.setter
+    def direct_sensor(self, value: bool) -> None:
+        self.config.use_direct_sensor = value
+
+    @property
+    def algorithms_config(self) -> dict[str, FollowerSettings]:
+        """Settings of the algorithms by name; one, a list or a mapping may be assigned."""
+        return {algorithm.value: self._section(algorithm) for algorithm in SECTIONS}
+
+    @algorithms_config.setter
+    def algorithms_config(self, value: Any) -> None:
+        if isinstance(value, dict):
+            for name, section in value.items():
+                setattr(self.config, ControllersID(name).value, section)
+            return
+        for section in value if isinstance(value, list | tuple) else [value]:
+            if not isinstance(section, FollowerSettings):
+                names = ", ".join(kind.__name__ for kind in SECTIONS.values())
+                raise TypeError(f"{self.node_name}: {section!r} is none of {names}")
+            setattr(self.config, section.section, section)
+
+    @component_action
+    def set_algorithm(self, algorithm_value: ControllersID | str) -> bool:
+        """Follow the same path with another algorithm from now on."""
+        return self.set_param("algorithm", algorithm_value)
+
+    def _section(self, algorithm: ControllersID) -> FollowerSettings:
+        section: FollowerSettings = getattr(self.config, algorithm.value)
+        return section
+
+    # -- life ---------------------------------------------------------------------------------
+
+    def init_variables(self) -> None:
+        self._follower = self._make_follower()
+        self._incoming: PathFollower | None = None
+        self._incoming_since = 0.0
+        self._has_path = False
+        self._progress = Progress()
+        self._obstacles: ObstacleSource | None = None
+
+    def wants_input(self, key: str) -> bool:
+        return key not in SENSORS
+
+    def custom_on_activate(self) -> None:
+        super().custom_on_activate()
+        self.input("plan").on_message = self._on_plan
+        self._obstacles = ObstacleSource(
+            self.node, self.input, {"sensor_data": self._place_scan, "local_map": self._place_map}
+        )
+        self._obstacles.want(self._sensor)
+
+    def custom_on_deactivate(self) -> None:
+        self._halt()
+        super().custom_on_deactivate()
+
+    def on_config_changed(self, names: set[str]) -> None:
+        follower = self._make_follower()
+        if self._obstacles is not None and self.is_active:
+            self._obstacles.want(self._sensor)
+        if isinstance(follower, DWA) and not isinstance(self._follower, DWA) and self._has_path:
+            # The old one drives on until the new one can see.
+            self._incoming, self._incoming_since = follower, time.monotonic()
+            return
+        self._change_to(follower)
+
+    def _change_to(self, follower: PathFollower) -> None:
+        follower.take_over(self._follower)
+        self._follower, self._incoming = follower, None
+
+    def _make_follower(self) -> PathFollower:
+        algorithm = self.config.algorithm
+        return make_follower(
+            algorithm,
+            self._section(algorithm),
+            self.config.robot,
+            goal_tolerance=self.config.goal_dist_tolerance,
+            heading_tolerance=self.config.goal_orientation_tolerance,
+        )
+
+    @property
+    def _sensor(self) -> str | None:
+        """Key of the input that the algorithm sees obstacles in; None when it needs none."""
+        if self.config.algorithm is not ControllersID.DWA:
+            return None
+        return "sensor_data" if self.config.use_direct_sensor else "local_map"
+
+    # -- inputs -------------------------------------------------------------------------------
+
+    def _on_plan(self, message: Any) -> None:
+        poses = path_poses(message)
+        if len(poses) < 2 or not np.all(np.isfinite(poses)):
+            self._halt()
+            self._has_path = False
+            return
+        if not self._has_path:
+            self._follower.reset()
+        self._follower.set_path(poses)
+        self._has_path = True
+
+    def _place_scan(self, scan: Any) -> NDArray[np.float64]:
+        points = scan_to_points(
+            np.asarray(scan.ranges, dtype=np.float64),
+            scan.angle_min,
+            scan.angle_increment,
+            scan.range_min,
+            scan.range_max,
+            self.sensor_pose(scan.header.frame_id),
+        )
+        pose = self.pose()
+        if pose is None:
+            raise LookupError("the robot does not know where it is")
+        return transform_points(pose, points)
+
+    def _place_map(self, message: Any) -> NDArray[np.float64]:
+        frame = message.header.frame_id
+        if frame and frame != self.frames.world:
+            raise ValueError(f"it is in frame '{frame}', not in '{self.frames.world}'")
+        grid = grid_of(message)
+        rows, cols = np.nonzero(grid.occupied())
+        return grid.cell_to_world(np.column_stack([cols, rows]))
+
+    # -- the loop -----------------------------------------------------------------------------
+
+    def _execution_step(self) -> None:
+        if self._incoming is not None and self._obstacles is not None:
+            sees = self._obstacles.points(self.config.sensor_timeout) is not None
+            if sees or time.monotonic() - self._incoming_since > HANDOVER:
+                self._change_to(self._incoming)
+        pose = self._located()
+        seen = self._seen() if pose is not None else None
+        if pose is None or seen is None:
+            # Inputs that have never spoken get their time; the robot stands meanwhile.
+            if self._has_path:
+                self._halt()
+                self._follower.reset()
+            self._progress.reset()
+            return
+        if not self._has_path:
+            self._progress.reset()
+            self.health.set_healthy()
+            return
+        vx, _, omega = self.speed()
+        period = 1.0 / self.config.loop_rate
+        try:
+            if isinstance(self._follower, DWA):
+                points = transform_points(inverse(pose), seen)
+                step = self._follower.step(pose, vx, omega, period, points)
+            else:
+                step = self._follower.step(pose, vx, omega, period)
+        except NoCommand as error:
+            self.health.set_fail_algorithm([self.config.algorithm.value], str(error))
+            self._halt()
+            self._follower.reset()
+            self._progress.reset()
+            return
+        self._judge_progress(step, pose)
+        self._command(step.command)
+        self._publish_tracked_point(step, pose)
+        if step.phase == "arrived":
+            self._has_path = False
+
+    def _judge_progress(self, step: FollowStep, pose: Pose2D) -> None:
+        """Commands that lead nowhere are a failure too; they go on, for the way may come free."""
+        turning = step.phase in ("turning", "aligning")
+        stalled = self._progress.stalled(pose, time.monotonic(), turning=turning)
+        if step.phase == "arrived" or stalled < self.config.progress_timeout:
+            self.health.set_healthy()
+            return
+        algorithm = self.config.algorithm.value
+        self.health.set_fail_algorithm([algorithm], f"no progress for {stalled:.0f} s")
+
+    def _located(self) -> Pose2D | None:
+        """The pose, or None with the reason in the health."""
+        source = self.input("location")
+        pose = self.pose()
+        if pose is not None and source.age() <= self.config.location_timeout:
+            return pose
+        topic = f"/{source.topic.name}"
+        if self.awaits(source):
+            self.health.set_healthy(f"waiting for {topic}")
+        else:
+            self.health.set_fail_system(
+                topics=[topic], message="the robot does not know where it is"
+            )
+        return None
+
+    def _seen(self) -> NDArray[np.float64] | None:
+        """Obstacles (N, 2) in the world's frame, or None with the reason in the health."""
+        source = self._obstacles.input if self._obstacles is not None else None
+        if self._obstacles is None or source is None or not isinstance(self._follower, DWA):
+            return np.empty((0, 2))
+        points = self._obstacles.points(self.config.sensor_timeout)
+        if points is not None:
+            return points
+        topic = f"/{source.topic.name}"
+        if self.awaits(source) or (self._obstacles.problem and self.is_starting):
+            self.health.set_healthy(f"waiting for {topic}")
+        else:
+            reason = self._obstacles.problem or f"nothing on {topic} to see obstacles with"
+            self.health.set_fail_system(topics=[topic], message=reason)
+        return None
+
+    def _halt(self) -> None:
+        if self._has_path:
+            self._command(STILL)
+
+    def _command(self, command: Command) -> None:
+        if self.config.ctrl_publish_type is CmdPublishType.TWIST_ARRAY:
+            message = TwistArray(time_step=self.config.control_time_step)
+            message.linear_velocities.x = [command.vx]
+            message.linear_velocities.y = [command.vy]
+            message.linear_velocities.z = [0.0]
+            message.angular_velocities.x = [0.0]
+            message.angular_velocities.y = [0.0]
+            message.angular_velocities.z = [command.omega]
+            self.publish("multi_command", message)
+            return
+        twist = Twist()
+        twist.linear.x, twist.linear.y, twist.angular.z = command.vx, command.vy, command.omega
+        self.publish("command", twist)
+
+    def _publish_tracked_point(self, step: FollowStep, pose: Pose2D) -> None:
+        tracker = self._follower.tracker
+        if tracker is None:
+            return
+        x, y = (float(value) for value in tracker.point_at(step.progress)[:2])
+        message = PoseStamped()
+        message.header.frame_id = self.frames.world
+        message.header.stamp = self.node.get_clock().now().to_msg()
+        message.pose.position.x, message.pose.position.y = x, y
+        message.pose.orientation = quaternion_msg(pose[2] + step.heading_error)
+        self.publish("tracked_point", message)

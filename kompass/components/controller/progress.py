@@ -1,0 +1,44 @@
+"""Whether a robot that is meant to move gets anywhere.
+
+No ROS and no clock: time is an argument [s].
+"""
+
+import math
+
+from kompass.algorithms.geometry import wrap_angle
+from kompass.components.base.convert import Pose2D
+
+NEAR = 0.05  # m; who stays within this of a place has not left it
+TURNED = 0.2  # rad; on the spot, a turn by this is progress
+
+
+class Progress:
+    """Remembers where the robot last got somewhere, and when."""
+
+    def __init__(self) -> None:
+        self._at: Pose2D | None = None
+        self._since = 0.0
+
+    def reset(self) -> None:
+        """Nothing is wanted of the robot now."""
+        self._at = None
+
+    def stalled(self, pose: Pose2D, now: float, *, turning: bool) -> float:
+        """For how long it has got nowhere [s].
+
+        Parameters
+        ----------
+        pose
+            Where it is.
+        turning
+            Whether it is meant to turn on the spot; only then a turn is progress.
+        """
+        if self._at is None or self._left(self._at, pose, turning):
+            self._at, self._since = pose, now
+        return now - self._since
+
+    @staticmethod
+    def _left(place: Pose2D, pose: Pose2D, turning: bool) -> bool:
+        if math.hypot(pose[0] - place[0], pose[1] - place[1]) >= NEAR:
+            return True
+        return turning and abs(float(wrap_angle(pose[2] - place[2]))) >= TURNED

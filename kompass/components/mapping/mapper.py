@@ -1,0 +1,123 @@
+"""The local map: what the scan shows around the robot, as a grid that turns with it."""
+
+from typing import ClassVar
+
+import numpy as np
+from pydantic import AliasChoices, Field
+
+from kompass.algorithms.geometry import compose
+from kompass.algorithms.grid import Grid
+from kompass.algorithms.mapping.local_map import LocalMapper as ScanMapper
+from kompass.algorithms.transforms import TransformError
+from kompass.components.base.component_config import ComponentConfig
+from kompass.components.base.convert import grid_msg
+from kompass.components.base.located import Located
+from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
+from kompass.settings import Settings
+
+
+class MapConfig(Settings):
+    """Size of the local map."""
+
+    width: float = Field(default=3.0, ge=0.1, le=100, description="m, ahead and behind")
+    height: float = Field(default=3.0, ge=0.1, le=100, description="m, to the sides")
+    resolution: float = Field(default=0.05, gt=0, le=10, description="m")
+    padding: float = Field(default=0.0, ge=0, description="m; without effect")
+    filter_limit: float | None = Field(default=None, gt=0, description="m; without effect")
+    max_points_per_line: int | None = Field(default=None, ge=1, description="without effect")
+    max_num_threads: int = Field(default=1, ge=1, description="without effect")
+    bayesian_update: bool = Field(
+        default=False,
+        description="without effect: each map is of one scan",
+        validation_alias=AliasChoices("bayesian_update", "baysian_update"),
+    )
+
+
+class LocalMapperConfig(ComponentConfig):
+    """Settings of the local mapper."""
+
+    loop_rate: float = Field(default=10.0, ge=0.1, le=1e3, description="Hz")
+    map_params: MapConfig = Field(default_factory=MapConfig)
+    sensor_timeout: float = Field(default=0.5, gt=0, description="s; an older scan is no map")
+    location_timeout: float = Field(default=0.5, gt=0, description="s")
+
+
+class LocalMapper(Located):
+    """Publishes a robot-centred occupancy grid of each new scan, with the scan's stamp."""
+
+    config: LocalMapperConfig
+    config_class = LocalMapperConfig
+    allowed_inputs: ClassVar = {
+        "sensor_data": AllowedTopics(["LaserScan"]),
+        "location": AllowedTopics(["Odometry", "PoseStamped", "Pose"]),
+    }
+    allowed_outputs: ClassVar = {"local_map": AllowedTopics(["OccupancyGrid"])}
+    default_inputs: ClassVar = {
+        "sensor_data": [Topic(name="/scan", msg_type="LaserScan")],
+        "location": [Topic(name="/odom", msg_type="Odometry")],
+    }
+    default_outputs: ClassVar = {
+        "local_map": [Topic(name="/local_map/occupancy_layer", msg_type="OccupancyGrid")]
+    }
+    qos: ClassVar = {"local_map": QoSConfig(queue_size=1)}
+
+    def __init__(self, component_name: str = "mapper", **kwargs: object) -> None:
+        super().__init__(component_name, **kwargs)
+
+    ignored_settings: ClassVar = {"scan_model": "rays are taken as they are"}
+
+    def init_variables(self) -> None:
+        self._mapped: object = None
+        self._set_up()
+
+    def on_config_changed(self, names: set[str]) -> None:
+        self._set_up()
+
+    def _set_up(self) -> None:
+        size = self.config.map_params
+        self._mapper = ScanMapper(size.width, size.height, size.resolution)
+
+    def _execution_step(self) -> None:
+        source, location = self.input("sensor_data"), self.input("location")
+        missing = [
+            f"/{item.topic.name}"
+            for item, limit in (
+                (source, self.config.sensor_timeout),
+                (location, self.config.location_timeout),
+            )
+            if item.age() > limit
+        ]
+        if missing and len(self.awaits(source, location)) >= len(missing):
+            self.health.set_healthy(f"waiting for {', '.join(missing)}")
+            return
+        if missing:
+            self.health.set_fail_system(topics=missing, message=f"nothing on {', '.join(missing)}")
+            return
+        scan = source.message
+        if scan is self._mapped:
+            return
+        pose = self.pose()
+        try:
+            mounted = self.sensor_pose(scan.header.frame_id)
+        except TransformError as error:
+            if self._mapped is None and self.is_starting:
+                self.health.set_healthy("waiting for /tf_static")
+                return
+            self.health.set_fail_system(topics=["/tf_static"], message=str(error))
+            return
+        if pose is None:
+            self.health.set_fail_system(topics=["/tf"], message="the location cannot be placed")
+            return
+        cells = self._mapper.update(
+            np.asarray(scan.ranges, dtype=np.float64),
+            scan.angle_min,
+            scan.angle_increment,
+            scan.range_min,
+            scan.range_max,
+            mounted,
+        )
+        x, y, yaw = (float(value) for value in compose(pose, self._mapper.origin))
+        grid = Grid(cells, self._mapper.resolution, (x, y, yaw))
+        self._mapped = scan
+        self.publish("local_map", grid_msg(grid, self.frames.world, scan.header.stamp))
+        self.health.set_healthy()

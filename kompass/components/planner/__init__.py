@@ -1,0 +1,1 @@
+"""The global planner, and the life of a goal."""

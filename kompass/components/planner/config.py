@@ -1,0 +1,121 @@
+"""Settings of the planner."""
+
+import difflib
+from typing import Any
+
+from pydantic import Field, field_validator, model_validator
+
+from kompass.algorithms.planning.sampling import planner_names
+from kompass.components.base.component_config import ComponentConfig
+from kompass.components.base.notice import notice_once
+from kompass.settings import Settings
+
+STAND_IN = "RRTConnect"
+# Geometric planners of OMPL that other builds of it offer.
+ELSEWHERE = (
+    *("ABITstar", "AITstar", "BiEST", "EST", "LBTRRT", "LazyLBTRRT", "LazyPRM", "LazyPRMstar"),
+    *("LazyRRT", "PDST", "ProjEST", "RRTXstatic", "RRTsharp", "SBL", "SST", "STRIDE", "TRRT"),
+)
+
+
+def usable_planner(planner_id: str) -> str:
+    """Class name of the planner, or of its stand-in when this OMPL does not have it.
+
+    Raises
+    ------
+    ValueError
+        When no OMPL has it.
+    """
+    name = planner_id.rpartition(".")[2]
+    known = planner_names()
+    if name in known:
+        return name
+    if name in ELSEWHERE:
+        notice_once(f"planner_id: this OMPL has no {name}; {STAND_IN} takes its place")
+        return STAND_IN
+    close = difflib.get_close_matches(name, [*known, *ELSEWHERE], n=1)
+    remedy = f"did you mean {close[0]!r}?" if close else f"choose one of {', '.join(known)}"
+    raise ValueError(f"{planner_id!r} is no geometric planner of OMPL; {remedy}")
+
+
+class OmplConfig(Settings):
+    """The section ``<node>.ompl``. A field left out (None) leaves the planner's own setting."""
+
+    planning_timeout: float | None = Field(default=None, gt=0, le=60, description="s")
+    planner_id: str | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _drop_unused(cls, given: Any) -> Any:
+        if not isinstance(given, dict):
+            return given
+        unused = {
+            "log_level",
+            "simplification_timeout",
+            "goal_tolerance",
+            "optimization_objective",
+            "optimization_objective_threshold",
+            "map_resolution",
+            *ELSEWHERE,
+            *planner_names(),
+        }
+        for key in set(given) & unused:
+            notice_once(f"ompl: '{key}' has no effect here")
+        return {key: value for key, value in given.items() if key not in unused}
+
+    @field_validator("planner_id")
+    @classmethod
+    def _is_known(cls, value: str | None) -> str | None:
+        if value is not None:
+            usable_planner(value)
+        return value
+
+
+class PlannerConfig(ComponentConfig):
+    """How paths are found, and how long a goal is pursued."""
+
+    loop_rate: float = Field(default=1.0, ge=0.01, le=100, description="Hz; replanning checks")
+    points_per_meter: float = Field(default=10, ge=1, le=1000)
+    distance_tolerance: float = Field(
+        default=0.05, gt=0, description="m; for goals that state no tolerance"
+    )
+    orientation_tolerance: float = Field(
+        default=0.1, gt=0, description="rad; for goals with a heading that state no tolerance"
+    )
+    clearance: float = Field(
+        default=0.1, ge=0, description="m between footprint and obstacle along the path"
+    )
+    unknown_is_obstacle: bool = True
+    planner_id: str = Field(default="RRTConnect", description="geometric planner of OMPL")
+    planning_timeout: float = Field(default=1.0, gt=0, le=60, description="s")
+    patience: float = Field(
+        default=15.0, gt=0, description="s without a plan or progress before a goal is given up"
+    )
+    goals_from_topics: bool = Field(
+        default=False,
+        description="as an ActionServer, send oneself a goal for each message on goal_point",
+    )
+    location_timeout: float = Field(default=0.5, gt=0, description="s")
+    ompl: OmplConfig = Field(
+        default_factory=OmplConfig, description="from older files; comes before the fields above"
+    )
+    depth_conversion_factor: float = Field(default=1e-3, gt=0, description="without effect")
+    depth_range: list[float] = Field(
+        default_factory=lambda: [0.1, 10.0], description="m; without effect"
+    )
+
+    @field_validator("planner_id")
+    @classmethod
+    def _is_known(cls, value: str) -> str:
+        usable_planner(value)
+        return value
+
+    @property
+    def chosen_planner(self) -> str:
+        """The planner to use, as it was named."""
+        return self.ompl.planner_id or self.planner_id
+
+    @property
+    def chosen_timeout(self) -> float:
+        """Time that it may take [s]."""
+        return self.ompl.planning_timeout or self.planning_timeout

@@ -1,0 +1,386 @@
+"""The global planner: goals in, checked paths out, and every goal comes to an end."""
+
+import math
+import time
+from typing import Any, ClassVar
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped
+from kompass_interfaces.action import PlanPath
+from kompass_interfaces.msg import DriveState
+from kompass_interfaces.srv import CheckGoal
+from nav_msgs.msg import Path
+from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+from std_msgs.msg import Bool
+
+from kompass.algorithms.planning.failure import PlanningFailure, Reason
+from kompass.algorithms.planning.planner import GlobalPlanner
+from kompass.algorithms.safety.standstill import Standstill
+from kompass.components.base.actions import component_action
+from kompass.components.base.component_config import ComponentRunType
+from kompass.components.base.convert import Pose2D, grid_of, path_msg, pose_of, quaternion_msg
+from kompass.components.base.located import Located
+from kompass.components.planner.config import PlannerConfig, usable_planner
+from kompass.components.planner.goal_check import check_goal
+from kompass.components.planner.mission import FREE_HEADING, Mission, Outcome, Tolerance
+from kompass.rclpy_ext.goal_expiry import expire_goals
+from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
+
+PROGRESS_RATE = 10.0  # Hz, only while a goal is pursued
+FEEDBACK_EVERY = 2  # turns of the progress timer
+STRAYED = 0.5  # m
+# The algorithm was given all it needs and has no answer. A goal in a wall is not that.
+ALGORITHM_FAILURES = (Reason.START_BLOCKED, Reason.NO_PATH, Reason.UNREACHABLE)
+# May pass by itself or by somebody's recovery; worth waiting for.
+MAY_PASS = (Reason.NO_MAP, Reason.NO_POSE, Reason.START_BLOCKED, Reason.NO_PATH)
+
+
+class Planner(Located):
+    """Plans on the map, replans when the map closes the way, and says how each goal ended.
+
+    As ``ActionServer`` it serves ``<node>/plan_path``; as ``Timed`` or ``Event`` it takes goals
+    from ``goal_point``. ``<node>/check_goal`` answers without moving anything.
+    """
+
+    config: PlannerConfig
+    config_class = PlannerConfig
+    steps_in_any_run_type = True
+    allowed_run_types = (
+        ComponentRunType.TIMED,
+        ComponentRunType.ACTION_SERVER,
+        ComponentRunType.EVENT,
+    )
+    allowed_inputs: ClassVar = {
+        "map": AllowedTopics(["OccupancyGrid"]),
+        "goal_point": AllowedTopics(["PoseStamped", "PointStamped", "Odometry"], 1, 2),
+        "location": AllowedTopics(["Odometry", "PoseStamped", "Pose"]),
+    }
+    allowed_outputs: ClassVar = {
+        "plan": AllowedTopics(["Path"]),
+        "reached_end": AllowedTopics(["Bool"]),
+    }
+    default_inputs: ClassVar = {
+        "map": [Topic(name="/map", msg_type="OccupancyGrid")],
+        "goal_point": [Topic(name="/goal", msg_type="PointStamped")],
+        "location": [Topic(name="/odom", msg_type="Odometry")],
+    }
+    default_outputs: ClassVar = {
+        "plan": [Topic(name="/plan", msg_type="Path")],
+        "reached_end": [Topic(name="/reached_end", msg_type="Bool")],
+    }
+    qos: ClassVar = {"map": LATCHED, "plan": LATCHED}
+    main_action_type = PlanPath
+    ignored_settings: ClassVar = {"algorithm": "the planner is always one of OMPL"}
+    ignored_inputs: ClassVar = {"map_layer": "the key is 'map'"}
+
+    def __init__(self, component_name: str = "planner", **kwargs: object) -> None:
+        super().__init__(component_name, **kwargs)
+
+    @property
+    def longest_step(self) -> float:
+        return self.config.chosen_timeout + 5.0  # it is simplified and checked after it is found
+
+    def init_variables(self) -> None:
+        self._planner: GlobalPlanner | None = None
+        self._mission: Mission | None = None
+        self._handle: ServerGoalHandle | None = None
+        self._ended: Future | None = None
+        self._turn = 0
+        self._stopped = ""
+        self._standstill = Standstill()
+
+    @property
+    def _serves_action(self) -> bool:
+        return self.run_type is ComponentRunType.ACTION_SERVER
+
+    def create_interfaces(self) -> None:
+        name = self.node_name
+        self.node.create_service(CheckGoal, f"{name}/check_goal", self._on_check_goal)
+        self.node.create_subscription(
+            DriveState, "drive_state", self._on_drive_state, LATCHED.to_ros()
+        )
+        if self._serves_action:
+            self._server = ActionServer(
+                self.node,
+                PlanPath,
+                self.main_action_name,
+                self._execute,
+                goal_callback=lambda _goal: (
+                    GoalResponse.ACCEPT if self.is_active else GoalResponse.REJECT
+                ),
+                cancel_callback=lambda _handle: CancelResponse.ACCEPT,
+            )
+            self._client = ActionClient(self.node, PlanPath, self.main_action_name)
+
+    def custom_on_activate(self) -> None:
+        super().custom_on_activate()
+        self.input("map").on_message = self._on_map
+        self.input("location").on_message = self._on_location
+        if not self._serves_action or self.config.goals_from_topics:
+            for source in self._inputs["goal_point"]:
+                source.on_message = self._on_goal_message
+        self._progress = self.create_timer(1.0 / PROGRESS_RATE, self._follow)
+        self._progress.cancel()
+
+    def custom_on_deactivate(self) -> None:
+        self._end(Outcome.ERROR, "The planner was deactivated.")
+        super().custom_on_deactivate()
+
+    # -- inputs -------------------------------------------------------------------------------
+
+    def on_config_changed(self, names: set[str]) -> None:
+        message = self.input("map").message
+        if message is not None:
+            self._on_map(message)
+
+    def _on_map(self, message: Any) -> None:
+        try:
+            grid = grid_of(message)
+        except ValueError as error:
+            self.health.set_fail_system(topics=["/map"], message=str(error))
+            return
+        self._planner = GlobalPlanner(
+            grid,
+            robot_radius=self.config.robot.radius,
+            clearance=self.config.clearance,
+            unknown_is_obstacle=self.config.unknown_is_obstacle,
+            points_per_meter=self.config.points_per_meter,
+            planner_id=usable_planner(self.config.chosen_planner),
+            timeout=self.config.chosen_timeout,
+        )
+
+    def _on_location(self, _message: Any) -> None:
+        self._standstill.update(self.speed(), time.monotonic())
+
+    def _on_drive_state(self, state: DriveState) -> None:
+        self._stopped = f"{state.stopped_by} pressed STOP" if state.stopped else ""
+        if self._stopped:
+            self._end(Outcome.STOPPED, f"Stopped: {self._stopped}.")
+
+    def _on_goal_message(self, message: Any) -> None:
+        """A goal on a topic: pursued here, or sent to our own action, where all can follow it."""
+        frame = message.header.frame_id
+        if frame and frame.removeprefix("/") != self.frames.world:
+            self.warn(f"a goal in frame '{frame}' was ignored; send it in '{self.frames.world}'")
+            return
+        goal = PlanPath.Goal()
+        tolerance = goal.end_tolerance
+        tolerance.lateral_distance_error = self.config.distance_tolerance
+        if hasattr(message, "point"):
+            goal.goal.position = message.point
+            tolerance.orientation_error = FREE_HEADING
+        else:
+            goal.goal.position.x, goal.goal.position.y, yaw = pose_of(message)
+            goal.goal.orientation = quaternion_msg(yaw)
+            tolerance.orientation_error = self.config.orientation_tolerance
+        if self._serves_action:
+            self._client.send_goal_async(goal)
+        else:
+            self._begin(goal)
+
+    @component_action(active=True)
+    async def trigger_main_action_server(
+        self,
+        goal_x: float,
+        goal_y: float,
+        tolerance_dist: float = 0.1,
+        tolerance_ori: float = 0.1,
+        *,
+        goal_orientation: float | None = None,
+    ) -> bool:
+        """Send the planner's own action a goal; True when it is accepted.
+
+        Without a name, the third and fourth argument are tolerances, as recipes mean them.
+
+        Parameters
+        ----------
+        goal_x, goal_y
+            In the world's frame [m].
+        goal_orientation
+            Heading to arrive with [rad]; None for any.
+        tolerance_dist, tolerance_ori
+            How near is there [m], [rad].
+        """
+        if not self._serves_action:
+            return self.fails('run_type is not "ActionServer", so there is no action')
+        goal = PlanPath.Goal()
+        goal.goal.position.x, goal.goal.position.y = float(goal_x), float(goal_y)
+        goal.goal.orientation = quaternion_msg(goal_orientation or 0.0)
+        goal.end_tolerance.lateral_distance_error = float(tolerance_dist)
+        free = goal_orientation is None
+        goal.end_tolerance.orientation_error = FREE_HEADING if free else float(tolerance_ori)
+        handle = await self._client.send_goal_async(goal)
+        return bool(handle.accepted) or self.fails("the goal was not accepted")
+
+    # -- the action ---------------------------------------------------------------------------
+
+    async def _execute(self, handle: ServerGoalHandle) -> PlanPath.Result:
+        self.node.executor.create_task(expire_goals, self._server)
+        self._end(Outcome.PREEMPTED, "A newer goal took over.")
+        self._handle, self._ended = handle, Future(executor=self.node.executor)
+        ended = self._ended
+        self._begin(handle.request)
+        outcome, message, displacement = await ended
+        result = PlanPath.Result(
+            reached_end=outcome is Outcome.ARRIVED, outcome=int(outcome), message=message
+        )
+        result.end_displacement.lateral_distance_error = displacement[0]
+        result.end_displacement.orientation_error = displacement[1]
+        if outcome is Outcome.ARRIVED:
+            handle.succeed()
+        elif outcome is Outcome.CANCELED:
+            handle.canceled()
+        else:
+            handle.abort()
+        return result
+
+    def _begin(self, goal: PlanPath.Goal) -> None:
+        stated = goal.end_tolerance
+        tolerance = Tolerance(
+            stated.lateral_distance_error or self.config.distance_tolerance,
+            stated.orientation_error or self.config.orientation_tolerance,
+        )
+        self._mission = Mission(pose_of(goal.goal), tolerance, self.config.patience)
+        if self._stopped:
+            self._end(
+                Outcome.STOPPED, f"{self._stopped}; a person must release it before a new goal."
+            )
+            return
+        self._plan(time.monotonic())
+        if self._mission is not None:
+            self._progress.reset()
+
+    def _end(self, outcome: Outcome, message: str) -> None:
+        mission, self._mission = self._mission, None
+        if mission is None:
+            return
+        self._progress.cancel()
+        pose = self.pose()
+        displacement = mission.errors(pose) if pose is not None else (math.inf, math.inf)
+        self.publish("plan", self._path_msg(np.empty((0, 3))))
+        self.publish("reached_end", Bool(data=outcome is Outcome.ARRIVED))
+        self.node.get_logger().info(f"goal ended: {outcome.name}: {message}")
+        self._handle = None
+        if self._ended is not None:
+            self._ended.set_result((outcome, message, displacement))
+            self._ended = None
+
+    # -- planning -----------------------------------------------------------------------------
+
+    def _plan(self, now: float) -> None:
+        """Plan to the goal of the mission, or judge why not."""
+        mission = self._mission
+        assert mission is not None
+        try:
+            plan = self._find(mission)
+        except PlanningFailure as failure:
+            self._judge(failure)
+            over = mission.unplanned(now)
+            self.publish("plan", self._path_msg(np.empty((0, 3))))
+            # On the way, even a goal that is now out of reach may come back: a door, a person.
+            if over or not (mission.under_way or failure.reason in MAY_PASS):
+                outcome = Outcome.BLOCKED if mission.under_way else Outcome.REFUSED
+                self._end(outcome, failure.message)
+            return
+        self.health.set_healthy()
+        mission.planned(plan.poses, now)
+        self.publish("plan", self._path_msg(plan.poses))
+
+    def _find(self, mission: Mission) -> Any:
+        planner, pose = self._ready()
+        x, y, yaw = mission.goal
+        heading = yaw if mission.tolerance.heading_matters else None
+        return planner.plan(pose, (x, y, heading))
+
+    def _ready(self) -> tuple[GlobalPlanner, Pose2D]:
+        if self._planner is None:
+            raise PlanningFailure(Reason.NO_MAP, "There is no map yet.")
+        pose = self.pose()
+        if pose is None or self.input("location").age() > self.config.location_timeout:
+            raise PlanningFailure(Reason.NO_POSE, "The robot does not know where it is.")
+        return self._planner, pose
+
+    def _judge(self, failure: PlanningFailure) -> None:
+        if failure.reason is Reason.NO_MAP:
+            topic = self._topics_in["map"][0].name
+            self.health.set_fail_system(topics=[f"/{topic}"], message=failure.message)
+        elif failure.reason is Reason.NO_POSE:
+            topic = self._topics_in["location"][0].name
+            self.health.set_fail_system(topics=[f"/{topic}"], message=failure.message)
+        elif failure.reason in ALGORITHM_FAILURES:
+            self.health.set_fail_algorithm([self.config.chosen_planner], failure.message)
+        self.publish_status()
+
+    def _execution_step(self) -> None:
+        """The slow loop: is the map there, does the path still hold?"""
+        now = time.monotonic()
+        mission = self._mission
+        if mission is None:
+            self._judge_inputs()
+            return
+        if mission.path is None:
+            self._plan(now)
+            return
+        pose = self.pose()
+        if pose is None or self._planner is None:
+            return
+        ahead = mission.path[int(np.argmin(np.hypot(*(mission.path[:, :2] - pose[:2]).T))) :]
+        if self._planner.blocked(ahead) or mission.strayed(pose, STRAYED):
+            self._plan(now)
+
+    def _judge_inputs(self) -> None:
+        try:
+            self._ready()
+        except PlanningFailure as failure:
+            self._judge(failure)
+        else:
+            self.health.set_healthy()
+
+    def _follow(self) -> None:
+        """The fast loop, only while a goal is pursued: canceled, arrived, stuck, feedback."""
+        mission = self._mission
+        if mission is None:
+            return
+        if self._handle is not None and self._handle.is_cancel_requested:
+            self._end(Outcome.CANCELED, "Canceled.")
+            return
+        pose, now = self.pose(), time.monotonic()
+        if pose is None:
+            return
+        standing = self._standstill.reached(now, self.config.location_timeout)
+        if mission.arrived(pose, standing, now):
+            distance, _ = mission.errors(pose)
+            self._end(Outcome.ARRIVED, f"Arrived, {100 * distance:.0f} cm off.")
+            return
+        if mission.stuck(pose, now):
+            text = f"No progress for {self.config.patience:.0f} s."
+            self.health.set_fail_algorithm([self.config.chosen_planner], text)
+            self._end(Outcome.STUCK, text)
+            return
+        self._turn += 1
+        if self._handle is not None and self._turn % FEEDBACK_EVERY == 0:
+            self._handle.publish_feedback(self._feedback(mission, pose))
+
+    def _feedback(self, mission: Mission, pose: Pose2D) -> PlanPath.Feedback:
+        feedback = PlanPath.Feedback(distance_left=mission.distance_left(pose))
+        current = PoseStamped()
+        current.header.frame_id = self.frames.world
+        current.header.stamp = self.node.get_clock().now().to_msg()
+        current.pose.position.x, current.pose.position.y = pose[0], pose[1]
+        current.pose.orientation = quaternion_msg(pose[2])
+        feedback.current_pose = current
+        return feedback
+
+    def _on_check_goal(
+        self, request: CheckGoal.Request, response: CheckGoal.Response
+    ) -> CheckGoal.Response:
+        if not self.is_active:
+            response.reason = int(Reason.NO_POSE)
+            response.message = "The planner is not active; start it first."
+            return response
+        return check_goal(self._ready, self.config.robot, self._path_msg, request, response)
+
+    def _path_msg(self, poses: Any) -> Path:
+        return path_msg(poses, self.frames.world, self.node.get_clock().now().to_msg())

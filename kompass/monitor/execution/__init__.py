@@ -1,0 +1,1 @@
+"""The runs of rules and their actions, with an outcome each."""

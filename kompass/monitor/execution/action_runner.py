@@ -1,0 +1,318 @@
+"""Carry out the actions of a firing: in their order, each with an outcome."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from action_msgs.msg import GoalStatus
+from action_msgs.srv import CancelGoal as CancelGoalService
+from automatika_ros_sugar.srv import ChangeParameters, ConfigureFromFile, ExecuteMethod
+from rclpy.action import ActionClient
+from rclpy.executors import Executor
+from rclpy.node import Node
+
+from kompass.monitor.execution.alarms import Alarms
+from kompass.monitor.execution.outcome import Outcome
+from kompass.monitor.execution.service_refusal import refusal
+from kompass.rclpy_ext.awaitables import Waiting
+from kompass.rclpy_ext.executor import Cancelled
+from kompass.rclpy_ext.log import write_log
+from kompass.rclpy_ext.messages import fill, ros_class
+from kompass.rclpy_ext.timers import Timers
+from kompass.recipe.fallbacks import Ladder
+from kompass.recipe.table import Parsed
+from kompass.rules.engine.firing import Firing
+from kompass.rules.schema import actions as kinds
+from kompass.rules.schema.arguments import expand, resolve
+
+SEARCH = 2.0  # s in which a service or an action server must show up
+LET_IN = 0.001  # s for which a function may keep the engine waiting until it has begun
+THREADS = 64  # functions of the recipe at a time, in each lane
+
+
+class Failed(Exception):
+    """An action did not do what it should; the message says why."""
+
+
+class ActionRunner:
+    """Runs on the executor of one node; functions of the recipe run in threads of their own lane.
+
+    Parameters
+    ----------
+    node, executor
+        Where coroutines run.
+    timers
+        On the executor's thread.
+    functions
+        What the recipe's opaque actions are called.
+    alarms
+        Where alarms are raised and cleared.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        executor: Executor,
+        timers: Timers,
+        functions: Mapping[str, Callable[..., Any] | Parsed | Ladder],
+        alarms: Alarms,
+    ) -> None:
+        self._node = node
+        self._alarms = alarms
+        self._functions = functions
+        self._waiting = Waiting(timers, executor)
+        # Whether a component hangs, and its process was therefore asked for anew.
+        self.restart_stuck: Callable[[str], bool] = lambda component: False
+        self._clients: dict[tuple[type, str], Any] = {}
+        self._actions: dict[tuple[type, str], ActionClient] = {}
+        # A slow function of one lane never holds up the other.
+        self._threads = {
+            lane: ThreadPoolExecutor(THREADS, thread_name_prefix=lane)
+            for lane in ("normal", "safety")
+        }
+
+    def close(self) -> None:
+        """Wait for nothing and begin nothing."""
+        for threads in self._threads.values():
+            threads.shutdown(wait=False, cancel_futures=True)
+        for client in self._actions.values():
+            client.destroy()
+
+    async def run(self, firing: Firing, tell: Callable[[Outcome], None]) -> tuple[bool, str]:
+        """Carry out all actions; whether all went well, and the first error.
+
+        To be run as a :class:`kompass.rclpy_ext.executor.Job`. When that is cancelled, a goal that was sent
+        is cancelled too, and no further action begins; a function of the recipe runs to its end.
+        """
+        error = ""
+        for action in firing.actions:
+            began = time.monotonic()
+            try:
+                text = await self._perform(action, firing)
+                outcome = Outcome(_name(action), True, text, time.monotonic() - began)
+            except Exception as problem:  # noqa: BLE001 - becomes the outcome, which is reported
+                text = str(problem) or type(problem).__name__
+                outcome = Outcome(_name(action), False, text, time.monotonic() - began)
+                error = error or f"{outcome.action}: {text}"
+            tell(outcome)
+            if not outcome.ok and action.on_error == "abort":
+                break
+        return not error, error
+
+    async def _perform(self, action: kinds.Action, firing: Firing) -> str:
+        if isinstance(action, kinds.Python):
+            return await self._python(action, firing)
+        return await self._known(action, firing, {})
+
+    async def _python(self, action: kinds.Python, firing: Firing) -> str:
+        entry = self._functions.get(action.name)
+        if entry is None:
+            raise Failed(f"the recipe has no function {action.name!r}")
+        if isinstance(entry, Ladder):
+            rung = entry.next()
+            if rung is None:
+                raise Failed("given up: every fallback was tried; a person must look")
+            text = await self._known(rung, firing, {})
+            return f"{_name(rung)}: {text}"
+        if isinstance(entry, Parsed):
+            made = entry.parser.function(
+                msg=firing.message, trigger=firing.message, **entry.parser.extra
+            )
+            output = entry.parser.output
+            return await self._known(entry.action, firing, {output: made} if output else made)
+        kwargs = resolve(action.kwargs, firing.message, firing.messages)
+        done = self._waiting.future()
+        begun = threading.Event()
+
+        def call() -> None:
+            begun.set()
+            try:
+                done.set_result(entry(**kwargs))
+            except Exception as problem:  # noqa: BLE001 - raised again where it is awaited
+                done.set_exception(problem)
+
+        self._threads[firing.lane].submit(call)
+        # Python goes on with this thread; the other one waits its turn unless it is let in.
+        begun.wait(LET_IN)
+        result = await self._waiting.result(done, action.timeout, f"{action.name} did not return")
+        if result is False:
+            raise Failed(f"{action.name} returned False")
+        return "" if result is None else str(result)
+
+    async def _known(self, action: Any, firing: Firing, made: Mapping[str, Any]) -> str:
+        """One of the kinds that are data; ``made`` are arguments from a parser."""
+
+        def arguments(data: Mapping[str, Any]) -> dict[str, Any]:
+            return resolve(data, firing.message, firing.messages)
+
+        match action:
+            case kinds.Log():
+                write_log(self._node.get_logger(), action.level, action.text)
+                return action.text
+            case kinds.RaiseAlarm():
+                self._alarms.raise_alarm(
+                    action.alarm, action.text, firing.rule_id, firing.severity.name.lower()
+                )
+                return action.text or "raised"
+            case kinds.ClearAlarm():
+                return "cleared" if self._alarms.clear(action.alarm) else "was not raised"
+            case kinds.Method():
+                kwargs = {**arguments(action.kwargs), **made}
+                return await self._method(action.component, action.method, kwargs, action.timeout)
+            case kinds.Lifecycle():
+                if action.action == "restart" and self.restart_stuck(action.component):
+                    return "it hung; its process is started anew"
+                return await self._method(action.component, action.action, {}, action.timeout)
+            case kinds.UpdateParameters():
+                return await self._parameters(action, arguments(action.parameters))
+            case kinds.Reconfigure():
+                return await self._reconfigure(action)
+            case kinds.CallService():
+                given = made.get("srv_request_msg", made.get("request"))
+                request = given or fill(
+                    ros_class(action.type).Request(), expand(arguments(action.request))
+                )
+                answer = await self._call(
+                    ros_class(action.type), action.service, request, action.timeout
+                )
+                if why := refusal(answer):
+                    raise Failed(f"{action.service} says no: {why}")
+                return _short(answer)
+            case kinds.SendGoal():
+                given = made.get("action_request_msg", made.get("request_msg"))
+                goal = given or fill(ros_class(action.type).Goal(), expand(arguments(action.goal)))
+                return await self._goal(action, goal)
+            case kinds.CancelGoal():
+                request = CancelGoalService.Request()
+                name = f"{action.action}/_action/cancel_goal"
+                await self._call(CancelGoalService, name, request, action.timeout)
+                return "cancelled"
+            case kinds.Publish():
+                return await self._publish(
+                    action, made.get("msg"), expand(arguments(action.message))
+                )
+        raise Failed(f"actions of kind '{action.kind}' cannot be carried out")
+
+    async def _call(self, kind: type, name: str, request: Any, timeout: float | None) -> Any:
+        client = self._clients.get((kind, name))
+        if client is None:
+            client = self._clients[(kind, name)] = self._node.create_client(kind, name)
+        search = SEARCH if timeout is None else min(SEARCH, timeout)
+        await self._waiting.until(client.service_is_ready, search, f"no service {name}")
+        return await self._waiting.result(
+            client.call_async(request), timeout, f"no answer from {name}"
+        )
+
+    async def _method(
+        self, component: str, method: str, kwargs: Mapping[str, Any], timeout: float | None
+    ) -> str:
+        request = ExecuteMethod.Request(name=method, kwargs_json=json.dumps(dict(kwargs)))
+        answer = await self._call(ExecuteMethod, f"{component}/execute_method", request, timeout)
+        if not answer.success:
+            raise Failed(answer.error_msg or f"{component}.{method} failed")
+        return str(answer.response_json)
+
+    async def _parameters(
+        self, action: kinds.UpdateParameters, parameters: Mapping[str, Any]
+    ) -> str:
+        request = ChangeParameters.Request(
+            names=list(parameters),
+            values=[json.dumps(value) for value in parameters.values()],
+            keep_alive=action.keep_alive,
+        )
+        name = f"{action.component}/update_config_parameters"
+        answer = await self._call(ChangeParameters, name, request, action.timeout)
+        if not all(answer.success):
+            raise Failed("; ".join(filter(None, answer.error_msg)))
+        return ", ".join(f"{key} = {value}" for key, value in parameters.items())
+
+    async def _reconfigure(self, action: kinds.Reconfigure) -> str:
+        if isinstance(action.config, str):
+            request = ConfigureFromFile.Request(
+                path_to_file=action.config, keep_alive=action.keep_alive
+            )
+            name = f"{action.component}/configure_from_file"
+            answer = await self._call(ConfigureFromFile, name, request, action.timeout)
+            if not answer.success:
+                raise Failed(answer.error_msg)
+            return action.config
+        kwargs = {"new_config": action.config, "keep_alive": action.keep_alive}
+        return await self._method(action.component, "reconfigure", kwargs, action.timeout)
+
+    async def _goal(self, action: kinds.SendGoal, goal: Any) -> str:
+        kind = ros_class(action.type)
+        client = self._actions.get((kind, action.action))
+        if client is None:
+            client = ActionClient(self._node, kind, action.action)
+            self._actions[(kind, action.action)] = client
+        await self._waiting.until(client.server_is_ready, SEARCH, f"no server {action.action}")
+        handle = await self._waiting.result(
+            client.send_goal_async(goal), SEARCH, f"no answer from {action.action}"
+        )
+        if not handle.accepted:
+            raise Failed(f"{action.action} refused the goal")
+        try:
+            ended = await self._waiting.result(
+                handle.get_result_async(), action.timeout, f"no end of the goal of {action.action}"
+            )
+        except (Cancelled, TimeoutError):
+            # Nobody is left to follow it: a goal must not go on behind everybody's back.
+            handle.cancel_goal_async()
+            raise
+        text = getattr(ended.result, "message", "") or _STATUS.get(ended.status, "ended")
+        if ended.status != GoalStatus.STATUS_SUCCEEDED:
+            raise Failed(text)
+        return text
+
+    async def _publish(self, action: kinds.Publish, given: Any, data: Mapping[str, Any]) -> str:
+        kind = ros_class(action.type)
+        message = given or fill(kind(), dict(data))
+        publisher = self._node.create_publisher(kind, action.topic, 10)
+        try:
+            count = publisher.get_subscription_count
+            try:
+                await self._waiting.until(lambda: count() > 0, 0.5, "nobody listens")
+            except TimeoutError:
+                if action.rate is None:
+                    publisher.publish(message)
+                    return "published, but nobody listens"
+            deadline = None if action.period is None else time.monotonic() + action.period
+            while True:
+                publisher.publish(message)
+                if action.rate is None or (deadline and time.monotonic() >= deadline):
+                    # Give the middleware the time to deliver before the publisher goes.
+                    await self._waiting.sleep(0.1)
+                    return "published"
+                await self._waiting.sleep(1.0 / action.rate)
+        finally:
+            self._node.destroy_publisher(publisher)
+
+
+_STATUS = {
+    GoalStatus.STATUS_SUCCEEDED: "succeeded",
+    GoalStatus.STATUS_CANCELED: "cancelled",
+    GoalStatus.STATUS_ABORTED: "aborted",
+}
+
+
+def _name(action: Any) -> str:
+    """What an action is called in the journal."""
+    for key in ("method", "action", "service", "topic", "name", "alarm"):
+        value = getattr(action, key, None)
+        if value:
+            component = getattr(action, "component", "")
+            return f"{component}.{value}" if component else f"{action.kind} {value}"
+    return str(action.kind)
+
+
+def _short(answer: Any) -> str:
+    for key in ("message", "error_msg", "result"):
+        value = getattr(answer, key, None)
+        if value is not None:
+            return f"{key} {value}"
+    return "answered"

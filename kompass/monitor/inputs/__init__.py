@@ -1,0 +1,1 @@
+"""What rules look at: topics, and polled functions of the recipe."""

@@ -1,0 +1,43 @@
+"""All that rules are checked against: messages, components, functions of the recipe."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+from kompass.components.base.component import Component
+from kompass.monitor.introspection.component_specs import component_spec
+from kompass.monitor.introspection.message_types import MessageTypes
+from kompass.recipe.table import RecipeRules
+from kompass.rules.checks.catalog import ComponentSpec
+
+
+class RecipeCatalog(MessageTypes):
+    """What is installed, and what a recipe brings.
+
+    Parameters
+    ----------
+    components
+        Of the launcher.
+    rules
+        Of the recipe; their functions are known by name.
+    """
+
+    def __init__(self, components: Sequence[Component], rules: RecipeRules) -> None:
+        self._components = {each.node_name: component_spec(each) for each in components}
+        self._functions = frozenset((*rules.functions, *rules.polled))
+        self.publishes = {each.node_name: _topics_of(each) for each in components}
+
+    def components(self) -> Mapping[str, ComponentSpec]:
+        """The components of the stack by node name."""
+        return self._components
+
+    def functions(self) -> Collection[str]:
+        """Names of the recipe's functions that rules may call or poll."""
+        return self._functions
+
+
+def _topics_of(component: Component) -> frozenset[str]:
+    outputs = (component.get_out_topic(key) for key in component.outputs_keys)
+    listed = [each if isinstance(each, list) else [each] for each in outputs if each is not None]
+    names = {topic.name.removeprefix("/") for topics in listed for topic in topics}
+    return frozenset(names | {f"{component.node_name}/status", f"{component.node_name}_status"})

@@ -1,0 +1,130 @@
+"""What rules may call and change of a component, read from its class and its settings."""
+
+from __future__ import annotations
+
+import enum
+import inspect
+import types
+import typing
+from collections.abc import Iterator
+from typing import Any
+
+import annotated_types
+from pydantic import BaseModel, JsonValue
+from pydantic.fields import FieldInfo
+
+from kompass.components.base.actions import ActionSpec, actions_of
+from kompass.components.base.component import Component
+from kompass.rules.checks.catalog import (
+    ArgumentSpec,
+    ComponentSpec,
+    MethodSpec,
+    ParameterSpec,
+    ValueKind,
+)
+
+_KINDS: dict[Any, ValueKind] = {
+    bool: "bool",
+    int: "int",
+    float: "float",
+    str: "text",
+    list: "list",
+    tuple: "list",
+    set: "list",
+    dict: "object",
+}
+_OPEN = (inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL)
+
+
+def component_spec(component: Component) -> ComponentSpec:
+    """A component of the recipe, as rules see it."""
+    kind = type(component)
+    return ComponentSpec(
+        name=component.node_name,
+        kind=kind.__name__,
+        methods={name: _method(kind, spec) for name, spec in actions_of(kind).items()},
+        parameters={spec.name: spec for spec in _parameters(component.config, "")},
+    )
+
+
+def _method(kind: type, spec: ActionSpec) -> MethodSpec:
+    function = getattr(kind, spec.name)
+    parameters = list(inspect.signature(function).parameters.values())[1:]
+    try:
+        hints = typing.get_type_hints(function)
+    except (NameError, TypeError):
+        hints = {}  # names that only the type checker sees
+    arguments = [
+        ArgumentSpec(
+            name=parameter.name,
+            kind=_kind(hints.get(parameter.name))[0],
+            required=parameter.default is inspect.Parameter.empty,
+            default=None if parameter.default is parameter.empty else _json(parameter.default),
+        )
+        for parameter in parameters
+        if parameter.kind not in _OPEN
+    ]
+    return MethodSpec(
+        spec.name,
+        tuple(arguments),
+        text=str(spec.description),
+        open=any(parameter.kind == inspect.Parameter.VAR_KEYWORD for parameter in parameters),
+    )
+
+
+def _parameters(settings: BaseModel, prefix: str) -> Iterator[ParameterSpec]:
+    for name, field in type(settings).model_fields.items():
+        value = getattr(settings, name)
+        if isinstance(value, BaseModel):
+            yield ParameterSpec(f"{prefix}{name}", "object", text=field.description or "")
+            yield from _parameters(value, f"{prefix}{name}.")
+            continue
+        kind, optional = _kind(field.annotation)
+        low, high = _bounds(field)
+        yield ParameterSpec(
+            name=f"{prefix}{name}",
+            kind=kind,
+            value=_json(value),
+            text=field.description or "",
+            minimum=low,
+            maximum=high,
+            optional=optional,
+        )
+
+
+def _kind(annotation: Any) -> tuple[ValueKind, bool]:
+    """Sort of value that an annotation stands for, and whether it may be None."""
+    if typing.get_origin(annotation) is typing.Annotated:
+        return _kind(typing.get_args(annotation)[0])
+    if typing.get_origin(annotation) in (typing.Union, types.UnionType):
+        members = typing.get_args(annotation)
+        kinds = {_kind(member)[0] for member in members if member is not types.NoneType}
+        return (kinds.pop() if len(kinds) == 1 else "any"), types.NoneType in members
+    if annotation in (None, Any, inspect.Parameter.empty):
+        return "any", True
+    return _KINDS.get(typing.get_origin(annotation) or annotation, "any"), False
+
+
+def _bounds(field: FieldInfo) -> tuple[float | None, float | None]:
+    low = high = None
+    for item in field.metadata:
+        if isinstance(item, annotated_types.Ge | annotated_types.Interval):
+            low = item.ge if isinstance(item.ge, int | float) else low
+        if isinstance(item, annotated_types.Le | annotated_types.Interval):
+            high = item.le if isinstance(item.le, int | float) else high
+    return low, high
+
+
+def _json(value: Any) -> JsonValue:
+    """A default or a setting, as far as JSON has it; what has no JSON is told as text."""
+    if isinstance(value, enum.Enum):
+        return _json(value.value)
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return value if abs(value) != float("inf") and value == value else str(value)
+    if isinstance(value, list | tuple | set):
+        return [_json(item) for item in value]
+    if isinstance(value, dict):
+        return {str(key): _json(item) for key, item in value.items()}
+    return str(value)

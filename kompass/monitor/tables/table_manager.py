@@ -1,0 +1,332 @@
+"""The desk at which tables are handed in: checked, stored, put in force, kept or taken back."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+
+from kompass.monitor.tables.active_table import Standing
+from kompass.monitor.tables.revision_history import Shelf
+from kompass.monitor.tables.table_queries import Window
+from kompass.monitor.tables.table_reader import TableReader, Unreadable
+from kompass.monitor.tables.table_validator import Examiner, Lints, sentence
+from kompass.monitor.tables.types import Answer, Engine, InForce, Store, Who
+from kompass.rulebook.diff import diff_tables
+from kompass.rulebook.schema.report import ApplyReport, CheckReport
+from kompass.rulebook.schema.revision import Origin
+from kompass.rulebook.schema.table_view import Merge
+from kompass.rulebook.views.views import effect_of
+from kompass.rules.checks.catalog import Catalog
+from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.schema.table import Table
+from kompass.store import NoSuchRevision, StoreError
+
+LONGEST_PROBATION = 86_400.0  # s
+
+
+class Desk:
+    """Takes one request after another, from whatever thread.
+
+    Parameters
+    ----------
+    store
+        None when nothing can be stored: then the table stays as it is, and ``in_force.notice``
+        says why.
+    catalog
+        What the robot knows, for checking.
+    lints
+        What there is to think about in a table.
+    changed
+        Told after every change of what is in force.
+    announce
+        Takes a sentence that every operator must hear.
+    probation
+        Default in seconds; 0 for none.
+
+    Attributes
+    ----------
+    window
+        Where one looks and changes nothing.
+    later
+        Has something done that nobody waits for: at once, unless whoever answers sets another.
+    """
+
+    def __init__(
+        self,
+        store: Store | None,
+        engine: Engine,
+        catalog: Catalog,
+        in_force: InForce,
+        *,
+        recipe: Table,
+        robot: str,
+        lints: Lints,
+        changed: Callable[[], None],
+        announce: Callable[[str], None],
+        merge: Merge | None = None,
+        safe_mode: bool = False,
+        probation: float = 60.0,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._engine, self._announce, self._probation = engine, announce, probation
+        self._lock = threading.RLock()
+        self.later: Callable[[Callable[[], None]], None] = lambda work: work()
+        self._standing = Standing(in_force, merge, changed, clock)
+        self._shelf = Shelf(store, lambda: self.in_force.notice)
+        self._reader, self._examiner = TableReader(), Examiner(catalog, recipe, lints)
+        # The first change is to cost no more than those that follow.
+        self._reader.learn(in_force.table)
+        self._examiner.learn(in_force.table)
+        self.window = Window(
+            *(self._standing, self._shelf, self._reader, self._examiner, engine.running),
+            robot=robot,
+            safe_mode=safe_mode,
+        )
+
+    @property
+    def in_force(self) -> InForce:
+        """What is in force now."""
+        return self._standing.in_force
+
+    @property
+    def probation_left(self) -> float:
+        """Seconds until the table in force is taken back; 0 when it stays."""
+        return self._standing.probation_left
+
+    def apply(
+        self,
+        text: str,
+        who: Who,
+        *,
+        expected: int,
+        reason: str = "",
+        probation: float = -1.0,
+        cancel_running: bool = False,
+        reset: Sequence[str] = (),
+    ) -> Answer:
+        """Put a table in force, or change nothing.
+
+        Parameters
+        ----------
+        expected
+            The revision that the edit began from.
+        probation
+            Seconds after which it is taken back unless confirmed; 0 for never, negative for the
+            default.
+        cancel_running
+            Cancel running actions of rules that change, instead of letting them finish.
+        reset
+            Ids of rules that start afresh though they are unchanged.
+        """
+        try:
+            table = self._reader.read(text)
+        except Unreadable as error:
+            return self._refuse(str(error), self._examiner.unreadable(self.in_force, error))
+        if not probation <= LONGEST_PROBATION:  # not a number is refused too
+            return self._refuse(
+                f"probation = {probation}: give seconds up to {LONGEST_PROBATION:g}, 0 for none, "
+                "or a negative number for the default"
+            )
+        if problem := who.too_long(reason):
+            return self._refuse(problem)
+        unknown = set(reset) - {rule.id for rule in table.rules}
+        if unknown:
+            return self._refuse(f"reset names rules that the table has not: {sorted(unknown)}")
+        wait = self._probation if probation < 0 else probation
+        with self._lock:
+            if expected != self.in_force.revision:
+                return self._conflict(table, expected)
+            return self._put(table, who, "edit", reason, wait, reset=reset, cancel=cancel_running)
+
+    def rollback(
+        self,
+        revision: int,
+        who: Who,
+        *,
+        expected: int = 0,
+        reason: str = "",
+        cancel_running: bool = False,
+    ) -> Answer:
+        """Put the table of an earlier revision in force again.
+
+        Parameters
+        ----------
+        revision
+            0 for the one before: the confirmed one while on probation, else the newest
+            confirmed one with another table.
+        expected
+            What must be in force; 0 for whatever is.
+        """
+        if problem := who.too_long(reason):
+            return self._refuse(problem)
+        with self._lock:
+            now = self.in_force
+            try:
+                store = self._shelf.store
+                wanted = store.revision(revision) if revision else self._shelf.before(now)
+                table = store.table(wanted.number)
+            except StoreError as error:
+                return self._refuse(str(error))
+            if expected not in (0, now.revision):
+                return self._conflict(table, expected)
+            # What was kept once need not be watched again; going back must not end by itself.
+            kept = wanted.outcome == "confirmed"
+            return self._put(
+                table,
+                who,
+                "rollback",
+                reason or f"back to revision {wanted.number}",
+                0.0 if kept else self._probation,
+                restores=wanted.number,
+                cancel=cancel_running,
+            )
+
+    def confirm(self, revision: int, who: Who) -> Answer:
+        """Keep the revision on probation."""
+        if problem := who.barred or who.too_long():
+            return self._refuse(problem)
+        with self._lock:
+            now = self.in_force
+            if revision != now.revision:
+                return self._refuse(
+                    f"revision {revision} is not in force, {now.revision} is; look at it first"
+                )
+            if now.revision == now.confirmed:
+                return Answer("applied", f"revision {revision} is confirmed already", revision)
+            try:
+                self._shelf.store.set_confirmed(revision, author=who.author, role=who.role)
+            except StoreError as error:
+                return self._fail(error)
+            self._standing.merge = None
+            self._standing.keep(now.table, revision)
+            return Answer("applied", f"revision {revision} is confirmed", revision)
+
+    def reset(self, rule_id: str, who: Who) -> Answer:
+        """Let a rule start afresh; makes no revision."""
+        if problem := who.barred:
+            return self._refuse(problem)
+        with self._lock:
+            now = self.in_force
+            if all(rule.id != rule_id for rule in now.table.rules):
+                return self._refuse(f"there is no rule {rule_id[:100]!r} in the table in force")
+            self._shelf.forget_use(rule_id)
+            self._engine.swap(compile_table(now.table), now.revision, [rule_id], "")
+            self._announce(f"{who.author or who.role} has reset the rule '{rule_id}'")
+            return Answer("applied", f"'{rule_id}' starts afresh", now.revision)
+
+    def tick(self) -> None:
+        """Take the table back if its probation has ended; to be called at its end."""
+        with self._lock:
+            now = self.in_force
+            if not self._standing.overdue:
+                return
+            try:
+                table = self._shelf.store.table(now.confirmed)
+            except StoreError as error:
+                notice = f"revision {now.revision} cannot be taken back: {error}"
+                self._standing.cannot_take_back(notice)
+                self._announce(notice)
+                return
+            notice = (
+                f"revision {now.revision} was taken back because nobody confirmed it; "
+                f"the rules of revision {now.confirmed} are in force again"
+            )
+            number, reason = now.confirmed, f"nobody confirmed revision {now.revision}"
+            try:
+                number = self._shelf.store.take_back(reason).number
+            except StoreError as error:
+                # Safety first: it is taken back all the same, and a restart comes to the same.
+                notice += f" (this could not be stored: {error})"
+            compiled = compile_table(table)
+            self._engine.prepare(compiled)
+            self._engine.swap(compiled, number, (), "the table was taken back")
+            self._standing.keep(table, number, notice)
+            self._announce(notice)
+
+    # -- inside ---------------------------------------------------------------------------------
+
+    def _put(
+        self,
+        table: Table,
+        who: Who,
+        origin: Origin,
+        reason: str,
+        probation: float,
+        *,
+        restores: int | None = None,
+        reset: Sequence[str] = (),
+        cancel: bool,
+    ) -> Answer:
+        """Check, store, swap, tell; in this order. Nothing fails any more once it is stored."""
+        now, table = self.in_force, self._examiner.named(table)
+        errors = self._examiner.errors(now, table, who.role)
+        if problem := who.barred or sentence(errors):
+            self._shelf.note_refusal(who.author, who.role, origin, problem)
+            report = self._examiner.report(now, table, errors, self._engine.running())
+            return self._refuse(problem, report)
+        compiled = compile_table(table)
+        diff = diff_tables(now.table, table, before_revision=now.revision)
+        try:
+            store = self._shelf.store
+            # What can fail comes before it is stored: listening to what it needs, too.
+            self._engine.prepare(compiled)
+            # Durable before it is in force: what was acknowledged is never lost, and what is in
+            # force is never unknown. The copy beside it is for a damaged disk, and can wait.
+            made = store.append(
+                table,
+                author=who.author,
+                role=who.role,
+                reason=reason,
+                origin=origin,
+                restores=restores,
+                confirmed=probation == 0.0,
+                copied=False,
+            )
+        except StoreError as error:
+            return self._fail(error)
+        by = f"{who.author or who.role} put revision {made.number} in force"
+        swap = self._engine.swap(compiled, made.number, tuple(reset), by if cancel else "")
+        if probation:
+            self._standing.try_out(table, made.number, probation)
+        else:
+            if origin == "edit":
+                self._standing.merge = None  # taken, or decided against
+            self._standing.keep(table, made.number)
+            self.later(store.keep_copy)
+        body = ApplyReport(
+            revision=made.number,
+            previous=now.revision,
+            probation=probation,
+            pause=swap.pause,
+            effect=effect_of(swap.carried),
+            diff=diff.model_copy(update={"after": made.number}),
+            findings=self._examiner.found(table, swap.verdicts),
+        )
+        wait = f"; confirm it within {probation:g} s, or it is taken back" if probation else ""
+        return Answer("applied", f"revision {made.number} is in force{wait}", made.number, body)
+
+    def _conflict(self, table: Table, expected: int) -> Answer:
+        now = self.in_force
+        try:
+            body = self._shelf.conflict(now, table, expected)
+        except NoSuchRevision:
+            return self._refuse(
+                f"expected_revision = {expected}: there is no such revision, {now.revision} is in "
+                "force; read the table again"
+            )
+        except StoreError as error:
+            return self._fail(error)
+        newest = self._shelf.store.revision(now.revision)
+        text = (
+            f"{newest.author or newest.role} was faster: revision {now.revision} is in "
+            f"force, your edit began from {expected}; nothing was changed"
+        )
+        return Answer("conflict", text, now.revision, body)
+
+    def _refuse(self, message: str, body: CheckReport | None = None) -> Answer:
+        return Answer("refused", message, self.in_force.revision, body)
+
+    def _fail(self, error: StoreError) -> Answer:
+        text = f"{error}; the rules of revision {self.in_force.revision} stay in force"
+        return Answer("failed", text, self.in_force.revision)

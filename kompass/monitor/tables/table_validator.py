@@ -1,0 +1,131 @@
+"""What is wrong with a table, what there is to think about in it, and what applying it would do."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from functools import partial
+from typing import Protocol
+
+from kompass.monitor.tables.recipe_check import faults_of
+from kompass.monitor.tables.table_reader import Unreadable
+from kompass.monitor.tables.types import InForce
+from kompass.rulebook.diff import diff_tables
+from kompass.rulebook.guard import gates_of, guard
+from kompass.rulebook.schema.report import CheckReport, Effect, Finding
+from kompass.rulebook.sources import with_sources
+from kompass.rules.checks.catalog import Catalog
+from kompass.rules.engine.compiled_table import CompiledTable
+from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.table import Rule, Table, rule_hash
+from kompass.rules.schema.values import Verdict
+
+
+class Lints(Protocol):
+    """What there is to think about in a table, on the robot as it is now."""
+
+    def foreseen(self, table: CompiledTable) -> list[Finding]:
+        """Of a table that may come: what it would find if it were in force now."""
+
+    def found(self, table: Table, verdicts: Mapping[str, Verdict]) -> list[Finding]:
+        """Of a table that has come; with what the conditions that were new to it said then."""
+
+
+class Examiner:
+    """Looks at tables; a rule that was looked at before is not checked again.
+
+    Parameters
+    ----------
+    catalog
+        What the robot knows; the same for as long as the examiner lives.
+    recipe
+        The table that the recipe declares.
+    """
+
+    def __init__(self, catalog: Catalog, recipe: Table, lints: Lints) -> None:
+        self._recipe, self._lints = recipe, lints
+        self._gates = gates_of(catalog)
+        self._faults = Remembered[Rule, tuple[Finding, ...]](partial(faults_of, catalog=catalog))
+
+    def learn(self, table: Table) -> None:
+        """Look at the rules of a table already, before somebody waits for it."""
+        for rule in table.rules:
+            self._faults(rule)
+
+    def named(self, table: Table) -> Table:
+        """A table with the truth about where its rules come from, whatever it says itself."""
+        return with_sources(table, self._recipe)
+
+    def errors(self, now: InForce, table: Table, role: str) -> list[Finding]:
+        """What forbids a table to follow on the one in force; empty if nothing does."""
+        found = guard(
+            now.table, table, role=role, recipe_table=self._recipe, drive_managers=self._gates
+        )
+        for rule in table.rules:
+            found += self._faults(rule)
+        return found
+
+    def foreseen(self, table: CompiledTable) -> list[Finding]:
+        """What there would be to think about, were a table in force now."""
+        return self._lints.foreseen(table)
+
+    def found(self, table: Table, verdicts: Mapping[str, Verdict]) -> tuple[Finding, ...]:
+        """What there is to think about in a table that is in force, whatever comes of the look."""
+        try:
+            return tuple(self._lints.found(table, verdicts))
+        except Exception as error:  # noqa: BLE001 - told in its place: it is in force all the same
+            return (
+                Finding(
+                    level="lint",
+                    code="not-looked-at",
+                    rule_id="",
+                    field="",
+                    text=f"the table could not be looked through: {error}",
+                    remedy="check it once more",
+                ),
+            )
+
+    def unreadable(self, now: InForce, error: Unreadable) -> CheckReport:
+        """What is answered when there is no table to look at."""
+        return CheckReport(ok=False, revision=now.revision, findings=tuple(error.findings))
+
+    def report(
+        self, now: InForce, table: Table, findings: Collection[Finding], running: Collection[str]
+    ) -> CheckReport:
+        """What is answered to who asks of a table.
+
+        Parameters
+        ----------
+        findings
+            Errors and lints.
+        running
+            Ids of rules whose actions are running.
+        """
+        return CheckReport(
+            ok=all(finding.level != "error" for finding in findings),
+            revision=now.revision,
+            findings=tuple(findings),
+            diff=diff_tables(now.table, table, before_revision=now.revision),
+            effect=_effect(now.table, table, running),
+        )
+
+
+def sentence(errors: Sequence[Finding]) -> str:
+    """The first of some findings, and how many more there are; empty if there is none."""
+    if not errors:
+        return ""
+    first = errors[0]
+    where = f"rule '{first.rule_id}': " if first.rule_id else ""
+    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+    return f"{where}{first.field}: {first.text}; {first.remedy}{more}"
+
+
+def _effect(before: Table, after: Table, running: Collection[str]) -> Effect:
+    old = {rule.id: rule_hash(rule) for rule in before.rules}
+    new = {rule.id: rule_hash(rule) for rule in after.rules}
+    return Effect(
+        carried=tuple(key for key in new if old.get(key) == new[key]),
+        reset=tuple(key for key in new if key in old and old[key] != new[key]),
+        removed=tuple(key for key in old if key not in new),
+        added=tuple(key for key in new if key not in old),
+        running=tuple(key for key in old if key in running and new.get(key) != old[key]),
+    )

@@ -1,0 +1,1 @@
+"""What rclpy and DDS lack or get wrong, each mended in one place."""

@@ -1,0 +1,75 @@
+"""Wait inside of jobs on an rclpy executor: for a time, or for a future with a deadline."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.executors import Executor
+from rclpy.task import Future
+
+from kompass.rclpy_ext.timers import Timers
+
+STEP = 0.02  # s between two looks at what has no future of its own
+
+
+class Waiting:
+    """Awaitables on one executor. No thread sleeps."""
+
+    def __init__(self, timers: Timers, executor: Executor) -> None:
+        self._timers = timers
+        self._executor = executor
+
+    def future(self) -> Future:
+        """A future of this executor."""
+        return Future(executor=self._executor)
+
+    async def sleep(self, seconds: float) -> None:
+        """Let others run for a while."""
+        done = self.future()
+        timer = self._timers.after(seconds, lambda: _finish(done))
+        try:
+            await done
+        finally:
+            timer.cancel()
+
+    async def until(self, condition: Callable[[], bool], timeout: float, what: str) -> None:
+        """Wait until a condition holds.
+
+        Raises
+        ------
+        TimeoutError
+            Naming ``what``, when it does not hold in time.
+        """
+        deadline = time.monotonic() + timeout
+        while not condition():
+            if time.monotonic() >= deadline:
+                raise TimeoutError(f"{what} within {timeout:g} s")
+            await self.sleep(STEP)
+
+    async def result(self, awaited: Future, timeout: float | None, what: str) -> Any:
+        """The result of a future.
+
+        Raises
+        ------
+        TimeoutError
+            Naming ``what``, when there is none in time.
+        """
+        if timeout is None:
+            return await awaited
+        done = self.future()
+        awaited.add_done_callback(lambda _: _finish(done))
+        timer = self._timers.after(timeout, lambda: _finish(done))
+        try:
+            await done
+        finally:
+            timer.cancel()
+        if not awaited.done():
+            raise TimeoutError(f"{what} within {timeout:g} s")
+        return awaited.result()
+
+
+def _finish(future: Future) -> None:
+    if not future.done():
+        future.set_result(None)

@@ -1,0 +1,179 @@
+"""Run coroutines on an rclpy executor without polling, and cancel them for real.
+
+rclpy's events executor (7.1.6) calls a task again and again while it waits: one coroutine that
+awaits a future keeps a core busy. It also cannot cancel one: the cancelled task is called for
+ever. Here a coroutine is resumed by the future that it waits for, and by nothing else.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Coroutine, Generator
+from typing import Any, Protocol
+
+import rclpy
+from rclpy.context import Context
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.task import Future
+
+
+class Cancelled(BaseException):
+    """Thrown into a coroutine that is cancelled; its ``finally`` blocks run."""
+
+
+class Job:
+    """A coroutine on its way; begins at once, on the executor's thread.
+
+    Parameters
+    ----------
+    coroutine
+        Awaits futures of rclpy.
+    ended
+        Called once, with the exception that ended it (:class:`Cancelled` too) or None.
+    """
+
+    def __init__(
+        self,
+        coroutine: Coroutine[Future, None, Any],
+        ended: Callable[[BaseException | None], None],
+    ) -> None:
+        self._coroutine: Coroutine[Future, None, Any] | None = coroutine
+        self._ended = ended
+        self._awaited: Future | None = None
+        self._stepping = False
+        self._cancelled = False
+        self._advance(None)
+
+    @property
+    def done(self) -> bool:
+        """Whether it has come to its end."""
+        return self._coroutine is None
+
+    def cancel(self) -> None:
+        """End it where it waits; of one that has ended, nothing is done."""
+        if not self._cancelled:
+            self._cancelled = True
+            if not self._stepping:
+                self._advance(Cancelled())
+
+    def _resume(self, future: Future) -> None:
+        # A future that was awaited before a cancellation may still call back.
+        if future is self._awaited:
+            self._advance(None)
+
+    def _advance(self, error: BaseException | None) -> None:
+        if self._coroutine is None:
+            return
+        self._awaited, self._stepping = None, True
+        try:
+            run = self._coroutine
+            awaited = run.send(None) if error is None else run.throw(error)
+        except StopIteration:
+            self._finish(None)
+        except BaseException as problem:  # noqa: BLE001 - handed to whoever started it
+            self._finish(problem)
+        else:
+            self._stepping = False
+            if self._cancelled and error is None:
+                self._advance(Cancelled())
+                return
+            self._awaited = awaited
+            awaited.add_done_callback(self._resume)
+
+    def _finish(self, error: BaseException | None) -> None:
+        self._coroutine = None
+        self._ended(error)
+
+
+def _await(future: Future) -> Generator[Future, None, Any]:
+    while not (future.done() or future.cancelled()):
+        yield future
+    return future.result()
+
+
+# rclpy's own yields None, which says nothing of what is waited for; its tasks do not look at it.
+Future.__await__ = _await
+
+
+class Bell(Protocol):
+    """Something that is due at times, without a timer of ROS."""
+
+    def ring(self) -> float:
+        """Do what is due; the seconds until it is to be called again."""
+
+
+class QuietExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
+    """The events executor, with coroutines that cost nothing while they wait.
+
+    What a coroutine raises is raised where it is awaited; of one that nobody awaits, rclpy writes
+    it to the terminal. What a function raises comes out of :meth:`spin_once`, as from a callback.
+    rclpy's own would have the process die of SIGSEGV (7.1.6): it looks for the logger of its only
+    node with an index into a set.
+
+    Its nodes must be :class:`kompass.rclpy_ext.node.Eventless`.
+
+    Parameters
+    ----------
+    context
+        The process's own when left out.
+    """
+
+    def __init__(self, context: Context | None = None) -> None:
+        super().__init__(context or rclpy.get_default_context())
+        self._raised: Exception | None = None
+        self._bells: list[Bell] = []
+
+    def add_bell(self, bell: Bell) -> None:
+        """Have a bell rung whenever it is due."""
+        self._bells.append(bell)
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Ring what is due, and handle what comes next.
+
+        It waits for that up to ``timeout_sec`` seconds, or until the next bell is due.
+
+        Raises
+        ------
+        Exception
+            What a callback, or the function of a task, has raised.
+        """
+        for bell in self._bells:
+            left = bell.ring()
+            if timeout_sec is None or left < timeout_sec:
+                timeout_sec = left
+        super().spin_once(timeout_sec=timeout_sec)
+        if self._raised is not None:
+            error, self._raised = self._raised, None
+            raise error
+
+    def create_task(self, callback: Any, *args: Any, **kwargs: Any) -> Future:
+        """Have a function or a coroutine run; a future of its result."""
+        if inspect.iscoroutinefunction(callback):
+            callback = callback(*args, **kwargs)
+        result = Future(executor=self)
+        if not inspect.iscoroutine(callback):
+
+            def call() -> None:
+                try:
+                    result.set_result(callback(*args, **kwargs))
+                except Exception as error:  # noqa: BLE001 - raised by spin_once
+                    result.set_exception(error)
+                    result.exception()  # it is told of: rclpy need not, when nobody awaits it
+                    self._raised = error
+
+            super().create_task(call)
+            return result
+
+        async def run() -> None:
+            result.set_result(await callback)
+
+        def ended(error: BaseException | None) -> None:
+            # To be raised where it is awaited. Raised here it would end the process (rclpy 7.1.6).
+            if error is not None:
+                result.set_exception(error)
+
+        def begin() -> None:
+            Job(run(), ended)
+
+        super().create_task(begin)
+        return result

@@ -1,0 +1,44 @@
+"""Nodes whose publishers and subscriptions may come and go under the events executor."""
+
+from __future__ import annotations
+
+import weakref
+from typing import Any
+
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.node import Node
+
+
+class Eventless:
+    """Part of a node: its publishers and subscriptions have no event handlers unless asked for.
+
+    rclpy gives each one two, which log a warning when somebody's quality of service does not fit.
+    Where that happens while the publisher or subscription is destroyed, the events executor (7.1.6)
+    dies of SIGSEGV: ``ros2/rclpy`` issue 1644. A rule, a restart or a page that is closed destroys
+    them all the time.
+    """
+
+    def create_publisher(self, *args: Any, **kwargs: Any) -> Any:
+        """As of :class:`rclpy.node.Node`."""
+        kwargs.setdefault("event_callbacks", _NO_PUBLISHER_EVENTS)
+        return super().create_publisher(*args, **kwargs)  # type: ignore[misc]
+
+    def create_subscription(self, *args: Any, **kwargs: Any) -> Any:
+        """As of :class:`rclpy.node.Node`."""
+        kwargs.setdefault("event_callbacks", _NO_SUBSCRIPTION_EVENTS)
+        return super().create_subscription(*args, **kwargs)  # type: ignore[misc]
+
+    def destroy_subscription(self, subscription: Any) -> bool:
+        """As of :class:`rclpy.node.Node`; its callback group forgets it too, which rclpy's does
+        not (7.1.6): a little memory for each that ever was."""
+        entities = subscription.callback_group.entities
+        entities.discard(weakref.ref(subscription))
+        return bool(super().destroy_subscription(subscription))  # type: ignore[misc]
+
+
+class QuietNode(Eventless, Node):  # type: ignore[misc]  # rclpy has no types
+    """A node to be spun by :class:`kompass.rclpy_ext.executor.QuietExecutor`."""
+
+
+_NO_PUBLISHER_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)
+_NO_SUBSCRIPTION_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)

@@ -1,0 +1,85 @@
+"""Any number of timers on an executor, and none of ROS.
+
+rclpy's events executor (7.1.6) handles nine timers of a node badly, and says so on the terminal; a
+monitor has two for each action that runs. One timer of ROS that is set anew each time it rings is
+worse: on a machine that is too busy for a while, each ring leaves two more events in the
+executor's queue, until it does nothing else and fills the memory.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from heapq import heapify, heappop, heappush
+from itertools import count
+
+from rclpy.node import Node
+
+LATEST = 3600.0  # s; later than that, it looks again
+CLUTTER = 256  # cancelled timers that may lie about
+
+
+class Timer:
+    """Calls a function once, or every ``period`` seconds, until it is cancelled."""
+
+    def __init__(self, function: Callable[[], None], period: float | None) -> None:
+        self.function = function
+        self.period = period
+        self.active = True
+
+    def cancel(self) -> None:
+        """Call it no more."""
+        self.active = False
+
+
+class Timers:
+    """Timers on the thread that spins a node; on the monotonic clock, whatever time ROS has.
+
+    Parameters
+    ----------
+    node
+        Must be in a :class:`kompass.rclpy_ext.executor.QuietExecutor`, which rings them.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._heap: list[tuple[float, int, Timer]] = []
+        self._order = count()
+        node.executor.add_bell(self)
+
+    def after(self, seconds: float, function: Callable[[], None]) -> Timer:
+        """Call a function once, some seconds from now."""
+        timer = Timer(function, None)
+        self._add(time.monotonic() + seconds, timer)
+        return timer
+
+    def every(self, period: float, function: Callable[[], None]) -> Timer:
+        """Call a function every ``period`` seconds; a time that is missed is left out."""
+        timer = Timer(function, period)
+        self._add(time.monotonic() + period, timer)
+        return timer
+
+    def _add(self, at: float, timer: Timer) -> None:
+        if len(self._heap) > CLUTTER and len(self._heap) > 2 * sum(
+            each.active for _, _, each in self._heap
+        ):
+            self._heap = [item for item in self._heap if item[2].active]
+            heapify(self._heap)
+        heappush(self._heap, (at, next(self._order), timer))
+
+    def ring(self) -> float:
+        """Call what is due; the seconds until the next is."""
+        now = time.monotonic()
+        while self._heap and self._heap[0][0] <= now:
+            at, _, timer = heappop(self._heap)
+            if not timer.active:
+                continue
+            if timer.period is None:
+                timer.active = False
+            else:
+                heappush(self._heap, (max(at + timer.period, now), next(self._order), timer))
+            timer.function()
+        while self._heap and not self._heap[0][2].active:
+            heappop(self._heap)
+        if not self._heap:
+            return LATEST
+        return min(max(self._heap[0][0] - time.monotonic(), 0.0), LATEST)

@@ -1,0 +1,1 @@
+"""MCAP files: written so that a kill loses little, read even where the end is missing."""

@@ -1,0 +1,1 @@
+"""What is probably not meant so in a table."""

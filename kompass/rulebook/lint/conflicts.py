@@ -1,0 +1,164 @@
+"""Rules that want opposite things at the same time."""
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from pydantic import JsonValue
+
+from kompass.rulebook.schema.report import Finding
+from kompass.rules.schema.actions import Lifecycle, UpdateParameters
+from kompass.rules.schema.conditions import AllOf, Compare, Condition
+from kompass.rules.schema.describe import describe
+from kompass.rules.schema.table import Rule
+
+# Of more rules that set one thing, not every pair is looked at.
+_PAIRS = 40
+_CONTRARY = {"start": "on", "restart": "on", "stop": "off"}
+
+
+class _Deed(NamedTuple):
+    """Something set to a value by a rule."""
+
+    rule: Rule
+    where: str
+    value: JsonValue
+
+
+def contradictions(rules: Sequence[Rule]) -> Iterator[Finding]:
+    """Find pairs of rules that set one thing to different values and may both be true."""
+    deeds: dict[str, list[_Deed]] = {}
+    for rule in rules:
+        for what, deed in _deeds(rule):
+            deeds.setdefault(what, []).append(deed)
+    said: set[tuple[str, str]] = set()
+    for what, found in deeds.items():
+        for number, one in enumerate(found[:_PAIRS]):
+            for other in found[number + 1 : _PAIRS]:
+                pair = (one.rule.id, other.rule.id)
+                if one.rule.id == other.rule.id or one.value == other.value or pair in said:
+                    continue
+                if may_overlap(one.rule.event.condition, other.rule.event.condition):
+                    said.add(pair)
+                    yield _finding(what, one, other)
+
+
+def _deeds(rule: Rule) -> Iterator[tuple[str, _Deed]]:
+    """Walk what a rule sets in the end: of two actions on one thing the last one counts."""
+    last: dict[str, _Deed] = {}
+    for index, action in enumerate(rule.actions):
+        if isinstance(action, UpdateParameters):
+            for name, value in action.parameters.items():
+                if not (isinstance(value, str) and value.startswith("$")):
+                    where = f"actions[{index}].parameters.{name}"
+                    last[f"{action.component}.{name}"] = _Deed(rule, where, value)
+        elif isinstance(action, Lifecycle) and action.action in _CONTRARY:
+            where = f"actions[{index}].action"
+            last[action.component] = _Deed(rule, where, _CONTRARY[action.action])
+    yield from last.items()
+
+
+def _finding(what: str, one: _Deed, other: _Deed) -> Finding:
+    name = one.rule.name or one.rule.id
+    return Finding(
+        level="lint",
+        code="contradiction",
+        rule_id=other.rule.id,
+        field=other.where,
+        value=other.value,
+        text=(
+            f"it sets {what} to {json.dumps(other.value)}, and '{name}' sets it to "
+            f"{json.dumps(one.value)}; both may be true at once"
+        ),
+        remedy="make their conditions exclude each other, or leave one of them out",
+    )
+
+
+def may_overlap(one: Condition, other: Condition) -> bool:
+    """Whether two conditions that look at the same values can be true together.
+
+    Conditions that share no value are not said to overlap: any two of them could.
+    """
+    if describe(one) == describe(other):
+        return True
+    first, second = _ranges(one), _ranges(other)
+    shared = first.keys() & second.keys()
+    return bool(shared) and all(_meet(first[key], second[key]) for key in shared)
+
+
+class _Range(NamedTuple):
+    """Values for which a comparison is true: an interval, or some single ones."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    open_high: bool = False
+    values: frozenset[str] | None = None
+
+
+def _ranges(condition: Condition) -> dict[str, _Range]:
+    """Return what each signal must be for a conjunction; what is no comparison is left out."""
+    parts = condition.conditions if isinstance(condition, AllOf) else (condition,)
+    found: dict[str, _Range] = {}
+    for part in parts:
+        if isinstance(part, AllOf):
+            found.update(_ranges(part))
+        elif isinstance(part, Compare):
+            signal = part.signal
+            key = f"{signal.topic} {signal.path!r} {signal.aggregate}"
+            made = _range(part)
+            if made is not None:
+                found[key] = made
+    return found
+
+
+def _range(part: Compare) -> _Range | None:
+    value = part.value
+    if part.operator == "==" and not isinstance(value, tuple):
+        return _Range(values=frozenset({_value(value)}))
+    if part.operator == "in" and isinstance(value, tuple):
+        return _Range(values=frozenset(map(_value, value)))
+    if part.operator == "between":
+        assert isinstance(value, tuple)
+        return _Range(float(value[0]), float(value[1]))
+    if isinstance(value, (str, tuple)):
+        return None
+    if part.operator in ("<", "<="):
+        return _Range(high=float(value), open_high=part.operator == "<")
+    if part.operator in (">", ">="):
+        return _Range(low=float(value), open_low=part.operator == ">")
+    return _Range()
+
+
+def _value(value: JsonValue) -> str:
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return repr(float(value))
+    return json.dumps(value)
+
+
+def _meet(one: _Range, other: _Range) -> bool:
+    if one.values is not None and other.values is not None:
+        return bool(one.values & other.values)
+    for values, interval in ((one.values, other), (other.values, one)):
+        if values is not None:
+            return any(_within(value, interval) for value in values)
+    low, high = max(one.low, other.low), min(one.high, other.high)
+    if low < high:
+        return True
+    return low == high and not (
+        (one.low == low and one.open_low)
+        or (other.low == low and other.open_low)
+        or (one.high == high and one.open_high)
+        or (other.high == high and other.open_high)
+    )
+
+
+def _within(value: str, interval: _Range) -> bool:
+    try:
+        number = float(value)
+    except ValueError:
+        return True  # a text or a truth value, against a bound: nothing can be said
+    above = number > interval.low or (number == interval.low and not interval.open_low)
+    below = number < interval.high or (number == interval.high and not interval.open_high)
+    return above and below

@@ -1,0 +1,24 @@
+"""Alarms that rules raised and nobody has cleared yet."""
+
+from pydantic import Field
+
+from kompass.rules.schema.model import Model
+
+
+class Alarm(Model):
+    """One alarm, shown to the operators until it is cleared.
+
+    Attributes
+    ----------
+    name
+        What the actions that raise and clear it call it.
+    since
+        Seconds since the epoch at which it was first raised; ``count`` how often since then.
+    """
+
+    name: str
+    text: str = ""
+    rule_id: str = ""
+    severity: str = "warning"
+    since: float
+    count: int = Field(default=1, ge=1)

@@ -1,0 +1,96 @@
+"""What rules can be made of on the running robot, for forms that need no typing of type names."""
+
+from typing import Literal
+
+from pydantic import Field, JsonValue
+
+from kompass.rules.schema.model import Model
+
+
+class FieldView(Model):
+    """A field of a message, however deep.
+
+    Attributes
+    ----------
+    path
+        As in :class:`kompass.rules.schema.signals.Signal`; text as ``pose.position.x``.
+    kind
+        Sort of the value; a list of ``element``.
+    constants
+        Names and values of constants of the message that go with it (``ALGORITHM_FAILURE``).
+    """
+
+    path: tuple[str | int, ...]
+    text: str
+    kind: Literal["bool", "int", "float", "text", "message", "list"]
+    element: str = ""
+    constants: dict[str, int] = Field(default_factory=dict)
+
+
+class TopicView(Model):
+    """A topic on the graph.
+
+    Attributes
+    ----------
+    rate
+        Hz as last measured by the monitor; None where it does not listen, or nothing comes.
+    silent
+        Seconds since the last message, or since the monitor began to listen to a topic that has
+        never spoken; None where it does not listen, or messages come.
+    """
+
+    name: str
+    type: str
+    latched: bool
+    publishers: int
+    component: str = ""  # whose status it is
+    rate: float | None = None
+    silent: float | None = None
+
+
+class ParameterView(Model):
+    """A parameter of a component that rules may change."""
+
+    name: str
+    kind: str
+    value: JsonValue = None
+    text: str = ""
+
+
+class MethodView(Model):
+    """A method of a component that rules may call."""
+
+    name: str
+    text: str
+    arguments: tuple[ParameterView, ...] = ()
+
+
+class ComponentView(Model):
+    """A component of the stack."""
+
+    name: str
+    kind: str
+    methods: tuple[MethodView, ...]
+    parameters: tuple[ParameterView, ...]
+
+
+class TargetView(Model):
+    """A service or an action server on the graph, with the fields of a request or a goal."""
+
+    name: str
+    type: str
+
+
+class GraphView(Model):
+    """All of it.
+
+    ``types`` has the fields of every message, request (``…_Request``) and goal (``…_Goal``) type
+    named anywhere in here.
+    """
+
+    topics: tuple[TopicView, ...]
+    types: dict[str, tuple[FieldView, ...]]
+    components: tuple[ComponentView, ...]
+    services: tuple[TargetView, ...]
+    actions: tuple[TargetView, ...]
+    functions: tuple[str, ...]  # of the recipe

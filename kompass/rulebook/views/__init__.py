@@ -1,0 +1,1 @@
+"""Rules, their state and their firings, put into the words and models that are shown."""

@@ -1,0 +1,1 @@
+"""Whether rules fit the messages, components and functions that they speak of."""

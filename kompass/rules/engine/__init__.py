@@ -1,0 +1,1 @@
+"""A table made ready to run, its state, and the step from one to the next."""

@@ -1,0 +1,135 @@
+"""What of a rule is the same in every table: worked out once, and used for each that holds it."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from kompass.rules.engine.predicates import Judge, judge_of
+from kompass.rules.schema.actions import topics_in
+from kompass.rules.schema.conditions import (
+    Absent,
+    CallableCondition,
+    Changed,
+    Compare,
+    Condition,
+    Leaf,
+    Rate,
+    Received,
+    TreePath,
+    leaves,
+    timeout_of,
+    topic_of,
+)
+from kompass.rules.schema.describe import describe
+from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.signals import reader
+from kompass.rules.schema.table import Rule, rule_hash
+from kompass.rules.schema.values import MISSING
+
+
+class Source(NamedTuple):
+    """Where a leaf reads its value; equal keys are read once per message."""
+
+    key: str
+    read: Callable[[Any], Any]
+
+
+class PreparedLeaf(NamedTuple):
+    """A leaf; those of equal keys are one.
+
+    Attributes
+    ----------
+    source
+        None for a leaf that reads no value.
+    pulses
+        Whether it is true only while a message is handled.
+    timeout
+        Seconds for which its value counts; None for ever.
+    """
+
+    key: str
+    condition: Leaf
+    topic: str
+    text: str
+    judge: Judge
+    source: Source | None
+    pulses: bool
+    timeout: float | None
+
+
+class PreparedRule(NamedTuple):
+    """A rule.
+
+    Attributes
+    ----------
+    leaves, clear
+        Of the condition and of what re-arms the rule, each with its place in the tree.
+    changes
+        Leaves that tell a change, for trigger 'change'.
+    mentioned
+        Topics from which arguments of the actions are taken.
+    """
+
+    hash: str
+    leaves: tuple[tuple[TreePath, PreparedLeaf], ...]
+    clear: tuple[tuple[TreePath, PreparedLeaf], ...]
+    changes: tuple[PreparedLeaf, ...]
+    mentioned: tuple[str, ...]
+
+
+def _rule(rule: Rule) -> PreparedRule:
+    event = rule.event
+    return PreparedRule(
+        hash=rule_hash(rule),
+        leaves=_tree(event.condition),
+        clear=() if event.clear is None else _tree(event.clear),
+        changes=_changes(event.condition) if event.trigger == "change" else (),
+        mentioned=tuple(name for action in rule.actions for name in topics_in(action)),
+    )
+
+
+prepared = Remembered[Rule, PreparedRule](_rule)
+
+
+def _tree(condition: Condition) -> tuple[tuple[TreePath, PreparedLeaf], ...]:
+    return tuple((path, _leaf(leaf)) for path, leaf in leaves(condition))
+
+
+def _changes(condition: Condition) -> tuple[PreparedLeaf, ...]:
+    return tuple(
+        _leaf(Changed(signal=leaf.signal))
+        for _, leaf in leaves(condition)
+        if isinstance(leaf, (Compare, Changed, Received))
+    )
+
+
+def _leaf(condition: Leaf) -> PreparedLeaf:
+    return PreparedLeaf(
+        key=condition.model_dump_json(),
+        condition=condition,
+        topic=topic_of(condition),
+        text=describe(condition),
+        judge=_judge(condition),
+        source=_source(condition),
+        pulses=isinstance(condition, (Changed, Received)),
+        timeout=timeout_of(condition),
+    )
+
+
+def _source(condition: Leaf) -> Source | None:
+    if isinstance(condition, Rate):
+        return None
+    path: tuple[str | int, ...] = ()
+    aggregate: str | None = None
+    if not isinstance(condition, CallableCondition):
+        path, aggregate = condition.signal.path, condition.signal.aggregate
+    if isinstance(condition, Absent) and not path and not aggregate:
+        return None
+    return Source(f"{topic_of(condition)} {path!r} {aggregate}", reader(path, aggregate))
+
+
+def _judge(condition: Leaf) -> Judge:
+    if isinstance(condition, Compare):
+        return judge_of(condition)
+    if isinstance(condition, CallableCondition):
+        return lambda value: None if value is MISSING else bool(value)
+    return lambda value: None

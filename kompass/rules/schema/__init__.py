@@ -1,0 +1,1 @@
+"""Rules as data: signals, conditions, events, actions, tables."""

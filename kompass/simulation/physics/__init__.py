@@ -1,0 +1,1 @@
+"""The body of the embedded robot: its MuJoCo model, drive and obstacles."""

@@ -1,0 +1,51 @@
+"""What the robot is put together from, as far as a part may be exchanged for another."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kompass.simulation.physics.motion import Motion
+
+
+class NoReading(Exception):
+    """A sensor says nothing this time; whoever publishes it publishes nothing."""
+
+
+class RangeFinder(Protocol):
+    """Measures distances all around."""
+
+    def scan(self) -> NDArray[np.float32]:
+        """Ranges in metres from straight ahead anticlockwise; raises NoReading for none."""
+
+
+class PoseSource(Protocol):
+    """Tells where the robot is in the map."""
+
+    def update(self, truth: Motion) -> None:
+        """Take in the true motion."""
+
+    def read(self) -> Motion:
+        """The newest reading; raises NoReading for none."""
+
+
+class Odometer(Protocol):
+    """Tells how far the wheels have rolled."""
+
+    def update(self, left_angle: float, right_angle: float, dt: float) -> None:
+        """Take in the wheel angles (radians), `dt` seconds after the last ones."""
+
+    def read(self) -> Motion:
+        """The newest reading; raises NoReading for none."""
+
+
+class Drive(Protocol):
+    """Turns commands into speeds of the wheels."""
+
+    def command(self, v: float, omega: float, now: float) -> None:
+        """Drive with `v` (m/s) and `omega` (rad/s) from `now` (s) on."""
+
+    def wheel_speeds(self, now: float) -> tuple[float, float]:
+        """(left, right) in rad/s."""

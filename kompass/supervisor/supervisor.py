@@ -1,0 +1,347 @@
+"""Fork processes, watch them, start them again, and end them in the right order.
+
+One thread, no rclpy, no web: the supervisor itself does nothing that can hang, and a fork of it is
+always clean. Death is learned from pidfds and stopping (SIGSTOP) from SIGCHLD, never by polling;
+hangs show in beats that are missing.
+"""
+
+import gc
+import json
+import logging
+import os
+import selectors
+import signal
+import time
+from dataclasses import dataclass
+
+from kompass.supervisor.liveness import Patience, Signs, judge
+from kompass.supervisor.process import Child, ProcessSpec, fork
+from kompass.supervisor.restarts import Restarts
+
+STOP_ROBOT_TIME = 0.7  # s for the last gate before the wheels to halt the robot
+END_TIME = 1.5  # s for all others to end by themselves
+TICK = 0.2  # s between two looks at the signs of life
+
+log = logging.getLogger("kompass.supervisor")
+
+
+class StartupError(RuntimeError):
+    """A process could not start; the message is meant for the terminal."""
+
+
+@dataclass
+class _Due:
+    spec: ProcessSpec
+    at: float
+
+
+class Supervisor:
+    """Runs a list of processes until SIGINT or SIGTERM.
+
+    Parameters
+    ----------
+    specs
+        What to run, in the order of starting.
+    announced
+        Names of those whose common activity is announced.
+    patience
+        When a process counts as busy or stuck, and when one that is stuck is killed.
+    restarts
+        How often, and after what rest, one that died is started again.
+    activation_timeout
+        Within which all that are announced must be active [s]; None to wait for ever.
+    """
+
+    def __init__(
+        self,
+        specs: list[ProcessSpec],
+        announced: list[str],
+        *,
+        patience: Patience | None = None,
+        restarts: Restarts | None = None,
+        activation_timeout: float | None = None,
+    ) -> None:
+        self._specs = specs
+        self._patience = patience or Patience()
+        self._restarts = restarts or Restarts()
+        self._activation_timeout = activation_timeout
+        self._children: dict[int, Child] = {}
+        self._selector = selectors.DefaultSelector()
+        self._wakeup = -1
+        self._stop: signal.Signals | None = None
+        self._due: list[_Due] = []
+        self._waiting = set(announced)
+        self._began = 0.0
+        self._looked = 0.0
+        self._known: dict[str, str] = {}  # the last line told of each process
+        self.restarts = 0
+
+    def run(self) -> None:
+        """Start everything, block until a signal ends it, end everything.
+
+        Raises
+        ------
+        StartupError
+            When a process cannot start at all.
+        """
+        self._began = time.monotonic()
+        numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGCHLD)
+        before = {number: signal.getsignal(number) for number in numbers}
+        self._wakeup, write = os.pipe()
+        os.set_blocking(self._wakeup, False)
+        os.set_blocking(write, False)
+        for number in before:
+            signal.signal(number, self._on_signal)
+        signal.set_wakeup_fd(write, warn_on_full_buffer=False)
+        self._selector.register(self._wakeup, selectors.EVENT_READ, None)
+        # What was imported stays for good; children whose collectors leave it alone share pages.
+        gc.freeze()
+        try:
+            for spec in self._specs:
+                self._start(spec)
+            while self._stop is None:
+                self._turn()
+        finally:
+            self._end_all()
+            signal.set_wakeup_fd(-1)
+            for number, handler in before.items():
+                signal.signal(number, handler)
+            self._selector.close()
+            os.close(write)
+            os.close(self._wakeup)
+
+    def _on_signal(self, number: int, _frame: object) -> None:
+        # SIGCHLD has no other purpose than to wake up: a child may have been stopped.
+        if number != signal.SIGCHLD:
+            self._stop = signal.Signals(number)
+
+    def _turn(self) -> None:
+        soonest = min((due.at for due in self._due), default=time.monotonic() + TICK)
+        for key, _ in self._selector.select(max(0.0, min(TICK, soonest - time.monotonic()))):
+            if key.data is None:
+                os.read(self._wakeup, 64)
+                self._look_for_stopped()
+                continue
+            child = key.data
+            if key.fd == child.reports:
+                self._read(child)
+            elif child.pid in self._children:
+                self._read(child)
+                self._bury(child)
+        for due in [due for due in self._due if due.at <= time.monotonic()]:
+            self._due.remove(due)
+            self._start(due.spec)
+        now = time.monotonic()
+        if now - self._looked >= 0.8 * TICK:
+            self._looked = now
+            for child in list(self._children.values()):
+                self._look_at(child, now)
+            self._check_activation(now)
+
+    # -- signs of life ------------------------------------------------------------------------
+
+    def _look_for_stopped(self) -> None:
+        """Which children a signal has stopped, or lets go on."""
+        kinds = os.WSTOPPED | os.WCONTINUED | os.WNOHANG
+        for child in self._children.values():
+            try:
+                changed = os.waitid(os.P_PIDFD, child.pidfd, kinds)
+            except ChildProcessError:
+                continue  # it is dead, which its pidfd tells
+            if changed is not None:
+                stopped = changed.si_code == os.CLD_STOPPED
+                child.stopped = time.monotonic() if stopped else None
+
+    def _look_at(self, child: Child, now: float) -> None:
+        if not child.active:
+            return
+        pulse, patience = child.spec.pulse, self._patience
+        silent = now - pulse.last()
+        computing = False
+        if child.stopped is None and silent > patience.silent / 2:
+            computing = child.load.computing(child.pid, now)
+        else:
+            child.load.clear()
+        for member in child.spec.members:
+            last = pulse.last(member)
+            condition, reason = judge(
+                Signs(
+                    silent=silent,
+                    lag=now - last if last else None,
+                    stopped=None if child.stopped is None else now - child.stopped,
+                    computing=computing,
+                    allowed=child.spec.allowed.get(member, 0.0),
+                ),
+                patience,
+            )
+            if condition != child.conditions.get(member, "active"):
+                if condition == "stuck":
+                    log.warning("%s is stuck: %s", member, reason)
+                elif child.conditions.get(member) == "stuck":
+                    log.info("%s is no longer stuck", member)
+                child.conditions[member] = condition
+                self._tell_of(child.spec, member, condition, child.pid, reason)
+        if "stuck" not in child.conditions.values():
+            child.stuck_since = None
+        elif child.stuck_since is None:
+            child.stuck_since = now
+        elif patience.killed is not None and now - child.stuck_since >= patience.killed:
+            self._kill(child, f"it was stuck for {now - child.stuck_since:.0f} s")
+
+    def _kill(self, child: Child, why: str) -> None:
+        if not child.killed:
+            child.killed = why
+            log.error("%s is killed: %s", child.spec.name, why)
+            signal.pidfd_send_signal(child.pidfd, signal.SIGKILL)
+
+    def _check_activation(self, now: float) -> None:
+        limit = self._activation_timeout
+        if limit is not None and self._waiting and now - self._began > limit:
+            raise StartupError(
+                f"{', '.join(sorted(self._waiting))} did not become active within "
+                f"{limit:g} s (activation_timeout)"
+            )
+
+    # -- lives --------------------------------------------------------------------------------
+
+    def _start(self, spec: ProcessSpec) -> None:
+        inherited = [self._wakeup]
+        for child in self._children.values():
+            inherited += [child.pidfd, child.reports]
+            if child.outbox >= 0:
+                inherited.append(child.outbox)
+        child = fork(spec, inherited)
+        self._children[child.pid] = child
+        log.info("%s is process %d", spec.name, child.pid)
+        if spec.listens:
+            for line in self._known.values():
+                child.tell(line)
+        self._tell(spec, "starting", child.pid)
+        self._selector.register(child.reports, selectors.EVENT_READ, child)
+        self._selector.register(child.pidfd, selectors.EVENT_READ, child)
+
+    def _read(self, child: Child) -> None:
+        lines = child.read()
+        if lines is None:
+            self._forget_pipe(child)
+            return
+        for line in lines:
+            word, _, rest = line.partition(" ")
+            if word == "active":
+                child.active = True
+                self._tell(child.spec, "active", child.pid)
+                self._report_active(child)
+            elif word == "failed":
+                log.error("%s: %s", child.spec.name, rest)
+            elif word == "fatal":
+                raise StartupError(rest)
+            elif word == "notice":
+                log.info("%s", rest)
+            elif word == "restart":
+                self._restart(rest)
+
+    def _restart(self, member: str) -> None:
+        """A rule wants a node that hangs anew; who was given up stays so."""
+        for child in list(self._children.values()):
+            if member in (child.spec.name, *child.spec.members):
+                self._kill(child, "a restart was asked for")
+
+    def _report_active(self, child: Child) -> None:
+        log.info("%s is up (%.2f s)", child.spec.name, time.monotonic() - child.started)
+        if child.spec.name in self._waiting:
+            self._waiting.discard(child.spec.name)
+            if not self._waiting:
+                log.info("all components active in %.2f s", time.monotonic() - self._began)
+
+    def _forget_pipe(self, child: Child) -> None:
+        if child.reports in self._selector.get_map():
+            self._selector.unregister(child.reports)
+
+    def _bury(self, child: Child) -> None:
+        _, status = os.waitpid(child.pid, 0)
+        code = os.waitstatus_to_exitcode(status)
+        lived = time.monotonic() - child.started
+        self._release(child)
+        how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"ended with {code}"
+        log.warning("%s %s after %.1f s", child.spec.name, how, lived)
+        name = child.spec.name
+        reason = f"the process was {how}" if code < 0 else how
+        self._tell(child.spec, "dead", child.pid, child.killed or reason)
+        if not child.active and not self._restarts.ever_died(name) and code != 0:
+            raise StartupError(f"{name} could not start; its reason is above")
+        if not child.spec.restart or self._stop is not None:
+            return
+        delay = self._restarts.after_death(name, lived)
+        if delay is None:
+            text = f"died {self._restarts.in_a_row(name)} times in a row"
+            log.error("%s %s: given up", name, text)
+            self._tell(child.spec, "given up", child.pid, text)
+            return
+        self.restarts += 1
+        log.warning("%s starts again in %.1f s", name, delay)
+        self._due.append(_Due(child.spec, time.monotonic() + delay))
+
+    def _tell(self, spec: ProcessSpec, state: str, pid: int, reason: str = "") -> None:
+        """Tell those who listen how a process is doing."""
+        for member in spec.members:
+            self._tell_of(spec, member, state, pid, reason)
+
+    def _tell_of(self, spec: ProcessSpec, member: str, state: str, pid: int, reason: str) -> None:
+        """Tell of one node; those that share a process are told of one by one."""
+        shared = len(spec.members) > 1
+        name = member if shared else spec.name
+        line = json.dumps(
+            {
+                "name": name,
+                "nodes": [member] if shared else spec.names,
+                "state": state,
+                "pid": pid,
+                "restarts": spec.starts - 1,
+                "reason": reason,
+            }
+        )
+        self._known[name] = line
+        for child in self._children.values():
+            if child.outbox >= 0:
+                child.tell(line)
+
+    def _release(self, child: Child) -> None:
+        self._forget_pipe(child)
+        if child.pidfd in self._selector.get_map():
+            self._selector.unregister(child.pidfd)
+        child.close()
+        del self._children[child.pid]
+
+    def _end_all(self) -> None:
+        """The robot halts first, then all end; who does not, is killed. Nobody is left behind."""
+        # A second Ctrl-C while ending must not leave half of them running.
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        gates = [child for child in self._children.values() if child.spec.stops_robot]
+        self._end(gates, STOP_ROBOT_TIME)
+        self._end(list(self._children.values()), END_TIME)
+
+    def _end(self, children: list[Child], patience: float) -> None:
+        for child in children:
+            signal.pidfd_send_signal(child.pidfd, signal.SIGTERM)
+        deadline = time.monotonic() + patience
+        waiting = {child.pid: child for child in children}
+        while waiting:
+            for pid in list(waiting):
+                if os.waitpid(pid, os.WNOHANG)[0]:
+                    self._release(waiting.pop(pid))
+            if not waiting:
+                return
+            if time.monotonic() >= deadline:
+                break
+            with selectors.DefaultSelector() as selector:
+                for child in waiting.values():
+                    selector.register(child.pidfd, selectors.EVENT_READ)
+                selector.select(max(0.0, deadline - time.monotonic()))
+        for child in waiting.values():
+            log.warning("%s did not end in %.1f s: killed", child.spec.name, patience)
+            signal.pidfd_send_signal(child.pidfd, signal.SIGKILL)
+            # A stopped process (SIGSTOP) dies of SIGKILL all the same, so this returns.
+            os.waitpid(child.pid, 0)
+            self._release(child)

@@ -1,0 +1,167 @@
+"""The web application: routes, errors as sentences, and the schema the page is typed against."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Mapping
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+
+from kompass_console import __version__
+from kompass_console.api import (
+    backtests,
+    goals,
+    insight,
+    page,
+    probe,
+    recordings,
+    rules,
+    rules_live,
+    scene,
+    session,
+    state,
+    stop,
+    views,
+)
+from kompass_console.api.access import LoggedIn
+from kompass_console.link.state import build_state
+from kompass_console.schema.models import ErrorAnswer, ErrorDetail, Ping, StateMessage
+from kompass_console.schema.rule_models import (
+    ApplyRequest,
+    BacktestRequest,
+    CheckRequest,
+    ProbeReading,
+    ProbeRequest,
+    RulesLive,
+)
+from kompass_console.web.body_limit import BodyLimit
+from kompass_console.web.console import Console
+from kompass_console.web.errors import ConsoleError
+from kompass_console.web.web_guard import WebGuard
+
+_BESIDE_ROUTES: tuple[type[BaseModel], ...] = (
+    StateMessage,
+    Ping,
+    RulesLive,
+    ProbeRequest,
+    ProbeReading,
+    CheckRequest,
+    ApplyRequest,
+    BacktestRequest,
+)
+
+
+def create_app(console: Console | None) -> FastAPI:
+    """The application of a console; None is for its schema only."""
+
+    @contextlib.asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        assert console is not None  # without one, only the schema is asked for
+        feeding = (
+            asyncio.create_task(console.feed.run(_builder(console))),
+            asyncio.create_task(
+                console.rules_feed.run(console.link.rules, console.settings.robot_name)
+            ),
+        )
+        yield
+        for task in feeding:
+            task.cancel()
+        await asyncio.gather(*feeding, return_exceptions=True)
+
+    app = FastAPI(
+        title="Kompass Console",
+        version=__version__,
+        docs_url=None,
+        redoc_url=None,
+        openapi_url=None,
+        lifespan=lifespan,
+        separate_input_output_schemas=False,
+        generate_unique_id_function=lambda route: route.name,
+        responses={
+            "default": {"model": ErrorAnswer, "description": "What and why, and what to do"}
+        },
+    )
+    app.state.console = console
+    for part in (
+        session,
+        views,
+        goals,
+        stop,
+        state,
+        rules_live,
+        probe,
+        rules,
+        insight,
+        backtests,
+        recordings,
+        scene,
+    ):
+        app.include_router(part.router)
+
+    @app.get("/api/openapi.json", include_in_schema=False)
+    def schema(_: LoggedIn) -> dict[str, Any]:
+        return openapi(app)
+
+    app.include_router(page.router)  # last: it takes every path that is left
+    app.add_middleware(BodyLimit)
+    app.add_middleware(  # the last added is the first to see a request
+        WebGuard, allow_hosts=() if console is None else console.settings.allow_hosts
+    )
+    app.add_exception_handler(ConsoleError, _console_error)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(HTTPException, _http_error)
+    return app
+
+
+def openapi(app: FastAPI) -> dict[str, Any]:
+    """The schema of all routes, with what websockets and unparsed bodies carry among its
+    components."""
+    schema = app.openapi()
+    components = schema.setdefault("components", {}).setdefault("schemas", {})
+    for model in _BESIDE_ROUTES:
+        own = model.model_json_schema(ref_template="#/components/schemas/{model}")
+        components.update(own.pop("$defs", {}))
+        components[model.__name__] = own
+    schema["components"]["schemas"] = dict(sorted(components.items()))
+    return schema
+
+
+def _builder(console: Console) -> Any:
+    return lambda seq, viewers: build_state(
+        seq, console.settings.robot_name, console.world, console.link, viewers
+    )
+
+
+def _answer(
+    status: int, title: str, remedy: str, headers: Mapping[str, str] | None = None
+) -> Response:
+    body = ErrorAnswer(detail=ErrorDetail(title=title, remedy=remedy))
+    return JSONResponse(body.model_dump(), status, headers)
+
+
+async def _console_error(_: Request, error: Exception) -> Response:
+    assert isinstance(error, ConsoleError)
+    return _answer(error.status_code, error.title, error.remedy, error.headers)
+
+
+async def _invalid(_: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)
+    first = error.errors()[0]
+    field = ".".join(str(part) for part in first["loc"] if part != "body") or "body"
+    return _answer(
+        422,
+        f"The request's {field} is not valid: {first['msg']}.",
+        "Reload the page and try again.",
+    )
+
+
+async def _http_error(_: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    return _answer(error.status_code, f"{error.detail}.", "Reload the page and try again.")

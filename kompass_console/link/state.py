@@ -1,0 +1,47 @@
+"""Puts together what the page is told, from what the link knows right now."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from kompass_console.link.link import RosLink
+from kompass_console.schema.models import PoseInfo, RobotInfo, RosInfo, SimulationInfo, State
+from kompass_console.schema.world import World
+
+
+def robot_radius(world: World) -> float | None:
+    """Radius (m) of the circle around the robot's footprint; None until that is known."""
+    footprint = world.footprint.get()
+    if footprint is None:
+        return None
+    return float(np.linalg.norm(footprint.value, axis=1).max())
+
+
+def build_state(seq: int, robot_name: str, world: World, link: RosLink, viewers: int) -> State:
+    """One snapshot; ages are measured from when each value was received."""
+    motion = world.motion.get()
+    pose = None
+    if motion is not None:
+        m = motion.value
+        pose = PoseInfo(x=m.pose.x, y=m.pose.y, yaw=m.pose.yaw, v=m.v, w=m.w, age=motion.age())
+    rate = link.streams.simulation_rate
+    streams = link.streams.infos()
+    return State(
+        seq=seq,
+        time=time.time(),
+        robot=RobotInfo(name=robot_name, radius=robot_radius(world)),
+        pose=pose,
+        streams=streams,
+        components=link.components.infos(
+            link.processes.of, lambda name: link.inputs.infos(name, streams)
+        ),
+        drive=link.drive.info(),
+        goal=link.goals.follower.info(),
+        simulation=None if rate is None else SimulationInfo(rate=rate.value, age=rate.age()),
+        rules=link.rules.info(),
+        processes=link.processes.infos(),
+        ros=RosInfo(domain_id=link.domain_id, middleware=link.middleware),
+        viewers=viewers,
+    )

@@ -1,0 +1,366 @@
+"""The contract between the console and its page; `web/` is typed against the schema of these."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from kompass_console.schema.roles import Role
+
+Theme = Literal["light", "dark"]
+Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
+Metres = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
+Radians = Annotated[float, Field(allow_inf_nan=False, ge=-100.0, le=100.0)]
+
+
+class In(BaseModel):
+    """Body of a request: unknown names are errors."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class ErrorDetail(BaseModel):
+    """What went wrong and why, and what to do; each one sentence."""
+
+    title: str
+    remedy: str
+
+
+class ErrorAnswer(BaseModel):
+    """Body of every answer that is not a success."""
+
+    detail: ErrorDetail
+
+
+class Login(In):
+    """A role's token, and the name to show for who uses it."""
+
+    token: str = Field(max_length=400)
+    user: str | None = Field(default=None, max_length=400)
+
+
+class SessionInfo(BaseModel):
+    """Who is logged in."""
+
+    user: str
+    role: Role
+
+
+class Layers(BaseModel):
+    """Which layers of the scene are drawn."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    map: bool = True
+    local_map: bool = True
+    path: bool = True
+    scan: bool = True
+    robot: bool = True
+    goal: bool = True
+    trail: bool = True
+
+
+class LayersPatch(In):
+    """Layers to switch; those left out stay as they are."""
+
+    map: bool | None = None
+    local_map: bool | None = None
+    path: bool | None = None
+    scan: bool | None = None
+    robot: bool | None = None
+    goal: bool | None = None
+    trail: bool | None = None
+
+
+class View(BaseModel):
+    """One page's scene and how it is shown."""
+
+    id: str
+    follow: bool = False
+    top: bool = False
+    layers: Layers = Field(default_factory=Layers)
+    theme: Theme = "light"
+
+
+class ViewPatch(In):
+    """Settings of a view to change; those left out stay as they are."""
+
+    follow: bool | None = None
+    top: bool | None = None
+    layers: LayersPatch | None = None
+    theme: Theme | None = None
+
+
+class PointXY(BaseModel):
+    """A point of the floor in the map frame, m."""
+
+    x: float
+    y: float
+
+
+class GestureCheck(In):
+    """A press-drag-release on a view: fractions of the scene's width and height, from the top
+    left. Without `end` it is a tap, and the goal has no heading."""
+
+    view: str
+    start: tuple[Fraction, Fraction]
+    end: tuple[Fraction, Fraction] | None = None
+
+
+class GoalRequest(In):
+    """A goal in the map frame, m and rad. `view` is the one to draw the preview in."""
+
+    x: Metres
+    y: Metres
+    yaw: Radians | None = None
+    view: str | None = None
+
+
+GoalReason = Literal[
+    "",
+    "no_map",
+    "outside_map",
+    "occupied",
+    "too_close",
+    "unreachable",
+    "no_pose",
+    "start_blocked",
+    "no_path",
+    "above_horizon",
+    "no_planner",
+    "nobody_listens",
+]
+
+
+class GoalCheck(BaseModel):
+    """Whether the robot can go there, how far (m) and how long (s), or why not and the nearest
+    point where it could."""
+
+    ok: bool
+    x: float
+    y: float
+    yaw: float | None
+    reason: GoalReason
+    message: str
+    nearest: PointXY | None = None
+    length: float | None = None
+    duration: float | None = None
+    heading_used: bool = False
+    note: str = ""
+
+
+class GoalSent(BaseModel):
+    """A goal that was published, and on which topic."""
+
+    id: str
+    topic: Literal["/goal_pose", "/clicked_point"]
+    heading_used: bool
+    note: str = ""
+
+
+class StopRequest(In):
+    """Why STOP was pressed; may be empty."""
+
+    reason: str = Field(default="", max_length=200)
+
+
+class StopAnswer(BaseModel):
+    """What the drive manager answered. Standstill is not promised here: watch `State.drive`."""
+
+    accepted: bool
+    message: str
+
+
+class RobotInfo(BaseModel):
+    """The robot's name and the radius (m) of the circle around its footprint."""
+
+    name: str
+    radius: float | None
+
+
+class PoseInfo(BaseModel):
+    """Measured pose in the map frame (m, rad) and twist (m/s, rad/s), with its age in s."""
+
+    x: float
+    y: float
+    yaw: float
+    v: float
+    w: float
+    age: float
+
+
+StreamKey = Literal["odometry", "scan", "map", "local_map", "path"]
+
+
+class StreamInfo(BaseModel):
+    """One thing the console reads: from which topic, how old, and whether that is too old."""
+
+    key: StreamKey
+    label: str
+    topic: str | None
+    age: float | None
+    deadline: float | None
+    stale: bool
+
+
+ComponentState = Literal[
+    "healthy",
+    "algorithm_failure",
+    "component_failure",
+    "system_failure",
+    "general_failure",
+    "silent",
+]
+
+
+ProcessPhase = Literal["starting", "active", "busy", "stuck", "dead", "given up", "unknown"]
+
+
+class ProcessInfo(BaseModel):
+    """The process of a component, as its supervisor sees it. `reason` is of its last death."""
+
+    name: str
+    state: ProcessPhase
+    pid: int
+    restarts: int
+    reason: str
+
+
+class InputInfo(BaseModel):
+    """A topic that a component listens to and the console too, and its age in s."""
+
+    topic: str
+    age: float | None
+    stale: bool
+
+
+class ComponentInfo(BaseModel):
+    """Health of one component as it says itself, or `silent` when it has stopped saying.
+
+    `sources` are all of whom it complains, by kind in `src_*`. `process` is null where nobody
+    supervises it; `inputs` are those of its topics whose age the console knows.
+    """
+
+    name: str
+    label: str
+    status: ComponentState
+    message: str
+    sources: list[str]
+    src_topics: list[str] = Field(default_factory=list)
+    src_components: list[str] = Field(default_factory=list)
+    src_algorithms: list[str] = Field(default_factory=list)
+    process: ProcessInfo | None = None
+    inputs: list[InputInfo] = Field(default_factory=list)
+    age: float
+    topic: str
+
+
+class DriveInfo(BaseModel):
+    """The last gate before the wheels: STOP, measured standstill, and what limits the speed."""
+
+    available: bool
+    stopped: bool
+    standstill: bool
+    stopped_by: str
+    reason: str
+    limited_by: str
+    speed_factor: float
+    age: float
+
+
+GoalPhase = Literal["sent", "accepted", "driving", "arrived", "failed", "canceled"]
+
+
+class GoalInfo(BaseModel):
+    """The goal being followed: distance left (m), time left (s), miss at arrival (m)."""
+
+    id: str
+    phase: GoalPhase
+    x: float
+    y: float
+    yaw: float | None
+    sent_by: str
+    message: str
+    distance_left: float | None
+    eta: float | None
+    error: float | None
+    elapsed: float
+
+
+class SimulationInfo(BaseModel):
+    """Simulated seconds per real second."""
+
+    rate: float
+    age: float
+
+
+class RulesInfo(BaseModel):
+    """The table of rules in force, for the top bar.
+
+    `available` is false when its monitor is silent or there is none; the numbers are its last
+    ones then. `probation_left` (s) is 0 when nothing is on probation; `alarms` counts those that
+    rules have raised.
+    """
+
+    available: bool = False
+    revision: int = 0
+    confirmed: int = 0
+    probation_left: float = 0.0
+    notice: str = ""
+    alarms: int = 0
+    age: float | None = None
+
+
+class RosInfo(BaseModel):
+    """Where on DDS the console listens."""
+
+    domain_id: int
+    middleware: str
+
+
+class State(BaseModel):
+    """Everything the page shows in numbers and words, at one moment (`time`, epoch s)."""
+
+    type: Literal["state"] = "state"
+    seq: int
+    time: float
+    robot: RobotInfo
+    pose: PoseInfo | None
+    streams: list[StreamInfo]
+    components: list[ComponentInfo]
+    drive: DriveInfo | None
+    goal: GoalInfo | None
+    simulation: SimulationInfo | None
+    rules: RulesInfo
+    processes: list[ProcessInfo]
+    ros: RosInfo
+    viewers: int
+
+
+class Hello(BaseModel):
+    """First message of the state websocket."""
+
+    type: Literal["hello"] = "hello"
+    session: SessionInfo
+    version: str
+
+
+class Ping(In):
+    """What the page may send on the state websocket; answered by Pong with the same `t`."""
+
+    type: Literal["ping"] = "ping"
+    t: float
+
+
+class Pong(BaseModel):
+    """Answer to Ping."""
+
+    type: Literal["pong"] = "pong"
+    t: float
+
+
+class StateMessage(BaseModel):
+    """Any message the server sends on `/api/state`."""
+
+    message: Annotated[Hello | State | Pong, Field(discriminator="type")]

@@ -1,0 +1,38 @@
+"""Everything a route may need, in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kompass_console.link.goal_check import GoalChecker
+from kompass_console.link.link import RosLink
+from kompass_console.recordings import Recordings
+from kompass_console.scene.scene import Scene
+from kompass_console.schema.world import World
+from kompass_console.settings import ConsoleSettings
+from kompass_console.web.audit import AuditTrail
+from kompass_console.web.auth import Authenticator, LoginLimiter
+from kompass_console.web.rules_feed import RulesFeed
+from kompass_console.web.state_feed import StateFeed
+from kompass_console.web.views import ViewRegistry
+
+
+@dataclass(frozen=True, slots=True)
+class Console:
+    """One running console.
+
+    `recordings` is None where the robot's are not on this machine.
+    """
+
+    settings: ConsoleSettings
+    auth: Authenticator
+    limiter: LoginLimiter
+    audit: AuditTrail
+    world: World
+    link: RosLink
+    checker: GoalChecker
+    views: ViewRegistry
+    scene: Scene
+    feed: StateFeed
+    rules_feed: RulesFeed
+    recordings: Recordings | None
