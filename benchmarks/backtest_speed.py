@@ -20,10 +20,10 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import LaserScan
 
 from kompass.backtest.event_log import Began, to_data
-from kompass.recorder.event_log import LaneTape
+from kompass.recorder.event_log import RecorderEventLog
 from kompass.recorder.recorder import Recorder
 from kompass.recorder.replay.worker import Worker
-from kompass.recorder.shm_queue import Lane
+from kompass.recorder.shm_queue import ShmQueue
 from kompass.rules.schema.table import Table
 from tests.recorder.reality import reality_table
 
@@ -52,8 +52,8 @@ def message(topic: str, at: float) -> bytes:
 
 def record(recordings: Path, table: Table, seconds: float) -> None:
     """Write a recording as the monitor and the recorder do."""
-    lane = Lane()
-    tape = LaneTape(lane)
+    lane = ShmQueue()
+    tape = RecorderEventLog(lane)
     recorder = Recorder(lane, recordings, lambda name: f"/{name}", lambda names: None)
     began = time.monotonic_ns()
     now, wall = began * 1e-9, (began + lane.offset_ns) * 1e-9

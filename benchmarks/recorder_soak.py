@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from mcap.reader import make_reader
 
-from kompass.recorder.rotating_recording import Bounds, ring_files
+from kompass.recorder.rotating_recording import Bounds, rotation_files
 from tests.recorder.reality import Reality, reality_table
 from tests.support.robot import Robot
 from tests.support.stack import Stack
@@ -62,12 +62,12 @@ def main() -> None:
             except AssertionError as error:
                 # Not what is measured: on a machine with much else to do an answer may be late.
                 print(f"  {error}", flush=True)
-            size = sum(size_of(path) for path in ring_files(ring))
+            size = sum(size_of(path) for path in rotation_files(ring))
             largest = max(largest, size)
             share = (processor_time(pid) - used) / (time.monotonic() - began)
             print(
                 f"{passed / 60:5.1f} min  {share:6.2%} of a core  {size / 1e6:6.1f} MB in "
-                f"{len(ring_files(ring))} files  {memory(pid):.1f} MiB",
+                f"{len(rotation_files(ring))} files  {memory(pid):.1f} MiB",
                 flush=True,
             )
         passed = time.monotonic() - began

@@ -1,6 +1,6 @@
 """The pause that a change of the rule table makes in the stream of messages, with no ROS.
 
-The new table is compiled beforehand, beside the running engine; only `exchange` lies between two
+The new table is compiled beforehand, beside the running engine; only `swap` lies between two
 messages. Tables have topics, fields, holds, cooldowns and silences as real ones do; each swap
 changes one rule, and every tenth adds or removes one.
 
@@ -18,8 +18,8 @@ from common import percentile
 
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.firing import Done, Firing, Sample
-from kompass.rules.engine.migrate import exchange
-from kompass.rules.engine.migration import bridge
+from kompass.rules.engine.migrate import swap
+from kompass.rules.engine.migration import plan_migration
 from kompass.rules.engine.state import State
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.actions import Log
@@ -100,11 +100,11 @@ def measure(size: int, swaps: int) -> Times:
         new = compile_table(change(rules, number, chance))
         compiling.append(time.thread_time() - begin)
         begin = time.thread_time()
-        way = bridge(table, new)
+        way = plan_migration(table, new)
         bridging.append(time.thread_time() - begin)
         gc.disable()
         begin = time.perf_counter(), time.thread_time()
-        state, _, _ = exchange(way, state, now)
+        state, _, _ = swap(way, state, now)
         pauses.append(time.perf_counter() - begin[0])
         busy.append(time.thread_time() - begin[1])
         gc.enable()
@@ -121,7 +121,7 @@ def main() -> None:
             f"p99 {percentile(times.pauses, 0.99) * 1e3:7.3f} ms (aim: {AIM * 1e3:g}); "
             f"of it at work p99 {percentile(times.busy, 0.99) * 1e3:7.3f} ms; beforehand "
             f"{percentile(times.compiling, 0.5) * 1e3:6.1f} ms to compile, "
-            f"{percentile(times.bridging, 0.5) * 1e3:5.2f} ms to bridge"
+            f"{percentile(times.bridging, 0.5) * 1e3:5.2f} ms to plan_migration"
         )
 
 

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from kompass.simulation.faults.fault_names import FAULTS
-from kompass_console.cli_error import Problem
+from kompass_console.cli_error import CliError
 from kompass_console.domain import choose_domain
 from kompass_console.rules_cli.app import app as rules
 
@@ -113,14 +113,14 @@ def run(
 ) -> None:
     """Run a recipe, and the console beside it."""
     if not recipe.is_file():
-        raise Problem(2, f"there is no recipe {recipe}; give the path of a Python file")
+        raise CliError(2, f"there is no recipe {recipe}; give the path of a Python file")
     choose_domain(domain_id, alone=sim is not None)
     if single_process:
         os.environ["KOMPASS_MULTI_PROCESSING"] = "0"
-    from kompass_console.stack import Console, run_recipe
+    from kompass_console.stack import ConsoleListener, run_recipe
 
     robot = _prepare(name, sim, data_dir, safe_mode=safe_mode, no_record=no_record)
-    console = Console(host, port, not no_browser, robot, token)
+    console = ConsoleListener(host, port, not no_browser, robot, token)
     run_recipe(recipe, console, sim, fault or [])
 
 
@@ -141,10 +141,10 @@ def demo(
     """Try it: an embedded robot, the navigation stack and the console."""
     choose_domain(domain_id, alone=True)
     from kompass.share import recipe_path
-    from kompass_console.stack import Console, run_recipe
+    from kompass_console.stack import ConsoleListener, run_recipe
 
     robot = _prepare(name, world, data_dir, safe_mode=safe_mode, no_record=no_record)
-    console = Console(host, port, not no_browser, robot, token)
+    console = ConsoleListener(host, port, not no_browser, robot, token)
     run_recipe(recipe_path("01_point_navigation.py"), console, world, fault or [])
 
 
@@ -159,9 +159,9 @@ def attach(
 ) -> None:
     """Show a stack that something else started, on this machine or another of the ROS domain."""
     choose_domain(domain_id, alone=False)
-    from kompass_console.stack import Console, run_attached
+    from kompass_console.stack import ConsoleListener, run_attached
 
-    run_attached(Console(host, port, not no_browser, name or _robot_name(None), token))
+    run_attached(ConsoleListener(host, port, not no_browser, name or _robot_name(None), token))
 
 
 def _prepare(
@@ -179,7 +179,7 @@ def _prepare(
     os.environ[ROBOT_NAME] = robot
     if data_dir is not None:
         if data_dir.exists() and not data_dir.is_dir():
-            raise Problem(2, f"--data-dir {data_dir} is a file; give a folder")
+            raise CliError(2, f"--data-dir {data_dir} is a file; give a folder")
         os.environ[DATA_DIR] = str(data_dir.absolute())
     if safe_mode:
         os.environ[SAFE_MODE] = "1"
@@ -213,7 +213,7 @@ def main() -> None:
     """Entry point of ``kompass-console``."""
     try:
         app(name_the_world(sys.argv[1:]), standalone_mode=True)
-    except Problem as problem:
+    except CliError as problem:
         typer.echo(f"kompass-console: {problem}", err=True)
         raise SystemExit(problem.code) from None
     except KeyboardInterrupt:

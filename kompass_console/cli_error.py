@@ -1,7 +1,7 @@
 """What ends a command: one line, and an exit code."""
 
 
-class Problem(Exception):
+class CliError(Exception):
     """Something to tell in one line.
 
     ``code`` is 1 when the stack could not start or run, 2 when something in the command is

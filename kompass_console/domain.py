@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from kompass_console.cli_error import Problem
+from kompass_console.cli_error import CliError
 
 
 def choose_domain(domain_id: int | None, *, alone: bool) -> None:
@@ -14,7 +14,7 @@ def choose_domain(domain_id: int | None, *, alone: bool) -> None:
 
     Raises
     ------
-    Problem
+    CliError
         When ROS could not start with what the environment says.
     """
     from kompass.launch.environment import EnvironmentProblem, check_environment
@@ -28,4 +28,4 @@ def choose_domain(domain_id: int | None, *, alone: bool) -> None:
     try:
         check_environment()
     except EnvironmentProblem as error:
-        raise Problem(1, str(error)) from None
+        raise CliError(1, str(error)) from None

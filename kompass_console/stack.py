@@ -23,11 +23,11 @@ from kompass.launch.environment import EnvironmentProblem
 from kompass.supervisor.instance_lock import AlreadyRunning
 from kompass.supervisor.process import ProcessSpec, Report
 from kompass.supervisor.supervisor import StartupError
-from kompass_console.cli_error import Problem
+from kompass_console.cli_error import CliError
 
 
 @dataclass
-class Console:
+class ConsoleListener:
     """Where the console listens, and who may come in."""
 
     host: str
@@ -38,7 +38,7 @@ class Console:
 
     def __post_init__(self) -> None:
         if self.token is not None and len(self.token) < 16:
-            raise Problem(2, "--token is too short: give at least 16 characters, or leave it out")
+            raise CliError(2, "--token is too short: give at least 16 characters, or leave it out")
         self.socket = self._listen()
         self.port = self.socket.getsockname()[1]
         self.tokens = {
@@ -56,7 +56,7 @@ class Console:
             listening.listen(128)
         except OSError as error:
             listening.close()
-            raise Problem(
+            raise CliError(
                 2,
                 f"cannot listen on {self.host} port {self.port}: {error.strerror}; "
                 "choose another with --port (0 takes a free one) or --host",
@@ -72,7 +72,7 @@ class Console:
     def announce(self) -> None:
         """Print the addresses."""
         typer.echo(
-            f"\n  Console:    {self.url()}"
+            f"\n  ConsoleListener:    {self.url()}"
             f"\n  To watch:   {self.url('viewer')}"
             f"\n  Engineer:   {self.url('engineer')}\n"
         )
@@ -115,20 +115,22 @@ def _has_screen() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def run_recipe(recipe: Path, console: Console, sim: str | None, faults: Sequence[str] = ()) -> None:
+def run_recipe(
+    recipe: Path, console: ConsoleListener, sim: str | None, faults: Sequence[str] = ()
+) -> None:
     """Run a recipe with the console beside it, until Ctrl-C.
 
     ``faults`` are those of the embedded robot (:mod:`kompass.simulation.faults.fault_names`).
 
     Raises
     ------
-    Problem
+    CliError
         When it cannot run, with the reason in one line.
     """
     if sim is not None:
         _add_robot(sim, faults)
     elif faults:
-        raise Problem(2, f"--fault {faults[0]} is for the embedded robot; add --sim")
+        raise CliError(2, f"--fault {faults[0]} is for the embedded robot; add --sim")
     add_companion(ProcessSpec("console", console.serve))
     console.announce()
     sys.argv = [str(recipe)]
@@ -136,9 +138,9 @@ def run_recipe(recipe: Path, console: Console, sim: str | None, faults: Sequence
     try:
         runpy.run_path(str(recipe), run_name="__main__")
     except (AlreadyRunning, EnvironmentProblem, StartupError) as error:
-        raise Problem(1, str(error)) from None
+        raise CliError(1, str(error)) from None
     except Exception as error:  # noqa: BLE001 - whatever a recipe raises is told in one line
-        raise Problem(3, _where(recipe, error)) from None
+        raise CliError(3, _where(recipe, error)) from None
     finally:
         console.socket.close()
 
@@ -166,13 +168,13 @@ def _add_robot(world_name: str, faults: Sequence[str]) -> None:
     from kompass.simulation.worlds.registry import world_names
 
     if world_name not in world_names():
-        raise Problem(
+        raise CliError(
             2, f"--sim {world_name}: there is no such world; known are {', '.join(world_names())}"
         )
     try:
         map_file = None if withholds_map(faults) else str(map_path(world_name))
     except UnknownFault as error:
-        raise Problem(2, f"--fault: {error}") from None
+        raise CliError(2, f"--fault: {error}") from None
 
     def simulate(report: Report) -> None:
         from kompass.simulation.node import run_simulator
@@ -192,7 +194,7 @@ def _add_robot(world_name: str, faults: Sequence[str]) -> None:
     add_companion(ProcessSpec("map_server", serve_map, names=["map_server"]))
 
 
-def run_attached(console: Console) -> None:
+def run_attached(console: ConsoleListener) -> None:
     """Serve the console alone, in this process, until Ctrl-C."""
     console.announce()
     signal.signal(signal.SIGINT, lambda *_: signal.raise_signal(signal.SIGTERM))

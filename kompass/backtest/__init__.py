@@ -1,1 +1,1 @@
-"""What a table would have done on a recording: the same engine, fed with what it took then. Pure."""
+"""What a table would have done on a recording: the same engine, fed with the same inputs."""

@@ -9,7 +9,16 @@ from collections.abc import Callable, Iterable, Mapping
 from heapq import heappop, heappush
 from typing import NamedTuple
 
-from kompass.backtest.event_log import Began, Ended, Fired, Heard, Lost, Resumed, Swapped, TapeEvent
+from kompass.backtest.event_log import (
+    Began,
+    Ended,
+    Fired,
+    Heard,
+    LoggedEvent,
+    Lost,
+    Resumed,
+    Swapped,
+)
 from kompass.backtest.memory import memory
 from kompass.backtest.notes import ReplayNotes
 from kompass.backtest.recorded_runs import RecordedRuns
@@ -18,7 +27,7 @@ from kompass.rulebook.schema.status import LeafReading
 from kompass.rulebook.views.views import leaf_reading, why_not
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.firing import Done, Firing, Input, Sample, Tick
-from kompass.rules.engine.migrate import carry
+from kompass.rules.engine.migrate import migrate_state
 from kompass.rules.engine.schedule import next_deadline
 from kompass.rules.engine.state import WAITS_FOR_FALSE, State, counters
 from kompass.rules.engine.step import initial_state, step
@@ -30,8 +39,8 @@ _STRIDE = 2_000  # events between two reports of progress
 
 def backtest(
     table: Table,
-    events: Iterable[TapeEvent],
-    recorded: Iterable[TapeEvent] = (),
+    events: Iterable[LoggedEvent],
+    recorded: Iterable[LoggedEvent] = (),
     *,
     total: int = 0,
     progress: Callable[[float], None] | None = None,
@@ -112,7 +121,7 @@ class _Replay:
 
     # -- the tape -----------------------------------------------------------------------------
 
-    def take(self, event: TapeEvent) -> None:
+    def take(self, event: LoggedEvent) -> None:
         """Take the next event."""
         if isinstance(event, (Began, Resumed)):
             self._life(event)
@@ -233,7 +242,7 @@ class _Replay:
         if afresh:
             for rule_id in afresh:
                 self._count(rule_id)
-            self._state, _ = carry(
+            self._state, _ = migrate_state(
                 self._compiled, self._state, self._compiled, event.now, tuple(afresh)
             )
 

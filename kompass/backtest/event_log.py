@@ -120,8 +120,8 @@ class Lost(NamedTuple):
     reason: str = ""
 
 
-TapeEvent: TypeAlias = Began | Resumed | Heard | Ended | Fired | Swapped | Lost
-KINDS: dict[str, type[TapeEvent]] = {
+LoggedEvent: TypeAlias = Began | Resumed | Heard | Ended | Fired | Swapped | Lost
+KINDS: dict[str, type[LoggedEvent]] = {
     "began": Began,
     "resumed": Resumed,
     "heard": Heard,
@@ -132,7 +132,7 @@ KINDS: dict[str, type[TapeEvent]] = {
 }
 
 
-def to_data(event: TapeEvent) -> tuple[str, dict[str, JsonValue]]:
+def to_data(event: LoggedEvent) -> tuple[str, dict[str, JsonValue]]:
     """Return the kind of an event and the rest of it as JSON data.
 
     The message of a :class:`Heard` must itself be JSON data (an answer of a polled function):
@@ -152,7 +152,7 @@ def swapped_text(event: Swapped) -> str:
     return f'{{"table":{table_text(event.table)},{json.dumps(rest)[1:]}'
 
 
-def from_data(kind: str, data: Mapping[str, Any]) -> TapeEvent:
+def from_data(kind: str, data: Mapping[str, Any]) -> LoggedEvent:
     """Make an event from what :func:`to_data` returned; fields of a later version are left out.
 
     Raises

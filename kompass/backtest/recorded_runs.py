@@ -4,7 +4,7 @@ from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
 from statistics import median
 
-from kompass.backtest.event_log import Began, Ended, Fired, Resumed, Swapped, TapeEvent
+from kompass.backtest.event_log import Began, Ended, Fired, LoggedEvent, Resumed, Swapped
 from kompass.rules.schema.actions import Action
 
 TOLERANCE = 1e-3  # s by which two firings may differ that are one
@@ -13,7 +13,7 @@ TOLERANCE = 1e-3  # s by which two firings may differ that are one
 class RecordedRuns:
     """Indexed by life of the monitor, rule and time; each firing is given out once."""
 
-    def __init__(self, events: Iterable[TapeEvent]) -> None:
+    def __init__(self, events: Iterable[LoggedEvent]) -> None:
         self._firings: dict[tuple[str, str], list[Fired]] = {}
         self._taken: dict[tuple[str, str], list[bool]] = {}
         self._actions: dict[tuple[str, int], tuple[Action, ...]] = {}
@@ -24,7 +24,7 @@ class RecordedRuns:
             firings.sort(key=lambda firing: (firing.now, firing.run_id))
             self._taken[key] = [False] * len(firings)
 
-    def _read(self, events: Iterable[TapeEvent]) -> None:
+    def _read(self, events: Iterable[LoggedEvent]) -> None:
         epoch = ""
         actions: dict[str, tuple[Action, ...]] = {}
         open_runs: dict[int, Fired] = {}

@@ -10,8 +10,8 @@ from rclpy.signals import SignalHandlerOptions
 
 from kompass.components.base.component import Component
 from kompass.components.base.node import ComponentNode
-from kompass.rclpy_ext.executor import QuietExecutor
-from kompass.supervisor.desired_state import Intent
+from kompass.rclpy_ext.executor import TaskExecutor
+from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.heartbeat import beat
 from kompass.supervisor.process import Report
 
@@ -24,7 +24,7 @@ SPIN_TIMEOUT = 0.1  # s; also how soon the end is noticed
 
 def host(
     components: list[Component],
-    activate: list[str] | Intent,
+    activate: list[str] | DesiredState,
     report: Report,
     *,
     namespace: str = "",
@@ -40,7 +40,7 @@ def host(
     components
         What to run.
     activate
-        Names of those that become active at once; the others wait to be started. An ``Intent``
+        Names of those that become active at once; the others wait to be started. A ``DesiredState``
         is kept up to date besides.
     report
         Tells the supervisor.
@@ -51,8 +51,8 @@ def host(
         dead one for a while.
     """
     intent = activate
-    if not isinstance(intent, Intent):
-        intent = Intent({one.node_name: one.node_name in intent for one in components})
+    if not isinstance(intent, DesiredState):
+        intent = DesiredState({one.node_name: one.node_name in intent for one in components})
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
@@ -60,7 +60,7 @@ def host(
     try:
         for component in components:
             node = component.create_node(namespace)
-            executor = QuietExecutor()
+            executor = TaskExecutor()
             executor.add_node(node)
             executors.append(executor)
             component.on_intent = partial(intent.set, component.node_name)

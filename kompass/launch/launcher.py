@@ -19,8 +19,8 @@ from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import recipe_rules
 from kompass.recorder.process import flight_recorder
 from kompass.robot import RobotConfig, RobotFrames
-from kompass.supervisor.desired_state import Intent
-from kompass.supervisor.instance_lock import claim
+from kompass.supervisor.desired_state import DesiredState
+from kompass.supervisor.instance_lock import lock_instance
 from kompass.supervisor.liveness import Patience
 from kompass.supervisor.process import ProcessSpec, Report
 from kompass.supervisor.restarts import Restarts
@@ -247,7 +247,7 @@ class Launcher(FailurePolicies, OlderNames):
         more = [*self._recorder, *companions()]
         beside = [spec for spec in more if not set(spec.names) & set(names)]
         names += [name for spec in beside for name in spec.names]
-        held = claim(names, self.namespace)
+        held = lock_instance(names, self.namespace)
         try:
             Supervisor(
                 [*own, *beside],
@@ -285,7 +285,7 @@ class Launcher(FailurePolicies, OlderNames):
 
     def _spec(self, group: list[Component]) -> ProcessSpec:
         names = [component.node_name for component in group]
-        intent = Intent({name: name in self._activate for name in names})
+        intent = DesiredState({name: name in self._activate for name in names})
 
         def main(report: Report) -> None:
             host(

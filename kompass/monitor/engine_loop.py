@@ -11,18 +11,18 @@ from kompass.backtest.event_log import (
     Began,
     Ended,
     Heard,
+    LoggedEvent,
     Swapped,
-    TapeEvent,
     swapped_text,
     to_data,
 )
 from kompass.backtest.records import fired_event
-from kompass.monitor.event_log import NoTape, Tape
+from kompass.monitor.event_log import EventLog, NoEventLog
 from kompass.rules.engine.compiled_table import CompiledTable
 from kompass.rules.engine.explain import verdict_of
 from kompass.rules.engine.firing import Done, Firing, Input, Output, Sample, Tick
-from kompass.rules.engine.migrate import Carried, exchange
-from kompass.rules.engine.migration import Bridge
+from kompass.rules.engine.migrate import MigrationReport, swap
+from kompass.rules.engine.migration import Migration
 from kompass.rules.engine.schedule import next_deadline
 from kompass.rules.engine.state import State
 from kompass.rules.engine.step import initial_state, step
@@ -40,7 +40,7 @@ class Swap(NamedTuple):
         What the conditions of new and changed rules said right after it, by rule id.
     """
 
-    carried: Carried
+    carried: MigrationReport
     pause: float
     verdicts: Mapping[str, Verdict] = {}
 
@@ -76,13 +76,13 @@ class EngineLoop:
         handle: Callable[[list[Output], CompiledTable, int], None],
         wake: Callable[[float | None], None],
         used: Iterable[str] = (),
-        tape: Tape | None = None,
+        tape: EventLog | None = None,
         clock: Callable[[], int] = time.monotonic_ns,
         wall: Callable[[], float] = time.time,
     ) -> None:
         self.table, self.revision, self.epoch = table, revision, epoch
         self._handle, self._wake, self._clock, self._wall = handle, wake, clock, wall
-        self._tape = tape or NoTape()
+        self._tape = tape or NoEventLog()
         self._untaped: deque[tuple[Firing, int]] = deque()
         began = clock()
         self.state: State = initial_state(table, began * 1e-9)
@@ -129,7 +129,7 @@ class EngineLoop:
         """Take note that time has passed."""
         self._step(Tick(), self._clock())
 
-    def swap(self, way: Bridge, revision: int, reset: Collection[str] = ()) -> Swap:
+    def swap(self, way: Migration, revision: int, reset: Collection[str] = ()) -> Swap:
         """Go on with another table: one step was the old table's, the next is the new one's.
 
         What was due by now is handled by the old table first.
@@ -144,7 +144,7 @@ class EngineLoop:
         assert way.old is self.table
         begun = self._clock()
         now, before = begun * 1e-9, self.revision
-        self.state, carried, outputs = exchange(way, self.state, now)
+        self.state, carried, outputs = swap(way, self.state, now)
         self._untaped += [(output, begun) for output in outputs if isinstance(output, Firing)]
         self._tape_fired()
         self.table, self.revision = way.new, revision
@@ -162,7 +162,7 @@ class EngineLoop:
     def _step(self, event: Input, now: int) -> None:
         self.state, outputs = step(self.table, self.state, event, now * 1e-9)
         if outputs:
-            # Carried out first, and then taken down: that takes about as long as all the rest.
+            # Handled first, logged afterwards: logging takes about as long as all the rest.
             self._untaped += [(output, now) for output in outputs if isinstance(output, Firing)]
             self._handle(outputs, self.table, self.revision)
             self._tape_fired()
@@ -175,7 +175,7 @@ class EngineLoop:
             kind, data = to_data(fired_event(firing, self.revision))
             self._tape.event(kind, data, now)
 
-    def _record(self, event: TapeEvent, now: int) -> None:
+    def _record(self, event: LoggedEvent, now: int) -> None:
         self._tape_fired()
         kind, data = to_data(event)
         self._tape.event(kind, data, now)

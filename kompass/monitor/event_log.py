@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 
-class Tape(Protocol):
+class EventLog(Protocol):
     """Takes what the engine took; must neither wait nor raise.
 
     ``now_ns`` is the reading of the monotonic clock that the engine was given (as
@@ -25,7 +25,7 @@ class Tape(Protocol):
         """Nothing follows."""
 
 
-class NoTape:
+class NoEventLog:
     """Keeps nothing."""
 
     def message(self, topic: str, type_name: str, raw: bytes, now_ns: int) -> None:

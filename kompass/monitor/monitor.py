@@ -16,30 +16,30 @@ from kompass.monitor.engine_loop import EngineLoop, Swap
 from kompass.monitor.execution.action_runner import ActionRunner
 from kompass.monitor.execution.alarms import Alarms
 from kompass.monitor.execution.runs import Runs
-from kompass.monitor.inputs.polled_functions import Polled
+from kompass.monitor.inputs.polled_functions import PolledFunctions
 from kompass.monitor.inputs.rule_inputs import RuleInputs, wanted
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.introspection.graph import Graph
 from kompass.monitor.recording import NoRecording, Recording
-from kompass.monitor.reporting.explanations import Explaining
+from kompass.monitor.reporting.explanations import Explanations
 from kompass.monitor.reporting.firings import Firings
 from kompass.monitor.reporting.journal_watch import JournalWatch
 from kompass.monitor.reporting.rules_state import RulesStatePublisher
-from kompass.monitor.reporting.status_proxy import Spokesman
+from kompass.monitor.reporting.status_proxy import StatusProxy
 from kompass.monitor.services import Services, Sources
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import Start
-from kompass.monitor.tables.live_lints import Linting
-from kompass.monitor.tables.table_manager import Desk
+from kompass.monitor.tables.live_lints import LiveLints
+from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import InForce
 from kompass.rclpy_ext.main_thread import MainThread
-from kompass.rclpy_ext.movable_timer import WakeUp
+from kompass.rclpy_ext.movable_timer import MovableTimer
 from kompass.rclpy_ext.timers import Timers
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.recipe.table import RecipeRules
 from kompass.rulebook.views.views import Extras
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
-from kompass.rules.engine.migration import bridge
+from kompass.rules.engine.migration import plan_migration
 from kompass.store import RuleStore
 
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
@@ -84,13 +84,13 @@ class Monitor:
         self._node = node
         self._recording = recording or NoRecording()
         self._main = MainThread(executor)
-        self._spokesman = Spokesman(node)
+        self._spokesman = StatusProxy(node)
         self._processes: dict[str, ProcessState] = {}
         self._stack = node.create_publisher(
             StackState, f"{node.get_name()}/stack_state", LATCHED.to_ros()
         )
         timers = Timers(node)
-        self._wake_up = WakeUp(timers, lambda: self._loop.tick())
+        self._wake_up = MovableTimer(timers, lambda: self._loop.tick())
         self._loop = EngineLoop(
             compile_table(start.table),
             start.revision,
@@ -105,7 +105,7 @@ class Monitor:
         self._runner = ActionRunner(node, executor, timers, recipe.functions, alarms)
         self._runs = Runs(self._runner.run, self._loop.ended, self._firings)
         self._inputs = RuleInputs(node, self._receive)
-        self._polled = Polled(
+        self._polled = PolledFunctions(
             timers,
             node.get_logger(),
             self._main,
@@ -113,14 +113,14 @@ class Monitor:
             lambda name, answer: self._loop.answered(f"callable/{name}", answer),
         )
         self._graph = Graph(node, catalog, self._inputs.counts)
-        self._desk = Desk(
+        self._desk = TableManager(
             store,
             self,
             catalog,
             InForce(start.table, start.revision, start.revision, notice=start.notice),
             recipe=recipe.table,
             robot=settings.robot,
-            lints=Linting(self._main, self._loop, self._graph),
+            lints=LiveLints(self._main, self._loop, self._graph),
             changed=lambda: self._main.post(self._state.changed),
             announce=lambda text: self._main.post(partial(self._firings.announce, text)),
             merge=start.merge,
@@ -135,7 +135,7 @@ class Monitor:
             self._stamp,
             timers,
         )
-        explaining = Explaining(self._main, self._loop, self._extras, store)
+        explaining = Explanations(self._main, self._loop, self._extras, store)
         self._services = Services(
             node,
             self._main,
@@ -189,7 +189,7 @@ class Monitor:
 
         self._runner.restart_stuck = restart_stuck
 
-    # -- the engine, as the desk uses it (kompass.monitor.tables.table_manager.Engine) --------------------------
+    # -- the engine, as the table manager uses it ------------------------------------------------
 
     def prepare(self, table: CompiledTable) -> None:
         """Listen to what a coming table needs; the engine goes on between two subscriptions."""
@@ -203,7 +203,7 @@ class Monitor:
     ) -> Swap:
         """Put a table in force between two messages."""
         # Whoever calls this is the only one who changes the table in force.
-        way, topics = bridge(self._loop.table, table, reset), _topics(table)
+        way, topics = plan_migration(self._loop.table, table, reset), _topics(table)
 
         def between_messages() -> Swap:
             swap = self._loop.swap(way, revision, reset)

@@ -20,8 +20,8 @@ from kompass.monitor.monitor import Monitor
 from kompass.monitor.recording import Recording
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import start_from_store
-from kompass.rclpy_ext.executor import QuietExecutor
-from kompass.rclpy_ext.node import QuietNode
+from kompass.rclpy_ext.executor import TaskExecutor
+from kompass.rclpy_ext.node import PlainNode
 from kompass.recipe.table import RecipeRules
 from kompass.supervisor.heartbeat import beat
 from kompass.supervisor.process import Report
@@ -63,8 +63,8 @@ def run_monitor(
     settings = MonitorSettings.of()
     start, store = start_from_store(recipe.table, settings)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    node = QuietNode(NAME, namespace=namespace or None)
-    executor = QuietExecutor()
+    node = PlainNode(NAME, namespace=namespace or None)
+    executor = TaskExecutor()
     executor.add_node(node)
     monitor = Monitor(node, executor, recipe, catalog, start, store, settings, recording)
     monitor.ask_supervisor(report)

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from kompass.monitor.event_log import NoTape, Tape
+from kompass.monitor.event_log import EventLog, NoEventLog
 from kompass.rulebook.schema.journal import FiringRecord
 
 
@@ -21,7 +21,7 @@ class Recording(Protocol):
     """
 
     @property
-    def tape(self) -> Tape: ...
+    def tape(self) -> EventLog: ...
 
     def start(self, node: Node, executor: Executor, store: Any) -> None:
         """Offer what else there is (``~/backtest_rules``); called once, on the executor's thread.
@@ -45,7 +45,7 @@ class Recording(Protocol):
 class NoRecording:
     """The flight recorder is off."""
 
-    tape: Tape = NoTape()
+    tape: EventLog = NoEventLog()
 
     def start(self, node: Node, executor: Executor, store: Any) -> None:
         """Offer nothing."""

@@ -22,9 +22,9 @@ from kompass_interfaces.srv import (
 )
 from rclpy.node import Node
 
-from kompass.monitor.tables.table_manager import Desk
+from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import Answer, Who
-from kompass.rclpy_ext.deferred_service import create_late_service
+from kompass.rclpy_ext.deferred_service import create_deferred_service
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rulebook.schema.explanation import ExplanationView
 from kompass.rulebook.schema.graph_view import GraphView
@@ -72,7 +72,7 @@ class Services:
     look at the robot or at the disk have a thread of their own.
     """
 
-    def __init__(self, node: Node, main: MainThread, desk: Desk, sources: Sources) -> None:
+    def __init__(self, node: Node, main: MainThread, desk: TableManager, sources: Sources) -> None:
         self._desk, self._sources, self._log = desk, sources, node.get_logger()
         self.worker = ThreadPoolExecutor(1, thread_name_prefix="desk")
         desk.later = self._after
@@ -92,7 +92,7 @@ class Services:
         ]
         for kind, name, answer, worker in offers:
             failed = partial(_changed_nothing, desk) if _has_outcome(kind) else _failed
-            create_late_service(
+            create_deferred_service(
                 node, main, worker, kind, f"{node.get_name()}/{name}", answer, failed
             )
 
@@ -211,7 +211,7 @@ def _failed(response: Any, error: Exception) -> Any:
     return response
 
 
-def _changed_nothing(desk: Desk, response: Any, error: Exception) -> Any:
+def _changed_nothing(desk: TableManager, response: Any, error: Exception) -> Any:
     response.outcome = ApplyRules.Request.FAILED
     response.message, response.revision = _sentence(error), desk.in_force.revision
     return response

@@ -14,7 +14,7 @@ from kompass.rclpy_ext.timers import Timers
 STEP = 0.02  # s between two looks at what has no future of its own
 
 
-class Waiting:
+class Awaitables:
     """Awaitables on one executor. No thread sleeps."""
 
     def __init__(self, timers: Timers, executor: Executor) -> None:

@@ -18,7 +18,7 @@ class _Later:
         self.header: Any = None
 
 
-def create_late_service(
+def create_deferred_service(
     node: Node,
     main: MainThread,
     worker: ThreadPoolExecutor,

@@ -21,7 +21,7 @@ class Cancelled(BaseException):
     """Thrown into a coroutine that is cancelled; its ``finally`` blocks run."""
 
 
-class Job:
+class Task:
     """A coroutine on its way; begins at once, on the executor's thread.
 
     Parameters
@@ -95,14 +95,14 @@ def _await(future: Future) -> Generator[Future, None, Any]:
 Future.__await__ = _await
 
 
-class Bell(Protocol):
+class Ticker(Protocol):
     """Something that is due at times, without a timer of ROS."""
 
     def ring(self) -> float:
         """Do what is due; the seconds until it is to be called again."""
 
 
-class QuietExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
+class TaskExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
     """The events executor, with coroutines that cost nothing while they wait.
 
     What a coroutine raises is raised where it is awaited; of one that nobody awaits, rclpy writes
@@ -121,9 +121,9 @@ class QuietExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
     def __init__(self, context: Context | None = None) -> None:
         super().__init__(context or rclpy.get_default_context())
         self._raised: Exception | None = None
-        self._bells: list[Bell] = []
+        self._bells: list[Ticker] = []
 
-    def add_bell(self, bell: Bell) -> None:
+    def add_bell(self, bell: Ticker) -> None:
         """Have a bell rung whenever it is due."""
         self._bells.append(bell)
 
@@ -173,7 +173,7 @@ class QuietExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
                 result.set_exception(error)
 
         def begin() -> None:
-            Job(run(), ended)
+            Task(run(), ended)
 
         super().create_task(begin)
         return result

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from kompass.rclpy_ext.timers import Timer, Timers
 
 
-class WakeUp:
+class MovableTimer:
     """Calls a function at a time of the monotonic clock, early at times and never late.
 
     Setting a later time changes nothing: at a message every millisecond, that saves a thousand

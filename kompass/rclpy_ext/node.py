@@ -9,7 +9,7 @@ from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallba
 from rclpy.node import Node
 
 
-class Eventless:
+class NoEventCallbacks:
     """Part of a node: its publishers and subscriptions have no event handlers unless asked for.
 
     rclpy gives each one two, which log a warning when somebody's quality of service does not fit.
@@ -36,7 +36,7 @@ class Eventless:
         return bool(super().destroy_subscription(subscription))  # type: ignore[misc]
 
 
-class QuietNode(Eventless, Node):  # type: ignore[misc]  # rclpy has no types
+class PlainNode(NoEventCallbacks, Node):  # type: ignore[misc]  # rclpy has no types
     """A node to be spun by :class:`kompass.rclpy_ext.executor.QuietExecutor`."""
 
 

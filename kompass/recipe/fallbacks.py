@@ -31,7 +31,7 @@ LEVELS = {
 
 
 @dataclass
-class Ladder:
+class FallbackSequence:
     """Actions tried one after another while a component fails.
 
     Each is tried ``max_retries`` times (a list: once, unless stated; a single action: for ever).
@@ -76,7 +76,7 @@ def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule
             condition: Condition = AllOf(conditions=(failing, *others)) if others else failing
         else:
             condition = condition_of(status == LEVELS[kind])
-        ladder = Ladder(_actions(fallback), fallback.max_retries, giveup)
+        ladder = FallbackSequence(_actions(fallback), fallback.max_retries, giveup)
         ladders.append(ladder)
         name = f"{component.node_name} {kind.replace('_', ' ')}"
         functions[name] = ladder
@@ -110,7 +110,7 @@ def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule
     return rules
 
 
-def _reset_of(ladders: list[Ladder]) -> Callable[[], None]:
+def _reset_of(ladders: list[FallbackSequence]) -> Callable[[], None]:
     def reset() -> None:
         for ladder in ladders:
             ladder.reset()

@@ -10,7 +10,7 @@ from typing import Any
 from kompass.components.base.component import Component
 from kompass.recipe.action import Action, Parser
 from kompass.recipe.event import Event
-from kompass.recipe.fallbacks import Ladder, fallback_rules
+from kompass.recipe.fallbacks import FallbackSequence, fallback_rules
 from kompass.rules.schema.actions import Action as RuleAction
 from kompass.rules.schema.actions import Python, SendGoal, component_of
 from kompass.rules.schema.describe import describe
@@ -31,7 +31,9 @@ class RecipeRules:
     """What the monitor runs: data, and the code that the data names."""
 
     table: Table = field(default_factory=Table)
-    functions: dict[str, Callable[..., Any] | Parsed | Ladder] = field(default_factory=dict)
+    functions: dict[str, Callable[..., Any] | Parsed | FallbackSequence] = field(
+        default_factory=dict
+    )
     polled: dict[str, Callable[[], bool]] = field(default_factory=dict)
 
 

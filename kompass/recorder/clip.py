@@ -1,4 +1,4 @@
-"""A stretch of a recording that stands alone: what was valid at its beginning comes first."""
+"""A clip of a recording that stands alone: what was valid at its beginning comes first."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def is_event(track: Track) -> bool:
     return track.source == EVENTS.source
 
 
-def stretch(
+def clip_messages(
     files: Sequence[File],
     wanted: Callable[[Track], bool],
     start: int = 0,
@@ -35,7 +35,7 @@ def stretch(
 ) -> Iterator[Recorded]:
     """Yield the messages of one life of the stack between two times, in order.
 
-    Where the stretch begins in the middle, the table in force and the last message of each topic
+    Where the clip begins in the middle, the table in force and the last message of each topic
     come first, as a file of the ring begins with them. What later files repeat is left out.
 
     Parameters
@@ -65,7 +65,7 @@ def stretch(
 
 
 class _Before:
-    """What is known of the time before a stretch."""
+    """What is known of the time before a clip."""
 
     def __init__(self) -> None:
         self._memory = EngineMemory()

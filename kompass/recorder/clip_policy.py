@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from kompass.recorder.clip_writer import CannotSave, drop_partials, save
+from kompass.recorder.clip_writer import ClipNotSaved, drop_partials, save_clip
 from kompass.recorder.places import SUFFIX, saved_folder
 from kompass.rules.schema.table import Severity
 
@@ -29,7 +29,7 @@ KEPT = 20  # stretches, beyond which the oldest goes
 SETTLE = 1.5  # s for the ring to be on disk
 
 
-class Keep(NamedTuple):
+class ClipRequest(NamedTuple):
     """The order to keep a stretch; nanoseconds since the epoch."""
 
     path: str
@@ -57,7 +57,7 @@ def least_severity(environment: Mapping[str, str] = os.environ) -> Severity | No
         ) from None
 
 
-class Keeper:
+class ClipPolicy:
     """The monitor's end: which firing is kept, and where.
 
     Parameters
@@ -70,10 +70,10 @@ class Keeper:
 
     def __init__(self, recordings: Path, least: Severity | None) -> None:
         self._folder, self._least = saved_folder(recordings), least
-        self._last: Keep | None = None
+        self._last: ClipRequest | None = None
         self._rules: dict[str, int] = {}  # when a stretch was last begun for a rule
 
-    def fired(self, rule_id: str, severity: str, at: int) -> Keep | None:
+    def fired(self, rule_id: str, severity: str, at: int) -> ClipRequest | None:
         """What to keep of a firing at ``at`` nanoseconds; None for nothing.
 
         A firing that follows closely lengthens the stretch that is kept already.
@@ -91,11 +91,11 @@ class Keeper:
         self._rules[rule_id] = at
         stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime(at * 1e-9))
         name = f"{PREFIX}{stamp}-{rule_id[:60]}{SUFFIX}"
-        self._last = Keep(str(self._folder / name), at - int(BEFORE * 1e9), end)
+        self._last = ClipRequest(str(self._folder / name), at - int(BEFORE * 1e9), end)
         return self._last
 
 
-class Keeps:
+class ClipKeeper:
     """The recorder's end: carries orders out when their time has come.
 
     Parameters
@@ -110,11 +110,11 @@ class Keeps:
         self, recordings: Path, run: Callable[[Callable[[], None]], object] = lambda job: job()
     ) -> None:
         self._recordings, self._run = recordings, run
-        self._orders: dict[str, Keep] = {}
+        self._orders: dict[str, ClipRequest] = {}
         drop_partials(saved_folder(recordings))
 
-    def order(self, keep: Keep) -> None:
-        """Keep a stretch once it is over; a second order for a file replaces the first."""
+    def order(self, keep: ClipRequest) -> None:
+        """Keep a clip once it is over; a second order for a file replaces the first."""
         self._orders[keep.path] = keep
 
     def carry_out(self, now: int) -> None:
@@ -125,11 +125,11 @@ class Keeps:
         if due:
             self._run(partial(self._keep, due))
 
-    def _keep(self, due: list[Keep]) -> None:
+    def _keep(self, due: list[ClipRequest]) -> None:
         for keep in due:
             try:
-                save(self._recordings, Path(keep.path), keep.start, keep.end)
-            except (CannotSave, ValueError, OSError) as error:
+                save_clip(self._recordings, Path(keep.path), keep.start, keep.end)
+            except (ClipNotSaved, ValueError, OSError) as error:
                 log.error("a firing is not kept: %s", error)
         self._prune()
 

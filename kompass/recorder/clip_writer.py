@@ -1,25 +1,25 @@
-"""Keep a stretch: out of the ring, into one file that stands alone."""
+"""Save a clip: out of the rotating recording, into one file that stands alone."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
-from kompass.recorder.clip import stretch
-from kompass.recorder.mcap.reader import File, Recorded, Recording, lives
+from kompass.recorder.clip import clip_messages
+from kompass.recorder.mcap.reader import File, Recorded, Recording, sessions_of
 from kompass.recorder.mcap.writer import McapWriter
 from kompass.recorder.places import ring_folder
-from kompass.recorder.rotating_recording import ring_files
+from kompass.recorder.rotating_recording import rotation_files
 
 CHUNK = 1 << 20  # bytes
 PARTIAL = ".partial"
 
 
-class CannotSave(RuntimeError):
+class ClipNotSaved(RuntimeError):
     """Nothing was kept; the message says why and what to do."""
 
 
-def save(recordings: Path, path: Path, start: int, end: int | None = None) -> Path:
+def save_clip(recordings: Path, path: Path, start: int, end: int | None = None) -> Path:
     """Copy what the ring has between two times into a new file; returns its path.
 
     The file says at its beginning which table was in force and what was valid then, so it can be
@@ -32,25 +32,25 @@ def save(recordings: Path, path: Path, start: int, end: int | None = None) -> Pa
 
     Raises
     ------
-    CannotSave
+    ClipNotSaved
         When there is such a file already, or nothing to keep.
     OSError
         When it cannot be written.
     """
     if path.exists():
-        raise CannotSave(f"there is a recording {path.name} already; choose another name")
+        raise ClipNotSaved(f"there is a recording {path.name} already; choose another name")
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
     try:
-        with Recording(ring_files(ring_folder(recordings))) as recording:
+        with Recording(rotation_files(ring_folder(recordings))) as recording:
             files = [file for file in recording.files if file.contents.end_time >= start]
             if not files:
-                raise CannotSave("the flight recorder has nothing of that time; is it running?")
+                raise ClipNotSaved("the flight recorder has nothing of that time; is it running?")
             _write(files, partial, start, end)
         try:
             os.link(partial, path)  # unlike a rename, this never replaces another's file
         except FileExistsError:
-            raise CannotSave(
+            raise ClipNotSaved(
                 f"there is a recording {path.name} already; choose another name"
             ) from None
     finally:
@@ -71,9 +71,9 @@ def _write(files: list[File], path: Path, start: int, end: int | None) -> None:
     try:
         writer.add_metadata("kompass", {"life": files[-1].life, "saved": "1"})
         channels: dict[tuple[str, str, str], int] = {}
-        for life in lives(files):
-            # One after the other: between two lives of the stack the clock may have been set back.
-            for message in stretch(life, lambda _: True, start, end):
+        for life in sessions_of(files):
+            # One after the other: between two sessions the clock may have been set back.
+            for message in clip_messages(life, lambda _: True, start, end):
                 _put(writer, channels, message)
         writer.finish()
     finally:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kompass.backtest.event_log import Began, Ended, Fired, Resumed, Swapped, TapeEvent
+from kompass.backtest.event_log import Began, Ended, Fired, LoggedEvent, Resumed, Swapped
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import rule_hash
 
@@ -22,7 +22,7 @@ class EngineMemory:
         """Topics that the table in force listens to, without leading slash."""
         return self._topics
 
-    def take(self, event: TapeEvent) -> None:
+    def take(self, event: LoggedEvent) -> None:
         """Take note of an event."""
         if isinstance(event, Began | Resumed):
             self._last = Resumed(*event)

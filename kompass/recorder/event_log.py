@@ -5,17 +5,17 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from kompass.recorder.shm_queue import Lane
+from kompass.recorder.shm_queue import ShmQueue
 
 
-class LaneTape:
+class RecorderEventLog:
     """A :class:`kompass.monitor.event_log.Tape` that hands all to the recorder's process.
 
     It costs some microseconds for each message, waits for nothing, and never raises for a
     recorder that is slow or dead: what does not fit is counted, and the recording says so.
     """
 
-    def __init__(self, lane: Lane) -> None:
+    def __init__(self, lane: ShmQueue) -> None:
         self._lane = lane
 
     def message(self, topic: str, type_name: str, raw: bytes, now_ns: int) -> None:

@@ -11,13 +11,13 @@ from typing import Any
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from kompass.monitor.event_log import NoTape, Tape
-from kompass.recorder.clip_policy import KEEP, Keeper
-from kompass.recorder.event_log import LaneTape
+from kompass.monitor.event_log import EventLog, NoEventLog
+from kompass.recorder.clip_policy import KEEP, ClipPolicy
+from kompass.recorder.event_log import RecorderEventLog
 from kompass.recorder.places import saved_path
 from kompass.recorder.replay.backtest_server import BacktestServer
 from kompass.recorder.replay.worker import Worker
-from kompass.recorder.shm_queue import Lane
+from kompass.recorder.shm_queue import ShmQueue
 from kompass.rulebook.schema.journal import FiringRecord
 from kompass.rules.schema.table import Severity
 
@@ -41,10 +41,10 @@ class FlightRecorder:
         Severity from which on firings are kept; None for none.
     """
 
-    def __init__(self, recordings: Path, lane: Lane | None, least: Severity | None) -> None:
+    def __init__(self, recordings: Path, lane: ShmQueue | None, least: Severity | None) -> None:
         self._recordings, self._lane = recordings, lane
-        self.tape: Tape = NoTape() if lane is None else LaneTape(lane)
-        self._keeper = Keeper(recordings, least)
+        self.tape: EventLog = NoEventLog() if lane is None else RecorderEventLog(lane)
+        self._keeper = ClipPolicy(recordings, least)
         self._store: Any = None
         self._server: BacktestServer | None = None
 

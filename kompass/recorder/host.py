@@ -15,10 +15,10 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.recorder.recorder import Recorder
-from kompass.recorder.rotating_recording import RingInUse
-from kompass.recorder.shm_queue import Lane
-from kompass.recorder.topic_sampler import Taps
-from kompass.recorder.topics import TapTopic
+from kompass.recorder.rotating_recording import RecordingInUse
+from kompass.recorder.shm_queue import ShmQueue
+from kompass.recorder.topic_sampler import TopicSampler
+from kompass.recorder.topics import SampledTopic
 from kompass.supervisor.heartbeat import beat
 from kompass.supervisor.process import Report
 
@@ -32,9 +32,9 @@ log = logging.getLogger("kompass.recorder")
 
 
 def run_recorder(
-    lane: Lane,
+    lane: ShmQueue,
     recordings: Path,
-    topics: Sequence[TapTopic],
+    topics: Sequence[SampledTopic],
     report: Report,
     namespace: str = "",
 ) -> None:
@@ -72,7 +72,7 @@ def run_recorder(
         while not ended.is_set():
             try:
                 _record(lane, recordings, topics, node, ended)
-            except (RingInUse, OSError) as error:
+            except (RecordingInUse, OSError) as error:
                 if str(error) != said:
                     said = str(error)
                     log.error("nothing is recorded: %s", said)
@@ -83,13 +83,13 @@ def run_recorder(
 
 
 def _record(
-    lane: Lane,
+    lane: ShmQueue,
     recordings: Path,
-    topics: Sequence[TapTopic],
+    topics: Sequence[SampledTopic],
     node: Node,
     ended: threading.Event,
 ) -> None:
-    taps = Taps(node, topics)
+    taps = TopicSampler(node, topics)
     recorder = Recorder(lane, recordings, node.resolve_topic_name, taps.leave_out)
     taps.leave_out(recorder.engine_topics)
     try:

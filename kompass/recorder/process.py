@@ -10,7 +10,7 @@ from kompass.recorder.clip_policy import least_severity
 from kompass.recorder.flight import FlightRecorder
 from kompass.recorder.host import NAME, run_recorder
 from kompass.recorder.places import recordings_folder
-from kompass.recorder.shm_queue import Lane
+from kompass.recorder.shm_queue import ShmQueue
 from kompass.recorder.topics import HasTopics, standard_topics
 from kompass.store.errors import StoreUnwritable
 from kompass.supervisor.process import ProcessSpec, Report
@@ -46,7 +46,7 @@ def flight_recorder(
         return None, []
     if environment.get(SETTING, "1").strip().lower() in ("0", "off", "false", "no"):
         return FlightRecorder(recordings, None, None), []
-    lane = Lane()
+    lane = ShmQueue()
     topics = standard_topics(components)
 
     def main(report: Report) -> None:

@@ -10,13 +10,13 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from kompass.backtest.event_log import Began, Lost, Swapped, TapeEvent, from_data
-from kompass.recorder.clip_policy import KEEP, Keep, Keeps
+from kompass.backtest.event_log import Began, LoggedEvent, Lost, Swapped, from_data
+from kompass.recorder.clip_policy import KEEP, ClipKeeper, ClipRequest
 from kompass.recorder.engine_memory import EngineMemory
 from kompass.recorder.mcap.reader import Recording, messages
 from kompass.recorder.places import ring_folder
-from kompass.recorder.rotating_recording import Bounds, Ring, ring_files
-from kompass.recorder.shm_queue import Frame, Lane
+from kompass.recorder.rotating_recording import Bounds, RotatingRecording, rotation_files
+from kompass.recorder.shm_queue import Frame, ShmQueue
 from kompass.recorder.streams import (
     EVENTS,
     LATCHED,
@@ -59,7 +59,7 @@ class Recorder:
 
     def __init__(
         self,
-        lane: Lane,
+        lane: ShmQueue,
         recordings: Path,
         resolve: Callable[[str], str],
         leave_out: Callable[[Collection[str]], object],
@@ -70,8 +70,8 @@ class Recorder:
         folder = ring_folder(recordings)
         # Copying a stretch must not hold up what comes from the lane.
         self._saver = ThreadPoolExecutor(1, thread_name_prefix="keep")
-        self._keeps = Keeps(recordings, self._in_background)
-        self._ring = Ring(folder, metadata, self._now, bounds, self._file_begins)
+        self._keeps = ClipKeeper(recordings, self._in_background)
+        self._ring = RotatingRecording(folder, metadata, self._now, bounds, self._file_begins)
         self._memory = EngineMemory()
         self._streams: dict[tuple[str, str, str, bool], Stream] = {}
         self._sequence = lane.resume()
@@ -170,7 +170,7 @@ class Recorder:
 
     def _event(self, kind: str, data: dict[str, Any], at: int, sequence: int) -> None:
         if kind == KEEP:
-            self._keeps.order(Keep(**data))
+            self._keeps.order(ClipRequest(**data))
             return
         event = from_data(kind, data)
         self._write_event(event, at, sequence)
@@ -181,7 +181,7 @@ class Recorder:
             # An engine that begins has heard nothing yet.
             self._ring.keep_only("engine", names if isinstance(event, Swapped) else ())
 
-    def _write_event(self, event: TapeEvent, at: int, sequence: int = 0) -> None:
+    def _write_event(self, event: LoggedEvent, at: int, sequence: int = 0) -> None:
         data = event_json(event, at - self._lane.offset_ns)
         self._ring.write(EVENTS, at, data, sequence)
 
@@ -208,7 +208,7 @@ class Recorder:
 
     def _pick_up(self, folder: Path) -> None:
         """Go on where an earlier recorder of the same stack was killed."""
-        with Recording(ring_files(folder)[-1:]) as recording:
+        with Recording(rotation_files(folder)[-1:]) as recording:
             if not recording.files or recording.files[0].life != str(self._lane.life):
                 return
             for message in messages(recording.files, lambda track: bool(track.source)):

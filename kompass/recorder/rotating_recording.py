@@ -36,11 +36,11 @@ class Bounds(NamedTuple):
     file_age: float = 30.0
 
 
-class RingInUse(RuntimeError):
+class RecordingInUse(RuntimeError):
     """Another recorder writes there; the message says what to do."""
 
 
-class Ring:
+class RotatingRecording:
     """Writes into the newest file, begins another in time, and drops the oldest.
 
     Parameters
@@ -56,7 +56,7 @@ class Ring:
 
     Raises
     ------
-    RingInUse
+    RecordingInUse
         When another recorder writes there.
     OSError
         When it cannot be written.
@@ -78,7 +78,7 @@ class Ring:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             self._lock.close()
-            raise RingInUse(
+            raise RecordingInUse(
                 f"another recorder writes in {folder}; give each robot of this machine a name of "
                 "its own with KOMPASS_ROBOT_NAME, or record nothing with KOMPASS_RECORD=0"
             ) from None
@@ -206,7 +206,7 @@ class Ring:
 
     def files(self) -> list[Path]:
         """All files, oldest first, the one under way included."""
-        return ring_files(self._folder)
+        return rotation_files(self._folder)
 
     def prune(self) -> None:
         """Drop the oldest files until the bounds are kept.
@@ -252,7 +252,7 @@ class Ring:
                 log.error("%s; set aside", error)
 
 
-def ring_files(folder: Path) -> list[Path]:
+def rotation_files(folder: Path) -> list[Path]:
     """Files of a ring, oldest first."""
     if not folder.is_dir():
         return []

@@ -44,7 +44,7 @@ class Frame(NamedTuple):
     raw: bytes
 
 
-class Lane:
+class ShmQueue:
     """Both ends of it; one process writes from one thread, another reads.
 
     The head moves when a frame is complete and the tail when it is on disk, each in one store of

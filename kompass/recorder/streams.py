@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import NamedTuple
 
-from kompass.backtest.event_log import TapeEvent, from_data, to_data
+from kompass.backtest.event_log import LoggedEvent, from_data, to_data
 from kompass.recorder.mcap.definitions import definition
 
 ENGINE_TOPIC = "/monitor/engine"
@@ -76,11 +76,11 @@ def message_stream(
 class EngineEvent(NamedTuple):
     """An event, and the exact monotonic nanoseconds at which it was put down."""
 
-    event: TapeEvent
+    event: LoggedEvent
     now_ns: int
 
 
-def event_json(event: TapeEvent, now_ns: int) -> bytes:
+def event_json(event: LoggedEvent, now_ns: int) -> bytes:
     """An event as it stands in a recording."""
     kind, data = to_data(event)
     return json.dumps(

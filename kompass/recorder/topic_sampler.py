@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from kompass.rclpy_ext.messages import ros_class
-from kompass.recorder.topics import TapTopic
+from kompass.recorder.topics import SampledTopic
 
 DEPTH = 500  # messages of a topic that may gather while the recorder is held up
 
@@ -34,7 +34,7 @@ class Taken(NamedTuple):
         Nanoseconds since the epoch, on this machine's clock and on the sender's.
     """
 
-    topic: TapTopic
+    topic: SampledTopic
     name: str
     latched: bool
     received_ns: int
@@ -42,15 +42,15 @@ class Taken(NamedTuple):
     raw: bytes
 
 
-class _Tap:
-    def __init__(self, topic: TapTopic, name: str, kind: type[Any]) -> None:
+class _Reader:
+    def __init__(self, topic: SampledTopic, name: str, kind: type[Any]) -> None:
         self.topic, self.name, self.kind = topic, name, kind
         self.offer: _Offer = _FIRST
         self.subscription: Any = None
         self.last = 0
 
 
-class Taps:
+class TopicSampler:
     """Readers of standard topics, except of those that somebody else supplies.
 
     Parameters
@@ -59,7 +59,7 @@ class Taps:
         Must not be in an executor.
     """
 
-    def __init__(self, node: Node, topics: Iterable[TapTopic]) -> None:
+    def __init__(self, node: Node, topics: Iterable[SampledTopic]) -> None:
         self._node = node
         self._taps = {}
         for topic in topics:
@@ -69,7 +69,7 @@ class Taps:
                 node.get_logger().warning(f"/{topic.name} is not recorded: {error}")
                 continue
             name = node.resolve_topic_name(topic.name)
-            self._taps[name] = _Tap(topic, name, kind)
+            self._taps[name] = _Reader(topic, name, kind)
         self._left_out: set[str] = set()
         for tap in self._taps.values():
             self._open(tap)
@@ -116,7 +116,7 @@ class Taps:
         for tap in self._taps.values():
             self._close(tap)
 
-    def _drain(self, tap: _Tap, take: Callable[[Taken], None]) -> None:
+    def _drain(self, tap: _Reader, take: Callable[[Taken], None]) -> None:
         handle = tap.subscription.handle
         period = int(tap.topic.period * 1e9)
         latched = tap.offer[1] == DurabilityPolicy.TRANSIENT_LOCAL
@@ -129,11 +129,11 @@ class Taps:
                 sent = info["source_timestamp"] or at
                 take(Taken(tap.topic, tap.name, latched, at, sent, raw))
 
-    def _open(self, tap: _Tap) -> None:
+    def _open(self, tap: _Reader) -> None:
         qos = QoSProfile(depth=DEPTH, reliability=tap.offer[0], durability=tap.offer[1])
         tap.subscription = self._node.create_subscription(tap.kind, tap.name, _never, qos, raw=True)
 
-    def _close(self, tap: _Tap) -> None:
+    def _close(self, tap: _Reader) -> None:
         if tap.subscription is not None:
             self._node.destroy_subscription(tap.subscription)
             tap.subscription = None

@@ -28,7 +28,7 @@ LEFT_OUT = frozenset(
 )
 
 
-class TapTopic(NamedTuple):
+class SampledTopic(NamedTuple):
     """A topic that the recorder listens to itself.
 
     Attributes
@@ -64,9 +64,9 @@ class HasTopics(Protocol):
         """What an output key stands for."""
 
 
-def standard_topics(components: Iterable[HasTopics]) -> tuple[TapTopic, ...]:
+def standard_topics(components: Iterable[HasTopics]) -> tuple[SampledTopic, ...]:
     """Inputs, outputs and health of components, and what every stack says."""
-    found = {name.removeprefix("/"): TapTopic(name, kind) for name, kind in COMMON.items()}
+    found = {name.removeprefix("/"): SampledTopic(name, kind) for name, kind in COMMON.items()}
     for component in components:
         given = [component.get_in_topic(key) for key in component.inputs_keys]
         given += [component.get_out_topic(key) for key in component.outputs_keys]
@@ -76,7 +76,7 @@ def standard_topics(components: Iterable[HasTopics]) -> tuple[TapTopic, ...]:
                 if topic is not None:
                     kind = _type_name(topic.ros_msg_type)
                     if kind not in LEFT_OUT:
-                        tap = TapTopic(topic.name, kind, THINNED.get(kind, 0.0))
+                        tap = SampledTopic(topic.name, kind, THINNED.get(kind, 0.0))
                         found.setdefault(topic.name, tap)
     return tuple(found.values())
 

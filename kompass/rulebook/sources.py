@@ -1,6 +1,6 @@
 """Whether rules are as the recipe has them: worked out, and never taken from who hands them in."""
 
-from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.identity_cache import IdentityCache
 from kompass.rules.schema.interned import interned
 from kompass.rules.schema.table import Rule, Table, rule_hash
 
@@ -31,4 +31,4 @@ def _other(rule: Rule) -> Rule:
     return interned(rule.model_copy(update={"source": source}))
 
 
-_of_the_other = Remembered[Rule, Rule](_other)
+_of_the_other = IdentityCache[Rule, Rule](_other)

@@ -19,8 +19,8 @@ from kompass.rules.engine.arbitrate import Arbitration, Lost, Running, arbitrate
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.explain import Explanation, Gate, explain
 from kompass.rules.engine.firing import Done, Firing, Input, LeafVerdict, Note, Output, Sample, Tick
-from kompass.rules.engine.migrate import Carried, carry, exchange
-from kompass.rules.engine.migration import Bridge, bridge
+from kompass.rules.engine.migrate import MigrationReport, migrate_state, swap
+from kompass.rules.engine.migration import Migration, plan_migration
 from kompass.rules.engine.schedule import next_deadline
 from kompass.rules.engine.state import Counters, State, counters
 from kompass.rules.engine.step import initial_state, step
@@ -35,8 +35,6 @@ __all__ = [
     "Arbitration",
     "ArgumentError",
     "ArgumentSpec",
-    "Bridge",
-    "Carried",
     "Catalog",
     "CompiledTable",
     "ComponentSpec",
@@ -51,6 +49,8 @@ __all__ = [
     "LeafVerdict",
     "Lost",
     "MethodSpec",
+    "Migration",
+    "MigrationReport",
     "Note",
     "Output",
     "ParameterSpec",
@@ -66,21 +66,21 @@ __all__ = [
     "Tick",
     "actions",
     "arbitrate",
-    "bridge",
-    "carry",
     "check_rule",
     "check_table",
     "compile_table",
     "components_of",
     "counters",
     "describe",
-    "exchange",
     "expand",
     "explain",
     "initial_state",
+    "migrate_state",
     "next_deadline",
+    "plan_migration",
     "resolve",
     "rule_hash",
     "step",
+    "swap",
     "table_hash",
 ]

@@ -47,7 +47,7 @@ def run_simulator(
         node_name: Of the ROS 2 node.
         stop: Asked after every event, at least ten times a second, whether to end.
         faults: To begin by themselves, each as `NAME` or `NAME:SECONDS` after the start; see
-            `kompass.simulation.faults.fault_names`. More of them are had from `/simulator/set_fault`.
+            `kompass.simulation.faults.fault_names`. More come from `/simulator/set_fault`.
 
     Raises:
         ValueError: There is no such world, or no such fault.
@@ -58,8 +58,8 @@ def run_simulator(
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
-    from kompass.rclpy_ext.executor import QuietExecutor
-    from kompass.rclpy_ext.node import QuietNode
+    from kompass.rclpy_ext.executor import TaskExecutor
+    from kompass.rclpy_ext.node import PlainNode
     from kompass.simulation.broadcast import Broadcast
     from kompass.simulation.command_input import CommandInput
     from kompass.simulation.costmap import Costmap
@@ -69,8 +69,8 @@ def run_simulator(
     robot = Robot(place, seed)
     context = rclpy.Context()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
-    node = QuietNode(node_name, context=context)
-    executor = QuietExecutor(context)
+    node = PlainNode(node_name, context=context)
+    executor = TaskExecutor(context)
     try:
         with _signals() as told_to_stop, ExitStack() as undo:
             broadcast = Broadcast(node, robot)

@@ -9,7 +9,7 @@ from kompass.rulebook.merge import merge
 from kompass.rulebook.schema.revision import Origin
 from kompass.rulebook.schema.table_view import Merge
 from kompass.rules.schema.table import Table, table_hash
-from kompass.store.session import Life
+from kompass.store.session import Session
 
 SOON = 60.0  # s after an apply in which a crash is put down to it
 SOON_CRASHES = 2
@@ -63,7 +63,7 @@ class StoreFacts(NamedTuple):
     unconfirmed: tuple[int, ...] = ()
     edited: bool = False
     older: OlderEdits | None = None
-    lives: tuple[Life, ...] = ()
+    lives: tuple[Session, ...] = ()
     unreadable: tuple[str, ...] = ()
     machine: str = ""
 
@@ -198,7 +198,7 @@ def _after_crashes(facts: StoreFacts, recipe_table: Table, crashes: str) -> Boot
     return Boot(newest.table, newest.number, notice=notice)
 
 
-def _crashes(kept: Kept, lives: tuple[Life, ...], machine: str, now: float) -> str:
+def _crashes(kept: Kept, lives: tuple[Session, ...], machine: str, now: float) -> str:
     """Say how often a revision brought the monitor down; empty if it did not, or too rarely.
 
     When an unclean life ended is not known; at the latest when the next one began. A machine that

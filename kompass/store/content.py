@@ -6,7 +6,7 @@ import sqlite3
 
 from pydantic import ValidationError
 
-from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.identity_cache import IdentityCache
 from kompass.rules.schema.interned import read_rule, text_of
 from kompass.rules.schema.table import Rule, Table
 from kompass.store.errors import MalformedTable, StoreCorrupt
@@ -82,7 +82,7 @@ def _check_readable(rule: Rule) -> None:
         ) from None
 
 
-_readable = Remembered[Rule, None](_check_readable)
+_readable = IdentityCache[Rule, None](_check_readable)
 
 
 def _listing(contents: list[str]) -> str:

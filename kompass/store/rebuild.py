@@ -9,7 +9,7 @@ from kompass.store.revisions import Entry, Revisions
 from kompass.store.session import MONITOR
 
 
-def begin_again(revisions: Revisions, backup: Backup | None, journal: int) -> str:
+def rebuild(revisions: Revisions, backup: Backup | None, journal: int) -> str:
     """Begin an empty list of revisions with what was last confirmed; what to say of it.
 
     Parameters

@@ -13,7 +13,7 @@ from kompass.rules.schema.table import Table, table_hash
 from kompass.store.boot import Kept, OlderEdits, StoreFacts
 from kompass.store.content import read_table, write_table
 from kompass.store.errors import NoSuchRevision, StoreCorrupt
-from kompass.store.session import Life
+from kompass.store.session import Session
 
 _logger = logging.getLogger("kompass.store")
 Outcome = Literal["confirmed", "taken back", "superseded"]
@@ -186,14 +186,14 @@ class Revisions:
             machine=machine,
         )
 
-    def lives(self) -> tuple[Life, ...]:
+    def lives(self) -> tuple[Session, ...]:
         """The last lives of the monitor, newest first."""
         rows = self._sql.execute(
             "SELECT epoch, stack, machine, started, ended, revision, safe_mode FROM lives "
             "ORDER BY id DESC LIMIT ?",
             (LIVES,),
         )
-        return tuple(Life(*row) for row in rows)
+        return tuple(Session(*row) for row in rows)
 
     def _confirmed(self, recipe: str) -> list[int]:
         rows = self._sql.execute(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 MONITOR = "monitor"  # author and role of what nobody asked for
 
 
-class Life(NamedTuple):
+class Session(NamedTuple):
     """One life of the monitor.
 
     Attributes

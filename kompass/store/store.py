@@ -27,7 +27,7 @@ from kompass.store.errors import StaleRevision, StoreClosed, StoreCorrupt, Store
 from kompass.store.journal import DEFAULT_BOUNDS, Bounds, JournalFile
 from kompass.store.journal_access import JournalAccess
 from kompass.store.lock import take_lock
-from kompass.store.rebuild import begin_again
+from kompass.store.rebuild import rebuild
 from kompass.store.revisions import Entry, Outcome, Revisions
 from kompass.store.schema import RULES, RULES_ID
 from kompass.store.session import MONITOR, this_machine
@@ -369,7 +369,7 @@ class RuleStore(JournalAccess):
 
     def _begin_after_damage(self) -> str:
         with self._writing():
-            return begin_again(
+            return rebuild(
                 self._revisions, read_backup(self._folder), self._journal.newest_revision()
             )
 

@@ -23,7 +23,7 @@ def processor_time(pid: int) -> float | None:
     return total * 1e-9
 
 
-class Load:
+class CpuUsage:
     """Follows one process from the moment at which it fell silent."""
 
     def __init__(self) -> None:

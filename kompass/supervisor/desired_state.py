@@ -6,7 +6,7 @@ import mmap
 from collections.abc import Mapping
 
 
-class Intent:
+class DesiredState:
     """One flag for each component, in memory that parent and children share.
 
     A component that a rule or a person had stopped stays stopped when its process dies and is

@@ -16,7 +16,7 @@ PERIOD = 0.2  # s between the beats of the side thread
 _ITEM = 8  # bytes of one time
 
 
-class Pulse:
+class Heartbeat:
     """When each part of a process last showed life, as times of the monotonic clock [s].
 
     The first part is a thread that does nothing else; the others are the executors of ``members``.
@@ -54,10 +54,10 @@ class Pulse:
         threading.Thread(target=run, name="pulse", daemon=True).start()
 
 
-_own: Pulse | None = None
+_own: Heartbeat | None = None
 
 
-def adopt(pulse: Pulse) -> None:
+def adopt(pulse: Heartbeat) -> None:
     """Let this process, just forked, beat on ``pulse`` from now on."""
     global _own
     _own = pulse

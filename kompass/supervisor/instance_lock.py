@@ -10,10 +10,10 @@ class AlreadyRunning(RuntimeError):
     """Another stack on this machine runs the same nodes on the same ROS domain."""
 
 
-def claim(names: list[str], namespace: str = "") -> list[int]:
+def lock_instance(names: list[str], namespace: str = "") -> list[int]:
     """Claim node names on this machine's ROS domain, for as long as this process lives.
 
-    The claim is a lock on a file, which the kernel gives back when the process ends in whatever
+    The lock is one on a file, which the kernel gives back when the process ends in whatever
     way. Stacks on other machines are noticed over DDS by the components themselves.
 
     Returns

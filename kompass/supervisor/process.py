@@ -10,8 +10,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from kompass.supervisor.cpu_usage import Load
-from kompass.supervisor.heartbeat import Pulse, adopt
+from kompass.supervisor.cpu_usage import CpuUsage
+from kompass.supervisor.heartbeat import Heartbeat, adopt
 from kompass.supervisor.liveness import Condition
 
 PR_SET_PDEATHSIG = 1
@@ -40,10 +40,10 @@ class ProcessSpec:
     listens: bool = False  # wants to be told how the other processes are doing
     inbox: int = -1  # in the child: where it is told, a JSON line each
     allowed: dict[str, float] = field(default_factory=dict)  # s that a step of a node may take
-    pulse: Pulse = field(init=False)  # signs of life of it and of each node
+    pulse: Heartbeat = field(init=False)  # signs of life of it and of each node
 
     def __post_init__(self) -> None:
-        self.pulse = Pulse(self.members)
+        self.pulse = Heartbeat(self.members)
 
     @property
     def members(self) -> list[str]:
@@ -65,7 +65,7 @@ class Child:
     active: bool = False
     stopped: float | None = None  # since when a signal (SIGSTOP) holds it
     killed: str = ""  # why the supervisor killed it
-    load: Load = field(default_factory=Load)
+    load: CpuUsage = field(default_factory=CpuUsage)
     conditions: dict[str, Condition] = field(default_factory=dict)  # of each member
     stuck_since: float | None = None
 

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from kompass_console.api.access import console_of
 from kompass_console.api.sockets import admitted, telling, texts
 from kompass_console.link.probes import Probe
-from kompass_console.link.topic_watch import Taps
+from kompass_console.link.topic_watch import TopicWatch
 from kompass_console.schema.roles import Role
 from kompass_console.schema.rule_models import ProbeReading, ProbeRequest
 
@@ -25,7 +25,7 @@ _LARGEST = 100_000  # characters of one request
 class PageProbes:
     """The probes of one page."""
 
-    def __init__(self, taps: Taps) -> None:
+    def __init__(self, taps: TopicWatch) -> None:
         self._taps = taps
         self._probes: dict[str, Probe] = {}
         self._errors: dict[str, str] = {}

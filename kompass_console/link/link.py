@@ -15,8 +15,8 @@ from kompass_interfaces.srv import CheckGoal
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from kompass.rclpy_ext.executor import QuietExecutor
-from kompass.rclpy_ext.node import QuietNode
+from kompass.rclpy_ext.executor import TaskExecutor
+from kompass.rclpy_ext.node import PlainNode
 from kompass_console.link import convert
 from kompass_console.link.backtests import Backtests
 from kompass_console.link.components import Components
@@ -28,7 +28,7 @@ from kompass_console.link.processes import Processes
 from kompass_console.link.rules import Rules
 from kompass_console.link.services import ServicePool
 from kompass_console.link.streams import Streams
-from kompass_console.link.topic_watch import Taps
+from kompass_console.link.topic_watch import TopicWatch
 from kompass_console.schema.world import World
 from kompass_console.settings import ConsoleSettings
 
@@ -78,7 +78,7 @@ class RosLink:
         self.domain_id = int(self._context.get_domain_id())
         self.middleware = str(get_rmw_implementation_identifier())
         # The process id keeps two consoles on one robot apart.
-        self._node = QuietNode(
+        self._node = PlainNode(
             f"{NODE_NAME}_{os.getpid()}",
             context=self._context,
             use_global_arguments=False,
@@ -94,11 +94,11 @@ class RosLink:
         self.monitor = Monitor(self._node)
         self.rules = Rules(self._node, changed, rules_said)
         self.backtests = Backtests(self._node, self._run)
-        self.taps = Taps(self._node, self._run)
+        self.taps = TopicWatch(self._node, self._run)
         self._checks = ServicePool(self._node, CheckGoal, "kompass_interfaces/srv/CheckGoal")
         self._node.create_timer(_LOOK_AROUND, self._look_around)
         self._node.create_timer(_TICK, self.goals.tick)
-        self._executor = QuietExecutor(self._context)
+        self._executor = TaskExecutor(self._context)
         self._executor.add_node(self._node)
         self._look_around()
         self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)

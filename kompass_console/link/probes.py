@@ -20,7 +20,7 @@ from kompass.rules.schema.actions import Log
 from kompass.rules.schema.conditions import Condition, leaves
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.table import Rule, Table
-from kompass_console.link.topic_watch import CannotOpen, Taps
+from kompass_console.link.topic_watch import CannotOpen, TopicWatch
 from kompass_console.schema.rule_models import ProbeReading
 
 MOST_LEAVES = 100  # of a condition and its clear condition
@@ -35,7 +35,7 @@ class Probe:
     """
 
     def __init__(
-        self, probe_id: str, condition: Condition, clear: Condition | None, taps: Taps
+        self, probe_id: str, condition: Condition, clear: Condition | None, taps: TopicWatch
     ) -> None:
         self._id = probe_id
         self._taps = taps

@@ -62,7 +62,7 @@ class _Tap:
             listener.hear(self.topic, heard.message, heard.at)
 
 
-class Taps:
+class TopicWatch:
     """Opens topics for listeners and closes them some time after the last has left.
 
     A topic stays open for a moment because pages look anew with every keystroke, and what it said

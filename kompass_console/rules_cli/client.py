@@ -38,7 +38,7 @@ from kompass.rulebook.schema.status import RuleStatus
 from kompass.rulebook.schema.table_view import TableView
 from kompass.rules.schema.model import Model
 from kompass.rules.schema.table import Table
-from kompass_console.cli_error import Problem
+from kompass_console.cli_error import CliError
 
 SERVICE = "kompass_interfaces/srv/GetRules"
 NAME = "/get_rules"
@@ -51,7 +51,7 @@ REFUSED = 1  # exit codes, as the help tells them
 CONFLICT = 4
 
 
-class Refused(Problem):
+class Refused(CliError):
     """The robot did not do it; ``body`` says why in full."""
 
     def __init__(self, text: str, body: Model | None = None, code: int = REFUSED) -> None:
@@ -71,7 +71,7 @@ class RulesClient:
 
     Raises
     ------
-    Problem
+    CliError
         When there is no monitor, or more than one to choose from.
     """
 
@@ -309,13 +309,13 @@ class RulesClient:
         domain = os.environ.get("ROS_DOMAIN_ID") or "0"
         if not found:
             where = "" if wanted is None else f" in the namespace {wanted}"
-            raise Problem(
+            raise CliError(
                 REFUSED,
                 f"no monitor was found on ROS domain {domain}{where} within {SEARCH:g} s; start a "
                 "stack with 'kompass-console run', or give its --domain-id and --namespace",
             )
         if len(found) > 1:
-            raise Problem(
+            raise CliError(
                 2,
                 f"there are {len(found)} monitors on ROS domain {domain}: {', '.join(found)}; "
                 "choose one with --namespace",
@@ -348,8 +348,8 @@ class RulesClient:
             raise self._silent(name)
         return future.result()
 
-    def _silent(self, name: str) -> Problem:
-        return Problem(
+    def _silent(self, name: str) -> CliError:
+        return CliError(
             REFUSED,
             f"{self._monitor}/{name} did not answer within {self._timeout:g} s; the monitor may "
             "have ended or be busy: try again, or give it more with --timeout",

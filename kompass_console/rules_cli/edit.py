@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 import yaml
 
-from kompass_console.cli_error import Problem
+from kompass_console.cli_error import CliError
 from kompass_console.rules_cli.options import (
     Author,
     Probation,
@@ -117,12 +117,12 @@ def edit(
         request = Request(who, reason, yes, view.revision, wait)
         try:
             hand_in(robot, client, source.table, request, source.locate)
-        except Problem as problem:
+        except CliError as problem:
             raise type(problem)(*_kept(problem, path)) from None
         path.unlink()
 
 
-def _kept(problem: Problem, path: Path) -> tuple[Any, ...]:
+def _kept(problem: CliError, path: Path) -> tuple[Any, ...]:
     """Arguments of the same problem that also says where the text is: nothing typed is lost."""
     from kompass_console.rules_cli.client import Refused
 
@@ -141,15 +141,15 @@ def _edited(path: Path) -> TableFile:
         try:
             code = subprocess.run([*shlex.split(editor), str(path)], check=False).returncode
         except OSError as error:
-            raise Problem(2, f"{editor}: {error.strerror}; set EDITOR to another") from None
+            raise CliError(2, f"{editor}: {error.strerror}; set EDITOR to another") from None
         if code:
-            raise Problem(1, f"{editor} ended with {code}; what you wrote is in {path}")
+            raise CliError(1, f"{editor} ended with {code}; what you wrote is in {path}")
         try:
             return TableFile(path)
-        except Problem as problem:
+        except CliError as problem:
             typer.echo(str(problem), err=True)
             if not sys.stdin.isatty() or not typer.confirm("edit it again?", default=True):
-                raise Problem(2, f"nothing was applied; what you wrote is in {path}") from None
+                raise CliError(2, f"nothing was applied; what you wrote is in {path}") from None
 
 
 def _change(
@@ -176,7 +176,7 @@ def changed(table: Table, rule_ids: list[str], changes: list[tuple[str, Any]]) -
 
     Raises
     ------
-    Problem
+    CliError
         When there is no such rule or field, or the value does not fit.
     """
     from kompass.monitor.tables.table_reader import Unreadable, read_table
@@ -185,14 +185,14 @@ def changed(table: Table, rule_ids: list[str], changes: list[tuple[str, Any]]) -
     rules = {rule["id"]: rule for rule in data["rules"]}
     for rule_id in rule_ids:
         if rule_id not in rules:
-            raise Problem(2, f"there is no rule '{rule_id}'; there are: {', '.join(rules)}")
+            raise CliError(2, f"there is no rule '{rule_id}'; there are: {', '.join(rules)}")
         for field, value in changes:
             _put(rules[rule_id], field, value)
         rules[rule_id]["source"] = "edited"
     try:
         return read_table(json.dumps(data))
     except Unreadable as error:
-        raise Problem(2, str(error)) from None
+        raise CliError(2, str(error)) from None
 
 
 def _put(rule: Any, field: str, value: Any) -> None:
@@ -205,7 +205,7 @@ def _put(rule: Any, field: str, value: Any) -> None:
             at[steps[-1]]  # a place that there is not yet is a mistake
         at[steps[-1]] = value
     except (IndexError, KeyError, TypeError):
-        raise Problem(
+        raise CliError(
             2, f"rule '{rule['id']}' has no field {field}; 'rules export' shows what it has"
         ) from None
 
@@ -213,8 +213,8 @@ def _put(rule: Any, field: str, value: Any) -> None:
 def _assignment(text: str) -> tuple[str, Any]:
     field, equals, value = text.partition("=")
     if not field or not equals:
-        raise Problem(2, f"{text!r} is no FIELD=VALUE, e.g. event.cooldown=20")
+        raise CliError(2, f"{text!r} is no FIELD=VALUE, e.g. event.cooldown=20")
     try:
         return field, yaml.safe_load(value)
     except yaml.YAMLError as error:
-        raise Problem(2, f"{text}: {' '.join(str(error).split())}; put it in quotes") from None
+        raise CliError(2, f"{text}: {' '.join(str(error).split())}; put it in quotes") from None

@@ -11,7 +11,7 @@ import typer
 from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Finding
 from kompass.rules.schema.model import Model
 from kompass.rules.schema.table import Table
-from kompass_console.cli_error import Problem
+from kompass_console.cli_error import CliError
 from kompass_console.rules_cli.options import ROLE, Robot
 
 
@@ -55,7 +55,7 @@ def hand_in(
     ------
     Refused
         When the robot does not take it; nothing was changed.
-    Problem
+    CliError
         When nobody agreed.
     """
     from kompass_console.rules_cli import printing
@@ -120,15 +120,15 @@ def agree(robot: Robot, yes: bool, question: str) -> None:
 
     Raises
     ------
-    Problem
+    CliError
         When nobody can be asked, or the answer is no.
     """
     if yes:
         return
     if robot.json or not sys.stdin.isatty():
-        raise Problem(2, "nobody can be asked here whether to go on; add --yes")
+        raise CliError(2, "nobody can be asked here whether to go on; add --yes")
     if not typer.confirm(question):
-        raise Problem(1, "nothing was changed")
+        raise CliError(1, "nothing was changed")
 
 
 def tell_json(robot: Robot, body: Model) -> None:

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, NoReturn
 
 import typer
 
-from kompass_console.cli_error import Problem
+from kompass_console.cli_error import CliError
 from kompass_console.rules_cli.options import ROLE, Robot, command
 
 FOLLOW_PERIOD = 0.5  # s between two looks at the journal
@@ -169,7 +169,7 @@ def export(
     with robot.connect() as client:
         view = client.table(revision)
     if merge and view.merge is None:
-        raise Problem(1, "no edits wait to be merged")
+        raise CliError(1, "no edits wait to be merged")
     table = view.merge.table if merge and view.merge is not None else view.table
     title = f"{view.robot}, revision {view.revision}"
     text = as_text(table, "json" if robot.json else format_, title=title)
@@ -180,9 +180,9 @@ def export(
         with output.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
-        raise Problem(2, f"{output} exists already; give a new file") from None
+        raise CliError(2, f"{output} exists already; give a new file") from None
     except OSError as error:
-        raise Problem(2, f"cannot write {output}: {error.strerror}; give another file") from None
+        raise CliError(2, f"cannot write {output}: {error.strerror}; give another file") from None
 
 
 def schema() -> None:

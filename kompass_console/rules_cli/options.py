@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from kompass_console.cli_error import Problem
+from kompass_console.cli_error import CliError
 
 # Models and ROS are imported when a command runs: help answers at once.
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class Robot(NamedTuple):
 
         Raises
         ------
-        Problem
+        CliError
             When there is none.
         """
         from kompass_console.domain import choose_domain
@@ -108,7 +108,7 @@ def author_of(given: str | None) -> str:
 
     Raises
     ------
-    Problem
+    CliError
         When nobody knows.
     """
     if given:
@@ -116,7 +116,7 @@ def author_of(given: str | None) -> str:
     try:
         return getpass.getuser()
     except (KeyError, OSError):
-        raise Problem(2, "nobody knows your login name here; give --author") from None
+        raise CliError(2, "nobody knows your login name here; give --author") from None
 
 
 def probation_seconds(text: str) -> float:
@@ -124,7 +124,7 @@ def probation_seconds(text: str) -> float:
 
     Raises
     ------
-    Problem
+    CliError
         When it is neither seconds nor ``off``.
     """
     if text == "default":
@@ -136,5 +136,5 @@ def probation_seconds(text: str) -> float:
     except ValueError:
         seconds = -1.0
     if not 0.0 < seconds <= 86_400.0:
-        raise Problem(2, f"--probation {text}: give seconds (at most a day), or 'off'")
+        raise CliError(2, f"--probation {text}: give seconds (at most a day), or 'off'")
     return seconds

@@ -13,7 +13,7 @@ from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from kompass.monitor.tables.table_reader import Unreadable, read_table
 from kompass.rulebook.schema.report import Finding
 from kompass.rules.schema.table import Table
-from kompass_console.cli_error import Problem
+from kompass_console.cli_error import CliError
 
 BAD_INPUT = 2
 
@@ -34,7 +34,7 @@ class TableFile:
 
         Raises
         ------
-        Problem
+        CliError
             Naming file, line, rule, field, value and remedy of everything that is wrong.
         """
         self.path = path
@@ -48,7 +48,7 @@ class TableFile:
         else:
             self._rules = _child(self._root, "rules")
         if not isinstance(data, dict) or "rules" not in data:
-            raise Problem(
+            raise CliError(
                 BAD_INPUT,
                 f"{path}: this is no table of rules; give a mapping with 'rules:', as "
                 "'kompass-console rules export' writes it",
@@ -57,7 +57,7 @@ class TableFile:
             self.table: Table = read_table(_json(path, data))
         except Unreadable as error:
             lines = [self.locate(finding) for finding in error.findings]
-            raise Problem(BAD_INPUT, "\n  ".join(lines)) from None
+            raise CliError(BAD_INPUT, "\n  ".join(lines)) from None
 
     def locate(self, finding: Finding) -> str:
         """A finding in one line, with its place in the file."""
@@ -86,9 +86,9 @@ def _text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except OSError as error:
-        raise Problem(BAD_INPUT, f"{path}: {error.strerror}; give a JSON or YAML file") from None
+        raise CliError(BAD_INPUT, f"{path}: {error.strerror}; give a JSON or YAML file") from None
     except UnicodeDecodeError as error:
-        raise Problem(
+        raise CliError(
             BAD_INPUT, f"{path}: byte {error.start} is not UTF-8; give a JSON or YAML file"
         ) from None
 
@@ -104,9 +104,9 @@ def _compose(path: Path, text: str) -> Node | None:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else 1
-        raise Problem(BAD_INPUT, f"{path}:{line}: {error.problem or error}; correct it") from None
+        raise CliError(BAD_INPUT, f"{path}:{line}: {error.problem or error}; correct it") from None
     except (yaml.YAMLError, RecursionError) as error:
-        raise Problem(BAD_INPUT, f"{path}: {' '.join(str(error).split())}") from None
+        raise CliError(BAD_INPUT, f"{path}: {' '.join(str(error).split())}") from None
     finally:
         loader.dispose()
 
@@ -117,7 +117,7 @@ def _refuse_doubles(path: Path, node: Node) -> None:
         seen: set[str] = set()
         for key, value in node.value:
             if isinstance(key, ScalarNode) and key.value in seen:
-                raise Problem(
+                raise CliError(
                     BAD_INPUT,
                     f"{path}:{key.start_mark.line + 1}: '{key.value}' is given twice; keep one",
                 )
@@ -134,14 +134,14 @@ def _data(path: Path, text: str) -> Any:
     try:
         return json.loads(text)
     except json.JSONDecodeError as error:
-        raise Problem(BAD_INPUT, f"{path}:{error.lineno}: {error.msg}; correct it") from None
+        raise CliError(BAD_INPUT, f"{path}:{error.lineno}: {error.msg}; correct it") from None
 
 
 def _json(path: Path, data: Any) -> str:
     try:
         return json.dumps(data)
     except (TypeError, ValueError, RecursionError) as error:
-        raise Problem(
+        raise CliError(
             BAD_INPUT, f"{path}: {error}; put dates and the like in quotation marks"
         ) from None
 

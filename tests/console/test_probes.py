@@ -14,7 +14,7 @@ from kompass.rules.schema.conditions import AnyOf, Compare, Condition, Not, Rate
 from kompass.rules.schema.signals import Signal
 from kompass_console.api.probe import PageProbes
 from kompass_console.link.probes import Probe
-from kompass_console.link.topic_watch import Heard, Listener, Taps
+from kompass_console.link.topic_watch import Heard, Listener, TopicWatch
 from kompass_console.schema.rule_models import ProbeReading
 from tests.support.patience import patient
 
@@ -34,8 +34,8 @@ class Topics:
         self.listeners.remove(listener)
 
 
-def taps(topics: Topics) -> Taps:
-    return cast(Taps, topics)
+def taps(topics: Topics) -> TopicWatch:
+    return cast(TopicWatch, topics)
 
 
 def nearest(operator: Any, value: float, **signal: Any) -> Compare:

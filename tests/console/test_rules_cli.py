@@ -18,7 +18,7 @@ from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict
 from kompass.rulebook.schema.revision import History
 from kompass.rules.schema.table import Table
 from kompass_console.cli import app
-from kompass_console.cli_error import Problem
+from kompass_console.cli_error import CliError
 from kompass_console.rules_cli.client import RulesClient
 from kompass_console.rules_cli.options import Robot as CommandRobot
 from kompass_console.rules_cli.table_file import TableFile
@@ -106,7 +106,7 @@ def in_this_process(capsys: pytest.CaptureFixture[str], *arguments: str) -> Ran:
     code = 0
     try:
         app(["rules", *arguments], standalone_mode=False)
-    except Problem as problem:
+    except CliError as problem:
         code = problem.code
         print(problem, file=sys.stderr)  # noqa: T201 - as the entry point does
     return Ran(code, *capsys.readouterr())
@@ -384,7 +384,7 @@ def test_a_bad_file_names_line_rule_field_and_remedy(
 ) -> None:
     file = tmp_path / "bad.yaml"
     file.write_text(GOOD.replace(*change, 1))
-    with pytest.raises(Problem) as found:
+    with pytest.raises(CliError) as found:
         TableFile(file)
     assert found.value.code == 2
     text = str(found.value)
@@ -412,7 +412,7 @@ def test_json_and_yaml_are_read_alike(tmp_path: Path, form: str) -> None:
 def test_files_that_are_no_tables_are_refused(tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "table.yaml"
     file.write_bytes(content)
-    with pytest.raises(Problem) as found:
+    with pytest.raises(CliError) as found:
         TableFile(file)
     assert found.value.code == 2
 
@@ -427,5 +427,5 @@ def test_probation_is_seconds_or_off() -> None:
         -1.0,
     ]
     for text in ("0", "-3", "soon", "nan", "1e9"):
-        with pytest.raises(Problem, match="give seconds"):
+        with pytest.raises(CliError, match="give seconds"):
             probation_seconds(text)

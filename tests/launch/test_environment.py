@@ -6,7 +6,7 @@ import pytest
 
 from kompass.launch.environment import EnvironmentProblem, check_environment
 from kompass.rclpy_ext.middleware import PROFILES, RANGE, TRANSPORTS, prepare_middleware
-from kompass.supervisor.instance_lock import AlreadyRunning, claim
+from kompass.supervisor.instance_lock import AlreadyRunning, lock_instance
 
 
 def test_messages_go_by_udp() -> None:
@@ -49,14 +49,14 @@ def test_a_name_on_a_domain_is_claimed_once(
 
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
-    held = claim(["planner"])
+    held = lock_instance(["planner"])
     with pytest.raises(AlreadyRunning, match="'planner' on ROS domain 7"):
-        claim(["planner"])
-    claimed_elsewhere = claim(["planner"], namespace="robot2")
+        lock_instance(["planner"])
+    claimed_elsewhere = lock_instance(["planner"], namespace="robot2")
     monkeypatch.setenv("ROS_DOMAIN_ID", "8")
-    on_another_domain = claim(["planner"])
+    on_another_domain = lock_instance(["planner"])
     for descriptor in [*held, *claimed_elsewhere, *on_another_domain]:
         os.close(descriptor)
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
-    for descriptor in claim(["planner"]):
+    for descriptor in lock_instance(["planner"]):
         os.close(descriptor)

@@ -5,7 +5,7 @@ import time
 import pytest
 from rclpy.task import Future
 
-from kompass.rclpy_ext.executor import Cancelled, Job
+from kompass.rclpy_ext.executor import Cancelled, Task
 from tests.monitor.conftest import Spinning
 
 
@@ -70,7 +70,7 @@ def test_a_cancelled_one_cleans_up_and_does_no_more(spinning: Spinning) -> None:
         finally:
             done.append("cleaned up")
 
-    job = Job(work(), ends.append)
+    job = Task(work(), ends.append)
     job.cancel()
     job.cancel()
     assert job.done
@@ -82,7 +82,7 @@ def test_a_cancelled_one_cleans_up_and_does_no_more(spinning: Spinning) -> None:
 
 def test_one_that_cancels_itself_ends_at_its_next_wait(spinning: Spinning) -> None:
     ends: list[BaseException | None] = []
-    jobs: list[Job] = []
+    jobs: list[Task] = []
     first, second = (Future(executor=spinning.executor) for _ in range(2))
 
     async def work() -> None:
@@ -90,7 +90,7 @@ def test_one_that_cancels_itself_ends_at_its_next_wait(spinning: Spinning) -> No
         jobs[0].cancel()
         await second
 
-    jobs.append(Job(work(), ends.append))
+    jobs.append(Task(work(), ends.append))
     first.set_result(None)
     spinning.until(lambda: ends)
     assert [type(end) for end in ends] == [Cancelled]

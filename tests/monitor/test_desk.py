@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 
 from kompass.monitor.engine_loop import Swap
 from kompass.monitor.introspection.message_types import MessageTypes
-from kompass.monitor.tables.table_manager import Desk
+from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import Answer, InForce, Who
 from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Finding
 from kompass.rules.checks.catalog import Catalog, FieldType
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
-from kompass.rules.engine.migrate import exchange
-from kompass.rules.engine.migration import bridge
+from kompass.rules.engine.migrate import swap
+from kompass.rules.engine.migration import plan_migration
 from kompass.rules.engine.step import initial_state
 from kompass.rules.schema.table import Table, table_hash
 from kompass.rules.schema.values import Verdict
@@ -33,7 +33,7 @@ VIEWER = Who("eve", "viewer")
 
 
 class FakeEngine:
-    """The real exchange of states, and nothing around it."""
+    """The real swap of states, and nothing around it."""
 
     def __init__(self, table: Table) -> None:
         self.table = compile_table(table)
@@ -47,8 +47,8 @@ class FakeEngine:
     def swap(
         self, table: CompiledTable, revision: int, reset: Collection[str], cancel: str
     ) -> Swap:
-        way = bridge(self.table, table, reset)
-        self.state, carried, _ = exchange(way, self.state, 0.0)
+        way = plan_migration(self.table, table, reset)
+        self.state, carried, _ = swap(way, self.state, 0.0)
         self.table, self.revision = table, revision
         self.cancelled.append(cancel)
         return Swap(carried, 0.0)
@@ -93,7 +93,7 @@ class Office:
         self.engine, self.lints = FakeEngine(boot.table), NoLints()
         self.said: list[str] = []
         self.changes = 0
-        self.desk = Desk(
+        self.desk = TableManager(
             self.store,
             self.engine,
             catalog or MessageTypes(),
@@ -404,7 +404,7 @@ def test_a_reset_rule_starts_afresh_and_makes_no_revision(office: Office) -> Non
 def test_without_a_store_rules_can_be_seen_and_not_changed() -> None:
     table = Table.model_validate({"rules": BASE})
     notice = "the disk is read-only; make it writable"
-    desk = Desk(
+    desk = TableManager(
         None,
         FakeEngine(table),
         MessageTypes(),

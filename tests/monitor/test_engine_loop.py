@@ -9,11 +9,11 @@ from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Int32
 
 from kompass.backtest.engine import backtest
-from kompass.backtest.event_log import Fired, Heard, TapeEvent, from_data
+from kompass.backtest.event_log import Fired, Heard, LoggedEvent, from_data
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.firing import Firing, Output
-from kompass.rules.engine.migration import bridge
+from kompass.rules.engine.migration import plan_migration
 from kompass.rules.schema.table import Table
 from tests.support.rules import compare, rule, signal
 
@@ -22,7 +22,7 @@ class ListTape:
     """Keeps what it is given as it would come from a file."""
 
     def __init__(self) -> None:
-        self.events: list[TapeEvent] = []
+        self.events: list[LoggedEvent] = []
 
     def message(self, topic: str, type_name: str, raw: bytes, now_ns: int) -> None:
         message = deserialize_message(raw, Int32)
@@ -117,7 +117,7 @@ def test_a_replay_of_the_tape_fires_at_the_same_times_for_the_same_reasons(
             others = [each for place, each in enumerate(RULES) if place != number]
             for rules in (others, RULES):
                 new = compile_table(Table.model_validate({"rules": rules}))
-                world.loop.swap(bridge(world.loop.table, new), world.loop.revision + 1)
+                world.loop.swap(plan_migration(world.loop.table, new), world.loop.revision + 1)
             swapped = True
         elif what in ("a", "b"):
             world.wait(1_000_000)
@@ -136,7 +136,7 @@ def test_a_swap_is_taped_after_what_the_old_table_let_fire() -> None:
     world.say("b", 1)
     world.now += 1_000_000_000  # silence is due, and nobody has woken the engine up
     empty = compile_table(Table())
-    world.loop.swap(bridge(world.loop.table, empty), 2)
+    world.loop.swap(plan_migration(world.loop.table, empty), 2)
     assert [type(event).__name__ for event in world.tape.events][-2:] == ["Fired", "Swapped"]
     fired = world.tape.events[-2]
     assert isinstance(fired, Fired)

@@ -7,8 +7,8 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Int32
 
 from kompass.components.base.node import ComponentNode
-from kompass.rclpy_ext.executor import QuietExecutor
-from kompass.rclpy_ext.node import Eventless, QuietNode
+from kompass.rclpy_ext.executor import TaskExecutor
+from kompass.rclpy_ext.node import NoEventCallbacks, PlainNode
 from tests.support.domains import give_back, next_domain
 
 DEMANDING = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
@@ -19,8 +19,8 @@ def test_readers_and_writers_that_do_not_fit_each_other_come_and_go() -> None:
     domain = next_domain()
     context = rclpy.Context()
     rclpy.init(args=[], context=context, domain_id=domain)
-    executor = QuietExecutor(context)
-    nodes = [QuietNode(name, context=context) for name in ("one", "other")]
+    executor = TaskExecutor(context)
+    nodes = [PlainNode(name, context=context) for name in ("one", "other")]
     try:
         for node in nodes:
             executor.add_node(node)
@@ -45,4 +45,4 @@ def test_readers_and_writers_that_do_not_fit_each_other_come_and_go() -> None:
 
 
 def test_components_are_spared_too() -> None:
-    assert issubclass(ComponentNode, Eventless)
+    assert issubclass(ComponentNode, NoEventCallbacks)

@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from kompass.rclpy_ext.movable_timer import WakeUp
+from kompass.rclpy_ext.movable_timer import MovableTimer
 from kompass.rclpy_ext.timers import Timers
 from tests.monitor.conftest import Spinning
 from tests.support.patience import patient
@@ -57,7 +57,7 @@ def test_a_thousand_that_were_cancelled_do_not_pile_up(timers: Timers) -> None:
 
 def test_a_wake_up_is_never_late(spinning: Spinning, timers: Timers) -> None:
     rung: list[float] = []
-    wake_up = WakeUp(timers, lambda: rung.append(time.monotonic()))
+    wake_up = MovableTimer(timers, lambda: rung.append(time.monotonic()))
     soon = time.monotonic() + 0.05
     wake_up.set(soon + 10.0)
     wake_up.set(soon)

@@ -2,7 +2,7 @@
 
 from kompass.actions import Action
 from kompass.components import DriveManager
-from kompass.recipe.fallbacks import Ladder
+from kompass.recipe.fallbacks import FallbackSequence
 from kompass.recipe.table import recipe_rules
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Sample, Tick
@@ -12,24 +12,24 @@ from kompass.rules.schema.actions import Log
 A, B, LAST = Log(text="a"), Log(text="b"), Log(text="last")
 
 
-def tries(ladder: Ladder, count: int) -> list[str]:
+def tries(ladder: FallbackSequence, count: int) -> list[str]:
     return [getattr(ladder.next(), "text", "-") for _ in range(count)]
 
 
 def test_a_single_action_without_a_limit_is_tried_for_ever() -> None:
-    assert tries(Ladder((A,), None), 5) == ["a"] * 5
+    assert tries(FallbackSequence((A,), None), 5) == ["a"] * 5
 
 
 def test_a_list_is_gone_through_once_and_then_given_up() -> None:
-    assert tries(Ladder((A, B), None, (LAST,)), 5) == ["a", "b", "last", "-", "-"]
+    assert tries(FallbackSequence((A, B), None, (LAST,)), 5) == ["a", "b", "last", "-", "-"]
 
 
 def test_each_action_is_tried_as_often_as_allowed() -> None:
-    assert tries(Ladder((A, B), 2), 5) == ["a", "a", "b", "b", "-"]
+    assert tries(FallbackSequence((A, B), 2), 5) == ["a", "a", "b", "b", "-"]
 
 
 def test_health_resets_the_counts() -> None:
-    ladder = Ladder((A,), 1)
+    ladder = FallbackSequence((A,), 1)
     assert tries(ladder, 2) == ["a", "-"]
     ladder.reset()
     assert tries(ladder, 2) == ["a", "-"]

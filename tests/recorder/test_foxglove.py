@@ -11,7 +11,7 @@ from geometry_msgs.msg import PointStamped
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import LaserScan
 
-from kompass.recorder.rotating_recording import Ring, ring_files
+from kompass.recorder.rotating_recording import RotatingRecording, rotation_files
 from kompass.recorder.streams import EVENTS, message_stream
 
 HERE = Path(__file__).parent
@@ -32,7 +32,7 @@ def read_by_foxglove(path: Path) -> list[dict[str, Any]]:
 
 @pytest.mark.parametrize("ending", ["finished", "killed"])
 def test_a_recording_is_decoded_by_the_libraries_of_foxglove(tmp_path: Path, ending: str) -> None:
-    ring = Ring(tmp_path, {"life": "1", "offset_ns": "0"}, lambda: NOW)
+    ring = RotatingRecording(tmp_path, {"life": "1", "offset_ns": "0"}, lambda: NOW)
     scan = LaserScan(ranges=[0.5, 1.25, float("inf")], angle_increment=0.25)
     scan.header.frame_id = "laser"
     point = PointStamped()
@@ -52,11 +52,13 @@ def test_a_recording_is_decoded_by_the_libraries_of_foxglove(tmp_path: Path, end
     else:
         torn = tmp_path / "torn"
         torn.mkdir()
-        (torn / ring_files(tmp_path)[0].name).write_bytes(ring_files(tmp_path)[0].read_bytes()[:-9])
+        (torn / rotation_files(tmp_path)[0].name).write_bytes(
+            rotation_files(tmp_path)[0].read_bytes()[:-9]
+        )
         ring.close()
-        Ring(torn, {"life": "2", "offset_ns": "0"}, lambda: NOW).close()
+        RotatingRecording(torn, {"life": "2", "offset_ns": "0"}, lambda: NOW).close()
 
-    (file,) = ring_files(tmp_path / "torn" if ending == "killed" else tmp_path)
+    (file,) = rotation_files(tmp_path / "torn" if ending == "killed" else tmp_path)
     found = read_by_foxglove(file)
 
     heard = [one["message"] for one in found if one["topic"] == "/scan"]

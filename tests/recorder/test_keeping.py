@@ -7,13 +7,20 @@ from pathlib import Path
 
 import pytest
 
-from kompass.recorder.clip_policy import KEEP, KEPT, Keep, Keeper, Keeps, least_severity
+from kompass.recorder.clip_policy import (
+    KEEP,
+    KEPT,
+    ClipKeeper,
+    ClipPolicy,
+    ClipRequest,
+    least_severity,
+)
 from kompass.recorder.flight import FlightRecorder, NotRecording
 from kompass.recorder.mcap.reader import Recording
 from kompass.recorder.places import ring_folder, saved_folder
 from kompass.recorder.process import flight_recorder
-from kompass.recorder.rotating_recording import Ring
-from kompass.recorder.shm_queue import Lane
+from kompass.recorder.rotating_recording import RotatingRecording
+from kompass.recorder.shm_queue import ShmQueue
 from kompass.recorder.streams import message_stream
 from kompass.rulebook.schema.journal import FiringRecord
 from kompass.rules.schema.table import Severity
@@ -23,7 +30,7 @@ START = 1_700_000_000 * NS
 
 
 def test_only_severe_firings_are_kept(tmp_path: Path) -> None:
-    keeper = Keeper(tmp_path, Severity.ERROR)
+    keeper = ClipPolicy(tmp_path, Severity.ERROR)
 
     assert keeper.fired("calm", "warning", START) is None
     kept = keeper.fired("stuck", "error", START)
@@ -31,11 +38,11 @@ def test_only_severe_firings_are_kept(tmp_path: Path) -> None:
     assert kept is not None
     assert Path(kept.path) == saved_folder(tmp_path) / "firing-20231114T221320Z-stuck.mcap"
     assert (kept.start, kept.end) == (START - 25 * NS, START + 5 * NS)
-    assert Keeper(tmp_path, None).fired("stuck", "critical", START) is None
+    assert ClipPolicy(tmp_path, None).fired("stuck", "critical", START) is None
 
 
 def test_a_firing_that_follows_closely_lengthens_the_stretch_up_to_a_bound(tmp_path: Path) -> None:
-    keeper = Keeper(tmp_path, Severity.ERROR)
+    keeper = ClipPolicy(tmp_path, Severity.ERROR)
     first = keeper.fired("a", "error", START)
     assert first is not None
 
@@ -52,7 +59,7 @@ def test_a_firing_that_follows_closely_lengthens_the_stretch_up_to_a_bound(tmp_p
 
 
 def test_a_rule_that_fires_all_the_time_does_not_push_out_the_others(tmp_path: Path) -> None:
-    keeper = Keeper(tmp_path, Severity.ERROR)
+    keeper = ClipPolicy(tmp_path, Severity.ERROR)
     paths = {
         kept.path
         for minute in range(60)
@@ -78,16 +85,16 @@ def test_a_setting_that_names_none_is_refused_with_the_names() -> None:
 
 def test_orders_are_carried_out_when_their_time_has_come_and_the_oldest_go(tmp_path: Path) -> None:
     now = START
-    ring = Ring(ring_folder(tmp_path), {"life": "1"}, lambda: now)
+    ring = RotatingRecording(ring_folder(tmp_path), {"life": "1"}, lambda: now)
     stream = message_stream("/scan", "sensor_msgs/msg/LaserScan", "tap", "scan")
     for second in range(40):
         ring.write(stream, START + second * NS, b"x")
     ring.flush()
-    keeps = Keeps(tmp_path)
+    keeps = ClipKeeper(tmp_path)
     folder = saved_folder(tmp_path)
     path = folder / "firing-x.mcap"
-    keeps.order(Keep(str(path), START + 10 * NS, START + 20 * NS))
-    keeps.order(Keep(str(path), START + 10 * NS, START + 30 * NS))
+    keeps.order(ClipRequest(str(path), START + 10 * NS, START + 20 * NS))
+    keeps.order(ClipRequest(str(path), START + 10 * NS, START + 30 * NS))
 
     keeps.carry_out(START + 31 * NS)
     assert not path.exists(), "what was just heard may not be on disk yet"
@@ -97,7 +104,7 @@ def test_orders_are_carried_out_when_their_time_has_come_and_the_oldest_go(tmp_p
         assert recording.start_time == START + 10 * NS
         assert recording.end_time == START + 29 * NS
     for number in range(KEPT + 3):
-        keeps.order(Keep(str(folder / f"firing-{number}.mcap"), START, START + NS))
+        keeps.order(ClipRequest(str(folder / f"firing-{number}.mcap"), START, START + NS))
     (folder / "mine.mcap").write_bytes(path.read_bytes())
     keeps.carry_out(START + 100 * NS)
     assert len(list(folder.glob("firing-*"))) == KEPT
@@ -131,7 +138,7 @@ def entry(kind: str, severity: str) -> FiringRecord:
 
 
 def test_the_journal_learns_where_a_firing_is_kept(tmp_path: Path) -> None:
-    lane, store = Lane(), Store()
+    lane, store = ShmQueue(), Store()
     flight = FlightRecorder(tmp_path, lane, Severity.ERROR)
     flight._store = store
     flight.fired(entry("near miss", "critical"))
@@ -142,7 +149,7 @@ def test_the_journal_learns_where_a_firing_is_kept(tmp_path: Path) -> None:
 
     (frame,) = lane.read()
     assert (frame.is_event, frame.topic) == (True, KEEP)
-    keep = Keep(**json.loads(frame.raw))
+    keep = ClipRequest(**json.loads(frame.raw))
     assert store.noted == [(7, keep.path)]
     assert abs(keep.end - keep.start - 30 * NS) < NS
 
@@ -173,7 +180,7 @@ def test_a_robot_with_no_place_to_record_drives_all_the_same(
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf")])
 def test_a_length_that_is_none_is_refused(tmp_path: Path, seconds: float) -> None:
     with pytest.raises(ValueError, match="is no length of time"):
-        FlightRecorder(tmp_path, Lane(), None).save(seconds, "x")
+        FlightRecorder(tmp_path, ShmQueue(), None).save(seconds, "x")
 
 
 def test_what_a_killed_process_left_half_written_goes(tmp_path: Path) -> None:
@@ -183,15 +190,15 @@ def test_what_a_killed_process_left_half_written_goes(tmp_path: Path) -> None:
     for path in (dead, living, folder / "kept.mcap"):
         path.touch()
 
-    Keeps(tmp_path)
+    ClipKeeper(tmp_path)
 
     assert sorted(path.name for path in folder.iterdir()) == [living.name, "kept.mcap"]
 
 
 def test_keeping_holds_nobody_up(tmp_path: Path) -> None:
     jobs: list[Callable[[], None]] = []
-    keeps = Keeps(tmp_path, jobs.append)
-    keeps.order(Keep(str(saved_folder(tmp_path) / "firing-x.mcap"), START, START + NS))
+    keeps = ClipKeeper(tmp_path, jobs.append)
+    keeps.order(ClipRequest(str(saved_folder(tmp_path) / "firing-x.mcap"), START, START + NS))
 
     keeps.carry_out(START + 10 * NS)
 

@@ -3,12 +3,12 @@
 import os
 import signal
 
-from kompass.recorder.shm_queue import Lane
+from kompass.recorder.shm_queue import ShmQueue
 from tests.support.processes import wait_until
 
 
 def test_frames_arrive_as_they_were_sent_and_in_order() -> None:
-    lane = Lane(capacity=4096)
+    lane = ShmQueue(capacity=4096)
     sent = []
     received = []
     for number in range(500):  # many times around
@@ -23,7 +23,7 @@ def test_frames_arrive_as_they_were_sent_and_in_order() -> None:
 
 
 def test_what_does_not_fit_is_refused_at_once_and_missing_numbers_tell() -> None:
-    lane = Lane(capacity=1000)
+    lane = ShmQueue(capacity=1000)
     taken = [lane.write(0, False, "scan", "", bytes(300)) for _ in range(5)]
 
     assert taken == [True, True, False, False, False] or taken == [True, True, True, False, False]
@@ -36,7 +36,7 @@ def test_what_does_not_fit_is_refused_at_once_and_missing_numbers_tell() -> None
 
 
 def test_what_is_not_on_disk_is_read_again_by_the_next_reader() -> None:
-    lane = Lane(capacity=4096)
+    lane = ShmQueue(capacity=4096)
     for number in range(6):
         lane.write(number, False, "scan", "", b"x")
     assert len(lane.read()) == 6
@@ -50,7 +50,7 @@ def test_what_is_not_on_disk_is_read_again_by_the_next_reader() -> None:
 
 
 def test_frames_survive_the_death_of_their_writer_at_any_moment() -> None:
-    lane = Lane(capacity=1 << 20)
+    lane = ShmQueue(capacity=1 << 20)
     read = 0
     for _ in range(5):
         pid = os.fork()

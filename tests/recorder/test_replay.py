@@ -18,14 +18,14 @@ from kompass.backtest.event_log import (
     Ended,
     Fired,
     Heard,
+    LoggedEvent,
     Resumed,
     Swapped,
-    TapeEvent,
     to_data,
 )
 from kompass.monitor.engine_loop import EngineLoop
-from kompass.recorder.clip_writer import CannotSave, save
-from kompass.recorder.event_log import LaneTape
+from kompass.recorder.clip_writer import ClipNotSaved, save_clip
+from kompass.recorder.event_log import RecorderEventLog
 from kompass.recorder.mcap.contents import NotMcap
 from kompass.recorder.mcap.definitions import definition
 from kompass.recorder.mcap.reader import Recording
@@ -34,10 +34,10 @@ from kompass.recorder.places import BadName, saved_path
 from kompass.recorder.recorder import Recorder
 from kompass.recorder.replay.backtest import NoRecording, backtest_files, recorded_files
 from kompass.recorder.replay.replay import Replay
-from kompass.recorder.rotating_recording import ring_files
-from kompass.recorder.shm_queue import Lane
+from kompass.recorder.rotating_recording import rotation_files
+from kompass.recorder.shm_queue import ShmQueue
 from kompass.recorder.topic_sampler import Taken
-from kompass.recorder.topics import TapTopic
+from kompass.recorder.topics import SampledTopic
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema.table import Table, rule_hash
@@ -81,8 +81,8 @@ class Life:
 
     def __init__(self, recordings: Path) -> None:
         self.recordings = recordings
-        self.lane = Lane()
-        self.tape = LaneTape(self.lane)
+        self.lane = ShmQueue()
+        self.tape = RecorderEventLog(self.lane)
         self.now_ns = 100 * NS
         self.left_out: set[str] = set()
         self.recorder = self.start()
@@ -94,7 +94,7 @@ class Life:
     def _leave_out(self, names: Iterable[str]) -> None:
         self.left_out = set(names)
 
-    def event(self, event: TapeEvent) -> None:
+    def event(self, event: LoggedEvent) -> None:
         kind, data = to_data(event)
         self.tape.event(kind, data, self.now_ns)
 
@@ -117,16 +117,16 @@ class Life:
         self.now_ns += NS // 10
         at = self.now_ns + self.lane.offset_ns
         self.recorder.take(
-            Taken(TapTopic(topic, FLOAT), f"/{topic}", latched, at, at, level(value))
+            Taken(SampledTopic(topic, FLOAT), f"/{topic}", latched, at, at, level(value))
         )
 
 
-def replayed(paths: list[Path], of: Table, seconds: float = 0.0) -> list[TapeEvent]:
+def replayed(paths: list[Path], of: Table, seconds: float = 0.0) -> list[LoggedEvent]:
     with Recording(paths) as recording:
         return list(Replay(recording, compile_table(of), seconds).events())
 
 
-def heard(events: list[TapeEvent]) -> list[tuple[float, str, float]]:
+def heard(events: list[LoggedEvent]) -> list[tuple[float, str, float]]:
     return [(e.now, e.topic, e.message.data) for e in events if isinstance(e, Heard)]
 
 
@@ -147,7 +147,7 @@ def test_what_the_engine_took_comes_back_to_the_nanosecond(life: Life) -> None:
     life.event(Swapped(life.now_ns * 1e-9, 2, table(6.0), ("above-6",)))
     life.recorder.close()
 
-    events = replayed(ring_files(life.recordings / "ring"), rules)
+    events = replayed(rotation_files(life.recordings / "ring"), rules)
 
     assert heard(events) == sent, "exact equality of times"
     kinds = [type(event).__name__ for event in events]
@@ -174,7 +174,7 @@ def test_the_recorders_own_ears_serve_only_where_the_engine_did_not_listen(life:
     life.hear(4.0)
     life.recorder.close()
 
-    events = replayed(ring_files(life.recordings / "ring"), table(5.0))
+    events = replayed(rotation_files(life.recordings / "ring"), table(5.0))
 
     assert [value for _, _, value in heard(events)] == [2.0, 3.0, 4.0]
 
@@ -200,7 +200,7 @@ def test_a_recorder_that_is_killed_neither_loses_nor_doubles_what_the_engine_too
             assert life.left_out == {"/level"} or number < 4
     life.recorder.close()
 
-    events = replayed(ring_files(life.recordings / "ring"), table(5.0))
+    events = replayed(rotation_files(life.recordings / "ring"), table(5.0))
 
     expected = [v for n, v in enumerate(values) for v in ([v, -v] if n % 8 == 0 else [v])]
     assert [value for _, _, value in heard(events)] == expected
@@ -215,11 +215,11 @@ def test_what_did_not_fit_is_told(life: Life) -> None:
     life.hear(1.0)
     life.recorder.close()
 
-    events = replayed(ring_files(life.recordings / "ring"), table(5.0))
+    events = replayed(rotation_files(life.recordings / "ring"), table(5.0))
 
     (lost,) = [event for event in events if type(event).__name__ == "Lost"]
     assert lost.number == 3  # type: ignore[union-attr]
-    _, remark = backtest_files(table(5.0), ring_files(life.recordings / "ring"))
+    _, remark = backtest_files(table(5.0), rotation_files(life.recordings / "ring"))
     assert "lost 3 inputs" in remark
 
 
@@ -244,7 +244,7 @@ def test_a_disk_that_fails_for_a_moment_costs_that_moment_and_is_told(
     life.recorder.close()
 
     assert "nothing is recorded now: [Errno 5]" in caplog.text
-    events = replayed(ring_files(life.recordings / "ring"), table(5.0))
+    events = replayed(rotation_files(life.recordings / "ring"), table(5.0))
     assert [type(e).__name__ for e in events] == ["Resumed", "Heard", "Lost", "Heard"]
     assert [value for _, _, value in heard(events)] == [1.0, 2.0], "the last of before is valid"
 
@@ -287,7 +287,7 @@ def test_a_kept_stretch_begins_with_the_table_in_force_and_what_was_valid(life: 
     life.recorder.tick()
     life.recorder.flush()
 
-    path = save(life.recordings, saved_path(life.recordings, "stretch"), start)
+    path = save_clip(life.recordings, saved_path(life.recordings, "stretch"), start)
     life.recorder.close()
     events = replayed([path], table(0.5))
 
@@ -299,8 +299,8 @@ def test_a_kept_stretch_begins_with_the_table_in_force_and_what_was_valid(life: 
     assert isinstance(fresh, Heard)
     assert (fresh.now, fresh.message.data) == (life.now_ns * 1e-9, 1.0)
     assert [value for _, _, value in heard(replayed([path], table(0.5, topic="map")))] == [9.0]
-    with pytest.raises(CannotSave, match=r"stretch\.mcap already; choose another name"):
-        save(life.recordings, path, start)
+    with pytest.raises(ClipNotSaved, match=r"stretch\.mcap already; choose another name"):
+        save_clip(life.recordings, path, start)
     assert [p.name for p in path.parent.iterdir()] == ["stretch.mcap"]
 
 
@@ -357,7 +357,7 @@ def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_befor
             engine.ended(ended.rule_id, ended.run_id, True, "")
     life.recorder.close()
 
-    report, _ = backtest_files(rules, ring_files(life.recordings / "ring"), 10.0)
+    report, _ = backtest_files(rules, rotation_files(life.recordings / "ring"), 10.0)
 
     assert report.same > 5
     assert (report.new, report.gone) == (0, 0)
@@ -369,7 +369,7 @@ def test_only_the_end_is_replayed_when_only_the_end_is_asked_for(life: Life) -> 
         life.hear(float(value))
     life.recorder.close()
 
-    events = replayed(ring_files(life.recordings / "ring"), table(5.0), seconds=1.0)
+    events = replayed(rotation_files(life.recordings / "ring"), table(5.0), seconds=1.0)
 
     assert isinstance(events[0], Resumed)
     values = [value for _, _, value in heard(events)]
@@ -455,7 +455,7 @@ def test_the_engines_channel_is_json_with_a_schema(life: Life) -> None:
     life.hear(1.0)
     life.recorder.close()
 
-    with Recording(ring_files(life.recordings / "ring")) as recording:
+    with Recording(rotation_files(life.recordings / "ring")) as recording:
         (file,) = recording.files
         tracks = {track.topic: track for track in file.tracks.values()}
 

@@ -13,7 +13,12 @@ from mcap.reader import make_reader
 
 from kompass.recorder.mcap.reader import Recording, messages
 from kompass.recorder.mcap.writer import McapWriter
-from kompass.recorder.rotating_recording import Bounds, Ring, RingInUse, ring_files
+from kompass.recorder.rotating_recording import (
+    Bounds,
+    RecordingInUse,
+    RotatingRecording,
+    rotation_files,
+)
 from kompass.recorder.streams import Stream
 
 SCAN = Stream("/scan", "cdr", ("sensor_msgs/msg/LaserScan", "ros2msg", b"float32[] ranges"), "tap")
@@ -38,8 +43,8 @@ class Read(NamedTuple):
     data: bytes
 
 
-def opened(folder: Path, clock: Clock, bounds: Bounds = Bounds()) -> Ring:  # noqa: B008
-    return Ring(folder, {"life": "1", "offset_ns": "0"}, clock, bounds)
+def opened(folder: Path, clock: Clock, bounds: Bounds = Bounds()) -> RotatingRecording:  # noqa: B008
+    return RotatingRecording(folder, {"life": "1", "offset_ns": "0"}, clock, bounds)
 
 
 def read(*paths: Path) -> list[Read]:
@@ -63,7 +68,7 @@ def test_a_file_ends_by_its_age_and_the_next_begins_with_what_is_still_valid(
         ring.flush()
     ring.close()
 
-    files = ring_files(tmp_path)
+    files = rotation_files(tmp_path)
 
     assert len(files) == 3
     for path in files[1:]:
@@ -85,11 +90,11 @@ def test_the_disk_it_takes_stays_below_its_bound(tmp_path: Path) -> None:
         clock.now += SECOND // 10
         ring.write(SCAN, clock.now, os.urandom(5000), number)
         ring.flush()
-        largest = max(largest, sum(path.stat().st_size for path in ring_files(tmp_path)))
+        largest = max(largest, sum(path.stat().st_size for path in rotation_files(tmp_path)))
     ring.close()
 
     assert 300_000 < largest <= bounds.size + 6000
-    kept = read(*ring_files(tmp_path))
+    kept = read(*rotation_files(tmp_path))
     assert kept[-1].log_time == clock.now, "the newest are there"
     assert len(kept) == len({r.log_time for r in kept}) > 50
 
@@ -101,14 +106,14 @@ def test_files_older_than_the_bound_go(tmp_path: Path) -> None:
         clock.now += 2 * SECOND
         ring.write(SCAN, clock.now, b"x")
         ring.flush()
-    oldest, *others = ring_files(tmp_path)
+    oldest, *others = rotation_files(tmp_path)
     os.utime(oldest, (time.time() - 100, time.time() - 100))
 
     ring.prune()
     ring.close()
 
     assert len(others) == 2
-    assert ring_files(tmp_path) == others
+    assert rotation_files(tmp_path) == others
 
 
 def test_all_that_was_flushed_survives_kill_9_and_the_file_is_mended(tmp_path: Path) -> None:
@@ -132,7 +137,7 @@ def test_all_that_was_flushed_survives_kill_9_and_the_file_is_mended(tmp_path: P
     times = [
         int.from_bytes(acknowledged[i : i + 8], "little") for i in range(0, len(acknowledged), 8)
     ]
-    (torn,) = ring_files(tmp_path)
+    (torn,) = rotation_files(tmp_path)
     before = [r.log_time for r in read(torn)]
     assert before[: len(times)] == times
     assert len(before) <= len(times) + 1
@@ -144,13 +149,13 @@ def test_all_that_was_flushed_survives_kill_9_and_the_file_is_mended(tmp_path: P
     assert found == before
     ring.write(SCAN, times[-1] + SECOND, b"next")
     ring.close()
-    assert len(ring_files(tmp_path)) == 2
+    assert len(rotation_files(tmp_path)) == 2
 
 
 def test_a_second_recorder_is_told_what_to_do(tmp_path: Path) -> None:
     ring = opened(tmp_path, Clock())
 
-    with pytest.raises(RingInUse, match="KOMPASS_ROBOT_NAME"):
+    with pytest.raises(RecordingInUse, match="KOMPASS_ROBOT_NAME"):
         opened(tmp_path, Clock())
     ring.close()
 
@@ -167,7 +172,7 @@ def test_a_full_disk_costs_the_oldest_and_not_the_newest(
         ring.write(SCAN, clock.now, b"x")
         ring.flush()
     ring.write(SCAN, clock.now + 1, b"newest")
-    before = ring_files(tmp_path)
+    before = rotation_files(tmp_path)
     flush = McapWriter.flush
     failures = [OSError(errno.ENOSPC, "No space left on device")]
 
@@ -180,8 +185,8 @@ def test_a_full_disk_costs_the_oldest_and_not_the_newest(
     ring.flush()
     ring.close()
 
-    assert ring_files(tmp_path) == before[1:]
-    assert read(*ring_files(tmp_path))[-1].data == b"newest"
+    assert rotation_files(tmp_path) == before[1:]
+    assert read(*rotation_files(tmp_path))[-1].data == b"newest"
 
 
 def test_what_is_left_to_others_is_not_touched(

@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.serialization import deserialize_message
 
-from kompass.recorder.rotating_recording import ring_files
+from kompass.recorder.rotating_recording import rotation_files
 from kompass.rulebook.schema.journal import Journal
 from kompass.rules.schema.table import Table
 from tests.recorder.reality import (
@@ -190,7 +190,7 @@ def test_kill_9_of_the_recorder_loses_nothing_of_what_the_rules_took(
     wait_until(lambda: stack.pid_of("recorder") != old, 10, "another recorder")
     pid = stack.pid_of("recorder")
     (ring,) = stack.data_dir.glob("*/recordings/ring")
-    wait_until(lambda: len(ring_files(ring)) >= 2, 10, "a file of the new recorder")
+    wait_until(lambda: len(rotation_files(ring)) >= 2, 10, "a file of the new recorder")
 
     path = reality.save("after-kill")
 

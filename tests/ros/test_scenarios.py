@@ -14,8 +14,8 @@ from kompass_interfaces.srv import SetFault
 from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Bool, Empty, Int32, UInt32
 
-from kompass_console.cli_error import Problem
-from kompass_console.stack import Console, run_recipe
+from kompass_console.cli_error import CliError
+from kompass_console.stack import ConsoleListener, run_recipe
 from tests.support.journal import Journal
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
@@ -320,8 +320,8 @@ def state_of(pid: int) -> str:
 def test_a_fault_that_cannot_be_had_is_refused_before_anything_starts(
     sim: str | None, order: str, remedy: str
 ) -> None:
-    with pytest.raises(Problem) as refusal:
-        run_recipe(RECIPE, cast("Console", None), sim, [order])
+    with pytest.raises(CliError) as refusal:
+        run_recipe(RECIPE, cast("ConsoleListener", None), sim, [order])
     assert refusal.value.code == 2
     assert remedy in str(refusal.value)
 

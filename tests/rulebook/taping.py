@@ -3,12 +3,12 @@
 from heapq import heappop, heappush
 from typing import Any
 
-from kompass.backtest.event_log import Began, Ended, Heard, Swapped, TapeEvent
+from kompass.backtest.event_log import Began, Ended, Heard, LoggedEvent, Swapped
 from kompass.backtest.records import fired_event
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Done, Firing, Input, Output, Sample, Tick
-from kompass.rules.engine.migrate import exchange
-from kompass.rules.engine.migration import bridge
+from kompass.rules.engine.migrate import swap
+from kompass.rules.engine.migration import plan_migration
 from kompass.rules.engine.schedule import next_deadline
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.table import Table
@@ -28,7 +28,7 @@ class Shell:
         self.now = now
         self.lengths, self.lag = lengths, lag
         self.revision = 1
-        self.tape: list[TapeEvent] = [Began(now, EPOCH_TIME + now, "life", 1, table)]
+        self.tape: list[LoggedEvent] = [Began(now, EPOCH_TIME + now, "life", 1, table)]
         self.firings: list[Firing] = []
         self.ends: list[tuple[float, int, str]] = []
         self.cancelled: set[int] = set()
@@ -58,7 +58,7 @@ class Shell:
     def swap(self, table: Table, at: float, reset: tuple[str, ...] = ()) -> None:
         self.pass_time(at)
         new = compile_table(table)
-        self.state, _, outputs = exchange(bridge(self.table, new, reset), self.state, at)
+        self.state, _, outputs = swap(plan_migration(self.table, new, reset), self.state, at)
         self.table = new
         self.revision += 1
         self.tape.append(Swapped(at, self.revision, table, reset))

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass.backtest.engine import backtest
-from kompass.backtest.event_log import Began, Ended, Fired, Heard, Resumed, Swapped, TapeEvent
+from kompass.backtest.event_log import Began, Ended, Fired, Heard, LoggedEvent, Resumed, Swapped
 from kompass.rules.schema.actions import Log
 from kompass.rules.schema.conditions import Condition
 from kompass.rules.schema.table import Table
@@ -70,7 +70,7 @@ def say(at: float, x: Any, topic: str = "a") -> Heard:
     return Heard(at, topic, FLOAT, SimpleNamespace(x=x))
 
 
-def ramp() -> list[TapeEvent]:
+def ramp() -> list[LoggedEvent]:
     """The field x of /a falls from 10 to 1 in steps of one, one a second, again and again."""
     return [say(float(n), 10 - n % 10) for n in range(100)]
 
@@ -238,7 +238,7 @@ def test_what_was_handled_before_the_recording_began_is_known_and_not_handled_ag
     clicked = received("a")
     whole = both(compare("a", ">", 3, timeout=None), compare("b", ">", 0))
     table = Table(rules=(rule(clicked, "clicked"), rule(whole, "both")))
-    tape: list[TapeEvent] = [
+    tape: list[LoggedEvent] = [
         Resumed(10.0, EPOCH_TIME + 10.0, "life", 1, table),
         say(10.0, 5)._replace(again=True),
         say(12.0, 1, "b"),
@@ -250,7 +250,7 @@ def test_what_was_handled_before_the_recording_began_is_known_and_not_handled_ag
 
 def test_rules_that_are_used_up_stay_so() -> None:
     table = Table(rules=(rule(compare("a", "<", 3), "r", once=True),))
-    tape: list[TapeEvent] = [Began(0.0, 100.0, "life", 1, table, ("r",)), say(1.0, 1)]
+    tape: list[LoggedEvent] = [Began(0.0, 100.0, "life", 1, table, ("r",)), say(1.0, 1)]
     assert backtest(table, tape, tape).firings == ()
 
 
@@ -287,7 +287,7 @@ def test_more_firings_than_can_be_listed_are_counted() -> None:
 
 def test_runs_of_the_recording_end_when_they_ended() -> None:
     table = Table(rules=(rule(compare("a", "<", 100)),))
-    tape: list[TapeEvent] = [Began(0.0, 100.0, "life", 1, table)]
+    tape: list[LoggedEvent] = [Began(0.0, 100.0, "life", 1, table)]
     tape += [say(1.0, 1), Fired(1.0, "r", 1, 1.0, 1, "h"), say(2.0, 1), Ended(2.5, "r", 1)]
     tape += [say(3.0, 1), Swapped(4.0, 2, table)]
     report = backtest(table, tape, tape)

@@ -9,10 +9,10 @@ from kompass.backtest.event_log import (
     Ended,
     Fired,
     Heard,
+    LoggedEvent,
     Lost,
     Resumed,
     Swapped,
-    TapeEvent,
     from_data,
     swapped_text,
     to_data,
@@ -37,7 +37,7 @@ LEAF = LeafReading(path=(0,), text="a.x < 1", value=0.1 + 0.2, age=None, verdict
         Lost(1.0, 12, "too slow"),
     ],
 )
-def test_an_event_is_the_same_again_to_the_last_bit(event: TapeEvent) -> None:
+def test_an_event_is_the_same_again_to_the_last_bit(event: LoggedEvent) -> None:
     kind, data = to_data(event)
     assert from_data(kind, json.loads(json.dumps(data))) == event
 

@@ -6,7 +6,7 @@ from typing import Any
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.explain import Explanation, explain
 from kompass.rules.engine.firing import Done, Firing, Input, Note, Sample, Tick
-from kompass.rules.engine.migrate import Carried, carry
+from kompass.rules.engine.migrate import MigrationReport, migrate_state
 from kompass.rules.engine.schedule import next_deadline
 from kompass.rules.engine.state import Counters, counters
 from kompass.rules.engine.step import initial_state, step
@@ -136,10 +136,12 @@ class Robot:
     def explain(self, rule_id: str = "r", at: float | None = None) -> Explanation:
         return explain(self.table, self.state, rule_id, self.now if at is None else at)
 
-    def swap(self, *rules: Rule, at: float | None = None, reset: tuple[str, ...] = ()) -> Carried:
+    def swap(
+        self, *rules: Rule, at: float | None = None, reset: tuple[str, ...] = ()
+    ) -> MigrationReport:
         """Go on with another table."""
         self.now = self.now if at is None else at
         table = compile_table(Table(rules=rules))
-        self.state, result = carry(self.table, self.state, table, self.now, reset)
+        self.state, result = migrate_state(self.table, self.state, table, self.now, reset)
         self.table = table
         return result

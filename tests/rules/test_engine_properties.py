@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.firing import Done, Firing, Input, Output, Sample, Tick
-from kompass.rules.engine.migrate import carry
+from kompass.rules.engine.migrate import migrate_state
 from kompass.rules.engine.schedule import next_deadline
 from kompass.rules.engine.state import State, counters
 from kompass.rules.engine.step import initial_state, step
@@ -212,7 +212,7 @@ def test_an_unchanged_table_is_carried_without_a_trace(
         plain.feed(event, now)
         if index in cuts:
             again = compile_table(table)
-            swapped.state, result = carry(swapped.table, swapped.state, again, swapped.now)
+            swapped.state, result = migrate_state(swapped.table, swapped.state, again, swapped.now)
             swapped.table = again
             assert set(result.carried) == {rule.id for rule in table.rules}
         swapped.feed(event, now)
@@ -236,7 +236,7 @@ def test_what_is_carried_is_undisturbed_by_what_is_added(
         now = plain.now + gap * GRID
         if index == cut:
             again = compile_table(mixed)
-            swapped.state, _ = carry(swapped.table, swapped.state, again, swapped.now)
+            swapped.state, _ = migrate_state(swapped.table, swapped.state, again, swapped.now)
             swapped.table = again
         event = plain.input(happening)
         plain.feed(event, now)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.leaf_index import LeafIndex
-from kompass.rules.engine.predicates import judge_of
+from kompass.rules.engine.predicates import predicate_of
 from kompass.rules.schema.conditions import Compare
 from kompass.rules.schema.table import Table
 from tests.rules.building import Robot, both, changed, compare, received, rule
@@ -40,7 +40,7 @@ def test_every_leaf_that_changes_is_a_candidate(
     old, new = pair
     index = LeafIndex(enumerate(leaves))
     found = set(index.candidates(old, new))
-    judges = [judge_of(leaf) for leaf in leaves]
+    judges = [predicate_of(leaf) for leaf in leaves]
     changed_ones = {i for i, judge in enumerate(judges) if judge(old) is not judge(new)}
     assert changed_ones <= found
 

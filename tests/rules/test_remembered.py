@@ -3,7 +3,7 @@
 import gc
 from typing import Any
 
-from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.identity_cache import IdentityCache
 from kompass.rules.schema.interned import interned, interned_table, read_rule, table_text, text_of
 from kompass.rules.schema.table import Rule, Table, rule_hash
 from tests.rules.building import compare, received, rule
@@ -16,7 +16,7 @@ def test_an_answer_is_worked_out_once_and_forgotten_with_its_object() -> None:
         asked.append(item.id)
         return item.id.upper()
 
-    remembered = Remembered[Rule, str](work)
+    remembered = IdentityCache[Rule, str](work)
     one, twin = rule(received("a"), "one"), rule(received("a"), "one")
     assert [remembered(one), remembered(one), remembered(twin)] == ["ONE"] * 3
     assert asked == ["one", "one"]

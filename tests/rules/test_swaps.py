@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Done, Firing, Output, Sample, Tick
-from kompass.rules.engine.migrate import exchange
-from kompass.rules.engine.migration import bridge
+from kompass.rules.engine.migrate import swap
+from kompass.rules.engine.migration import plan_migration
 from kompass.rules.engine.state import State, counters
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.table import Rule, Table
@@ -26,7 +26,7 @@ FEW = settings(EXAMPLES, max_examples=max(EXAMPLES.max_examples // 2, 1))
 
 def cross(run: Run, table: Table, now: float, reset: tuple[str, ...] = ()) -> list[Output]:
     again = compile_table(table)
-    run.state, _, out = exchange(bridge(run.table, again, reset), run.state, now)
+    run.state, _, out = swap(plan_migration(run.table, again, reset), run.state, now)
     run.table = again
     run.out.extend(out)
     return out
@@ -129,7 +129,7 @@ class Walk:
 
     def swap(self, now: float) -> None:
         new = compile_table(self.next_table())
-        self.state, _, out = exchange(bridge(self.table, new), self.state, now)
+        self.state, _, out = swap(plan_migration(self.table, new), self.state, now)
         self.table = new
         self.take(out, now)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kompass.simulation.faults.fault_manager import BodyFaults, FaultDesk, FaultRefused, NotYet
+from kompass.simulation.faults.fault_manager import BodyFaults, FaultManager, FaultRefused, NotYet
 from kompass.simulation.faults.fault_names import (
     FAULTS,
     FaultOrder,
@@ -186,10 +186,16 @@ class Uncertain:
         return self.over
 
 
-def desk(robot: Robot, *orders: FaultOrder) -> tuple[FaultDesk, Uncertain, list[tuple[str, ...]]]:
+def desk(
+    robot: Robot, *orders: FaultOrder
+) -> tuple[FaultManager, Uncertain, list[tuple[str, ...]]]:
     told: list[tuple[str, ...]] = []
     late = Uncertain()
-    return FaultDesk([BodyFaults(RobotFaults(robot)), late], orders, 100.0, told.append), late, told
+    return (
+        FaultManager([BodyFaults(RobotFaults(robot)), late], orders, 100.0, told.append),
+        late,
+        told,
+    )
 
 
 def test_a_fault_with_a_duration_ends_by_itself(robot: Robot) -> None:

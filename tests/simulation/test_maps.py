@@ -21,7 +21,7 @@ def test_committed_map_files_are_what_the_geometry_gives(tmp_path: Path) -> None
         for suffix in (".yaml", ".pgm"):
             fresh, committed = path.with_suffix(suffix), MAPS_FOLDER / f"{path.stem}{suffix}"
             assert fresh.read_bytes() == committed.read_bytes(), (
-                f"{committed.name} is out of date; run python -m kompass.simulation.worlds.make_maps"
+                f"{committed.name} is out of date: python -m kompass.simulation.worlds.make_maps"
             )
 
 

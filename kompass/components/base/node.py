@@ -4,7 +4,7 @@ from typing import Protocol
 
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
-from kompass.rclpy_ext.node import Eventless
+from kompass.rclpy_ext.node import NoEventCallbacks
 
 
 class Transitions(Protocol):
@@ -18,7 +18,7 @@ class Transitions(Protocol):
     def on_transition_error(self, transition: str, error: Exception) -> None: ...
 
 
-class ComponentNode(Eventless, LifecycleNode):  # type: ignore[misc]  # rclpy has no types
+class ComponentNode(NoEventCallbacks, LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     """A lifecycle node; an exception in a transition is reported and leaves the node alive."""
 
     def __init__(self, name: str, component: Transitions, namespace: str = "") -> None:

@@ -19,12 +19,12 @@ from rclpy.node import Node
 from kompass.monitor.execution.alarms import Alarms
 from kompass.monitor.execution.outcome import Outcome
 from kompass.monitor.execution.service_refusal import refusal
-from kompass.rclpy_ext.awaitables import Waiting
+from kompass.rclpy_ext.awaitables import Awaitables
 from kompass.rclpy_ext.executor import Cancelled
 from kompass.rclpy_ext.log import write_log
 from kompass.rclpy_ext.messages import fill, ros_class
 from kompass.rclpy_ext.timers import Timers
-from kompass.recipe.fallbacks import Ladder
+from kompass.recipe.fallbacks import FallbackSequence
 from kompass.recipe.table import Parsed
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema import actions as kinds
@@ -59,13 +59,13 @@ class ActionRunner:
         node: Node,
         executor: Executor,
         timers: Timers,
-        functions: Mapping[str, Callable[..., Any] | Parsed | Ladder],
+        functions: Mapping[str, Callable[..., Any] | Parsed | FallbackSequence],
         alarms: Alarms,
     ) -> None:
         self._node = node
         self._alarms = alarms
         self._functions = functions
-        self._waiting = Waiting(timers, executor)
+        self._waiting = Awaitables(timers, executor)
         # Whether a component hangs, and its process was therefore asked for anew.
         self.restart_stuck: Callable[[str], bool] = lambda component: False
         self._clients: dict[tuple[type, str], Any] = {}
@@ -86,8 +86,9 @@ class ActionRunner:
     async def run(self, firing: Firing, tell: Callable[[Outcome], None]) -> tuple[bool, str]:
         """Carry out all actions; whether all went well, and the first error.
 
-        To be run as a :class:`kompass.rclpy_ext.executor.Job`. When that is cancelled, a goal that was sent
-        is cancelled too, and no further action begins; a function of the recipe runs to its end.
+        To be run as a :class:`kompass.rclpy_ext.executor.Task`. When that is cancelled, a goal that
+        was sent is cancelled too, and no further action begins; a function of the recipe runs
+        to its end.
         """
         error = ""
         for action in firing.actions:
@@ -113,7 +114,7 @@ class ActionRunner:
         entry = self._functions.get(action.name)
         if entry is None:
             raise Failed(f"the recipe has no function {action.name!r}")
-        if isinstance(entry, Ladder):
+        if isinstance(entry, FallbackSequence):
             rung = entry.next()
             if rung is None:
                 raise Failed("given up: every fallback was tried; a person must look")

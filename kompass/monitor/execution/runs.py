@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, Protocol
 
 from kompass.monitor.execution.outcome import Outcome
-from kompass.rclpy_ext.executor import Job
+from kompass.rclpy_ext.executor import Task
 from kompass.rulebook.schema.status import LeafReading
 from kompass.rulebook.views.views import Extras, leaf_reading
 from kompass.rules.engine.arbitrate import Running, arbitrate, components_of
@@ -72,7 +72,7 @@ class Run:
     entry: Entry
     components: frozenset[str]
     number: int = 0
-    job: Job | None = None
+    job: Task | None = None
     ended: bool = False
     ok: bool = False
     error: str = ""
@@ -201,7 +201,7 @@ class Runs:
         self._runs[(firing.rule_id, firing.run_id)] = run
         self._teller.begins(run.entry)
         # What it starts is started first: telling of it takes longer.
-        run.job = Job(self._carry_out(run), lambda error: self._over(run, error))
+        run.job = Task(self._carry_out(run), lambda error: self._over(run, error))
         run.number = self._teller.fired(run.entry, firing.message)
         untold, run.untold = run.untold or (), None
         for step in untold:

@@ -18,7 +18,7 @@ RATE = 10.0  # Hz, for a condition that states no rate of its own
 THREADS = 8
 
 
-class Polled:
+class PolledFunctions:
     """Functions run in threads: one that is slow holds up neither the engine nor the others.
 
     Parameters

@@ -15,7 +15,7 @@ from kompass.store import RuleStore, StoreError
 NEAR_MISSES = 10
 
 
-class Explaining:
+class Explanations:
     """Called on a worker, which may wait for the disk.
 
     Parameters

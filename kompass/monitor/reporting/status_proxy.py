@@ -11,7 +11,7 @@ from kompass.components.base.health import Health
 from kompass.rclpy_ext.topic import LATCHED
 
 
-class Spokesman:
+class StatusProxy:
     """Says for each silent component, again and again, that it failed and why.
 
     Publishers exist only while they are needed: a latched failure of yesterday must not reach a

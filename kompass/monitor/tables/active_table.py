@@ -9,7 +9,7 @@ from kompass.rulebook.schema.table_view import Merge
 from kompass.rules.schema.table import Table
 
 
-class Standing:
+class ActiveTable:
     """Read from any thread; changed by the desk, one change after another.
 
     Parameters

@@ -16,7 +16,7 @@ from kompass.rules.schema.table import Table
 from kompass.rules.schema.values import Verdict
 
 
-class Linting:
+class LiveLints:
     """A :class:`kompass.monitor.tables.table_validator.Lints`; called on a worker.
 
     The engine's thread only copies its state, and nothing for a table that is in force already.

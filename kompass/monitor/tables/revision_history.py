@@ -13,7 +13,7 @@ from kompass.rules.schema.table import Table
 from kompass.store import NoSuchRevision, StoreError
 
 
-class Shelf:
+class RevisionHistory:
     """Where the desk has its tables; all that looks at it raises :class:`StoreError`.
 
     Parameters

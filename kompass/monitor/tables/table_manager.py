@@ -6,11 +6,11 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 
-from kompass.monitor.tables.active_table import Standing
-from kompass.monitor.tables.revision_history import Shelf
-from kompass.monitor.tables.table_queries import Window
+from kompass.monitor.tables.active_table import ActiveTable
+from kompass.monitor.tables.revision_history import RevisionHistory
+from kompass.monitor.tables.table_queries import TableQueries
 from kompass.monitor.tables.table_reader import TableReader, Unreadable
-from kompass.monitor.tables.table_validator import Examiner, Lints, sentence
+from kompass.monitor.tables.table_validator import Lints, TableValidator, sentence
 from kompass.monitor.tables.types import Answer, Engine, InForce, Store, Who
 from kompass.rulebook.diff import diff_tables
 from kompass.rulebook.schema.report import ApplyReport, CheckReport
@@ -25,7 +25,7 @@ from kompass.store import NoSuchRevision, StoreError
 LONGEST_PROBATION = 86_400.0  # s
 
 
-class Desk:
+class TableManager:
     """Takes one request after another, from whatever thread.
 
     Parameters
@@ -72,13 +72,13 @@ class Desk:
         self._engine, self._announce, self._probation = engine, announce, probation
         self._lock = threading.RLock()
         self.later: Callable[[Callable[[], None]], None] = lambda work: work()
-        self._standing = Standing(in_force, merge, changed, clock)
-        self._shelf = Shelf(store, lambda: self.in_force.notice)
-        self._reader, self._examiner = TableReader(), Examiner(catalog, recipe, lints)
+        self._standing = ActiveTable(in_force, merge, changed, clock)
+        self._shelf = RevisionHistory(store, lambda: self.in_force.notice)
+        self._reader, self._examiner = TableReader(), TableValidator(catalog, recipe, lints)
         # The first change is to cost no more than those that follow.
         self._reader.learn(in_force.table)
         self._examiner.learn(in_force.table)
-        self.window = Window(
+        self.window = TableQueries(
             *(self._standing, self._shelf, self._reader, self._examiner, engine.running),
             robot=robot,
             safe_mode=safe_mode,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 
-from kompass.monitor.tables.active_table import Standing
-from kompass.monitor.tables.revision_history import Shelf
+from kompass.monitor.tables.active_table import ActiveTable
+from kompass.monitor.tables.revision_history import RevisionHistory
 from kompass.monitor.tables.table_reader import TableReader, Unreadable
-from kompass.monitor.tables.table_validator import Examiner
+from kompass.monitor.tables.table_validator import TableValidator
 from kompass.rulebook.schema.diff_models import TableDiff
 from kompass.rulebook.schema.report import CheckReport
 from kompass.rulebook.schema.revision import History
@@ -16,7 +16,7 @@ from kompass.rulebook.views.views import table_view
 from kompass.rules.engine.compiled_table import compile_table
 
 
-class Window:
+class TableQueries:
     """Answers from whatever thread.
 
     Parameters
@@ -27,10 +27,10 @@ class Window:
 
     def __init__(
         self,
-        standing: Standing,
-        shelf: Shelf,
+        standing: ActiveTable,
+        shelf: RevisionHistory,
         reader: TableReader,
-        examiner: Examiner,
+        examiner: TableValidator,
         running: Callable[[], Collection[str]],
         *,
         robot: str,

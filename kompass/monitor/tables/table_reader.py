@@ -34,8 +34,9 @@ class Unreadable(ValueError):
 class TableReader:
     """Reads one table after another; a rule that was in the last one is not validated again.
 
-    Rules of the same content are one object (:mod:`kompass.rules.schema.interned`), so that what was
-    worked out of a rule is known of it in the next table, too. May be used from any thread.
+    Rules of the same content are one object (:mod:`kompass.rules.schema.interned`), so that
+    what was worked out of a rule is known of it in the next table, too. May be used from any
+    thread.
     """
 
     def __init__(self) -> None:

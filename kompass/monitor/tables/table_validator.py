@@ -15,7 +15,7 @@ from kompass.rulebook.schema.report import CheckReport, Effect, Finding
 from kompass.rulebook.sources import with_sources
 from kompass.rules.checks.catalog import Catalog
 from kompass.rules.engine.compiled_table import CompiledTable
-from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.identity_cache import IdentityCache
 from kompass.rules.schema.table import Rule, Table, rule_hash
 from kompass.rules.schema.values import Verdict
 
@@ -30,7 +30,7 @@ class Lints(Protocol):
         """Of a table that has come; with what the conditions that were new to it said then."""
 
 
-class Examiner:
+class TableValidator:
     """Looks at tables; a rule that was looked at before is not checked again.
 
     Parameters
@@ -44,7 +44,7 @@ class Examiner:
     def __init__(self, catalog: Catalog, recipe: Table, lints: Lints) -> None:
         self._recipe, self._lints = recipe, lints
         self._gates = gates_of(catalog)
-        self._faults = Remembered[Rule, tuple[Finding, ...]](partial(faults_of, catalog=catalog))
+        self._faults = IdentityCache[Rule, tuple[Finding, ...]](partial(faults_of, catalog=catalog))
 
     def learn(self, table: Table) -> None:
         """Look at the rules of a table already, before somebody waits for it."""

@@ -117,7 +117,7 @@ class Recording:
         return max((f.contents.end_time for f in self.files), default=0)
 
 
-def lives(files: Sequence[File]) -> list[list[File]]:
+def sessions_of(files: Sequence[File]) -> list[list[File]]:
     """Files by the life of the stack that they were written in, in order."""
     found: list[list[File]] = []
     for file in files:

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from kompass.backtest.engine import backtest
-from kompass.backtest.event_log import Lost, TapeEvent
+from kompass.backtest.event_log import LoggedEvent, Lost
 from kompass.backtest.report import BacktestReport
 from kompass.recorder.mcap.reader import Recording
 from kompass.recorder.places import known_recording, ring_folder
 from kompass.recorder.replay.replay import Replay
-from kompass.recorder.rotating_recording import ring_files
+from kompass.recorder.rotating_recording import rotation_files
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Table
 
@@ -41,7 +41,7 @@ def recorded_files(recordings: Path, name: str) -> list[Path]:
     """
     if name:
         return [known_recording(recordings, name)]
-    return ring_files(ring_folder(recordings))
+    return rotation_files(ring_folder(recordings))
 
 
 def backtest_files(
@@ -86,7 +86,7 @@ def backtest_files(
         return Backtested(report, _remark(replay.has_engine, did))
 
 
-def _remark(has_engine: bool, did: Sequence[TapeEvent]) -> str:
+def _remark(has_engine: bool, did: Sequence[LoggedEvent]) -> str:
     if not has_engine:
         return "the recording has no rule engine in it: there are no firings to compare with"
     lost = [event for event in did if isinstance(event, Lost)]

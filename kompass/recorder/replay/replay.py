@@ -8,12 +8,12 @@ from typing import Any
 
 from rclpy.serialization import deserialize_message
 
-from kompass.backtest.event_log import Began, Heard, Resumed, Swapped, TapeEvent
+from kompass.backtest.event_log import Began, Heard, LoggedEvent, Resumed, Swapped
 from kompass.rclpy_ext.messages import ros_class
-from kompass.recorder.clip import is_event, stretch
+from kompass.recorder.clip import clip_messages, is_event
 from kompass.recorder.mcap.contents import NotMcap
 from kompass.recorder.mcap.partial_decoder import Decode, Path, partial_decoder
-from kompass.recorder.mcap.reader import File, Recorded, Recording, Track, lives, messages
+from kompass.recorder.mcap.reader import File, Recorded, Recording, Track, messages, sessions_of
 from kompass.recorder.streams import REPEAT, read_event
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 
@@ -40,7 +40,7 @@ class Replay:
         self._paths = _paths(table)
         self._classes: dict[str, type[Any] | None] = {}
         self._decoders: dict[tuple[str, str], Decode] = {}
-        self._lives = lives(recording.files)
+        self._lives = sessions_of(recording.files)
         self._start = 0
         if seconds:
             self._start = recording.end_time - int(seconds * 1e9)
@@ -62,14 +62,14 @@ class Replay:
         """Whether a rule engine was recorded too, to compare with."""
         return any(_has_engine(files) for files in self._lives)
 
-    def recorded(self) -> Iterator[TapeEvent]:
+    def recorded(self) -> Iterator[LoggedEvent]:
         """What the engine did, without the messages that it heard."""
         for files in self._lives:
-            for message in stretch(files, is_event, self._start):
+            for message in clip_messages(files, is_event, self._start):
                 if is_event(message.track):
                     yield _read(message)[0]
 
-    def events(self) -> Iterator[TapeEvent]:
+    def events(self) -> Iterator[LoggedEvent]:
         """All that the engine is to be fed with, in order.
 
         Raises
@@ -80,11 +80,11 @@ class Replay:
         for files in self._lives:
             yield from self._ours(files) if _has_engine(files) else self._others(files)
 
-    def _ours(self, files: list[File]) -> Iterator[TapeEvent]:
+    def _ours(self, files: list[File]) -> Iterator[LoggedEvent]:
         shift: int | None = None  # from monotonic nanoseconds to those of the recording
         head: int | None = None  # time of the beginning, if that is in the middle of a life
         heard: frozenset[str] = frozenset()  # what the engine listened to
-        for message in stretch(files, self._wanted, self._start):
+        for message in clip_messages(files, self._wanted, self._start):
             track = message.track
             if is_event(track):
                 event, now_ns = _read(message)
@@ -108,7 +108,7 @@ class Replay:
             again = source != track.source and source == "engine"
             yield taken._replace(again=again)
 
-    def _others(self, files: list[File]) -> Iterator[TapeEvent]:
+    def _others(self, files: list[File]) -> Iterator[LoggedEvent]:
         """A recording without an engine: from another tool, or of a stack without a monitor."""
         for message in messages(files, self._wanted, self._start):
             if not message.track.source.endswith(REPEAT):
@@ -161,14 +161,14 @@ def _has_engine(files: list[File]) -> bool:
     return any(is_event(track) for file in files for track in file.tracks.values())
 
 
-def _read(message: Recorded) -> tuple[TapeEvent, int]:
+def _read(message: Recorded) -> tuple[LoggedEvent, int]:
     try:
         return read_event(message.data)
     except ValueError as error:
         raise NotMcap(f"the engine's channel is damaged: {error}") from error
 
 
-def _topics(event: TapeEvent) -> frozenset[str]:
+def _topics(event: LoggedEvent) -> frozenset[str]:
     if not isinstance(event, Began | Resumed | Swapped):
         return frozenset()
     types = compile_table(event.table).topic_types()

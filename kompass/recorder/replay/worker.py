@@ -1,7 +1,8 @@
 """What takes long happens in a process of its own: the engine has no time to share.
 
-``python -m kompass.recorder.replay.worker`` reads one job from its standard input and answers with JSON
-lines on its standard output: ``progress`` now and then, then ``answer`` or ``error``.
+``python -m kompass.recorder.replay.worker`` reads one job from its standard input and
+answers with JSON lines on its standard output: ``progress`` now and then, then ``answer`` or
+``error``.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from typing import Any, Self
 
 from pydantic import ValidationError
 
-from kompass.recorder.clip_writer import CannotSave, save
+from kompass.recorder.clip_writer import ClipNotSaved, save_clip
 from kompass.recorder.mcap.contents import NotMcap
 from kompass.recorder.places import BadName
 from kompass.recorder.replay.backtest import NoRecording, backtest_files, recorded_files
@@ -28,7 +29,7 @@ from kompass.rules.schema.table import Table
 from kompass.supervisor.process import PR_SET_PDEATHSIG, STDERR
 
 NICENESS = 10
-_EXPECTED = (BadName, CannotSave, NoRecording, NotMcap, OSError)
+_EXPECTED = (BadName, ClipNotSaved, NoRecording, NotMcap, OSError)
 
 
 class WorkerFailed(RuntimeError):
@@ -145,10 +146,10 @@ def _backtest(
 
 def _save(_: Callable[..., None], recordings: str, path: str, seconds: float) -> str:
     start = time.time_ns() - int(seconds * 1e9) if seconds else 0
-    return str(save(Path(recordings), Path(path), start))
+    return str(save_clip(Path(recordings), Path(path), start))
 
 
-_JOBS: dict[str, Callable[..., Any]] = {"backtest": _backtest, "save": _save}
+_JOBS: dict[str, Callable[..., Any]] = {"backtest": _backtest, "save_clip": _save}
 
 if __name__ == "__main__":
     main()

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from kompass.rules.checks.catalog import ComponentSpec
 from kompass.rules.engine.compiled_table import CompiledTable
 from kompass.rules.engine.explain import verdict_of
-from kompass.rules.engine.migrate import carry
+from kompass.rules.engine.migrate import migrate_state
 from kompass.rules.engine.state import State
 from kompass.rules.schema.values import Verdict
 
@@ -62,7 +62,7 @@ def verdicts_after(
     Unchanged rules go on as they were: nothing new is to be said of them. ``now`` is in monotonic
     seconds; nothing is changed.
     """
-    state_after, carried = carry(old, state, new, now)
+    state_after, carried = migrate_state(old, state, new, now)
     return {
         rule_id: verdict_of(new, state_after, new.by_id[rule_id], now)
         for rule_id in (*carried.added, *carried.reset)

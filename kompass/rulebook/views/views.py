@@ -14,7 +14,7 @@ from kompass.rulebook.views.wording import describe_action, seconds
 from kompass.rules.engine.compiled_table import CompiledTable, RulePlan
 from kompass.rules.engine.explain import Explanation, Gate, explain
 from kompass.rules.engine.firing import LeafVerdict
-from kompass.rules.engine.migrate import Carried
+from kompass.rules.engine.migrate import MigrationReport
 from kompass.rules.engine.state import State
 from kompass.rules.schema.conditions import CallableCondition, leaves, timeout_of, topic_of
 from kompass.rules.schema.describe import describe
@@ -333,7 +333,7 @@ def table_view(
     )
 
 
-def effect_of(carried: Carried) -> Effect:
+def effect_of(carried: MigrationReport) -> Effect:
     """Return what became of the rules, as it is told."""
     return Effect(
         carried=carried.carried,

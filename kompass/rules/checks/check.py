@@ -40,8 +40,8 @@ FIELD = "unknown-field"
 def check_table(table: Table, catalog: Catalog) -> list[Problem]:
     """Check all rules against what there is; disabled ones too.
 
-    A :class:`~kompass.rules.checks.catalog.StackCatalog` has components, methods, parameters and functions
-    checked as well.
+    A :class:`~kompass.rules.checks.catalog.StackCatalog` has components, methods, parameters
+    and functions checked as well.
     """
     return [problem for rule in table.rules for problem in check_rule(rule, catalog)]
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from kompass.rules.engine.predicates import Judge, judge_of
+from kompass.rules.engine.predicates import Predicate, predicate_of
 from kompass.rules.schema.actions import topics_in
 from kompass.rules.schema.conditions import (
     Absent,
@@ -20,7 +20,7 @@ from kompass.rules.schema.conditions import (
     topic_of,
 )
 from kompass.rules.schema.describe import describe
-from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.identity_cache import IdentityCache
 from kompass.rules.schema.signals import reader
 from kompass.rules.schema.table import Rule, rule_hash
 from kompass.rules.schema.values import MISSING
@@ -33,7 +33,7 @@ class Source(NamedTuple):
     read: Callable[[Any], Any]
 
 
-class PreparedLeaf(NamedTuple):
+class CompiledLeaf(NamedTuple):
     """A leaf; those of equal keys are one.
 
     Attributes
@@ -50,13 +50,13 @@ class PreparedLeaf(NamedTuple):
     condition: Leaf
     topic: str
     text: str
-    judge: Judge
+    judge: Predicate
     source: Source | None
     pulses: bool
     timeout: float | None
 
 
-class PreparedRule(NamedTuple):
+class CompiledRule(NamedTuple):
     """A rule.
 
     Attributes
@@ -70,15 +70,15 @@ class PreparedRule(NamedTuple):
     """
 
     hash: str
-    leaves: tuple[tuple[TreePath, PreparedLeaf], ...]
-    clear: tuple[tuple[TreePath, PreparedLeaf], ...]
-    changes: tuple[PreparedLeaf, ...]
+    leaves: tuple[tuple[TreePath, CompiledLeaf], ...]
+    clear: tuple[tuple[TreePath, CompiledLeaf], ...]
+    changes: tuple[CompiledLeaf, ...]
     mentioned: tuple[str, ...]
 
 
-def _rule(rule: Rule) -> PreparedRule:
+def _rule(rule: Rule) -> CompiledRule:
     event = rule.event
-    return PreparedRule(
+    return CompiledRule(
         hash=rule_hash(rule),
         leaves=_tree(event.condition),
         clear=() if event.clear is None else _tree(event.clear),
@@ -87,14 +87,14 @@ def _rule(rule: Rule) -> PreparedRule:
     )
 
 
-prepared = Remembered[Rule, PreparedRule](_rule)
+prepared = IdentityCache[Rule, CompiledRule](_rule)
 
 
-def _tree(condition: Condition) -> tuple[tuple[TreePath, PreparedLeaf], ...]:
+def _tree(condition: Condition) -> tuple[tuple[TreePath, CompiledLeaf], ...]:
     return tuple((path, _leaf(leaf)) for path, leaf in leaves(condition))
 
 
-def _changes(condition: Condition) -> tuple[PreparedLeaf, ...]:
+def _changes(condition: Condition) -> tuple[CompiledLeaf, ...]:
     return tuple(
         _leaf(Changed(signal=leaf.signal))
         for _, leaf in leaves(condition)
@@ -102,8 +102,8 @@ def _changes(condition: Condition) -> tuple[PreparedLeaf, ...]:
     )
 
 
-def _leaf(condition: Leaf) -> PreparedLeaf:
-    return PreparedLeaf(
+def _leaf(condition: Leaf) -> CompiledLeaf:
+    return CompiledLeaf(
         key=condition.model_dump_json(),
         condition=condition,
         topic=topic_of(condition),
@@ -127,9 +127,9 @@ def _source(condition: Leaf) -> Source | None:
     return Source(f"{topic_of(condition)} {path!r} {aggregate}", reader(path, aggregate))
 
 
-def _judge(condition: Leaf) -> Judge:
+def _judge(condition: Leaf) -> Predicate:
     if isinstance(condition, Compare):
-        return judge_of(condition)
+        return predicate_of(condition)
     if isinstance(condition, CallableCondition):
         return lambda value: None if value is MISSING else bool(value)
     return lambda value: None

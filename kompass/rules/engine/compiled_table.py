@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from kompass.rules.engine.compiled_rule import PreparedLeaf, Source, prepared
+from kompass.rules.engine.compiled_rule import CompiledLeaf, Source, prepared
 from kompass.rules.engine.leaf_index import LeafIndex
-from kompass.rules.engine.predicates import Evaluate, Judge, tree_of
+from kompass.rules.engine.predicates import Evaluate, Predicate, tree_of
 from kompass.rules.schema.conditions import (
     Absent,
     AllOf,
@@ -41,7 +41,7 @@ class LeafPlan:
     topic: int
     probe: int  # -1 for a leaf that reads no value
     text: str
-    judge: Judge
+    judge: Predicate
     rules: tuple[int, ...] = ()  # enabled rules to look at when its verdict changes
     timer: int = -1  # of its silence or its rate
 
@@ -189,7 +189,7 @@ class _Builder:
             self.topics.append(plan)
         return plan
 
-    def leaf(self, leaf: PreparedLeaf) -> int:
+    def leaf(self, leaf: CompiledLeaf) -> int:
         known = self.leaf_index.get(leaf.key)
         if known is not None:
             return known

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from kompass.rules.engine.compiled_table import CompiledTable, LeafPlan, RulePlan, Timer
 from kompass.rules.engine.firing import Output, Tick
-from kompass.rules.engine.migration import Bridge, bridge
+from kompass.rules.engine.migration import Migration, plan_migration
 from kompass.rules.engine.schedule import start
 from kompass.rules.engine.state import LEAF, LOOK, RuleState, State, evaluated
 from kompass.rules.engine.step import settle, step
@@ -19,7 +19,7 @@ from kompass.rules.schema.conditions import Absent, Changed, Rate, Received, tim
 from kompass.rules.schema.values import MISSING, Verdict, kind_of
 
 
-class Carried(NamedTuple):
+class MigrationReport(NamedTuple):
     """What became of the rules.
 
     Attributes
@@ -42,10 +42,11 @@ class Carried(NamedTuple):
     running: tuple[tuple[str, int], ...]
 
 
-def exchange(way: Bridge, state: State, now: float) -> tuple[State, Carried, list[Output]]:
+def swap(way: Migration, state: State, now: float) -> tuple[State, MigrationReport, list[Output]]:
     """Go on with another table: the old one first takes the time that has passed.
 
-    This is what a shell does between two messages; make the bridge beforehand, it takes longer.
+    This is what a shell does between two messages; plan the migration beforehand, it takes
+    longer.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def exchange(way: Bridge, state: State, now: float) -> tuple[State, Carried, lis
 
     Returns
     -------
-    State, Carried, list of Firing or Note
+    State, MigrationReport, list of Firing or Note
         The last as from :func:`kompass.rules.engine.step.step`: what the old table let fire by now.
     """
     state, outputs = step(way.old, state, Tick(), now)
@@ -66,13 +67,13 @@ def exchange(way: Bridge, state: State, now: float) -> tuple[State, Carried, lis
     return state, carried, outputs
 
 
-def carry(
+def migrate_state(
     old: CompiledTable,
     old_state: State,
     new: CompiledTable,
     now: float,
     reset: Collection[str] = (),
-) -> tuple[State, Carried]:
+) -> tuple[State, MigrationReport]:
     """Return the state with which the new table would go on.
 
     Parameters
@@ -92,10 +93,10 @@ def carry(
     KeyError
         If a rule to be reset is not in the new table.
     """
-    return _cross(bridge(old, new, reset), old_state.copy(), now)
+    return _cross(plan_migration(old, new, reset), old_state.copy(), now)
 
 
-def _cross(way: Bridge, before: State, now: float) -> tuple[State, Carried]:
+def _cross(way: Migration, before: State, now: float) -> tuple[State, MigrationReport]:
     """Move what stays into a state of the new table, and work out what is new."""
     now = max(now, before.now)
     state = _moved(way, before)
@@ -105,7 +106,7 @@ def _cross(way: Bridge, before: State, now: float) -> tuple[State, Carried]:
     return state, _fresh_rules(way, before, state, now)
 
 
-def _moved(way: Bridge, before: State) -> State:
+def _moved(way: Migration, before: State) -> State:
     new = way.new
     state: State = object.__new__(State)
     state.now, state.next_run = before.now, before.next_run
@@ -147,7 +148,7 @@ def _moved(way: Bridge, before: State) -> State:
     return state
 
 
-def _new_values(way: Bridge, state: State) -> None:
+def _new_values(way: Migration, state: State) -> None:
     for probe in way.new_probes:
         if state.received[probe.topic] is not None:
             state.values[probe.index] = probe.read(state.messages[probe.topic])
@@ -157,7 +158,7 @@ def _new_values(way: Bridge, state: State) -> None:
         state.seen[probe.index] = state.received[probe.topic] if known else None
 
 
-def _new_leaves(way: Bridge, state: State, now: float) -> None:
+def _new_leaves(way: Migration, state: State, now: float) -> None:
     for leaf in way.new_leaves:
         if isinstance(leaf.condition, Changed):
             state.references[leaf.index] = state.values[leaf.probe]
@@ -183,7 +184,7 @@ def _between_messages(leaf: LeafPlan, state: State, now: float) -> Verdict:
     return leaf.judge(state.values[leaf.probe])
 
 
-def _new_timers(way: Bridge, state: State, now: float) -> None:
+def _new_timers(way: Migration, state: State, now: float) -> None:
     for timer in way.new_timers:
         if timer.kind == "absent" or (
             timer.kind == "rate" and state.received[timer.topic] is not None
@@ -202,7 +203,7 @@ def _start_new(timer: Timer, state: State, now: float) -> None:
         start(timer, state, now)
 
 
-def _fresh_rules(way: Bridge, before: State, state: State, now: float) -> Carried:
+def _fresh_rules(way: Migration, before: State, state: State, now: float) -> MigrationReport:
     running: list[tuple[str, int]] = []
     for plan, twin in way.fresh:
         if twin is not None:
@@ -212,7 +213,7 @@ def _fresh_rules(way: Bridge, before: State, state: State, now: float) -> Carrie
         _begin(way.new, state, plan, now)
     for plan in way.removed:
         running.extend((plan.rule.id, run) for run in before.rules[plan.index].runs)
-    return Carried(
+    return MigrationReport(
         carried=way.carried,
         reset=way.reset,
         removed=tuple(plan.rule.id for plan in way.removed),

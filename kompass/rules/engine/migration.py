@@ -11,7 +11,7 @@ from kompass.rules.engine.compiled_table import CompiledTable, LeafPlan, Probe, 
 
 
 @dataclass(slots=True)
-class Bridge:
+class Migration:
     """From one compiled table to another; not to be changed, and good for any state of the old.
 
     Attributes
@@ -53,7 +53,9 @@ class Bridge:
     removed: list[RulePlan]
 
 
-def bridge(old: CompiledTable, new: CompiledTable, reset: Collection[str] = ()) -> Bridge:
+def plan_migration(
+    old: CompiledTable, new: CompiledTable, reset: Collection[str] = ()
+) -> Migration:
     """Work out what of ``old`` goes on in ``new``.
 
     Parameters
@@ -74,7 +76,7 @@ def bridge(old: CompiledTable, new: CompiledTable, reset: Collection[str] = ()) 
     leaves = _twins(old.leaves, new.leaves)
     timers = _twins(old.timers, new.timers)
     rules, fresh = _rules(old, new, frozenset(reset))
-    return Bridge(
+    return Migration(
         old=old,
         new=new,
         topics=topics,

@@ -14,7 +14,7 @@ from kompass.rules.schema.conditions import (
 )
 from kompass.rules.schema.values import Verdict, compare, kind_of
 
-Judge: TypeAlias = Callable[[Any], Verdict]
+Predicate: TypeAlias = Callable[[Any], Verdict]
 
 
 class Verdicts(Protocol):
@@ -27,7 +27,7 @@ class Verdicts(Protocol):
 Evaluate: TypeAlias = Callable[[Verdicts], Verdict]
 
 
-def judge_of(condition: Compare) -> Judge:
+def predicate_of(condition: Compare) -> Predicate:
     """Return the function from a value to a verdict; common cases get one of their own."""
     operator, tolerance = condition.operator, condition.tolerance
     reference: Any = condition.value
@@ -44,42 +44,42 @@ def judge_of(condition: Compare) -> Judge:
     return numeric(reference, judge) if numeric else judge
 
 
-def _less(reference: float, judge: Judge) -> Judge:
+def _less(reference: float, judge: Predicate) -> Predicate:
     def less(v: Any) -> Verdict:
         return v < reference if type(v) in _NUMBERS and v == v else judge(v)
 
     return less
 
 
-def _less_equal(reference: float, judge: Judge) -> Judge:
+def _less_equal(reference: float, judge: Predicate) -> Predicate:
     def less_equal(v: Any) -> Verdict:
         return v <= reference if type(v) in _NUMBERS and v == v else judge(v)
 
     return less_equal
 
 
-def _greater(reference: float, judge: Judge) -> Judge:
+def _greater(reference: float, judge: Predicate) -> Predicate:
     def greater(v: Any) -> Verdict:
         return v > reference if type(v) in _NUMBERS and v == v else judge(v)
 
     return greater
 
 
-def _greater_equal(reference: float, judge: Judge) -> Judge:
+def _greater_equal(reference: float, judge: Predicate) -> Predicate:
     def greater_equal(v: Any) -> Verdict:
         return v >= reference if type(v) in _NUMBERS and v == v else judge(v)
 
     return greater_equal
 
 
-def _equal(reference: float, judge: Judge) -> Judge:
+def _equal(reference: float, judge: Predicate) -> Predicate:
     def equal(v: Any) -> Verdict:
         return v == reference if type(v) in _NUMBERS and v == v else judge(v)
 
     return equal
 
 
-def _unequal(reference: float, judge: Judge) -> Judge:
+def _unequal(reference: float, judge: Predicate) -> Predicate:
     def unequal(v: Any) -> Verdict:
         return v != reference if type(v) in _NUMBERS and v == v else judge(v)
 
@@ -87,7 +87,7 @@ def _unequal(reference: float, judge: Judge) -> Judge:
 
 
 _NUMBERS = frozenset({int, float})
-_NUMERIC: dict[str, Callable[[float, Judge], Judge]] = {
+_NUMERIC: dict[str, Callable[[float, Predicate], Predicate]] = {
     "<": _less,
     "<=": _less_equal,
     ">": _greater,

@@ -77,8 +77,8 @@ def step(
     table
         The rules.
     state
-        From :func:`initial_state`, :func:`kompass.rules.engine.migrate.carry` or an earlier step of the
-        same table. It is changed in place and returned; copy it first to keep it.
+        From :func:`initial_state`, :func:`kompass.rules.engine.migrate.migrate_state` or an earlier
+        step of the same table. It is changed in place and returned; copy it first to keep it.
     event
         A message, the passing of time, or the end of a run.
     now

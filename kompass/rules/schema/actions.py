@@ -1,7 +1,8 @@
 """Actions as data: what a rule does when it fires.
 
 A text ``"$msg.a.b[0]"`` anywhere in an argument is taken from the triggering message, and
-``"$topic[/name].a.b"`` from the newest message of another topic (:mod:`kompass.rules.schema.arguments`).
+``"$topic[/name].a.b"`` from the newest message of another topic
+(:mod:`kompass.rules.schema.arguments`).
 """
 
 from collections.abc import Iterator

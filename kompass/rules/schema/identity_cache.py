@@ -8,7 +8,7 @@ K = TypeVar("K")
 V = TypeVar("V")
 
 
-class Remembered(Generic[K, V]):
+class IdentityCache(Generic[K, V]):
     """A function of one immutable object that works out each of its answers once.
 
     Objects are told apart by identity: rules are not hashable, for arguments of actions are

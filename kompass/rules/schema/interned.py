@@ -2,11 +2,11 @@
 
 from weakref import WeakValueDictionary
 
-from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.identity_cache import IdentityCache
 from kompass.rules.schema.table import Rule, Table
 
 _living: WeakValueDictionary[str, Rule] = WeakValueDictionary()
-text_of = Remembered[Rule, str](lambda rule: rule.model_dump_json())
+text_of = IdentityCache[Rule, str](lambda rule: rule.model_dump_json())
 
 
 def interned(rule: Rule) -> Rule:

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, mo
 
 from kompass.rules.schema.actions import Action
 from kompass.rules.schema.events import Event
-from kompass.rules.schema.identity_cache import Remembered
+from kompass.rules.schema.identity_cache import IdentityCache
 from kompass.rules.schema.model import Model
 
 
@@ -117,9 +117,9 @@ def _digest(data: Any) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-_rule_hash = Remembered[Rule, str](
+_rule_hash = IdentityCache[Rule, str](
     lambda rule: _digest(rule.model_dump(mode="json", exclude=_NOT_SEMANTIC))
 )
-_table_hash = Remembered[Table, str](
+_table_hash = IdentityCache[Table, str](
     lambda table: _digest([rule_hash(rule) for rule in table.rules])
 )

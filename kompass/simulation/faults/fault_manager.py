@@ -54,7 +54,7 @@ class BodyFaults:
         return ()
 
 
-class FaultDesk:
+class FaultManager:
     """Takes orders for faults of every kind.
 
     Args:

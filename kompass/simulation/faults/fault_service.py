@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
-from kompass.simulation.faults.fault_manager import BodyFaults, FaultDesk, FaultRefused
+from kompass.simulation.faults.fault_manager import BodyFaults, FaultManager, FaultRefused
 from kompass.simulation.faults.fault_names import MAP_WITHHELD, FaultOrder, UnknownFault, help_text
 from kompass.simulation.faults.map_faults import MapFaults
 from kompass.simulation.faults.process_faults import ProcessFaults
@@ -42,7 +42,7 @@ class FaultService:
             ProcessFaults(node),
             MapFaults(node, robot, withheld=withheld),
         )
-        self._desk = FaultDesk(kinds, orders, time.monotonic(), self._publish)
+        self._desk = FaultManager(kinds, orders, time.monotonic(), self._publish)
         self._publish(())
         node.create_service(SetFault, SERVICE, self._on_request)
 
