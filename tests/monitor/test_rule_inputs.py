@@ -7,7 +7,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Int32
 
 from kompass.monitor.inputs.rule_inputs import RuleInputs
-from tests.monitor.conftest import Spinning
+from tests.support.spinning import Spinning
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

@@ -18,7 +18,7 @@ from kompass.rclpy_ext.timers import Timers
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema.actions import Action, CallService, Log
 from kompass.rules.schema.table import Severity
-from tests.monitor.conftest import Spinning
+from tests.support.spinning import Spinning
 
 LOAD = LoadMap.Response
 BAD = SetParametersResult(successful=False, reason="too fast")

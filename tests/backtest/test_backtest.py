@@ -12,7 +12,7 @@ from kompass.backtest.event_log import Began, Ended, Fired, Heard, LoggedEvent, 
 from kompass.rules.schema.actions import Log
 from kompass.rules.schema.conditions import Condition
 from kompass.rules.schema.table import Table
-from tests.rulebook.taping import EPOCH_TIME, FLOAT, Shell
+from tests.backtest.event_logs import EPOCH_TIME, FLOAT, Shell
 from tests.rules.building import absent, both, compare, received, rule
 from tests.rules.strategies import EXAMPLES as ALL
 from tests.rules.strategies import GRID, callable_samples, samples, tables

@@ -6,7 +6,7 @@ import pytest
 from rclpy.task import Future
 
 from kompass.rclpy_ext.executor import Cancelled, Task
-from tests.monitor.conftest import Spinning
+from tests.support.spinning import Spinning
 
 
 def test_one_that_waits_costs_nothing(spinning: Spinning) -> None:

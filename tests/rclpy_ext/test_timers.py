@@ -6,8 +6,8 @@ import pytest
 
 from kompass.rclpy_ext.movable_timer import MovableTimer
 from kompass.rclpy_ext.timers import Timers
-from tests.monitor.conftest import Spinning
 from tests.support.patience import patient
+from tests.support.spinning import Spinning
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from kompass_interfaces.action import MotionRecording
 from rclpy.action import ActionClient, ActionServer
 
 from kompass.rclpy_ext.goal_expiry import expire_goals
-from tests.monitor.conftest import Spinning
+from tests.support.spinning import Spinning
 
 
 def test_goals_that_have_ended_are_forgotten_after_their_time(spinning: Spinning) -> None:

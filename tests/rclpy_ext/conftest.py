@@ -1,0 +1,3 @@
+"""Tests here spin an executor of rclpy themselves."""
+
+from tests.support.spinning import spinning as spinning

@@ -1,0 +1,43 @@
+"""An executor of rclpy in the test's own thread."""
+
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+import rclpy
+from rclpy.node import Node
+
+from kompass.rclpy_ext.executor import TaskExecutor
+from tests.support.domains import next_domain
+from tests.support.patience import patient
+
+
+class Spinning:
+    """A node, and the executor that the test spins itself."""
+
+    def __init__(self, node: Node, executor: TaskExecutor) -> None:
+        self.node, self.executor = node, executor
+
+    def until(self, condition: Callable[[], object], timeout: float = 5.0) -> None:
+        """Spin until a condition holds."""
+        deadline = time.monotonic() + patient(timeout)
+        while not condition():
+            assert time.monotonic() < deadline, f"not within {patient(timeout):g} s"
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def rest(self, seconds: float) -> None:
+        """Spin for a while."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.02)
+
+
+@pytest.fixture(scope="module")
+def spinning() -> Iterator[Spinning]:
+    rclpy.init(args=[], domain_id=next_domain())
+    node = rclpy.create_node("tester")
+    executor = TaskExecutor()
+    executor.add_node(node)
+    yield Spinning(node, executor)
+    node.destroy_node()
+    rclpy.shutdown()
