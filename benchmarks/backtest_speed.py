@@ -52,11 +52,11 @@ def message(topic: str, at: float) -> bytes:
 
 def record(recordings: Path, table: Table, seconds: float) -> None:
     """Write a recording as the monitor and the recorder do."""
-    lane = ShmQueue()
-    tape = RecorderEventLog(lane)
-    recorder = Recorder(lane, recordings, lambda name: f"/{name}", lambda names: None)
+    queue = ShmQueue()
+    tape = RecorderEventLog(queue)
+    recorder = Recorder(queue, recordings, lambda name: f"/{name}", lambda names: None)
     began = time.monotonic_ns()
-    now, wall = began * 1e-9, (began + lane.offset_ns) * 1e-9
+    now, wall = began * 1e-9, (began + queue.offset_ns) * 1e-9
     kind, data = to_data(Began(now, wall, "made-up", 1, table))
     tape.event(kind, data, began)
     highest = max(RATES.values())

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from kompass.recorder.clip_policy import PREFIX
 from kompass.recorder.mcap.contents import NotMcap, read_contents
-from kompass.recorder.places import SUFFIX, ring_folder, saved_folder
+from kompass.recorder.places import SUFFIX, rotation_folder, saved_folder
 from kompass.recorder.rotating_recording import rotation_files
 
 
@@ -107,7 +107,7 @@ class Recordings:
     def ring(self) -> RingState | None:
         """What the flight recorder has; None when it has nothing."""
         begin, size = 0.0, 0
-        for path in rotation_files(ring_folder(self.folder)):
+        for path in rotation_files(rotation_folder(self.folder)):
             try:
                 size += path.stat().st_size
                 begin = begin or self._read(path).begin

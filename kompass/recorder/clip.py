@@ -33,10 +33,11 @@ def clip_messages(
     start: int = 0,
     end: int | None = None,
 ) -> Iterator[Recorded]:
-    """Yield the messages of one life of the stack between two times, in order.
+    """Yield the messages of one session of the stack between two times, in order.
 
     Where the clip begins in the middle, the table in force and the last message of each topic
-    come first, as a file of the ring begins with them. What later files repeat is left out.
+    come first, as a file of the rotating
+    recording begins with them. What later files repeat is left out.
 
     Parameters
     ----------

@@ -18,19 +18,19 @@ log = logging.getLogger("kompass.recorder")
 
 SETTING = "KOMPASS_KEEP_FIRINGS"
 NEVER = "never"
-KEEP = "keep"  # kind of the order on the lane
+KEEP = "keep"  # kind of the order on the queue
 PREFIX = "firing-"
 
 BEFORE = 25.0  # s
 AFTER = 5.0  # s
 LONGEST = 120.0  # s, when one firing follows another
-PAUSE = 300.0  # s before the same rule has another stretch kept
-KEPT = 20  # stretches, beyond which the oldest goes
-SETTLE = 1.5  # s for the ring to be on disk
+PAUSE = 300.0  # s before the same rule has another clip kept
+KEPT = 20  # clips, beyond which the oldest goes
+SETTLE = 1.5  # s for the rotating recording to be on disk
 
 
 class ClipRequest(NamedTuple):
-    """The order to keep a stretch; nanoseconds since the epoch."""
+    """The order to keep a clip; nanoseconds since the epoch."""
 
     path: str
     start: int
@@ -71,12 +71,12 @@ class ClipPolicy:
     def __init__(self, recordings: Path, least: Severity | None) -> None:
         self._folder, self._least = saved_folder(recordings), least
         self._last: ClipRequest | None = None
-        self._rules: dict[str, int] = {}  # when a stretch was last begun for a rule
+        self._rules: dict[str, int] = {}  # when a clip was last begun for a rule
 
     def fired(self, rule_id: str, severity: str, at: int) -> ClipRequest | None:
         """What to keep of a firing at ``at`` nanoseconds; None for nothing.
 
-        A firing that follows closely lengthens the stretch that is kept already.
+        A firing that follows closely lengthens the clip that is kept already.
         """
         if self._least is None or Severity[severity.upper()] < self._least:
             return None
@@ -103,7 +103,7 @@ class ClipKeeper:
     recordings
         Folder of all recordings.
     run
-        Calls a function at once or in a thread; copying a stretch takes seconds on a busy machine.
+        Calls a function at once or in a thread; copying a clip takes seconds on a busy machine.
     """
 
     def __init__(

@@ -8,7 +8,7 @@ from pathlib import Path
 from kompass.recorder.clip import clip_messages
 from kompass.recorder.mcap.reader import File, Recorded, Recording, sessions_of
 from kompass.recorder.mcap.writer import McapWriter
-from kompass.recorder.places import ring_folder
+from kompass.recorder.places import rotation_folder
 from kompass.recorder.rotating_recording import rotation_files
 
 CHUNK = 1 << 20  # bytes
@@ -20,7 +20,7 @@ class ClipNotSaved(RuntimeError):
 
 
 def save_clip(recordings: Path, path: Path, start: int, end: int | None = None) -> Path:
-    """Copy what the ring has between two times into a new file; returns its path.
+    """Copy what the rotating recording has between two times into a new file; returns its path.
 
     The file says at its beginning which table was in force and what was valid then, so it can be
     replayed without what was before it.
@@ -42,7 +42,7 @@ def save_clip(recordings: Path, path: Path, start: int, end: int | None = None) 
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
     try:
-        with Recording(rotation_files(ring_folder(recordings))) as recording:
+        with Recording(rotation_files(rotation_folder(recordings))) as recording:
             files = [file for file in recording.files if file.contents.end_time >= start]
             if not files:
                 raise ClipNotSaved("the flight recorder has nothing of that time; is it running?")
@@ -69,11 +69,11 @@ def drop_partials(folder: Path) -> None:
 def _write(files: list[File], path: Path, start: int, end: int | None) -> None:
     writer = McapWriter(path)
     try:
-        writer.add_metadata("kompass", {"life": files[-1].life, "saved": "1"})
+        writer.add_metadata("kompass", {"life": files[-1].session, "saved": "1"})
         channels: dict[tuple[str, str, str], int] = {}
-        for life in sessions_of(files):
+        for session in sessions_of(files):
             # One after the other: between two sessions the clock may have been set back.
-            for message in clip_messages(life, lambda _: True, start, end):
+            for message in clip_messages(session, lambda _: True, start, end):
                 _put(writer, channels, message)
         writer.finish()
     finally:

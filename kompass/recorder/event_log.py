@@ -1,4 +1,4 @@
-"""The monitor's end of the recorder: what the engine took, onto the lane."""
+"""The monitor's end of the recorder: what the engine took, onto the queue."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ class RecorderEventLog:
     recorder that is slow or dead: what does not fit is counted, and the recording says so.
     """
 
-    def __init__(self, lane: ShmQueue) -> None:
-        self._lane = lane
+    def __init__(self, queue: ShmQueue) -> None:
+        self._queue = queue
 
     def message(self, topic: str, type_name: str, raw: bytes, now_ns: int) -> None:
         """A message, serialised as it came (CDR)."""
-        self._lane.write(now_ns, False, topic, type_name, raw)
+        self._queue.write(now_ns, False, topic, type_name, raw)
 
     def event(self, kind: str, data: dict[str, Any], now_ns: int) -> None:
         """An event of :mod:`kompass.backtest.event_log` as JSON data."""
@@ -28,7 +28,7 @@ class RecorderEventLog:
 
     def text(self, kind: str, text: str, now_ns: int) -> None:
         """The same, for one that is JSON text already."""
-        self._lane.write(now_ns, True, kind, "", text.encode())
+        self._queue.write(now_ns, True, kind, "", text.encode())
 
     def close(self) -> None:
-        """Nothing follows; what is on the lane is recorded all the same."""
+        """Nothing follows; what is on the queue is recorded all the same."""

@@ -35,16 +35,16 @@ class FlightRecorder:
     ----------
     recordings
         Folder of all recordings.
-    lane
+    queue
         To the recorder's process; None when nothing is recorded.
     least
         Severity from which on firings are kept; None for none.
     """
 
-    def __init__(self, recordings: Path, lane: ShmQueue | None, least: Severity | None) -> None:
-        self._recordings, self._lane = recordings, lane
-        self.tape: EventLog = NoEventLog() if lane is None else RecorderEventLog(lane)
-        self._keeper = ClipPolicy(recordings, least)
+    def __init__(self, recordings: Path, queue: ShmQueue | None, least: Severity | None) -> None:
+        self._recordings, self._queue = recordings, queue
+        self.tape: EventLog = NoEventLog() if queue is None else RecorderEventLog(queue)
+        self._clip_policy = ClipPolicy(recordings, least)
         self._store: Any = None
         self._server: BacktestServer | None = None
 
@@ -55,12 +55,14 @@ class FlightRecorder:
 
     def fired(self, entry: FiringRecord) -> None:
         """Have what surrounds a firing kept, if it is severe enough."""
-        if entry.kind != "firing" or self._lane is None:
+        if entry.kind != "firing" or self._queue is None:
             return
         now_ns = time.monotonic_ns()
-        keep = self._keeper.fired(entry.rule_id, entry.severity, now_ns + self._lane.offset_ns)
+        keep = self._clip_policy.fired(
+            entry.rule_id, entry.severity, now_ns + self._queue.offset_ns
+        )
         if keep is not None:
-            self._lane.write(now_ns, True, KEEP, "", json.dumps(keep._asdict()).encode())
+            self._queue.write(now_ns, True, KEEP, "", json.dumps(keep._asdict()).encode())
             if self._store is not None:
                 self._store.keep_recording(entry.number, keep.path)
 
@@ -78,7 +80,7 @@ class FlightRecorder:
         WorkerFailed
             When there is such a file already, nothing to keep, or the disk is full.
         """
-        if self._lane is None:
+        if self._queue is None:
             raise NotRecording(
                 "the flight recorder is off; start the stack without --no-record (KOMPASS_RECORD=0)"
             )
@@ -86,7 +88,7 @@ class FlightRecorder:
             raise ValueError(f"seconds = {seconds!r} is no length of time; give 0 for all there is")
         name = name or time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
         path = saved_path(self._recordings, name)
-        self._lane.wait_for_disk(SETTLE)
+        self._queue.wait_for_disk(SETTLE)
         job = {"kind": "save", "recordings": str(self._recordings), "path": str(path)}
         with Worker(**job, seconds=seconds) as worker:
             return str(worker.answer())

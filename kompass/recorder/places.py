@@ -26,18 +26,18 @@ def recordings_folder(environment: Mapping[str, str] = os.environ) -> Path:
     return robot_folder(environment) / "recordings"
 
 
-def ring_folder(recordings: Path) -> Path:
+def rotation_folder(recordings: Path) -> Path:
     """Where the newest quarter of an hour is."""
     return recordings / "ring"
 
 
 def saved_folder(recordings: Path) -> Path:
-    """Where kept stretches are."""
+    """Where kept clips are."""
     return recordings / "saved"
 
 
 def saved_path(recordings: Path, name: str) -> Path:
-    """Where a stretch of this name is kept.
+    """Where a clip of this name is kept.
 
     Raises
     ------

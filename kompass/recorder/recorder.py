@@ -1,4 +1,4 @@
-"""The flight recorder: what the engine took, and what the robot said, into the ring."""
+"""The flight recorder: what the engine took, and what the robot said, onto the disk."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from kompass.backtest.event_log import Began, LoggedEvent, Lost, Swapped, from_d
 from kompass.recorder.clip_policy import KEEP, ClipKeeper, ClipRequest
 from kompass.recorder.engine_memory import EngineMemory
 from kompass.recorder.mcap.reader import Recording, messages
-from kompass.recorder.places import ring_folder
+from kompass.recorder.places import rotation_folder
 from kompass.recorder.rotating_recording import Bounds, RotatingRecording, rotation_files
 from kompass.recorder.shm_queue import Frame, ShmQueue
 from kompass.recorder.streams import (
@@ -32,15 +32,15 @@ log = logging.getLogger("kompass.recorder")
 
 FLUSH_PERIOD = 1.0  # s, after which what was heard survives the death of everything
 CLOSE_READINGS = 100_000  # ns between two readings that were not interrupted
-CROWDED = 0.3  # part of the lane, beyond which it is not put off
+CROWDED = 0.3  # part of the queue, beyond which it is not put off
 
 
 class Recorder:
-    """Takes frames from the lane and messages from the taps; has no thread and no node.
+    """Takes frames from the queue and messages from the topic sampler; has no thread and no node.
 
     Parameters
     ----------
-    lane
+    queue
         From the monitor.
     recordings
         Folder of all recordings.
@@ -59,22 +59,22 @@ class Recorder:
 
     def __init__(
         self,
-        lane: ShmQueue,
+        queue: ShmQueue,
         recordings: Path,
         resolve: Callable[[str], str],
         leave_out: Callable[[Collection[str]], object],
         bounds: Bounds = Bounds(),  # noqa: B008 - immutable
     ) -> None:
-        self._lane, self._resolve, self._leave_out = lane, resolve, leave_out
-        metadata = {"life": str(lane.life), "offset_ns": str(lane.offset_ns)}
-        folder = ring_folder(recordings)
-        # Copying a stretch must not hold up what comes from the lane.
+        self._queue, self._resolve, self._leave_out = queue, resolve, leave_out
+        metadata = {"life": str(queue.session), "offset_ns": str(queue.offset_ns)}
+        folder = rotation_folder(recordings)
+        # Copying a clip must not hold up what comes from the queue.
         self._saver = ThreadPoolExecutor(1, thread_name_prefix="keep")
-        self._keeps = ClipKeeper(recordings, self._in_background)
-        self._ring = RotatingRecording(folder, metadata, self._now, bounds, self._file_begins)
+        self._clips = ClipKeeper(recordings, self._in_background)
+        self._recording = RotatingRecording(folder, metadata, self._now, bounds, self._file_begins)
         self._memory = EngineMemory()
         self._streams: dict[tuple[str, str, str, bool], Stream] = {}
-        self._sequence = lane.resume()
+        self._sequence = queue.resume()
         self._flushed = time.monotonic()
         self._shift = 0
         self._compare_clocks()
@@ -86,17 +86,17 @@ class Recorder:
         return {self._resolve(name) for name in self._memory.topics}
 
     def _now(self) -> int:
-        return time.monotonic_ns() + self._lane.offset_ns
+        return time.monotonic_ns() + self._queue.offset_ns
 
     def tick(self) -> None:
         """Take what the engine took; bring it to disk when it is time."""
         self._compare_clocks()
-        for frame in self._lane.read():
+        for frame in self._queue.read():
             self._take_frame(frame)
         now = time.monotonic()
-        if now - self._flushed >= FLUSH_PERIOD or self._lane.fill > CROWDED:
+        if now - self._flushed >= FLUSH_PERIOD or self._queue.fill > CROWDED:
             self.flush()
-            self._keeps.carry_out(self._now())
+            self._clips.carry_out(self._now())
 
     def flush(self) -> None:
         """Bring all to disk. When that cannot be done, say so in the log and in the recording.
@@ -108,12 +108,12 @@ class Recorder:
         """
         self._flushed = time.monotonic()
         try:
-            self._ring.flush()
+            self._recording.flush()
         except OSError as error:
             log.error("nothing is recorded now: %s", error)
             self._lost(self._now(), 0, f"could not be written: {error}")
         # What is on disk, or given up, makes room.
-        self._lane.commit()
+        self._queue.commit()
 
     def close(self) -> None:
         """Take what there is, and end the file properly."""
@@ -122,7 +122,7 @@ class Recorder:
             self.flush()
         finally:
             self._saver.shutdown(wait=False, cancel_futures=True)
-            self._ring.close()
+            self._recording.close()
 
     def _in_background(self, job: Callable[[], None]) -> None:
         self._saver.submit(job).add_done_callback(_complain)
@@ -133,7 +133,7 @@ class Recorder:
         wall = time.time_ns()
         after = time.monotonic_ns()
         if after - before < CLOSE_READINGS:
-            self._shift = self._lane.offset_ns - (wall - (before + after) // 2)
+            self._shift = self._queue.offset_ns - (wall - (before + after) // 2)
 
     # -- what comes in ------------------------------------------------------------------------
 
@@ -142,7 +142,7 @@ class Recorder:
         stream = self._stream(
             taken.name, taken.topic.type, "tap", taken.topic.name, latched=taken.latched
         )
-        self._ring.write(
+        self._recording.write(
             stream,
             taken.received_ns + self._shift,
             taken.raw,
@@ -154,7 +154,7 @@ class Recorder:
         missing = frame.sequence - self._sequence - 1
         if missing < 0:
             return  # on disk already: a recorder died between writing it and saying so
-        at = frame.now_ns + self._lane.offset_ns
+        at = frame.now_ns + self._queue.offset_ns
         if missing and self._sequence:
             self._lost(at, missing, "the recorder did not keep up")
         self._sequence = frame.sequence
@@ -166,11 +166,11 @@ class Recorder:
                 self._lost(at, 1, "an event could not be understood")
             return
         stream = self._stream(self._resolve(frame.topic), frame.type, "engine", frame.topic)
-        self._ring.write(stream, at, frame.raw, frame.sequence, repeat=True)
+        self._recording.write(stream, at, frame.raw, frame.sequence, repeat=True)
 
     def _event(self, kind: str, data: dict[str, Any], at: int, sequence: int) -> None:
         if kind == KEEP:
-            self._keeps.order(ClipRequest(**data))
+            self._clips.order(ClipRequest(**data))
             return
         event = from_data(kind, data)
         self._write_event(event, at, sequence)
@@ -179,14 +179,14 @@ class Recorder:
             names = self.engine_topics
             self._leave_out(names)
             # An engine that begins has heard nothing yet.
-            self._ring.keep_only("engine", names if isinstance(event, Swapped) else ())
+            self._recording.keep_only("engine", names if isinstance(event, Swapped) else ())
 
     def _write_event(self, event: LoggedEvent, at: int, sequence: int = 0) -> None:
-        data = event_json(event, at - self._lane.offset_ns)
-        self._ring.write(EVENTS, at, data, sequence)
+        data = event_json(event, at - self._queue.offset_ns)
+        self._recording.write(EVENTS, at, data, sequence)
 
     def _lost(self, at: int, number: int, reason: str) -> None:
-        self._write_event(Lost((at - self._lane.offset_ns) * 1e-9, number, reason), at)
+        self._write_event(Lost((at - self._queue.offset_ns) * 1e-9, number, reason), at)
 
     def _stream(
         self, name: str, kind: str, source: str, rule_topic: str, *, latched: bool = False
@@ -202,14 +202,14 @@ class Recorder:
 
     def _file_begins(self, at: int) -> None:
         """Say in a new file which table is in force."""
-        resumed = self._memory.resumed((at - self._lane.offset_ns) * 1e-9)
+        resumed = self._memory.resumed((at - self._queue.offset_ns) * 1e-9)
         if resumed is not None:
             self._write_event(resumed, at)
 
     def _pick_up(self, folder: Path) -> None:
         """Go on where an earlier recorder of the same stack was killed."""
         with Recording(rotation_files(folder)[-1:]) as recording:
-            if not recording.files or recording.files[0].life != str(self._lane.life):
+            if not recording.files or recording.files[0].session != str(self._queue.session):
                 return
             for message in messages(recording.files, lambda track: bool(track.source)):
                 track = message.track
@@ -224,7 +224,7 @@ class Recorder:
                         track.rule_topic,
                         latched=LATCHED in track.channel.metadata,
                     )
-                    self._ring.remember(stream, message.data, message.publish_time)
+                    self._recording.remember(stream, message.data, message.publish_time)
 
 
 def _complain(done: Future[None]) -> None:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 CAPACITY = 4 << 20  # bytes: some 15 s of a thousand small messages per second
 
 # The words of the header.
-_HEAD, _TAIL, _SEQUENCE, _OFFSET, _LIFE, _COMMITTED = range(6)
+_HEAD, _TAIL, _SEQUENCE, _OFFSET, _SESSION, _COMMITTED = range(6)
 _HEADER = 64
 _SIZES = struct.Struct("<II")  # of the body, and its checksum
 _BODY = struct.Struct("<QIBHH")
@@ -45,7 +45,7 @@ class Frame(NamedTuple):
 
 
 class ShmQueue:
-    """Both ends of it; one process writes from one thread, another reads.
+    """A queue of frames in shared memory: one process writes from one thread, another reads.
 
     The head moves when a frame is complete and the tail when it is on disk, each in one store of
     eight bytes.
@@ -64,17 +64,17 @@ class ShmQueue:
         self._position = 0  # up to where the reader has read
         self._read = 0  # number of the last frame that it has read
         self._words[_OFFSET] = time.time_ns() - time.monotonic_ns()
-        self._words[_LIFE] = time.time_ns()
+        self._words[_SESSION] = time.time_ns()
 
     @property
     def offset_ns(self) -> int:
-        """Nanoseconds since the epoch minus monotonic ones, fixed for the life of the stack."""
+        """Nanoseconds since the epoch minus monotonic ones, fixed for the session of the stack."""
         return self._words[_OFFSET]
 
     @property
-    def life(self) -> int:
-        """Tells the lives of the stack apart; nanoseconds since the epoch at its beginning."""
-        return self._words[_LIFE]
+    def session(self) -> int:
+        """Tells the sessions of the stack apart; nanoseconds since the epoch at its beginning."""
+        return self._words[_SESSION]
 
     # -- the writer's end ---------------------------------------------------------------------
 
@@ -95,7 +95,7 @@ class ShmQueue:
         return True
 
     def wait_for_disk(self, timeout: float) -> bool:
-        """Wait until all that is on the lane now is on disk; False when it is not in time.
+        """Wait until all that is on the queue now is on disk; False when it is not in time.
 
         From any thread.
         """
@@ -159,7 +159,7 @@ class ShmQueue:
 
     @property
     def fill(self) -> float:
-        """Part of the ring that waits to be read and committed, 0 to 1."""
+        """Part of the queue that waits to be read and committed, 0 to 1."""
         return (self._words[_HEAD] - self._words[_TAIL]) / self._capacity
 
     def _copy_out(self, at: int, size: int) -> bytes:

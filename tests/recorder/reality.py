@@ -175,7 +175,7 @@ class Reality:
                 return
 
     def save(self, name: str) -> Path:
-        """Keep all of the ring."""
+        """Keep all of the rotating recording."""
         request = SaveRecording.Request(seconds=0.0, name=name)
         answer = self._robot.call(SaveRecording, "/monitor/save_recording", request, timeout=30)
         assert answer.success, answer.message

@@ -17,7 +17,7 @@ from kompass.recorder.clip_policy import (
 )
 from kompass.recorder.flight import FlightRecorder, NotRecording
 from kompass.recorder.mcap.reader import Recording
-from kompass.recorder.places import ring_folder, saved_folder
+from kompass.recorder.places import rotation_folder, saved_folder
 from kompass.recorder.process import flight_recorder
 from kompass.recorder.rotating_recording import RotatingRecording
 from kompass.recorder.shm_queue import ShmQueue
@@ -85,11 +85,11 @@ def test_a_setting_that_names_none_is_refused_with_the_names() -> None:
 
 def test_orders_are_carried_out_when_their_time_has_come_and_the_oldest_go(tmp_path: Path) -> None:
     now = START
-    ring = RotatingRecording(ring_folder(tmp_path), {"life": "1"}, lambda: now)
+    recording = RotatingRecording(rotation_folder(tmp_path), {"life": "1"}, lambda: now)
     stream = message_stream("/scan", "sensor_msgs/msg/LaserScan", "tap", "scan")
     for second in range(40):
-        ring.write(stream, START + second * NS, b"x")
-    ring.flush()
+        recording.write(stream, START + second * NS, b"x")
+    recording.flush()
     keeps = ClipKeeper(tmp_path)
     folder = saved_folder(tmp_path)
     path = folder / "firing-x.mcap"
@@ -109,7 +109,7 @@ def test_orders_are_carried_out_when_their_time_has_come_and_the_oldest_go(tmp_p
     keeps.carry_out(START + 100 * NS)
     assert len(list(folder.glob("firing-*"))) == KEPT
     assert (folder / "mine.mcap").exists(), "what a person has kept is never dropped"
-    ring.close()
+    recording.close()
 
 
 class Store:
@@ -138,16 +138,16 @@ def entry(kind: str, severity: str) -> FiringRecord:
 
 
 def test_the_journal_learns_where_a_firing_is_kept(tmp_path: Path) -> None:
-    lane, store = ShmQueue(), Store()
-    flight = FlightRecorder(tmp_path, lane, Severity.ERROR)
+    queue, store = ShmQueue(), Store()
+    flight = FlightRecorder(tmp_path, queue, Severity.ERROR)
     flight._store = store
     flight.fired(entry("near miss", "critical"))
     flight.fired(entry("firing", "info"))
-    assert lane.read() == []
+    assert queue.read() == []
 
     flight.fired(entry("firing", "error"))
 
-    (frame,) = lane.read()
+    (frame,) = queue.read()
     assert (frame.is_event, frame.topic) == (True, KEEP)
     keep = ClipRequest(**json.loads(frame.raw))
     assert store.noted == [(7, keep.path)]

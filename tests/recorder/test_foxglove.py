@@ -32,7 +32,7 @@ def read_by_foxglove(path: Path) -> list[dict[str, Any]]:
 
 @pytest.mark.parametrize("ending", ["finished", "killed"])
 def test_a_recording_is_decoded_by_the_libraries_of_foxglove(tmp_path: Path, ending: str) -> None:
-    ring = RotatingRecording(tmp_path, {"life": "1", "offset_ns": "0"}, lambda: NOW)
+    recording = RotatingRecording(tmp_path, {"life": "1", "offset_ns": "0"}, lambda: NOW)
     scan = LaserScan(ranges=[0.5, 1.25, float("inf")], angle_increment=0.25)
     scan.header.frame_id = "laser"
     point = PointStamped()
@@ -44,18 +44,18 @@ def test_a_recording_is_decoded_by_the_libraries_of_foxglove(tmp_path: Path, end
     ]
     for at in range(3):
         for stream, message in said:
-            ring.write(stream, NOW + at, serialize_message(message))
-        ring.write(EVENTS, NOW + at, json.dumps(event).encode())
-        ring.flush()
+            recording.write(stream, NOW + at, serialize_message(message))
+        recording.write(EVENTS, NOW + at, json.dumps(event).encode())
+        recording.flush()
     if ending == "finished":
-        ring.close()
+        recording.close()
     else:
         torn = tmp_path / "torn"
         torn.mkdir()
         (torn / rotation_files(tmp_path)[0].name).write_bytes(
             rotation_files(tmp_path)[0].read_bytes()[:-9]
         )
-        ring.close()
+        recording.close()
         RotatingRecording(torn, {"life": "2", "offset_ns": "0"}, lambda: NOW).close()
 
     (file,) = rotation_files(tmp_path / "torn" if ending == "killed" else tmp_path)

@@ -76,20 +76,20 @@ def level(value: float) -> bytes:
     return bytes(serialize_message(Float64(data=value)))
 
 
-class Life:
-    """A stack's life: a monitor that writes its tape, and a recorder that takes it."""
+class StackSession:
+    """A stack's session: a monitor that writes its tape, and a recorder that takes it."""
 
     def __init__(self, recordings: Path) -> None:
         self.recordings = recordings
-        self.lane = ShmQueue()
-        self.tape = RecorderEventLog(self.lane)
+        self.queue = ShmQueue()
+        self.tape = RecorderEventLog(self.queue)
         self.now_ns = 100 * NS
         self.left_out: set[str] = set()
         self.recorder = self.start()
 
     def start(self) -> Recorder:
         """Another recorder's process."""
-        return Recorder(self.lane, self.recordings, lambda name: f"/{name}", self._leave_out)
+        return Recorder(self.queue, self.recordings, lambda name: f"/{name}", self._leave_out)
 
     def _leave_out(self, names: Iterable[str]) -> None:
         self.left_out = set(names)
@@ -100,7 +100,7 @@ class Life:
 
     def begin(self, first: Table, epoch: str = "first") -> None:
         now = self.now_ns * 1e-9
-        wall = (self.now_ns + self.lane.offset_ns) * 1e-9
+        wall = (self.now_ns + self.queue.offset_ns) * 1e-9
         self.event(Began(now, wall, epoch, 1, first))
 
     def hear(self, value: float, topic: str = "level") -> None:
@@ -115,7 +115,7 @@ class Life:
 
     def tap(self, value: float, topic: str = "level", *, latched: bool = False) -> None:
         self.now_ns += NS // 10
-        at = self.now_ns + self.lane.offset_ns
+        at = self.now_ns + self.queue.offset_ns
         self.recorder.take(
             Taken(SampledTopic(topic, FLOAT), f"/{topic}", latched, at, at, level(value))
         )
@@ -131,23 +131,23 @@ def heard(events: list[LoggedEvent]) -> list[tuple[float, str, float]]:
 
 
 @pytest.fixture
-def life(tmp_path: Path) -> Life:
-    return Life(tmp_path)
+def session(tmp_path: Path) -> StackSession:
+    return StackSession(tmp_path)
 
 
-def test_what_the_engine_took_comes_back_to_the_nanosecond(life: Life) -> None:
+def test_what_the_engine_took_comes_back_to_the_nanosecond(session: StackSession) -> None:
     rules = table(5.0)
-    life.begin(rules)
+    session.begin(rules)
     sent = []
     for value in (1.0, 7.0, 3.0):
-        life.hear(value)
-        sent.append((life.now_ns * 1e-9, "level", value))
-    life.fire(rules.rules[0], 1)
-    life.event(Heard(life.now_ns * 1e-9, "callable/ask", "", True))
-    life.event(Swapped(life.now_ns * 1e-9, 2, table(6.0), ("above-6",)))
-    life.recorder.close()
+        session.hear(value)
+        sent.append((session.now_ns * 1e-9, "level", value))
+    session.fire(rules.rules[0], 1)
+    session.event(Heard(session.now_ns * 1e-9, "callable/ask", "", True))
+    session.event(Swapped(session.now_ns * 1e-9, 2, table(6.0), ("above-6",)))
+    session.recorder.close()
 
-    events = replayed(rotation_files(life.recordings / "ring"), rules)
+    events = replayed(rotation_files(session.recordings / "ring"), rules)
 
     assert heard(events) == sent, "exact equality of times"
     kinds = [type(event).__name__ for event in events]
@@ -158,78 +158,80 @@ def test_what_the_engine_took_comes_back_to_the_nanosecond(life: Life) -> None:
     assert (events[-1].table, events[-1].reset) == (table(6.0), ("above-6",))
 
 
-def test_the_recorders_own_ears_serve_only_where_the_engine_did_not_listen(life: Life) -> None:
-    life.tap(1.0)  # before the engine began
-    life.now_ns += NS // 100
-    life.begin(table(5.0, topic="other"))
-    life.tap(2.0)
-    life.hear(20.0, "other")
-    life.recorder.tick()
-    assert life.left_out == {"/other"}
-    life.event(Swapped(life.now_ns * 1e-9, 2, table(5.0)))
-    life.hear(3.0)
-    life.recorder.tick()
-    assert life.left_out == {"/level"}
-    life.tap(3.5)  # was on its way while the engine began to listen
-    life.hear(4.0)
-    life.recorder.close()
+def test_the_recorders_own_ears_serve_only_where_the_engine_did_not_listen(
+    session: StackSession,
+) -> None:
+    session.tap(1.0)  # before the engine began
+    session.now_ns += NS // 100
+    session.begin(table(5.0, topic="other"))
+    session.tap(2.0)
+    session.hear(20.0, "other")
+    session.recorder.tick()
+    assert session.left_out == {"/other"}
+    session.event(Swapped(session.now_ns * 1e-9, 2, table(5.0)))
+    session.hear(3.0)
+    session.recorder.tick()
+    assert session.left_out == {"/level"}
+    session.tap(3.5)  # was on its way while the engine began to listen
+    session.hear(4.0)
+    session.recorder.close()
 
-    events = replayed(rotation_files(life.recordings / "ring"), table(5.0))
+    events = replayed(rotation_files(session.recordings / "ring"), table(5.0))
 
     assert [value for _, _, value in heard(events)] == [2.0, 3.0, 4.0]
 
 
 def test_a_recorder_that_is_killed_neither_loses_nor_doubles_what_the_engine_took(
-    life: Life,
+    session: StackSession,
 ) -> None:
-    life.begin(table(5.0))
+    session.begin(table(5.0))
     values = [float(number) for number in range(40)]
     for number, value in enumerate(values):
-        life.hear(value)
+        session.hear(value)
         if number % 4 == 0:
-            life.recorder.tick()
+            session.recorder.tick()
         if number % 8 == 0:
             # Flushed, but killed before it could say so; what came later, only read.
-            life.recorder._ring.flush()
-            life.hear(-value)
-            life.recorder.tick()
+            session.recorder._recording.flush()
+            session.hear(-value)
+            session.recorder.tick()
         if number % 12 == 5:
-            life.recorder._ring._lock.close()  # as the kernel does with those of the dead
-            life.recorder._ring._writer.abandon()  # type: ignore[union-attr]
-            life.recorder = life.start()
-            assert life.left_out == {"/level"} or number < 4
-    life.recorder.close()
+            session.recorder._recording._lock.close()  # as the kernel does with those of the dead
+            session.recorder._recording._writer.abandon()  # type: ignore[union-attr]
+            session.recorder = session.start()
+            assert session.left_out == {"/level"} or number < 4
+    session.recorder.close()
 
-    events = replayed(rotation_files(life.recordings / "ring"), table(5.0))
+    events = replayed(rotation_files(session.recordings / "ring"), table(5.0))
 
     expected = [v for n, v in enumerate(values) for v in ([v, -v] if n % 8 == 0 else [v])]
     assert [value for _, _, value in heard(events)] == expected
     assert [type(e).__name__ for e in events].count("Began") == 1
 
 
-def test_what_did_not_fit_is_told(life: Life) -> None:
-    life.begin(table(5.0))
-    life.recorder.tick()
+def test_what_did_not_fit_is_told(session: StackSession) -> None:
+    session.begin(table(5.0))
+    session.recorder.tick()
     for _ in range(3):
-        life.tape.message("level", FLOAT, bytes(5 << 20), life.now_ns)
-    life.hear(1.0)
-    life.recorder.close()
+        session.tape.message("level", FLOAT, bytes(5 << 20), session.now_ns)
+    session.hear(1.0)
+    session.recorder.close()
 
-    events = replayed(rotation_files(life.recordings / "ring"), table(5.0))
+    events = replayed(rotation_files(session.recordings / "ring"), table(5.0))
 
     (lost,) = [event for event in events if type(event).__name__ == "Lost"]
     assert lost.number == 3  # type: ignore[union-attr]
-    _, remark = backtest_files(table(5.0), rotation_files(life.recordings / "ring"))
+    _, remark = backtest_files(table(5.0), rotation_files(session.recordings / "ring"))
     assert "lost 3 inputs" in remark
 
 
 def test_a_disk_that_fails_for_a_moment_costs_that_moment_and_is_told(
-    life: Life, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    session: StackSession, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    life.now_ns = time.monotonic_ns()
-    life.begin(table(5.0))
-    life.hear(1.0)
-    life.recorder.tick()
+    session.now_ns = time.monotonic_ns()
+    session.begin(table(5.0))
+    session.hear(1.0)
+    session.recorder.tick()
     flush = McapWriter.flush
     failures = [OSError(errno.EIO, "Input/output error")]
 
@@ -239,21 +241,21 @@ def test_a_disk_that_fails_for_a_moment_costs_that_moment_and_is_told(
         flush(writer)
 
     monkeypatch.setattr(McapWriter, "flush", fail)
-    life.recorder.flush()
-    life.hear(2.0)
-    life.recorder.close()
+    session.recorder.flush()
+    session.hear(2.0)
+    session.recorder.close()
 
     assert "nothing is recorded now: [Errno 5]" in caplog.text
-    events = replayed(rotation_files(life.recordings / "ring"), table(5.0))
+    events = replayed(rotation_files(session.recordings / "ring"), table(5.0))
     assert [type(e).__name__ for e in events] == ["Resumed", "Heard", "Lost", "Heard"]
     assert [value for _, _, value in heard(events)] == [1.0, 2.0], "the last of before is valid"
 
 
 def test_a_disk_that_fails_for_good_leaves_the_folder_to_the_next(
-    life: Life, monkeypatch: pytest.MonkeyPatch
+    session: StackSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    life.begin(table(5.0))
-    life.recorder.tick()
+    session.begin(table(5.0))
+    session.recorder.tick()
 
     def full(_: object) -> Any:
         return shutil._ntuple_diskusage(1, 1, 0)
@@ -261,34 +263,36 @@ def test_a_disk_that_fails_for_good_leaves_the_folder_to_the_next(
     monkeypatch.setattr(shutil, "disk_usage", full)
     monkeypatch.setattr(McapWriter, "_put", _no_space)
     with pytest.raises(OSError, match="left to others"):
-        life.recorder.close()
+        session.recorder.close()
     monkeypatch.undo()
 
-    life.recorder = life.start()
-    life.recorder.close()
+    session.recorder = session.start()
+    session.recorder.close()
 
 
 def _no_space(*_: object) -> None:
     raise OSError(errno.ENOSPC, "No space left on device")
 
 
-def test_a_kept_stretch_begins_with_the_table_in_force_and_what_was_valid(life: Life) -> None:
+def test_a_kept_stretch_begins_with_the_table_in_force_and_what_was_valid(
+    session: StackSession,
+) -> None:
     first = table(5.0, once=True)
-    life.begin(first)
-    life.tap(9.0, "map", latched=True)
-    life.hear(7.0)
-    life.fire(first.rules[0], 1)
+    session.begin(first)
+    session.tap(9.0, "map", latched=True)
+    session.hear(7.0)
+    session.fire(first.rules[0], 1)
     second = table(5.0, 6.0, once=True)
-    life.event(Swapped(life.now_ns * 1e-9, 2, second))
-    life.hear(8.0)
-    life.now_ns += 60 * NS
-    start = life.now_ns + life.lane.offset_ns
-    life.hear(1.0)
-    life.recorder.tick()
-    life.recorder.flush()
+    session.event(Swapped(session.now_ns * 1e-9, 2, second))
+    session.hear(8.0)
+    session.now_ns += 60 * NS
+    start = session.now_ns + session.queue.offset_ns
+    session.hear(1.0)
+    session.recorder.tick()
+    session.recorder.flush()
 
-    path = save_clip(life.recordings, saved_path(life.recordings, "stretch"), start)
-    life.recorder.close()
+    path = save_clip(session.recordings, saved_path(session.recordings, "stretch"), start)
+    session.recorder.close()
     events = replayed([path], table(0.5))
 
     resumed, valid, fresh = events
@@ -297,23 +301,23 @@ def test_a_kept_stretch_begins_with_the_table_in_force_and_what_was_valid(life: 
     assert isinstance(valid, Heard)
     assert valid.message.data == 8.0
     assert isinstance(fresh, Heard)
-    assert (fresh.now, fresh.message.data) == (life.now_ns * 1e-9, 1.0)
+    assert (fresh.now, fresh.message.data) == (session.now_ns * 1e-9, 1.0)
     assert [value for _, _, value in heard(replayed([path], table(0.5, topic="map")))] == [9.0]
     with pytest.raises(ClipNotSaved, match=r"stretch\.mcap already; choose another name"):
-        save_clip(life.recordings, path, start)
+        save_clip(session.recordings, path, start)
     assert [p.name for p in path.parent.iterdir()] == ["stretch.mcap"]
 
 
 def test_a_backtest_over_two_lives_of_the_stack_finds_the_firings_of_both(tmp_path: Path) -> None:
     rules = table(5.0)
     for epoch in ("one", "two"):
-        life = Life(tmp_path)
-        life.begin(rules, epoch)
+        session = StackSession(tmp_path)
+        session.begin(rules, epoch)
         for run, value in enumerate((1.0, 7.0, 2.0, 9.0)):
-            life.hear(value)
+            session.hear(value)
             if value > 5.0:
-                life.fire(rules.rules[0], run)
-        life.recorder.close()
+                session.fire(rules.rules[0], run)
+        session.recorder.close()
     files = recorded_files(tmp_path, "")
 
     same, remark = backtest_files(rules, files)
@@ -326,7 +330,7 @@ def test_a_backtest_over_two_lives_of_the_stack_finds_the_firings_of_both(tmp_pa
 
 
 def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_before(
-    life: Life,
+    session: StackSession,
 ) -> None:
     rules = Table.model_validate(
         {
@@ -343,37 +347,37 @@ def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_befor
         "first",
         handle=lambda outputs, *_: due.extend(o for o in outputs if isinstance(o, Firing)),
         wake=lambda _: None,
-        tape=life.tape,
-        clock=lambda: life.now_ns,
-        wall=lambda: (life.now_ns + life.lane.offset_ns) * 1e-9,
+        tape=session.tape,
+        clock=lambda: session.now_ns,
+        wall=lambda: (session.now_ns + session.queue.offset_ns) * 1e-9,
     )
     due: list[Firing] = []
     for count in range(300):
-        life.now_ns += NS // 10 + 7
+        session.now_ns += NS // 10 + 7
         raw = level(7.0 if count > 3 else 0.0)
         engine.heard("level", FLOAT, Float64(data=7.0 if count > 3 else 0.0), raw)
         if due and count % 5 == 0:  # each run lasts for a while
             ended = due.pop(0)
             engine.ended(ended.rule_id, ended.run_id, True, "")
-    life.recorder.close()
+    session.recorder.close()
 
-    report, _ = backtest_files(rules, rotation_files(life.recordings / "ring"), 10.0)
+    report, _ = backtest_files(rules, rotation_files(session.recordings / "ring"), 10.0)
 
     assert report.same > 5
     assert (report.new, report.gone) == (0, 0)
 
 
-def test_only_the_end_is_replayed_when_only_the_end_is_asked_for(life: Life) -> None:
-    life.begin(table(5.0))
+def test_only_the_end_is_replayed_when_only_the_end_is_asked_for(session: StackSession) -> None:
+    session.begin(table(5.0))
     for value in range(50):
-        life.hear(float(value))
-    life.recorder.close()
+        session.hear(float(value))
+    session.recorder.close()
 
-    events = replayed(rotation_files(life.recordings / "ring"), table(5.0), seconds=1.0)
+    events = replayed(rotation_files(session.recordings / "ring"), table(5.0), seconds=1.0)
 
     assert isinstance(events[0], Resumed)
     values = [value for _, _, value in heard(events)]
-    # The last before the stretch is valid at its beginning.
+    # The last before the clip is valid at its beginning.
     assert values == [float(value) for value in range(50 - len(values), 50)]
     assert 9 <= len(values) <= 12
 
@@ -450,12 +454,12 @@ def test_names_cannot_leave_the_folder(tmp_path: Path, name: str) -> None:
             recorded_files(tmp_path / "recordings", name)
 
 
-def test_the_engines_channel_is_json_with_a_schema(life: Life) -> None:
-    life.begin(table(5.0))
-    life.hear(1.0)
-    life.recorder.close()
+def test_the_engines_channel_is_json_with_a_schema(session: StackSession) -> None:
+    session.begin(table(5.0))
+    session.hear(1.0)
+    session.recorder.close()
 
-    with Recording(rotation_files(life.recordings / "ring")) as recording:
+    with Recording(rotation_files(session.recordings / "ring")) as recording:
         (file,) = recording.files
         tracks = {track.topic: track for track in file.tracks.values()}
 

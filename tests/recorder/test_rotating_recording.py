@@ -59,14 +59,14 @@ def test_a_file_ends_by_its_age_and_the_next_begins_with_what_is_still_valid(
     tmp_path: Path,
 ) -> None:
     clock = Clock()
-    ring = opened(tmp_path, clock, Bounds(file_age=30.0))
-    ring.write(MAP, clock.now, b"the map", repeat=True)
+    recording = opened(tmp_path, clock, Bounds(file_age=30.0))
+    recording.write(MAP, clock.now, b"the map", repeat=True)
     said = clock.now
     for _ in range(65):
         clock.now += SECOND
-        ring.write(SCAN, clock.now, b"scan")
-        ring.flush()
-    ring.close()
+        recording.write(SCAN, clock.now, b"scan")
+        recording.flush()
+    recording.close()
 
     files = rotation_files(tmp_path)
 
@@ -84,14 +84,14 @@ def test_a_file_ends_by_its_age_and_the_next_begins_with_what_is_still_valid(
 def test_the_disk_it_takes_stays_below_its_bound(tmp_path: Path) -> None:
     clock = Clock()
     bounds = Bounds(size=400_000, file_size=50_000)
-    ring = opened(tmp_path, clock, bounds)
+    recording = opened(tmp_path, clock, bounds)
     largest = 0
     for number in range(300):
         clock.now += SECOND // 10
-        ring.write(SCAN, clock.now, os.urandom(5000), number)
-        ring.flush()
+        recording.write(SCAN, clock.now, os.urandom(5000), number)
+        recording.flush()
         largest = max(largest, sum(path.stat().st_size for path in rotation_files(tmp_path)))
-    ring.close()
+    recording.close()
 
     assert 300_000 < largest <= bounds.size + 6000
     kept = read(*rotation_files(tmp_path))
@@ -101,16 +101,16 @@ def test_the_disk_it_takes_stays_below_its_bound(tmp_path: Path) -> None:
 
 def test_files_older_than_the_bound_go(tmp_path: Path) -> None:
     clock = Clock()
-    ring = opened(tmp_path, clock, Bounds(age=60.0, file_age=1.0))
+    recording = opened(tmp_path, clock, Bounds(age=60.0, file_age=1.0))
     for _ in range(6):
         clock.now += 2 * SECOND
-        ring.write(SCAN, clock.now, b"x")
-        ring.flush()
+        recording.write(SCAN, clock.now, b"x")
+        recording.flush()
     oldest, *others = rotation_files(tmp_path)
     os.utime(oldest, (time.time() - 100, time.time() - 100))
 
-    ring.prune()
-    ring.close()
+    recording.prune()
+    recording.close()
 
     assert len(others) == 2
     assert rotation_files(tmp_path) == others
@@ -122,11 +122,11 @@ def test_all_that_was_flushed_survives_kill_9_and_the_file_is_mended(tmp_path: P
     if pid == 0:
         clock = Clock()
         # However far it gets before it is killed, it stays with its first file.
-        ring = opened(tmp_path, clock, Bounds(size=1 << 40, file_size=1 << 40, file_age=1e9))
+        recording = opened(tmp_path, clock, Bounds(size=1 << 40, file_size=1 << 40, file_age=1e9))
         while True:
             clock.now += SECOND
-            ring.write(SCAN, clock.now, os.urandom(3000))
-            ring.flush()
+            recording.write(SCAN, clock.now, os.urandom(3000))
+            recording.flush()
             os.write(pipe_write, clock.now.to_bytes(8, "little"))
     acknowledged = b"".join(os.read(pipe_read, 8) for _ in range(20))
     os.kill(pid, signal.SIGKILL)
@@ -142,22 +142,22 @@ def test_all_that_was_flushed_survives_kill_9_and_the_file_is_mended(tmp_path: P
     assert before[: len(times)] == times
     assert len(before) <= len(times) + 1
 
-    ring = opened(tmp_path, Clock())
+    recording = opened(tmp_path, Clock())
 
     with torn.open("rb") as stream:
         found = [m.log_time for _, _, m in make_reader(stream, validate_crcs=True).iter_messages()]
     assert found == before
-    ring.write(SCAN, times[-1] + SECOND, b"next")
-    ring.close()
+    recording.write(SCAN, times[-1] + SECOND, b"next")
+    recording.close()
     assert len(rotation_files(tmp_path)) == 2
 
 
 def test_a_second_recorder_is_told_what_to_do(tmp_path: Path) -> None:
-    ring = opened(tmp_path, Clock())
+    recording = opened(tmp_path, Clock())
 
     with pytest.raises(RecordingInUse, match="KOMPASS_ROBOT_NAME"):
         opened(tmp_path, Clock())
-    ring.close()
+    recording.close()
 
     opened(tmp_path, Clock()).close()
 
@@ -166,12 +166,12 @@ def test_a_full_disk_costs_the_oldest_and_not_the_newest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = Clock()
-    ring = opened(tmp_path, clock, Bounds(file_age=1.0))
+    recording = opened(tmp_path, clock, Bounds(file_age=1.0))
     for _ in range(3):
         clock.now += 2 * SECOND
-        ring.write(SCAN, clock.now, b"x")
-        ring.flush()
-    ring.write(SCAN, clock.now + 1, b"newest")
+        recording.write(SCAN, clock.now, b"x")
+        recording.flush()
+    recording.write(SCAN, clock.now + 1, b"newest")
     before = rotation_files(tmp_path)
     flush = McapWriter.flush
     failures = [OSError(errno.ENOSPC, "No space left on device")]
@@ -182,8 +182,8 @@ def test_a_full_disk_costs_the_oldest_and_not_the_newest(
         flush(writer)
 
     monkeypatch.setattr(McapWriter, "flush", full)
-    ring.flush()
-    ring.close()
+    recording.flush()
+    recording.close()
 
     assert rotation_files(tmp_path) == before[1:]
     assert read(*rotation_files(tmp_path))[-1].data == b"newest"
@@ -195,8 +195,8 @@ def test_what_is_left_to_others_is_not_touched(
     free = 10 << 20
     usage = shutil.disk_usage(tmp_path)._replace(free=free)
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
-    ring = opened(tmp_path, Clock())
+    recording = opened(tmp_path, Clock())
 
     with pytest.raises(OSError, match="left to others"):
-        ring.write(SCAN, 1, b"x")
-    ring.close()
+        recording.write(SCAN, 1, b"x")
+    recording.close()

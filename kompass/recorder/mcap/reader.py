@@ -61,8 +61,8 @@ class File(NamedTuple):
     tracks: dict[int, Track]
 
     @property
-    def life(self) -> str:
-        """The life of the stack that it was written in; empty for a file of another recorder."""
+    def session(self) -> str:
+        """The session of the stack that it was written in; empty for a file of another recorder."""
         return self.contents.metadata.get("kompass", {}).get("life", "")
 
 
@@ -118,10 +118,10 @@ class Recording:
 
 
 def sessions_of(files: Sequence[File]) -> list[list[File]]:
-    """Files by the life of the stack that they were written in, in order."""
+    """Files by the session of the stack that they were written in, in order."""
     found: list[list[File]] = []
     for file in files:
-        if found and found[-1][0].life == file.life:
+        if found and found[-1][0].session == file.session:
             found[-1].append(file)
         else:
             found.append([file])

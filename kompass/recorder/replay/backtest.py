@@ -11,7 +11,7 @@ from kompass.backtest.engine import backtest
 from kompass.backtest.event_log import LoggedEvent, Lost
 from kompass.backtest.report import BacktestReport
 from kompass.recorder.mcap.reader import Recording
-from kompass.recorder.places import known_recording, ring_folder
+from kompass.recorder.places import known_recording, rotation_folder
 from kompass.recorder.replay.replay import Replay
 from kompass.recorder.rotating_recording import rotation_files
 from kompass.rules.engine.compiled_table import compile_table
@@ -41,7 +41,7 @@ def recorded_files(recordings: Path, name: str) -> list[Path]:
     """
     if name:
         return [known_recording(recordings, name)]
-    return rotation_files(ring_folder(recordings))
+    return rotation_files(rotation_folder(recordings))
 
 
 def backtest_files(
