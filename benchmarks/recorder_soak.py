@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from mcap.reader import make_reader
 
-from kompass.recorder.rotating_recording import Bounds, rotation_files
+from kompass.recorder.rotating_recording import rotation_files
 from tests.recorder.reality import Reality, reality_table
 from tests.support.robot import Robot
 from tests.support.stack import Stack
@@ -77,14 +77,14 @@ def main() -> None:
             summary = make_reader(stream, validate_crcs=True).get_summary()
         assert summary is not None
         assert summary.statistics is not None
-        numbers = summary.statistics
+        numbers, bounds = summary.statistics, RotationBounds()
         length = (numbers.message_end_time - numbers.message_start_time) * 1e-9
         print(
             f"recorder: {share:.2%} of a core over {passed / 60:.1f} min, "
             f"{numbers.message_count / length:.0f} messages/s, at most {largest / 1e6:.1f} MB on "
-            f"disk (bound {Bounds().size / 1e6:.0f} MB), the last {length / 60:.1f} min kept"
+            f"disk (bound {bounds.size / 1e6:.0f} MB), the last {length / 60:.1f} min kept"
         )
-        within = largest <= Bounds().size and length <= Bounds().age + 2 * Bounds().file_age
+        within = largest <= bounds.size and length <= bounds.age + 2 * bounds.file_age
         sys.exit(0 if share < 0.03 and within else 1)
     finally:
         robot.close()

@@ -73,8 +73,8 @@ def kill_at_random(folder: Path, kills: int, seed: int = 0) -> Counter[str]:
     """
     chance, found = random.Random(seed), Counter[str]()
     with RuleStore.open(folder) as store:
-        store.begin_life(table(0), epoch="first", stack="stack")
-        store.end_life()
+        store.begin_session(table(0), epoch="first", stack="stack")
+        store.end_session()
     last = 0  # confirmed
     for round_ in range(kills):
         acknowledged = _killed(folder, last + 1, round_, chance.uniform(0.0, LONGEST))
@@ -82,13 +82,13 @@ def kill_at_random(folder: Path, kills: int, seed: int = 0) -> Counter[str]:
             assert not store.notices, store.notices
             for place, number in acknowledged.applied.items():
                 assert number_of(store.table(number)) == place
-            boot = store.begin_life(table(0), epoch=f"look {round_}", stack="stack")
+            boot = store.begin_session(table(0), epoch=f"look {round_}", stack="stack")
             confirmed = number_of(boot.table)
             old = acknowledged.confirmed or last
             assert confirmed in (old, old + 1), (confirmed, acknowledged)
             found["the new table" if confirmed == old + 1 else "the old table"] += 1
             found["acknowledged revisions"] += len(acknowledged.applied)
-            store.end_life()
+            store.end_session()
         last = confirmed
     return found
 
@@ -128,7 +128,7 @@ def _write(folder: Path, begin: int, round_: int, out: int) -> None:
     """Apply and confirm one table after the other until killed; runs in the child."""
     try:
         store = RuleStore.open(folder, clock=_clock(round_))
-        store.begin_life(table(0), epoch=f"round {round_}", stack="stack")
+        store.begin_session(table(0), epoch=f"round {round_}", stack="stack")
         os.write(out, b"open\n")
         place = begin
         while True:
@@ -169,7 +169,7 @@ def around_a_transaction(folder: Path, *, restarted: bool) -> Moments:
     transaction left there; otherwise it grows.
     """
     with RuleStore.open(folder) as store:
-        store.begin_life(table(0), epoch="cut", stack="stack")
+        store.begin_session(table(0), epoch="cut", stack="stack")
         for place in range(1, OLD + 1):
             store.append(table(place), author="ava", role="engineer", confirmed=True)
         if restarted:

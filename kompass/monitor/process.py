@@ -86,7 +86,7 @@ def run_monitor(
             beat(NAME)
         # Not after an exception: that is a crash, and counts as one.
         if store is not None:
-            store.end_life()
+            store.end_session()
     finally:
         monitor.close()
         if store is not None:

@@ -49,7 +49,7 @@ def start_from_store(recipe: Table, settings: MonitorSettings) -> tuple[Start, R
     except (StoreError, OSError) as error:
         return _without(recipe, epoch, error), None
     try:
-        boot = store.begin_life(
+        boot = store.begin_session(
             recipe, epoch=epoch, stack=this_stack(), safe_mode=settings.safe_mode
         )
         once = store.used_once()

@@ -15,7 +15,7 @@ from kompass.recorder.clip_policy import KEEP, ClipKeeper, ClipRequest
 from kompass.recorder.engine_memory import EngineMemory
 from kompass.recorder.mcap.reader import Recording, messages
 from kompass.recorder.places import rotation_folder
-from kompass.recorder.rotating_recording import Bounds, RotatingRecording, rotation_files
+from kompass.recorder.rotating_recording import RotatingRecording, RotationBounds, rotation_files
 from kompass.recorder.shm_queue import Frame, ShmQueue
 from kompass.recorder.streams import (
     EVENTS,
@@ -63,7 +63,7 @@ class Recorder:
         recordings: Path,
         resolve: Callable[[str], str],
         leave_out: Callable[[Collection[str]], object],
-        bounds: Bounds = Bounds(),  # noqa: B008 - immutable
+        bounds: RotationBounds = RotationBounds(),  # noqa: B008 - immutable
     ) -> None:
         self._queue, self._resolve, self._leave_out = queue, resolve, leave_out
         metadata = {"life": str(queue.session), "offset_ns": str(queue.offset_ns)}

@@ -27,7 +27,7 @@ DAMAGED = ".damaged"
 LARGEST_REPEAT = 1 << 20  # bytes of a message, beyond which a new file does not begin with it
 
 
-class Bounds(NamedTuple):
+class RotationBounds(NamedTuple):
     """How much is kept; whichever is reached first."""
 
     size: int = 256 << 20  # bytes
@@ -67,7 +67,7 @@ class RotatingRecording:
         folder: Path,
         metadata: dict[str, str],
         clock: Callable[[], int],
-        bounds: Bounds = Bounds(),  # noqa: B008 - immutable
+        bounds: RotationBounds = RotationBounds(),  # noqa: B008 - immutable
         begins: Callable[[int], None] = lambda log_time: None,
     ) -> None:
         self._begins = begins

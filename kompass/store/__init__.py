@@ -12,13 +12,13 @@ from kompass.store.errors import (
     StoreTooNew,
     StoreUnwritable,
 )
-from kompass.store.journal import Bounds, Refusal
+from kompass.store.journal import JournalBounds, Refusal
 from kompass.store.paths import data_dir, robot_folder, safe_name
 from kompass.store.store import RuleStore
 
 __all__ = [
     "Boot",
-    "Bounds",
+    "JournalBounds",
     "MalformedTable",
     "NoSuchRevision",
     "Refusal",

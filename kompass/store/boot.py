@@ -9,7 +9,7 @@ from kompass.rulebook.merge import merge
 from kompass.rulebook.schema.revision import Origin
 from kompass.rulebook.schema.table_view import Merge
 from kompass.rules.schema.table import Table, table_hash
-from kompass.store.session import Session
+from kompass.store.session import MonitorSession
 
 SOON = 60.0  # s after an apply in which a crash is put down to it
 SOON_CRASHES = 2
@@ -17,7 +17,7 @@ AT_ONCE = 10.0  # s after its start in which a monitor that ends has not really 
 AT_ONCE_CRASHES = 3
 
 
-class Kept(NamedTuple):
+class KeptRevision(NamedTuple):
     """A stored revision, with its table."""
 
     number: int
@@ -50,7 +50,7 @@ class StoreFacts(NamedTuple):
         Whether people have changed the table since the recipe is as it is today.
     older
         Edits of the recipe before; None for none.
-    lives
+    sessions
         Of the monitor, newest first.
     unreadable
         Sentences on revisions that would have been wanted and could not be read.
@@ -58,12 +58,12 @@ class StoreFacts(NamedTuple):
         The run of the machine.
     """
 
-    active: Kept | None = None
-    confirmed: tuple[Kept, ...] = ()
+    active: KeptRevision | None = None
+    confirmed: tuple[KeptRevision, ...] = ()
     unconfirmed: tuple[int, ...] = ()
     edited: bool = False
     older: OlderEdits | None = None
-    lives: tuple[Session, ...] = ()
+    sessions: tuple[MonitorSession, ...] = ()
     unreadable: tuple[str, ...] = ()
     machine: str = ""
 
@@ -149,7 +149,7 @@ def _recipe_in_safe_mode(facts: StoreFacts, recipe_table: Table, notices: list[s
 
 
 def _before_probation(facts: StoreFacts, now: float) -> Boot:
-    """Back to the confirmed revision: probation ends with the monitor's life."""
+    """Back to the confirmed revision: probation ends with the monitor's session."""
     back, active = facts.confirmed[0], facts.active
     if active is None or active.number not in facts.unconfirmed:
         return Boot(back.table, back.number, taken_back=facts.unconfirmed)
@@ -170,7 +170,7 @@ def _before_probation(facts: StoreFacts, now: float) -> Boot:
 
 def _confirmed(facts: StoreFacts, recipe_table: Table, now: float) -> Boot:
     newest = facts.confirmed[0]
-    crashes = _crashes(newest, facts.lives, facts.machine, now)
+    crashes = _crashes(newest, facts.sessions, facts.machine, now)
     if crashes:
         return _after_crashes(facts, recipe_table, crashes)
     if (
@@ -198,21 +198,25 @@ def _after_crashes(facts: StoreFacts, recipe_table: Table, crashes: str) -> Boot
     return Boot(newest.table, newest.number, notice=notice)
 
 
-def _crashes(kept: Kept, lives: tuple[Session, ...], machine: str, now: float) -> str:
+def _crashes(
+    kept: KeptRevision, sessions: tuple[MonitorSession, ...], machine: str, now: float
+) -> str:
     """Say how often a revision brought the monitor down; empty if it did not, or too rarely.
 
-    When an unclean life ended is not known; at the latest when the next one began. A machine that
-    lost its power has ended it from outside.
+    When an unclean session ended is not known; at the latest when the next one began. A machine
+    that lost its power has ended it from outside.
     """
     soon = at_once = 0
     in_a_row, after, ended_by = True, machine, now
-    for life in lives:
-        crashed = life.ended is None and life.revision == kept.number and life.machine == after
+    for session in sessions:
+        crashed = (
+            session.ended is None and session.revision == kept.number and session.machine == after
+        )
         if crashed and ended_by - kept.time <= SOON:
             soon += 1
-        in_a_row = in_a_row and crashed and ended_by - life.started <= AT_ONCE
+        in_a_row = in_a_row and crashed and ended_by - session.started <= AT_ONCE
         at_once += in_a_row
-        after, ended_by = life.machine, life.started
+        after, ended_by = session.machine, session.started
     if soon >= SOON_CRASHES:
         return f"{soon} times within {SOON:.0f} s of being applied"
     if at_once >= AT_ONCE_CRASHES:
@@ -229,7 +233,7 @@ def _offer(older: OlderEdits, recipe_table: Table) -> tuple[Merge, str]:
     return Merge(revision=older.revision, table=table, conflicts=tuple(conflicts)), text
 
 
-def _whose(kept: Kept) -> str:
+def _whose(kept: KeptRevision) -> str:
     return f"{kept.author}, {clock.strftime('%Y-%m-%d %H:%M', clock.gmtime(kept.time))} UTC"
 
 

@@ -40,7 +40,7 @@ _Work = Callable[[sqlite3.Connection], object]
 
 
 @dataclass(frozen=True)
-class Bounds:
+class JournalBounds:
     """How much the journal keeps.
 
     Shadows and near misses are counted apart from all others: there may be many of them, and they
@@ -51,7 +51,7 @@ class Bounds:
     size: int = 32 * 1024 * 1024
 
 
-DEFAULT_BOUNDS = Bounds()
+DEFAULT_BOUNDS = JournalBounds()
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class JournalFile:
     belong into a thread that may wait for a disk.
     """
 
-    def __init__(self, folder: Path, bounds: Bounds = DEFAULT_BOUNDS) -> None:
+    def __init__(self, folder: Path, bounds: JournalBounds = DEFAULT_BOUNDS) -> None:
         self._path = folder / FILE
         self._bounds = bounds
         self._sql, self.notice = open_database(self._path, FORMAT)
@@ -128,7 +128,7 @@ class JournalFile:
         self._hand_over(lambda sql: self._update(sql, number, changes))
 
     def abandon(self, epoch: str, at: float) -> None:
-        """End the runs of all lives but this: nobody will say how they ended."""
+        """End the runs of all sessions but this: nobody will say how they ended."""
 
         def work(sql: sqlite3.Connection) -> None:
             rows = sql.execute("SELECT number FROM firings WHERE open AND epoch != ?", (epoch,))

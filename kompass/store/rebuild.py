@@ -5,7 +5,7 @@ from __future__ import annotations
 from kompass.rulebook.schema.revision import Origin
 from kompass.rules.schema.table import Table, table_hash
 from kompass.store.backup import Backup
-from kompass.store.revisions import Entry, Revisions
+from kompass.store.revisions import RevisionEntry, Revisions
 from kompass.store.session import MONITOR
 
 
@@ -27,7 +27,7 @@ def rebuild(revisions: Revisions, backup: Backup | None, journal: int) -> str:
     reason = f"restored after damage, from revision {backup.revision}"
     recipe, parent = table_hash(backup.recipe), None
     for table, author, role, origin in steps:
-        entry = Entry(parent, author, role, backup.time, reason, origin, recipe, None)
+        entry = RevisionEntry(parent, author, role, backup.time, reason, origin, recipe, None)
         parent = revisions.append(table, entry)
         revisions.settle(parent, "confirmed", backup.time, author, role)
     return (

@@ -10,16 +10,16 @@ from kompass.rulebook.diff import diff_tables
 from kompass.rulebook.schema.diff_models import TableDiff
 from kompass.rulebook.schema.revision import Origin, Revision
 from kompass.rules.schema.table import Table, table_hash
-from kompass.store.boot import Kept, OlderEdits, StoreFacts
+from kompass.store.boot import KeptRevision, OlderEdits, StoreFacts
 from kompass.store.content import read_table, write_table
 from kompass.store.errors import NoSuchRevision, StoreCorrupt
-from kompass.store.session import Session
+from kompass.store.session import MonitorSession
 
 _logger = logging.getLogger("kompass.store")
 Outcome = Literal["confirmed", "taken back", "superseded"]
 MADE_BY_PEOPLE = ("edit", "rollback", "merge")
 KEPT = 10  # confirmed revisions that a start looks at
-LIVES = 10
+SESSIONS = 10
 
 _OUTCOME = """
     (SELECT outcome FROM outcomes o WHERE o.revision = r.number ORDER BY o.rowid DESC LIMIT 1)
@@ -30,7 +30,7 @@ _COLUMNS = f"""
 """
 
 
-class Entry(NamedTuple):
+class RevisionEntry(NamedTuple):
     """A revision about to be made; the fields are those of :class:`Revision`."""
 
     parent: int | None
@@ -56,7 +56,7 @@ class Revisions:
     def __init__(self, connection: sqlite3.Connection) -> None:
         self._sql = connection
 
-    def append(self, table: Table, entry: Entry) -> int:
+    def append(self, table: Table, entry: RevisionEntry) -> int:
         """Add a revision and make it the active one of its recipe; its number."""
         before = self._readable(entry.parent)
         diff = diff_tables(before, table, before_revision=entry.parent)
@@ -181,19 +181,19 @@ class Revisions:
             unconfirmed=tuple(unconfirmed),
             edited=self._edited(recipe),
             older=self._older(recipe, unreadable),
-            lives=self.lives(),
+            sessions=self.sessions(),
             unreadable=tuple(dict.fromkeys(unreadable)),
             machine=machine,
         )
 
-    def lives(self) -> tuple[Session, ...]:
-        """The last lives of the monitor, newest first."""
+    def sessions(self) -> tuple[MonitorSession, ...]:
+        """The last sessions of the monitor, newest first."""
         rows = self._sql.execute(
             "SELECT epoch, stack, machine, started, ended, revision, safe_mode FROM lives "
             "ORDER BY id DESC LIMIT ?",
-            (LIVES,),
+            (SESSIONS,),
         )
-        return tuple(Session(*row) for row in rows)
+        return tuple(MonitorSession(*row) for row in rows)
 
     def _confirmed(self, recipe: str) -> list[int]:
         rows = self._sql.execute(
@@ -232,14 +232,14 @@ class Revisions:
                 return OlderEdits(edited.number, original.table, edited.table)
         return None
 
-    def _kept(self, number: int, unreadable: list[str]) -> Kept | None:
+    def _kept(self, number: int, unreadable: list[str]) -> KeptRevision | None:
         revision = self.get(number)
         try:
             table = self.table(number)
         except StoreCorrupt as error:
             unreadable.append(str(error))
             return None
-        return Kept(number, table, revision.author, revision.time, revision.origin)
+        return KeptRevision(number, table, revision.author, revision.time, revision.origin)
 
 
 def _revision(row: tuple[object, ...]) -> Revision:

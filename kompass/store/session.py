@@ -6,8 +6,8 @@ from typing import NamedTuple
 MONITOR = "monitor"  # author and role of what nobody asked for
 
 
-class Session(NamedTuple):
-    """One life of the monitor.
+class MonitorSession(NamedTuple):
+    """One session of the monitor.
 
     Attributes
     ----------

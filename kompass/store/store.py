@@ -1,4 +1,4 @@
-"""The robot's own store of its rules: revisions, lives of the monitor, and the journal.
+"""The robot's own store of its rules: revisions, sessions of the monitor, and the journal.
 
 Two SQLite files in the robot's folder. ``rules.db`` has the revisions; a call that changes it
 returns when the change has reached the disk, and either all of it is stored or nothing.
@@ -12,32 +12,33 @@ import os
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from kompass.rulebook.schema.journal import ActionRecord, FiringRecord, Journal
 from kompass.rulebook.schema.revision import History, Origin, Revision
 from kompass.rules.schema.table import Table, table_hash
 from kompass.store.backup import backup_of, read_backup, write_backup
 from kompass.store.boot import Boot, StoreFacts, choose
 from kompass.store.database import Format, open_database, transaction, unwritable
 from kompass.store.errors import StaleRevision, StoreClosed, StoreCorrupt, StoreError
-from kompass.store.journal import DEFAULT_BOUNDS, Bounds, JournalFile
-from kompass.store.journal_access import JournalAccess
+from kompass.store.journal import DEFAULT_BOUNDS, JournalBounds, JournalFile, Refusal
 from kompass.store.lock import take_lock
 from kompass.store.rebuild import rebuild
-from kompass.store.revisions import Entry, Outcome, Revisions
+from kompass.store.revisions import Outcome, RevisionEntry, Revisions
 from kompass.store.schema import RULES, RULES_ID
 from kompass.store.session import MONITOR, this_machine
 
 _logger = logging.getLogger("kompass.store")
 FILE = "rules.db"
 FORMAT = Format(RULES_ID, RULES, "FULL")
+HANGING = 0.5  # s after which a disk is not waited for
 
 
-class RuleStore(JournalAccess):
+class RuleStore:
     """Revisions and journal of one robot. All methods may be called from any thread.
 
     Attributes
@@ -46,7 +47,7 @@ class RuleStore(JournalAccess):
         What an operator must hear of the files: that one was damaged and is set aside.
     """
 
-    def __init__(self, folder: Path, bounds: Bounds, clock: Callable[[], float]) -> None:
+    def __init__(self, folder: Path, bounds: JournalBounds, clock: Callable[[], float]) -> None:
         self._folder, self._path, self._clock = folder, folder / FILE, clock
         self._guard = threading.RLock()
         self._recipe, self._epoch, self._stack = Table(), "", ""
@@ -76,7 +77,7 @@ class RuleStore(JournalAccess):
         cls,
         folder: Path,
         *,
-        bounds: Bounds = DEFAULT_BOUNDS,
+        bounds: JournalBounds = DEFAULT_BOUNDS,
         clock: Callable[[], float] = time.time,
     ) -> Self:
         """Open the store in a robot's folder (:func:`kompass.store.paths.robot_folder`).
@@ -100,7 +101,10 @@ class RuleStore(JournalAccess):
         return cls(folder, bounds, clock)
 
     def close(self) -> None:
-        """Write what waits and let go of the files; without :meth:`end_life` a crash is assumed."""
+        """Write what waits and let go of the files.
+
+        Without :meth:`end_session` before it, a crash is assumed.
+        """
         with self._guard:
             if self._closed:
                 return
@@ -122,24 +126,24 @@ class RuleStore(JournalAccess):
     ) -> None:
         self.close()
 
-    # -- lives ----------------------------------------------------------------------------------
+    # -- sessions ----------------------------------------------------------------------------------
 
     def facts(self, recipe_table: Table) -> StoreFacts:
         """What is stored, as :func:`kompass.store.boot.choose` wants it."""
         with self._reading():
             return self._revisions.facts(table_hash(recipe_table), this_machine())
 
-    def begin_life(
+    def begin_session(
         self, recipe_table: Table, *, epoch: str, stack: str, safe_mode: bool = False
     ) -> Boot:
-        """Begin a life of the monitor: decide on the table, store the decision, note the start.
+        """Begin a session of the monitor: decide on the table, store the decision, note the start.
 
         Parameters
         ----------
         epoch
-            Names this life; unlike any other.
+            Names this session; unlike any other.
         stack
-            Names the run of the stack; the same for all lives of its monitor.
+            Names the run of the stack; the same for all sessions of its monitor.
         safe_mode
             Put the recipe's table in force, whatever is stored.
 
@@ -174,7 +178,7 @@ class RuleStore(JournalAccess):
         known = bool(pointers.confirmed)
         number = self._revisions.append(
             boot.table,
-            Entry(
+            RevisionEntry(
                 pointers.active or None,
                 MONITOR,
                 MONITOR,
@@ -190,7 +194,7 @@ class RuleStore(JournalAccess):
         self._revisions.settle(number, outcome, now, MONITOR, MONITOR)
         return number
 
-    def end_life(self) -> None:
+    def end_session(self) -> None:
         """The monitor ends as it should."""
         with self._writing():
             self._sql.execute(
@@ -201,7 +205,7 @@ class RuleStore(JournalAccess):
 
     @property
     def active(self) -> int:
-        """Number of the revision in force; 0 before :meth:`begin_life`."""
+        """Number of the revision in force; 0 before :meth:`begin_session`."""
         return self._active
 
     @property
@@ -255,7 +259,7 @@ class RuleStore(JournalAccess):
                 )
             number = self._revisions.append(
                 table,
-                Entry(
+                RevisionEntry(
                     self._active or None,
                     author,
                     role,
@@ -364,6 +368,83 @@ class RuleStore(JournalAccess):
             revisions=tuple(found[:count]),
             more=len(found) > count,
         )
+
+    # -- the journal, of this session of the monitor and of this stack ------------------------
+
+    def record_firing(self, entry: FiringRecord) -> FiringRecord:
+        """Add an entry to the journal, at once and without waiting; the same with its number."""
+        return self._journal.record(entry)
+
+    def finish_firing(
+        self,
+        number: int,
+        *,
+        ended: float,
+        ok: bool,
+        error: str = "",
+        actions: Sequence[ActionRecord] = (),
+    ) -> None:
+        """Say how a run ended; ``ended`` in seconds since the epoch."""
+        changes = {"ended": ended, "ok": ok, "error": error, "actions": tuple(actions)}
+        self._journal.change(number, changes)
+
+    def keep_recording(self, number: int, path: str) -> None:
+        """Note the recording that was kept around a firing."""
+        self._journal.change(number, {"recording": path})
+
+    def journal(self, before: int = 0, count: int = 100, rule_id: str = "") -> Journal:
+        """Entries below a number, newest first; from the newest if it is 0.
+
+        Waits for entries that are being written: call it where waiting for a disk does no harm.
+        """
+        return self._journal.before(before, count, rule_id)
+
+    def firing(self, epoch: str, run_id: int, rule_id: str = "") -> FiringRecord | None:
+        """The entry of a run; None if the journal does not keep it any more. Waits as above."""
+        return self._journal.run(epoch or self._epoch, run_id, rule_id)
+
+    def near_misses(self, rule_id: str, count: int = 10) -> tuple[FiringRecord, ...]:
+        """When a rule came close and did not fire, newest first. Waits as above."""
+        return self._journal.kinds(rule_id, "near miss", count)
+
+    @property
+    def lost_entries(self) -> int:
+        """Number of entries that the disk did not take since the start."""
+        return self._journal.lost
+
+    @property
+    def journal_trouble(self) -> str:
+        """Why the last entries could not be written; empty when they were."""
+        return self._journal.trouble
+
+    def refuse(self, *, author: str, role: str, what: str, text: str) -> None:
+        """Note what a guard rail forbade."""
+        self._journal.refuse(Refusal(self._clock(), author, role, what, text))
+
+    def refusals(self, count: int = 100) -> list[Refusal]:
+        """What guard rails forbade, newest first. Waits as above."""
+        return self._journal.refusals(count)
+
+    def use_once(self, rule_id: str, rule_hash: str) -> None:
+        """Remember that a ``once`` rule has fired in this run of the stack.
+
+        Unlike all else in the journal it is written before this returns, so that who is killed in
+        the next moment has still had the one firing; a disk that hangs is not waited for.
+        """
+        self._journal.use(self._stack, rule_id, rule_hash, self._clock())
+        self._journal.flush(HANGING)
+
+    def reset_once(self, rule_id: str) -> None:
+        """Let a ``once`` rule fire again in this run of the stack."""
+        self._journal.forget_use(self._stack, rule_id)
+
+    def used_once(self) -> set[tuple[str, str]]:
+        """Ids and hashes of the ``once`` rules that have fired in this run of the stack."""
+        return self._journal.used(self._stack)
+
+    def flush(self, timeout: float = 5.0) -> bool:
+        """Wait until the journal is written; whether it was within ``timeout`` seconds."""
+        return self._journal.flush(timeout)
 
     # -- helpers --------------------------------------------------------------------------------
 

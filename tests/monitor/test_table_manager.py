@@ -88,7 +88,7 @@ class Office:
         self.now = 1000.0
         self.recipe = Table.model_validate({"rules": BASE if recipe is None else recipe})
         self.store = RuleStore.open(folder, clock=lambda: self.now)
-        boot = self.store.begin_life(self.recipe, epoch=f"life-{id(self)}", stack="s")
+        boot = self.store.begin_session(self.recipe, epoch=f"life-{id(self)}", stack="s")
         assert boot.revision is not None
         self.engine, self.lints = FakeEngine(boot.table), NoLints()
         self.said: list[str] = []

@@ -85,31 +85,31 @@ def test_a_setting_that_names_none_is_refused_with_the_names() -> None:
 
 def test_orders_are_carried_out_when_their_time_has_come_and_the_oldest_go(tmp_path: Path) -> None:
     now = START
-    recording = RotatingRecording(rotation_folder(tmp_path), {"life": "1"}, lambda: now)
+    rotating = RotatingRecording(rotation_folder(tmp_path), {"life": "1"}, lambda: now)
     stream = message_stream("/scan", "sensor_msgs/msg/LaserScan", "tap", "scan")
     for second in range(40):
-        recording.write(stream, START + second * NS, b"x")
-    recording.flush()
-    keeps = ClipKeeper(tmp_path)
+        rotating.write(stream, START + second * NS, b"x")
+    rotating.flush()
+    keeper = ClipKeeper(tmp_path)
     folder = saved_folder(tmp_path)
     path = folder / "firing-x.mcap"
-    keeps.order(ClipRequest(str(path), START + 10 * NS, START + 20 * NS))
-    keeps.order(ClipRequest(str(path), START + 10 * NS, START + 30 * NS))
+    keeper.order(ClipRequest(str(path), START + 10 * NS, START + 20 * NS))
+    keeper.order(ClipRequest(str(path), START + 10 * NS, START + 30 * NS))
 
-    keeps.carry_out(START + 31 * NS)
+    keeper.carry_out(START + 31 * NS)
     assert not path.exists(), "what was just heard may not be on disk yet"
-    keeps.carry_out(START + 32 * NS)
+    keeper.carry_out(START + 32 * NS)
 
     with Recording([path]) as recording:
         assert recording.start_time == START + 10 * NS
         assert recording.end_time == START + 29 * NS
     for number in range(KEPT + 3):
-        keeps.order(ClipRequest(str(folder / f"firing-{number}.mcap"), START, START + NS))
+        keeper.order(ClipRequest(str(folder / f"firing-{number}.mcap"), START, START + NS))
     (folder / "mine.mcap").write_bytes(path.read_bytes())
-    keeps.carry_out(START + 100 * NS)
+    keeper.carry_out(START + 100 * NS)
     assert len(list(folder.glob("firing-*"))) == KEPT
     assert (folder / "mine.mcap").exists(), "what a person has kept is never dropped"
-    recording.close()
+    rotating.close()
 
 
 class Store:
@@ -197,11 +197,11 @@ def test_what_a_killed_process_left_half_written_goes(tmp_path: Path) -> None:
 
 def test_keeping_holds_nobody_up(tmp_path: Path) -> None:
     jobs: list[Callable[[], None]] = []
-    keeps = ClipKeeper(tmp_path, jobs.append)
-    keeps.order(ClipRequest(str(saved_folder(tmp_path) / "firing-x.mcap"), START, START + NS))
+    keeper = ClipKeeper(tmp_path, jobs.append)
+    keeper.order(ClipRequest(str(saved_folder(tmp_path) / "firing-x.mcap"), START, START + NS))
 
-    keeps.carry_out(START + 10 * NS)
+    keeper.carry_out(START + 10 * NS)
 
     assert len(jobs) == 1, "done elsewhere"
-    keeps.carry_out(START + 20 * NS)
+    keeper.carry_out(START + 20 * NS)
     assert len(jobs) == 1, "once"

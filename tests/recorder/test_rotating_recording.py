@@ -14,9 +14,9 @@ from mcap.reader import make_reader
 from kompass.recorder.mcap.reader import Recording, messages
 from kompass.recorder.mcap.writer import McapWriter
 from kompass.recorder.rotating_recording import (
-    Bounds,
     RecordingInUse,
     RotatingRecording,
+    RotationBounds,
     rotation_files,
 )
 from kompass.recorder.streams import Stream
@@ -43,7 +43,10 @@ class Read(NamedTuple):
     data: bytes
 
 
-def opened(folder: Path, clock: Clock, bounds: Bounds = Bounds()) -> RotatingRecording:  # noqa: B008
+USUAL = RotationBounds()
+
+
+def opened(folder: Path, clock: Clock, bounds: RotationBounds = USUAL) -> RotatingRecording:
     return RotatingRecording(folder, {"life": "1", "offset_ns": "0"}, clock, bounds)
 
 
@@ -59,7 +62,7 @@ def test_a_file_ends_by_its_age_and_the_next_begins_with_what_is_still_valid(
     tmp_path: Path,
 ) -> None:
     clock = Clock()
-    recording = opened(tmp_path, clock, Bounds(file_age=30.0))
+    recording = opened(tmp_path, clock, RotationBounds(file_age=30.0))
     recording.write(MAP, clock.now, b"the map", repeat=True)
     said = clock.now
     for _ in range(65):
@@ -83,7 +86,7 @@ def test_a_file_ends_by_its_age_and_the_next_begins_with_what_is_still_valid(
 
 def test_the_disk_it_takes_stays_below_its_bound(tmp_path: Path) -> None:
     clock = Clock()
-    bounds = Bounds(size=400_000, file_size=50_000)
+    bounds = RotationBounds(size=400_000, file_size=50_000)
     recording = opened(tmp_path, clock, bounds)
     largest = 0
     for number in range(300):
@@ -101,7 +104,7 @@ def test_the_disk_it_takes_stays_below_its_bound(tmp_path: Path) -> None:
 
 def test_files_older_than_the_bound_go(tmp_path: Path) -> None:
     clock = Clock()
-    recording = opened(tmp_path, clock, Bounds(age=60.0, file_age=1.0))
+    recording = opened(tmp_path, clock, RotationBounds(age=60.0, file_age=1.0))
     for _ in range(6):
         clock.now += 2 * SECOND
         recording.write(SCAN, clock.now, b"x")
@@ -122,7 +125,9 @@ def test_all_that_was_flushed_survives_kill_9_and_the_file_is_mended(tmp_path: P
     if pid == 0:
         clock = Clock()
         # However far it gets before it is killed, it stays with its first file.
-        recording = opened(tmp_path, clock, Bounds(size=1 << 40, file_size=1 << 40, file_age=1e9))
+        recording = opened(
+            tmp_path, clock, RotationBounds(size=1 << 40, file_size=1 << 40, file_age=1e9)
+        )
         while True:
             clock.now += SECOND
             recording.write(SCAN, clock.now, os.urandom(3000))
@@ -166,7 +171,7 @@ def test_a_full_disk_costs_the_oldest_and_not_the_newest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = Clock()
-    recording = opened(tmp_path, clock, Bounds(file_age=1.0))
+    recording = opened(tmp_path, clock, RotationBounds(file_age=1.0))
     for _ in range(3):
         clock.now += 2 * SECOND
         recording.write(SCAN, clock.now, b"x")

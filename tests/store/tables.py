@@ -34,16 +34,16 @@ class Robot:
     """A store that is opened, killed and opened again."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.clock, self.lives = folder, Clock(), 0
+        self.folder, self.clock, self.sessions = folder, Clock(), 0
         self.recipe = RECIPE
         self.store: RuleStore
         self.boot: Boot
 
     def start(self, *, safe_mode: bool = False, stack: str = "stack") -> Boot:
-        self.lives += 1
+        self.sessions += 1
         self.store = RuleStore.open(self.folder, clock=self.clock)
-        self.boot = self.store.begin_life(
-            self.recipe, epoch=f"life {self.lives}", stack=stack, safe_mode=safe_mode
+        self.boot = self.store.begin_session(
+            self.recipe, epoch=f"life {self.sessions}", stack=stack, safe_mode=safe_mode
         )
         return self.boot
 
@@ -52,7 +52,7 @@ class Robot:
         self.store.close()
 
     def stop(self) -> None:
-        self.store.end_life()
+        self.store.end_session()
         self.store.close()
 
     def outcomes(self) -> dict[int, str]:

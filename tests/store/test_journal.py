@@ -7,7 +7,8 @@ from contextlib import closing
 import pytest
 
 from kompass.rulebook.schema.journal import ActionRecord
-from kompass.store import Bounds, RuleStore, journal_access
+from kompass.store import JournalBounds, RuleStore
+from kompass.store import store as rule_store
 from kompass.store.journal import LARGEST
 from tests.store.tables import Robot, entry
 from tests.support.patience import patient
@@ -79,7 +80,7 @@ def test_runs_that_a_crash_cut_short_have_failed(robot: Robot) -> None:
 
 
 def test_it_is_bounded_by_count_and_by_size(robot: Robot) -> None:
-    bounds = Bounds(count=100, size=100_000)
+    bounds = JournalBounds(count=100, size=100_000)
     with RuleStore.open(robot.folder, bounds=bounds) as store:
         for number in range(1000):
             store.record_firing(entry(run_id=number))
@@ -94,7 +95,7 @@ def test_it_is_bounded_by_count_and_by_size(robot: Robot) -> None:
 
 
 def test_near_misses_do_not_push_out_firings(robot: Robot) -> None:
-    with RuleStore.open(robot.folder, bounds=Bounds(count=50)) as store:
+    with RuleStore.open(robot.folder, bounds=JournalBounds(count=50)) as store:
         store.record_firing(entry(run_id=77))
         for _ in range(500):
             store.record_firing(entry(kind="near miss", run_id=0))
@@ -157,7 +158,7 @@ def test_once_means_once_in_the_life_of_the_stack(robot: Robot) -> None:
 def test_who_is_killed_right_after_its_one_firing_has_had_it(
     robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(journal_access, "HANGING", 60.0)  # of a slow machine's disk
+    monkeypatch.setattr(rule_store, "HANGING", 60.0)  # of a slow machine's disk
     robot.start()
     for number in range(20):
         robot.store.record_firing(entry(run_id=number))
