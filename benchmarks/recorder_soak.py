@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from mcap.reader import make_reader
 
-from kompass.recorder.rotating_recording import rotation_files
+from kompass.recorder.rotating_recording import RotationBounds, rotation_files
 from tests.recorder.reality import Reality, reality_table
 from tests.support.robot import Robot
 from tests.support.stack import Stack

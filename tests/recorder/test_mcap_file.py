@@ -1,6 +1,5 @@
 """Files are read by the mcap package itself, whatever happened to their writer."""
 
-import errno
 import os
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from kompass.recorder.mcap.definitions import definition
 from kompass.recorder.mcap.reader import Recording, messages
 from kompass.recorder.mcap.recover import recover
 from kompass.recorder.mcap.writer import McapWriter
+from tests.support.disk import no_larger_than
 
 SCAN = ("sensor_msgs/msg/LaserScan", "ros2msg", b"float32[] ranges\n")
 NOTE = ("note", "jsonschema", b'{"type": "object"}')
@@ -120,37 +120,17 @@ def test_a_damaged_chunk_is_refused_by_name(tmp_path: Path) -> None:
         ours(path)
 
 
-def test_a_full_disk_leaves_a_whole_file_and_the_messages_in_hand(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_full_disk_leaves_a_whole_file_and_the_messages_in_hand(tmp_path: Path) -> None:
     path = tmp_path / "full.mcap"
     writer = McapWriter(path)
     channel = writer.add_channel("/scan", "cdr", SCAN, {})
     writer.add_message(channel, 1, b"first", 1)
     writer.flush()
     writer.add_message(channel, 2, os.urandom(1000), 2)
-    file = writer._file
-
-    class Full:
-        """Takes half of it, then nothing."""
-
-        def __init__(self) -> None:
-            self.taken = False
-
-        def write(self, data: memoryview) -> int:
-            if self.taken:
-                raise OSError(errno.ENOSPC, "No space left on device")
-            self.taken = True
-            return file.write(data[: len(data) // 2]) or 0
-
-        truncate, seek = file.truncate, file.seek
-
-    monkeypatch.setattr(writer, "_file", Full())
-    with pytest.raises(OSError, match="No space left"):
-        writer.flush()
+    with no_larger_than(path.stat().st_size + 500), pytest.raises(OSError, match="too large"):
+        writer.flush()  # half of it is written before the disk takes no more
     assert [message.log_time for _, message in _read(path)] == [1]
 
-    monkeypatch.setattr(writer, "_file", file)
     writer.finish()
 
     assert [message.log_time for _, _, message in by_package(path)] == [1, 2]

@@ -2,9 +2,12 @@
 
 import errno
 import json
+import multiprocessing
+import os
 import shutil
+import signal
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +44,8 @@ from kompass.recorder.topics import SampledTopic
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema.table import Table, rule_hash
+from tests.support.disk import no_larger_than
+from tests.support.patience import patient
 
 FLOAT = "std_msgs/msg/Float64"
 NS = 1_000_000_000
@@ -182,31 +187,50 @@ def test_the_recorders_own_ears_serve_only_where_the_engine_did_not_listen(
 
 
 def test_a_recorder_that_is_killed_neither_loses_nor_doubles_what_the_engine_took(
-    session: StackSession,
+    session: StackSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    session.recorder.close()
     session.begin(table(5.0))
     values = [float(number) for number in range(40)]
+
+    def only_read() -> None:
+        session.start().tick()
+
+    def flushed_and_said_so() -> None:
+        recorder = session.start()
+        recorder.tick()
+        recorder.flush()
+
+    def flushed_but_killed_before_it_could_say_so() -> None:
+        monkeypatch.setattr(ShmQueue, "commit", lambda queue: os.kill(os.getpid(), signal.SIGKILL))
+        flushed_and_said_so()
+
+    ends = (only_read, flushed_but_killed_before_it_could_say_so, flushed_and_said_so)
     for number, value in enumerate(values):
         session.hear(value)
-        if number % 4 == 0:
-            session.recorder.tick()
-        if number % 8 == 0:
-            # Flushed, but killed before it could say so; what came later, only read.
-            session.recorder._recording.flush()
-            session.hear(-value)
-            session.recorder.tick()
-        if number % 12 == 5:
-            session.recorder._recording._lock.close()  # as the kernel does with those of the dead
-            session.recorder._recording._writer.abandon()  # type: ignore[union-attr]
-            session.recorder = session.start()
-            assert session.left_out == {"/level"} or number < 4
+        if number % 3 == 0:
+            assert _killed(ends[number // 3 % 3]) == signal.SIGKILL
+    session.recorder = session.start()
     session.recorder.close()
 
     events = replayed(rotation_files(session.recordings / "ring"), table(5.0))
 
-    expected = [v for n, v in enumerate(values) for v in ([v, -v] if n % 8 == 0 else [v])]
-    assert [value for _, _, value in heard(events)] == expected
+    assert [value for _, _, value in heard(events)] == values
     assert [type(e).__name__ for e in events].count("Began") == 1
+
+
+def _killed(work: Callable[[], None]) -> int:
+    """Do something in a process that is killed then; the signal that ended it."""
+    process = multiprocessing.get_context("fork").Process(target=_until_killed, args=(work,))
+    process.start()
+    process.join(patient(20))
+    assert process.exitcode is not None
+    return -process.exitcode
+
+
+def _until_killed(work: Callable[[], None]) -> None:
+    work()
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def test_what_did_not_fit_is_told(session: StackSession) -> None:
@@ -257,21 +281,14 @@ def test_a_disk_that_fails_for_good_leaves_the_folder_to_the_next(
     session.begin(table(5.0))
     session.recorder.tick()
 
-    def full(_: object) -> Any:
-        return shutil._ntuple_diskusage(1, 1, 0)
-
-    monkeypatch.setattr(shutil, "disk_usage", full)
-    monkeypatch.setattr(McapWriter, "_put", _no_space)
-    with pytest.raises(OSError, match="left to others"):
+    usage = shutil.disk_usage(session.recordings)._replace(free=0)
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: usage)
+    with no_larger_than(0), pytest.raises(OSError, match="left to others"):
         session.recorder.close()
     monkeypatch.undo()
 
     session.recorder = session.start()
     session.recorder.close()
-
-
-def _no_space(*_: object) -> None:
-    raise OSError(errno.ENOSPC, "No space left on device")
 
 
 def test_a_kept_stretch_begins_with_the_table_in_force_and_what_was_valid(

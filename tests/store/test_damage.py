@@ -11,6 +11,7 @@ from kompass.store import RuleStore, StoreBusy, StoreCorrupt, StoreTooNew, Store
 from kompass.store.backup import read_backup
 from tests.rules.building import received, rule
 from tests.store.tables import BY, RECIPE, Robot, edited, entry
+from tests.support.disk import Databases
 
 
 def grown(robot: Robot) -> Path:
@@ -188,10 +189,9 @@ def test_a_folder_that_cannot_be_written_is_named(place: str) -> None:
         RuleStore.open(Path(place))
 
 
-def test_on_a_full_disk_the_old_table_stays(robot: Robot) -> None:
+def test_on_a_full_disk_the_old_table_stays(databases: Databases, robot: Robot) -> None:
     robot.start()
-    (pages,) = robot.store._sql.execute("PRAGMA page_count").fetchone()
-    robot.store._sql.execute(f"PRAGMA max_page_count = {pages}")
+    databases.fill("rules.db")
     good = 1
     try:
         for _ in range(100):
@@ -199,15 +199,17 @@ def test_on_a_full_disk_the_old_table_stays(robot: Robot) -> None:
     except StoreUnwritable as error:
         assert "full; free some space" in str(error)  # noqa: PT017 - not the first one need fail
     assert robot.store.active == robot.store.confirmed == good < 100
-    robot.store._sql.execute("PRAGMA max_page_count = 100000")
+    databases.make_room("rules.db")
     robot.store.append(edited("there is room again"), confirmed=True, **BY)
     robot.stop()
     assert robot.start().table == edited("there is room again")
 
 
-def test_on_a_disk_that_became_read_only_the_old_table_stays(robot: Robot) -> None:
+def test_on_a_disk_that_became_read_only_the_old_table_stays(
+    databases: Databases, robot: Robot
+) -> None:
     robot.start()
-    robot.store._sql.execute("PRAGMA query_only = 1")
+    databases.write_protect("rules.db")
     with pytest.raises(StoreUnwritable, match="make the disk and the file writable"):
         robot.store.append(edited("x"), **BY)
     with pytest.raises(StoreUnwritable):
@@ -217,18 +219,17 @@ def test_on_a_disk_that_became_read_only_the_old_table_stays(robot: Robot) -> No
 
 
 def test_a_journal_on_a_full_disk_loses_entries_and_says_so(
-    robot: Robot, caplog: pytest.LogCaptureFixture
+    databases: Databases, robot: Robot, caplog: pytest.LogCaptureFixture
 ) -> None:
     robot.start()
-    journal = robot.store._journal
     robot.store.flush()
-    journal._sql.execute("PRAGMA max_page_count = 1")
+    databases.fill("journal.db")
     for _ in range(50):
         robot.store.record_firing(entry(text="x" * 10_000))
     robot.store.flush()
     assert robot.store.lost_entries > 0
     assert "entries of the journal are lost" in caplog.text
     robot.store.append(edited("x"), confirmed=True, **BY)  # the revisions do not suffer
-    journal._sql.execute("PRAGMA max_page_count = 100000")
+    databases.make_room("journal.db")
     kept = robot.store.record_firing(entry(text="again"))
     assert robot.store.journal(count=1).firings == (kept,)

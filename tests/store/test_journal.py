@@ -11,6 +11,7 @@ from kompass.store import JournalBounds, RuleStore
 from kompass.store import store as rule_store
 from kompass.store.journal import LARGEST
 from tests.store.tables import Robot, entry
+from tests.support.disk import Databases
 from tests.support.patience import patient
 
 
@@ -48,18 +49,18 @@ def test_near_misses_of_a_rule_are_found(robot: Robot) -> None:
     assert [f.text for f in robot.store.near_misses("click", 2)] == ["4", "3"]
 
 
-def test_a_number_is_never_used_twice(robot: Robot) -> None:
+def test_a_number_is_never_used_twice(databases: Databases, robot: Robot) -> None:
     robot.start()
     first = robot.store.record_firing(entry()).number
     robot.stop()
     robot.start()
     assert robot.store.record_firing(entry()).number == first + 1
     # One that never reached the disk, as in a crash, keeps its number too.
-    journal = robot.store._journal
     robot.store.flush()
-    journal._hand_over = lambda work: None  # type: ignore[method-assign]
-    lost = robot.store.record_firing(entry()).number
-    robot.store._journal._closed = True
+    databases.fill("journal.db")
+    lost = [robot.store.record_firing(entry(text="x" * 10_000)).number for _ in range(50)][-1]
+    robot.store.flush()
+    assert robot.store.lost_entries > 0
     robot.crash()
     robot.start()
     assert robot.store.record_firing(entry()).number > lost
@@ -111,10 +112,10 @@ def test_an_entry_that_is_too_large_is_kept_without_its_message(robot: Robot) ->
     assert "too long to be kept" in found.text
 
 
-def test_entering_does_not_wait_for_the_disk(robot: Robot) -> None:
+def test_entering_does_not_wait_for_the_disk(databases: Databases, robot: Robot) -> None:
     robot.start()
     robot.store.flush()
-    with robot.store._journal._reading:  # the disk hangs
+    with databases.hanging("journal.db"):
         begin = time.perf_counter()
         for number in range(1000):
             robot.store.record_firing(entry(run_id=number))
@@ -123,10 +124,10 @@ def test_entering_does_not_wait_for_the_disk(robot: Robot) -> None:
     assert len(robot.store.journal(count=2000).firings) == 1000
 
 
-def test_more_than_may_wait_is_lost_and_counted(robot: Robot) -> None:
+def test_more_than_may_wait_is_lost_and_counted(databases: Databases, robot: Robot) -> None:
     robot.start()
     robot.store.flush()
-    with robot.store._journal._reading:
+    with databases.hanging("journal.db"):
         for number in range(5000):
             robot.store.record_firing(entry(run_id=number))
     robot.store.flush()
