@@ -4,7 +4,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass.backtest.engine import backtest
@@ -14,10 +13,9 @@ from kompass.rules.schema.conditions import Condition
 from kompass.rules.schema.table import Table
 from tests.backtest.event_logs import EPOCH_TIME, FLOAT, Shell
 from tests.rules.building import absent, both, compare, received, rule
-from tests.rules.strategies import EXAMPLES as ALL
 from tests.rules.strategies import GRID, callable_samples, samples, tables
+from tests.support.properties import MANY, property_test
 
-EXAMPLES = settings(ALL, max_examples=max(ALL.max_examples // 2, 1))
 happenings = st.one_of(samples, samples, samples, callable_samples)
 streams = st.lists(
     st.tuples(st.sampled_from((0, 1, 1, 2, 2, 3, 4, 8, 13)), happenings), max_size=30
@@ -29,12 +27,12 @@ def play(shell: Shell, stream: list[Any]) -> None:
         shell.say(topic, message, shell.now + gap * GRID)
 
 
-@EXAMPLES
-@given(
+@property_test(
     tables(),
     streams,
     st.lists(st.sampled_from((0.0, 0.0625, 0.3, 1.0)), min_size=1, max_size=3),
     st.sampled_from((0.0, 0.01)),
+    many=MANY // 2,
 )
 def test_the_same_table_fires_the_same_at_the_same_times(
     table: Table, stream: list[Any], lengths: list[float], lag: float
@@ -49,8 +47,7 @@ def test_the_same_table_fires_the_same_at_the_same_times(
     assert not any(firing.assumed for firing in report.firings)
 
 
-@EXAMPLES
-@given(tables(), tables(), streams, streams)
+@property_test(tables(), tables(), streams, streams, many=MANY // 2)
 def test_a_swap_in_the_recording_makes_the_new_rules_begin_there(
     before: Table, after: Table, first: list[Any], second: list[Any]
 ) -> None:

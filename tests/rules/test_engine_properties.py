@@ -1,8 +1,7 @@
-"""What holds for every table and every stream; the long profile: KOMPASS_RULES_EXAMPLES=10000."""
+"""What holds for every table and every stream."""
 
 from typing import Any
 
-from hypothesis import given
 from hypothesis import strategies as st
 
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
@@ -14,7 +13,8 @@ from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.conditions import AllOf, AnyOf, Condition, Not
 from kompass.rules.schema.table import Table, rule_hash, table_hash
 from tests.rules.oracle import Fired, Oracle
-from tests.rules.strategies import EXAMPLES, GRID, streams, tables
+from tests.rules.strategies import GRID, streams, tables
+from tests.support.properties import property_test
 
 
 class Run:
@@ -82,8 +82,7 @@ def fired(out: list[Output]) -> list[Fired]:
     ]
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_the_indexed_engine_does_what_the_plain_one_does(table: Table, stream: list[Any]) -> None:
     run, oracle = Run(table), Oracle(table, 0.0)
     for gap, happening in stream:
@@ -110,8 +109,7 @@ def kleene(condition: Condition, verdicts: list[bool | None]) -> bool | None:
     return verdicts.pop(0)
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_no_rule_fires_on_unknown(table: Table, stream: list[Any]) -> None:
     run = play(table, stream)
     for firing in run.out:
@@ -121,8 +119,7 @@ def test_no_rule_fires_on_unknown(table: Table, stream: list[Any]) -> None:
             assert kleene(rule.event.condition, verdicts) is True
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_no_rule_fires_within_its_cooldown_or_more_than_once_if_once(
     table: Table, stream: list[Any]
 ) -> None:
@@ -140,14 +137,12 @@ def test_no_rule_fires_within_its_cooldown_or_more_than_once_if_once(
             assert all(sum(t <= u < t + limit.window for u in times) <= limit.count for t in times)
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_the_same_input_gives_the_same_firings(table: Table, stream: list[Any]) -> None:
     assert play(table, stream).out == play(table, stream).out
 
 
-@EXAMPLES
-@given(tables(), streams, st.data())
+@property_test(tables(), streams, st.data())
 def test_a_copy_of_the_state_goes_its_own_way(
     table: Table, stream: list[Any], data: st.DataObject
 ) -> None:
@@ -166,8 +161,7 @@ def test_a_copy_of_the_state_goes_its_own_way(
     assert first[0] == first[1]
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_ticks_only_wake(table: Table, stream: list[Any]) -> None:
     """Ticks at every deadline, or none at all, make no difference to what fires and when."""
     plain, woken = Run(table), Run(table)
@@ -187,8 +181,7 @@ def test_ticks_only_wake(table: Table, stream: list[Any]) -> None:
     assert plain.out == woken.out
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_nothing_happens_before_the_next_deadline(table: Table, stream: list[Any]) -> None:
     run = Run(table)
     for gap, happening in stream:
@@ -200,8 +193,7 @@ def test_nothing_happens_before_the_next_deadline(table: Table, stream: list[Any
             assert step(run.table, probe, Tick(), until)[1] == []
 
 
-@EXAMPLES
-@given(tables(), streams, st.sets(st.integers(0, 24)))
+@property_test(tables(), streams, st.sets(st.integers(0, 24)))
 def test_an_unchanged_table_is_carried_without_a_trace(
     table: Table, stream: list[Any], cuts: set[int]
 ) -> None:
@@ -223,8 +215,7 @@ def test_an_unchanged_table_is_carried_without_a_trace(
         )
 
 
-@EXAMPLES
-@given(tables(), tables(), streams, st.integers(0, 25))
+@property_test(tables(), tables(), streams, st.integers(0, 25))
 def test_what_is_carried_is_undisturbed_by_what_is_added(
     table: Table, other: Table, stream: list[Any], cut: int
 ) -> None:
@@ -264,8 +255,7 @@ def anonymous(output: Output) -> Any:
     return output._replace(run_id=0, cancels=(len(output.cancels),))
 
 
-@EXAMPLES
-@given(tables())
+@property_test(tables())
 def test_everything_survives_a_round_trip_through_json(table: Table) -> None:
     again = Table.model_validate_json(table.model_dump_json())
     assert again == table
