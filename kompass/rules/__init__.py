@@ -15,14 +15,28 @@ from kompass.rules.checks.catalog import (
 )
 from kompass.rules.checks.check import check_rule, check_table
 from kompass.rules.checks.problem import Problem
-from kompass.rules.engine.arbitrate import Arbitration, Lost, Running, arbitrate, components_of
+from kompass.rules.engine.arbitrate import Arbitration, Outranked, Running, arbitrate, components_of
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.explain import Explanation, Gate, explain
-from kompass.rules.engine.firing import Done, Firing, Input, LeafVerdict, Note, Output, Sample, Tick
-from kompass.rules.engine.migrate import MigrationReport, migrate_state, swap
-from kompass.rules.engine.migration import Migration, plan_migration
+from kompass.rules.engine.firing import (
+    Firing,
+    Input,
+    LeafVerdict,
+    Note,
+    Output,
+    RunEnded,
+    Sample,
+    Tick,
+)
+from kompass.rules.engine.migration import (
+    Migration,
+    MigrationReport,
+    migrate_state,
+    plan_migration,
+    swap,
+)
 from kompass.rules.engine.schedule import next_deadline
-from kompass.rules.engine.state import Counters, State, counters
+from kompass.rules.engine.state import Counters, EngineState, counters
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema import actions
 from kompass.rules.schema.arguments import ArgumentError, expand, resolve
@@ -39,7 +53,7 @@ __all__ = [
     "CompiledTable",
     "ComponentSpec",
     "Counters",
-    "Done",
+    "EngineState",
     "Event",
     "Explanation",
     "FieldType",
@@ -47,21 +61,21 @@ __all__ = [
     "Gate",
     "Input",
     "LeafVerdict",
-    "Lost",
     "MethodSpec",
     "Migration",
     "MigrationReport",
     "Note",
     "Output",
+    "Outranked",
     "ParameterSpec",
     "Problem",
     "Rule",
+    "RunEnded",
     "Running",
     "Sample",
     "Severity",
     "Signal",
     "StackCatalog",
-    "State",
     "Table",
     "Tick",
     "actions",

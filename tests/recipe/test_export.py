@@ -14,7 +14,7 @@ from kompass.launch.launcher import Launcher
 from kompass.recipe.export import export, to_json, to_python
 from kompass.recipe.table import RecipeRules, recipe_rules
 from kompass.rules.engine.compiled_table import compile_table
-from kompass.rules.engine.firing import Done, Firing, Sample
+from kompass.rules.engine.firing import Firing, RunEnded, Sample
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.actions import (
     Action,
@@ -94,7 +94,7 @@ def fires(table: Table, stream: list[tuple[float, str, Any]]) -> list[tuple[str,
         for firing in out:
             if isinstance(firing, Firing):
                 found.append((firing.rule_id, firing.at))
-                step(compiled, state, Done(firing.rule_id, firing.run_id), now)
+                step(compiled, state, RunEnded(firing.rule_id, firing.run_id), now)
     return found
 
 

@@ -5,10 +5,10 @@ from typing import Any
 from hypothesis import strategies as st
 
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
-from kompass.rules.engine.firing import Done, Firing, Input, Output, Sample, Tick
-from kompass.rules.engine.migrate import migrate_state
+from kompass.rules.engine.firing import Firing, Input, Output, RunEnded, Sample, Tick
+from kompass.rules.engine.migration import migrate_state
 from kompass.rules.engine.schedule import next_deadline
-from kompass.rules.engine.state import State, counters
+from kompass.rules.engine.state import EngineState, counters
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.conditions import AllOf, AnyOf, Condition, Not
 from kompass.rules.schema.table import Table, rule_hash, table_hash
@@ -22,7 +22,7 @@ class Run:
 
     def __init__(self, table: Table) -> None:
         self.table: CompiledTable = compile_table(table)
-        self.state: State = initial_state(self.table, 0.0)
+        self.state: EngineState = initial_state(self.table, 0.0)
         self.now = 0.0
         self.running: list[tuple[str, int]] = []
         self.out: list[Output] = []
@@ -36,9 +36,9 @@ class Run:
         if isinstance(first, str):
             return Sample(first, second)
         if not self.running:
-            return Done("r0", 999)
+            return RunEnded("r0", 999)
         rule_id, run_id = self.running[first % len(self.running)]
-        return Done(rule_id, run_id, second, "" if second else "failed")
+        return RunEnded(rule_id, run_id, second, "" if second else "failed")
 
     def feed(self, event: Input, now: float) -> list[Output]:
         self.now = now
@@ -49,7 +49,7 @@ class Run:
                     self.running.remove((o.rule_id, run))
                 self.running.append((o.rule_id, o.run_id))
         # What was due before this end may have cancelled the run already: then it is no end.
-        if isinstance(event, Done) and (event.rule_id, event.run_id) in self.running:
+        if isinstance(event, RunEnded) and (event.rule_id, event.run_id) in self.running:
             self.running.remove((event.rule_id, event.run_id))
             self.ends[event.run_id] = now
         self.out.extend(out)
@@ -231,7 +231,7 @@ def test_what_is_carried_is_undisturbed_by_what_is_added(
             swapped.table = again
         event = plain.input(happening)
         plain.feed(event, now)
-        if isinstance(event, Done):
+        if isinstance(event, RunEnded):
             event = same_run(plain, swapped, event)
         swapped.feed(event, now)
     for rule in table.rules:
@@ -240,7 +240,7 @@ def test_what_is_carried_is_undisturbed_by_what_is_added(
         assert [anonymous(f) for f in ours] == [anonymous(f) for f in theirs]
 
 
-def same_run(plain: Run, swapped: Run, event: Done) -> Done:
+def same_run(plain: Run, swapped: Run, event: RunEnded) -> RunEnded:
     """The run of the other engine that is the same firing; run ids are shared by all rules."""
     mine = [f.run_id for f in plain.out if isinstance(f, Firing) and f.rule_id == event.rule_id]
     others = [f.run_id for f in swapped.out if isinstance(f, Firing) and f.rule_id == event.rule_id]

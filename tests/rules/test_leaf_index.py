@@ -39,8 +39,8 @@ def test_every_leaf_that_changes_is_a_candidate(
     old, new = pair
     index = LeafIndex(enumerate(leaves))
     found = set(index.candidates(old, new))
-    judges = [predicate_of(leaf) for leaf in leaves]
-    changed_ones = {i for i, judge in enumerate(judges) if judge(old) is not judge(new)}
+    predicates = [predicate_of(leaf) for leaf in leaves]
+    changed_ones = {i for i, verdict in enumerate(predicates) if verdict(old) is not verdict(new)}
     assert changed_ones <= found
 
 

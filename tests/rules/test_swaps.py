@@ -8,10 +8,9 @@ from typing import Any
 from hypothesis import strategies as st
 
 from kompass.rules.engine.compiled_table import compile_table
-from kompass.rules.engine.firing import Done, Firing, Output, Sample, Tick
-from kompass.rules.engine.migrate import swap
-from kompass.rules.engine.migration import plan_migration
-from kompass.rules.engine.state import State, counters
+from kompass.rules.engine.firing import Firing, Output, RunEnded, Sample, Tick
+from kompass.rules.engine.migration import plan_migration, swap
+from kompass.rules.engine.state import EngineState, counters
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.table import Rule, Table
 from tests.rules.building import Robot, absent, both, compare, received, rule
@@ -60,7 +59,7 @@ def test_rules_that_stay_never_notice_the_others_come_and_go(
             plain.feed(Tick(), now)
         event = plain.input(happening)
         plain.feed(event, now)
-        if isinstance(event, Done):
+        if isinstance(event, RunEnded):
             event = same_run(plain, swapped, event)
         swapped.feed(event, now)
     for each in table.rules:
@@ -96,7 +95,7 @@ class Walk:
         self.chance = random.Random(seed)
         self.extra: dict[str, Rule] = {}
         self.table = compile_table(self.next_table())
-        self.state: State = initial_state(self.table, 0.0)
+        self.state: EngineState = initial_state(self.table, 0.0)
         self.out: list[Firing] = []
 
     def next_table(self) -> Table:
@@ -123,7 +122,7 @@ class Walk:
         for output in out:
             if isinstance(output, Firing):
                 self.out.append(output)
-                self.feed(Done(output.rule_id, output.run_id), now)
+                self.feed(RunEnded(output.rule_id, output.run_id), now)
 
     def swap(self, now: float) -> None:
         new = compile_table(self.next_table())
