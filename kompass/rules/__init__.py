@@ -1,7 +1,15 @@
 """The rule engine: pure functions over rules as data; no ROS, no clock, no threads, no I/O.
 
-:func:`step` takes a message, the passing of time or the end of a run, and returns what fires. A
-shell feeds it and carries out the firings; nothing else decides whether a rule fires.
+Three rooms. ``schema``: rules as pydantic data (signals, conditions, events, actions, tables).
+``engine``: a table compiled, and the state that :func:`step` changes. ``checks``: what in a rule
+does not fit the robot. ``engine`` and ``checks`` import ``schema``; nothing else of ours is.
+
+One message: a shell calls ``step(table, state, Sample(topic, message), now)`` (``engine/step.py``).
+What became due before comes first (``schedule.py``). Each field that a rule uses is read once; the
+comparisons that its new value can change (``leaf_index.py``) are evaluated (``predicates.py``).
+Rules whose leaves changed are evaluated as trees; ``once``, cooldown, mode and rate limit
+(``runs.py``) decide whether a :class:`Firing` comes out (``firing.py``). The shell settles
+who gets which component (``arbitrate.py``), runs the actions and reports :class:`RunEnded`.
 """
 
 from kompass.rules.checks.catalog import (
