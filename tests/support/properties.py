@@ -13,6 +13,17 @@ FEW = 8
 MANY = int(os.environ.get("KOMPASS_EXAMPLES", "80"))
 
 
+def few_or_many(many: int, few: int = FEW) -> pytest.MarkDecorator:
+    """Run a test with ``examples`` of a few, and again with many and the marker ``slow``."""
+    return pytest.mark.parametrize(
+        "examples",
+        [
+            pytest.param(few, id="few"),
+            pytest.param(max(many, 1), id="many", marks=pytest.mark.slow),
+        ],
+    )
+
+
 def property_test(
     *strategies: SearchStrategy[Any], many: int = MANY
 ) -> Callable[[Callable[..., None]], Callable[[int], None]]:
@@ -27,13 +38,7 @@ def property_test(
     """
 
     def decorate(check: Callable[..., None]) -> Callable[[int], None]:
-        @pytest.mark.parametrize(
-            "examples",
-            [
-                pytest.param(FEW, id="few"),
-                pytest.param(max(many, 1), id="many", marks=pytest.mark.slow),
-            ],
-        )
+        @few_or_many(many)
         def test(examples: int) -> None:
             tried = settings(
                 max_examples=examples,
