@@ -17,10 +17,9 @@ from typing import NamedTuple
 from common import percentile
 
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
-from kompass.rules.engine.firing import Done, Firing, Sample
-from kompass.rules.engine.migrate import swap
-from kompass.rules.engine.migration import plan_migration
-from kompass.rules.engine.state import State
+from kompass.rules.engine.firing import Firing, RunEnded, Sample
+from kompass.rules.engine.migration import plan_migration, swap
+from kompass.rules.engine.state import EngineState
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.actions import Log
 from kompass.rules.schema.conditions import Absent, AllOf, Compare, Condition, Rate
@@ -67,15 +66,15 @@ def change(rules: dict[int, Rule], number: int, chance: random.Random) -> Table:
 
 
 def stream(
-    table: CompiledTable, state: State, now: float, chance: random.Random
-) -> tuple[State, float]:
+    table: CompiledTable, state: EngineState, now: float, chance: random.Random
+) -> tuple[EngineState, float]:
     for _ in range(STREAM):
         now += 0.002
         message = SimpleNamespace(data=chance.uniform(0.0, 10.0), mode=chance.randrange(3))
         state, out = step(table, state, Sample(f"topic_{chance.randrange(25)}", message), now)
         for output in out:
             if isinstance(output, Firing):
-                step(table, state, Done(output.rule_id, output.run_id), now)
+                step(table, state, RunEnded(output.rule_id, output.run_id), now)
     return state, now
 
 

@@ -19,18 +19,18 @@ from kompass.backtest.event_log import (
     Resumed,
     Swapped,
 )
-from kompass.backtest.memory import memory
 from kompass.backtest.notes import ReplayNotes
 from kompass.backtest.recorded_runs import RecordedRuns
 from kompass.backtest.report import BacktestFiring, BacktestReport, RuleTally
 from kompass.rulebook.schema.status import LeafReading
 from kompass.rulebook.views.views import leaf_reading, why_not
-from kompass.rules.engine.compiled_table import CompiledTable, compile_table
-from kompass.rules.engine.firing import Done, Firing, Input, Sample, Tick
-from kompass.rules.engine.migrate import migrate_state
+from kompass.rules.engine.compiled_table import CompiledTable, RulePlan, compile_table
+from kompass.rules.engine.firing import Firing, Input, RunEnded, Sample, Tick
+from kompass.rules.engine.migration import migrate_state
 from kompass.rules.engine.schedule import next_deadline
-from kompass.rules.engine.state import WAITS_FOR_FALSE, State, counters
+from kompass.rules.engine.state import WAITS_FOR_FALSE, EngineState, counters
 from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.conditions import Absent, Rate, timeout_of
 from kompass.rules.schema.table import Table, rule_hash
 
 FIRINGS = 5_000  # in a report; more are counted and not listed
@@ -54,11 +54,11 @@ def backtest(
     table
         The proposed table.
     events
-        The tape, in its order. Without a ``Began`` or ``Resumed`` at its beginning (a recording
-        that no monitor made) the engine begins with the first message, whose ``now`` then counts
-        as seconds since the epoch.
+        The event log, in its order. Without a ``Began`` or ``Resumed`` at its beginning (a
+        recording that no monitor made) the engine begins with the first message, whose ``now``
+        then counts as seconds since the epoch.
     recorded
-        The engine's own events of the same stretch (all but ``Heard``), read beforehand: the
+        The events of the same time other than ``Heard``, read beforehand: the
         firings to compare with, and how long runs took. Empty when there are none.
     total
         Number of events, for the progress.
@@ -100,7 +100,7 @@ class _Replay:
         self._compiled: CompiledTable = compile_table(table)
         self._types = self._compiled.topic_types()
         self._notes = ReplayNotes(self._compiled)
-        self._state: State | None = None
+        self._state: EngineState | None = None
         self._live: dict[str, str] = {}  # rule hashes of the table in force in the recording
         self._epoch = ""
         self._offset = 0.0
@@ -117,21 +117,21 @@ class _Replay:
         self._reached = 0.0  # s of the engine's clock
         self._messages = 0
         self._warm_up = 0.0
-        self._totals: dict[str, tuple[int, int]] = {}  # evaluated and true, of ended lives
+        self._totals: dict[str, tuple[int, int]] = {}  # evaluated and true, of ended sessions
 
-    # -- the tape -----------------------------------------------------------------------------
+    # -- the event log ------------------------------------------------------------------------
 
     def take(self, event: LoggedEvent) -> None:
         """Take the next event."""
         if isinstance(event, (Began, Resumed)):
-            self._life(event)
+            self._begin(event)
             return
         if isinstance(event, Lost):
             return
         if isinstance(event, Fired):
             self._compare(event)
             if self._state is not None:
-                # It may be the last word of the tape, and time alone its cause.
+                # It may be the last event of the log, and time alone its cause.
                 self._catch_up(event.now)
                 self._reach(event.now)
             return
@@ -143,7 +143,7 @@ class _Replay:
         elif isinstance(event, Ended):
             run = self._runs.pop(event.run_id, None)
             if run is not None:
-                self._feed(Done(event.rule_id, run, event.ok, event.error), event.now)
+                self._feed(RunEnded(event.rule_id, run, event.ok, event.error), event.now)
         elif isinstance(event, Swapped):
             self._swap(event)
         self._reach(event.now)
@@ -153,10 +153,10 @@ class _Replay:
         self._reached = max(self._reached, now)
         self._last = self._reached + self._offset
 
-    def _life(self, event: Began | Resumed) -> None:
+    def _begin(self, event: Began | Resumed) -> None:
         hashes = {rule.id: rule_hash(rule) for rule in event.table.rules}
         if isinstance(event, Resumed) and self._state is not None and event.epoch == self._epoch:
-            return  # the next file of the same life
+            return  # the next file of the same session
         self._close()
         self._start(event.now, event.wall - event.now, event.epoch, event.used)
         if isinstance(event, Resumed):
@@ -178,7 +178,7 @@ class _Replay:
 
     def _midway(self, now: float) -> None:
         """Take note that something was before of which nothing is known."""
-        lasts = {plan.rule.id: memory(self._compiled, plan) for plan in self._compiled.rules}
+        lasts = {plan.rule.id: _memory(self._compiled, plan) for plan in self._compiled.rules}
         self._unsure = {rule_id: now + seconds for rule_id, seconds in lasts.items()}
         self._warm_up = max(self._warm_up, *lasts.values(), 0.0)
 
@@ -251,7 +251,7 @@ class _Replay:
         self._close()
 
     def _close(self) -> None:
-        """End a life of the engine."""
+        """End a session of the engine."""
         if self._state is None:
             return
         self._catch_up(self._reached)
@@ -283,7 +283,7 @@ class _Replay:
             end = self._ends[0][0] if self._ends else None
             if end is not None and end <= now and (due is None or end <= due):
                 when, run, rule_id = heappop(self._ends)
-                self._feed(Done(rule_id, run), when)
+                self._feed(RunEnded(rule_id, run), when)
             elif due is not None and due <= now:
                 # One at a time: what fires may end, as is assumed, before the next is due.
                 self._feed(Tick(), due)
@@ -401,3 +401,18 @@ def _listed(found: _Found, start: float) -> BacktestFiring:
         text=found.text,
         assumed=found.assumed,
     )
+
+
+def _memory(compiled: CompiledTable, plan: RulePlan) -> float:
+    """Return for how many seconds messages and firings before a recording may matter to a rule."""
+    event = plan.rule.event
+    longest = max(event.hold, event.cooldown, event.max_rate.window if event.max_rate else 0.0)
+    for _, index in (*plan.leaves, *plan.clear_leaves):
+        condition = compiled.leaves[index].condition
+        if isinstance(condition, Absent):
+            longest = max(longest, condition.seconds)
+        elif isinstance(condition, Rate):
+            longest = max(longest, condition.window)
+        else:
+            longest = max(longest, timeout_of(condition) or 0.0)
+    return longest

@@ -1,7 +1,7 @@
-"""The tape: all that the engine took, in its order, so that it can be replayed exactly.
+"""The event log: all inputs of the engine, in their order, so that they can be replayed exactly.
 
 ``now`` is the engine's own time, in monotonic seconds, as it was handed to it: a replay that is fed
-the same inputs at the same times gives the same firings. Ticks are not on the tape, because they
+the same inputs at the same times gives the same firings. Ticks are not logged, because they
 change no firing and no time of one.
 """
 
@@ -12,21 +12,23 @@ from typing import Any, NamedTuple, TypeAlias
 from pydantic import JsonValue
 
 from kompass.rulebook.schema.status import LeafReading
+from kompass.rulebook.views.views import leaf_reading
+from kompass.rules.engine.firing import Firing
 from kompass.rules.schema.interned import table_text
 from kompass.rules.schema.table import Table
 
 
 class Began(NamedTuple):
-    """The engine began a life with an empty state.
+    """The engine began a session, with an empty state.
 
     Attributes
     ----------
     wall
         Seconds since the epoch at ``now``.
     epoch
-        Name of this life of the monitor, as in the journal.
+        Name of this session of the monitor, as in the journal.
     used
-        Ids of ``once`` rules that had fired before, in the same life of the stack.
+        Ids of ``once`` rules that had fired before, since the stack was started.
     """
 
     now: float
@@ -38,10 +40,10 @@ class Began(NamedTuple):
 
 
 class Resumed(NamedTuple):
-    """The engine was under way when this part of the tape began; fields as of :class:`Began`.
+    """The engine was running when this part of the log began; fields as of :class:`Began`.
 
-    What it knew from before is not on the tape, but for the table, the rules that are used up, and
-    what tells whether a rule cools down or runs.
+    Of its state before, the log has only the table, the rules that are used up, and what tells
+    whether a rule cools down or runs.
 
     Attributes
     ----------
@@ -62,10 +64,14 @@ class Resumed(NamedTuple):
 
 
 class Heard(NamedTuple):
-    """It took a message, or what stands for one: the word for a silent component, an answer of a
-    polled function (topic ``callable/<name>``, no ``type``).
+    """The engine received a message, or an answer of a polled function.
 
-    ``again`` marks one that it took before this part of the tape began, and that is valid still.
+    Attributes
+    ----------
+    topic, type
+        For an answer ``callable/<name>`` and an empty text.
+    again
+        Whether it was received before this part of the log began, and is valid still.
     """
 
     now: float
@@ -76,7 +82,7 @@ class Heard(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """It took the end of a run."""
+    """The actions of a run have ended."""
 
     now: float
     rule_id: str
@@ -86,7 +92,7 @@ class Ended(NamedTuple):
 
 
 class Fired(NamedTuple):
-    """It let a rule fire; for comparison, a replay is not fed with it.
+    """A rule fired; for comparison, a replay is not fed with it.
 
     ``now`` is the time at which the rule fired, which may lie before the input that made the
     engine notice.
@@ -104,7 +110,7 @@ class Fired(NamedTuple):
 
 
 class Swapped(NamedTuple):
-    """It went on with another table; what was due by then was handled by the old one."""
+    """The engine changed to another table; what was due by then was handled by the old one."""
 
     now: float
     revision: int
@@ -130,6 +136,21 @@ KINDS: dict[str, type[LoggedEvent]] = {
     "swapped": Swapped,
     "lost": Lost,
 }
+
+
+def fired_event(firing: Firing, revision: int) -> Fired:
+    """Return a firing as an entry of the event log."""
+    return Fired(
+        now=firing.at,
+        rule_id=firing.rule_id,
+        run_id=firing.run_id,
+        triggered_at=firing.triggered_at,
+        revision=revision,
+        rule_hash=firing.revision_hash,
+        topic=firing.topic,
+        shadow=firing.shadow,
+        leaves=tuple(map(leaf_reading, firing.leaves)),
+    )
 
 
 def to_data(event: LoggedEvent) -> tuple[str, dict[str, JsonValue]]:
@@ -162,11 +183,11 @@ def from_data(kind: str, data: Mapping[str, Any]) -> LoggedEvent:
     """
     made = KINDS.get(kind)
     if made is None:
-        raise ValueError(f"{kind!r} is no event of a tape; known are: {', '.join(KINDS)}")
+        raise ValueError(f"{kind!r} is no event of an event log; known are: {', '.join(KINDS)}")
     fields = {name: data[name] for name in made._fields if name in data}
     missing = [n for n in made._fields if n not in fields and n not in made._field_defaults]
     if missing:
-        raise ValueError(f"an event {kind!r} of the tape lacks {', '.join(missing)}")
+        raise ValueError(f"an event {kind!r} lacks {', '.join(missing)}")
     if "table" in fields:
         fields["table"] = Table.model_validate(fields["table"])
     if "leaves" in fields:

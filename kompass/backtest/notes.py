@@ -4,7 +4,7 @@ import math
 
 from kompass.rules.engine.compiled_table import CompiledTable, RulePlan
 from kompass.rules.engine.firing import Note
-from kompass.rules.engine.state import State
+from kompass.rules.engine.state import EngineState
 from kompass.rules.schema.conditions import Compare
 
 # s between two looks at which rules are unknown: their time is exact to about this.
@@ -25,10 +25,10 @@ class ReplayNotes:
         self._misses: dict[str, tuple[int, str]] = {}
 
     def begin(self, now: float) -> None:
-        """Take note that a life of the engine begins."""
+        """Take note that a session of the engine begins."""
         self._looked = now
 
-    def heard(self, state: State, topic: str) -> None:
+    def heard(self, state: EngineState, topic: str) -> None:
         """Take note of a message that the engine has taken."""
         plan = self._compiled.by_topic.get(topic)
         if plan is None:
@@ -48,23 +48,23 @@ class ReplayNotes:
             count, _ = self._misses.get(note.rule_id, (0, ""))
             self._misses[note.rule_id] = (count + 1, note.text)
 
-    def passed(self, state: State, now: float) -> None:
+    def passed(self, state: EngineState, now: float) -> None:
         """Take note that time has passed."""
         if now - self._looked >= LOOK:
             self._count(state, now)
 
-    def end(self, state: State) -> None:
-        """Take note that the life of the engine ends."""
+    def end(self, state: EngineState) -> None:
+        """Take note that the session of the engine ends."""
         self._count(state, state.now)
 
-    def _count(self, state: State, now: float) -> None:
+    def _count(self, state: EngineState, now: float) -> None:
         passed, self._looked = now - self._looked, now
         for index in self._enabled:
             if state.rules[index].verdict is None:
                 self._unknown[index] += passed
 
     def unknown_time(self, rule_id: str) -> float:
-        """Seconds for which a rule could not be judged."""
+        """Seconds for which a rule was unknown."""
         plan = self._compiled.by_id.get(rule_id)
         return 0.0 if plan is None else self._unknown[plan.index]
 

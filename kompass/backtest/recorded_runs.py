@@ -11,7 +11,7 @@ TOLERANCE = 1e-3  # s by which two firings may differ that are one
 
 
 class RecordedRuns:
-    """Indexed by life of the monitor, rule and time; each firing is given out once."""
+    """Indexed by session of the monitor, rule and time; each firing is given out once."""
 
     def __init__(self, events: Iterable[LoggedEvent]) -> None:
         self._firings: dict[tuple[str, str], list[Fired]] = {}
@@ -45,8 +45,8 @@ class RecordedRuns:
                 if began is not None:
                     seconds = event.now - began.now
                     self._by_rule.setdefault(event.rule_id, []).append(seconds)
-                    deed = _key(self._actions[epoch, event.run_id])
-                    self._by_actions.setdefault(deed, []).append(seconds)
+                    key = _key(self._actions[epoch, event.run_id])
+                    self._by_actions.setdefault(key, []).append(seconds)
 
     def match(self, epoch: str, rule_id: str, at: float) -> Fired | None:
         """Return the recorded firing that a firing at ``at`` is, if there is one."""
@@ -72,7 +72,7 @@ class RecordedRuns:
         return False
 
     def unmatched(self, epoch: str) -> Iterator[tuple[str, Fired]]:
-        """Give out the firings of a life that nothing was matched with."""
+        """Yield the firings of a session that nothing was matched with."""
         for key, taken in self._taken.items():
             if key[0] != epoch:
                 continue

@@ -13,18 +13,17 @@ from kompass.backtest.event_log import (
     Heard,
     LoggedEvent,
     Swapped,
+    fired_event,
     swapped_text,
     to_data,
 )
-from kompass.backtest.records import fired_event
 from kompass.monitor.event_log import EventLog, NoEventLog
 from kompass.rules.engine.compiled_table import CompiledTable
 from kompass.rules.engine.explain import verdict_of
-from kompass.rules.engine.firing import Done, Firing, Input, Output, Sample, Tick
-from kompass.rules.engine.migrate import MigrationReport, swap
-from kompass.rules.engine.migration import Migration
+from kompass.rules.engine.firing import Firing, Input, Output, RunEnded, Sample, Tick
+from kompass.rules.engine.migration import Migration, MigrationReport, swap
 from kompass.rules.engine.schedule import next_deadline
-from kompass.rules.engine.state import State
+from kompass.rules.engine.state import EngineState
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.values import Verdict
 
@@ -85,7 +84,7 @@ class EngineLoop:
         self._tape = tape or NoEventLog()
         self._untaped: deque[tuple[Firing, int]] = deque()
         began = clock()
-        self.state: State = initial_state(table, began * 1e-9)
+        self.state: EngineState = initial_state(table, began * 1e-9)
         used = tuple(rule_id for rule_id in used if rule_id in table.by_id)
         for rule_id in used:
             self.state.rules[table.by_id[rule_id].index].fired = 1
@@ -123,7 +122,7 @@ class EngineLoop:
         """Take the end of a run."""
         now = self._clock()
         self._record(Ended(now * 1e-9, rule_id, run_id, ok, error), now)
-        self._step(Done(rule_id, run_id, ok, error), now)
+        self._step(RunEnded(rule_id, run_id, ok, error), now)
 
     def tick(self) -> None:
         """Take note that time has passed."""

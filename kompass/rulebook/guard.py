@@ -297,7 +297,7 @@ def _action(
     functions: set[str],
     drive_managers: Collection[str],
 ) -> Iterator[Finding]:
-    if own is not None and _deed(action) in map(_deed, own.actions):
+    if own is not None and _normalized(action) in map(_normalized, own.actions):
         return  # the recipe itself lets this rule do it
     if _releases(action):
         yield _error(
@@ -325,8 +325,8 @@ def _action(
         yield from _service(rule, where, action, drive_managers)
 
 
-def _deed(action: Action) -> Action:
-    """Return what an action does, however long it may take and whatever follows."""
+def _normalized(action: Action) -> Action:
+    """Return an action without its timeout and what follows a failure, for comparison."""
     return action.model_copy(update={"timeout": None, "on_error": "abort"})
 
 

@@ -1,7 +1,15 @@
 """The rule engine: pure functions over rules as data; no ROS, no clock, no threads, no I/O.
 
-:func:`step` takes a message, the passing of time or the end of a run, and returns what fires. A
-shell feeds it and carries out the firings; nothing else decides whether a rule fires.
+Three rooms. ``schema``: rules as pydantic data (signals, conditions, events, actions, tables).
+``engine``: a table compiled, and the state that :func:`step` changes. ``checks``: what in a rule
+does not fit the robot. ``engine`` and ``checks`` import ``schema``; nothing else of ours is.
+
+One message: a shell calls ``step(table, state, Sample(topic, message), now)`` (``engine/step.py``).
+What became due before comes first (``schedule.py``). Each field that a rule uses is read once; the
+comparisons that its new value can change (``leaf_index.py``) are evaluated (``predicates.py``).
+Rules whose leaves changed are evaluated as trees; ``once``, cooldown, mode and rate limit
+(``runs.py``) decide whether a :class:`Firing` comes out (``firing.py``). The shell settles
+who gets which component (``arbitrate.py``), runs the actions and reports :class:`RunEnded`.
 """
 
 from kompass.rules.checks.catalog import (
@@ -15,14 +23,28 @@ from kompass.rules.checks.catalog import (
 )
 from kompass.rules.checks.check import check_rule, check_table
 from kompass.rules.checks.problem import Problem
-from kompass.rules.engine.arbitrate import Arbitration, Lost, Running, arbitrate, components_of
+from kompass.rules.engine.arbitrate import Arbitration, Outranked, Running, arbitrate, components_of
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.explain import Explanation, Gate, explain
-from kompass.rules.engine.firing import Done, Firing, Input, LeafVerdict, Note, Output, Sample, Tick
-from kompass.rules.engine.migrate import MigrationReport, migrate_state, swap
-from kompass.rules.engine.migration import Migration, plan_migration
+from kompass.rules.engine.firing import (
+    Firing,
+    Input,
+    LeafVerdict,
+    Note,
+    Output,
+    RunEnded,
+    Sample,
+    Tick,
+)
+from kompass.rules.engine.migration import (
+    Migration,
+    MigrationReport,
+    migrate_state,
+    plan_migration,
+    swap,
+)
 from kompass.rules.engine.schedule import next_deadline
-from kompass.rules.engine.state import Counters, State, counters
+from kompass.rules.engine.state import Counters, EngineState, counters
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema import actions
 from kompass.rules.schema.arguments import ArgumentError, expand, resolve
@@ -39,7 +61,7 @@ __all__ = [
     "CompiledTable",
     "ComponentSpec",
     "Counters",
-    "Done",
+    "EngineState",
     "Event",
     "Explanation",
     "FieldType",
@@ -47,21 +69,21 @@ __all__ = [
     "Gate",
     "Input",
     "LeafVerdict",
-    "Lost",
     "MethodSpec",
     "Migration",
     "MigrationReport",
     "Note",
     "Output",
+    "Outranked",
     "ParameterSpec",
     "Problem",
     "Rule",
+    "RunEnded",
     "Running",
     "Sample",
     "Severity",
     "Signal",
     "StackCatalog",
-    "State",
     "Table",
     "Tick",
     "actions",

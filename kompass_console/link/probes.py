@@ -14,7 +14,7 @@ from kompass.rules.checks.check import check_rule
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.explain import explain
 from kompass.rules.engine.firing import Sample, Tick
-from kompass.rules.engine.state import State
+from kompass.rules.engine.state import EngineState
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.actions import Log
 from kompass.rules.schema.conditions import Condition, leaves
@@ -41,7 +41,7 @@ class Probe:
         self._taps = taps
         self._lock = threading.Lock()
         self._error = ""
-        self._running: tuple[CompiledTable, State] | None = None
+        self._running: tuple[CompiledTable, EngineState] | None = None
         try:
             self._begin(_compiled(condition, clear))
         except (CannotOpen, ValueError) as error:

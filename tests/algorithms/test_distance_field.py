@@ -2,21 +2,20 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from kompass.algorithms.distance_field import DistanceField
 from kompass.algorithms.geometry import transform_points
 from kompass.algorithms.grid import Grid
+from tests.support.properties import property_test
 
 from .worlds import brute_force_distance, empty
 
 maps = arrays(np.int8, (9, 11), elements=st.sampled_from([0, 0, 0, 0, 0, 0, 0, 100]))
 
 
-@settings(max_examples=60, deadline=None)
-@given(maps, st.integers(0, 2**31))
+@property_test(maps, st.integers(0, 2**31), many=60)
 def test_it_never_overstates_and_hardly_understates(cells: np.ndarray, seed: int) -> None:
     cells[4, 5] = 100
     field = DistanceField(Grid(cells, 0.1), unknown_is_obstacle=False)
@@ -34,8 +33,7 @@ def test_distances_to_a_cell_s_edge_are_exact_at_cells_centres() -> None:
     assert field.at([(0.525, 1.025)])[0] == pytest.approx(0.475, abs=0.001)
 
 
-@settings(max_examples=20, deadline=None)
-@given(st.floats(-3, 3), st.integers(0, 2**31))
+@property_test(st.floats(-3, 3), st.integers(0, 2**31), many=20)
 def test_a_turned_and_shifted_map_gives_the_same_distances(yaw: float, seed: int) -> None:
     rng = np.random.default_rng(seed)
     cells = np.where(rng.random((20, 30)) < 0.1, 100, 0).astype(np.int8)
@@ -46,8 +44,7 @@ def test_a_turned_and_shifted_map_gives_the_same_distances(yaw: float, seed: int
     assert turned == pytest.approx(plain, abs=1e-5)
 
 
-@settings(max_examples=30, deadline=None)
-@given(maps, st.floats(-0.2, 1.3), st.floats(-0.2, 1.1))
+@property_test(maps, st.floats(-0.2, 1.3), st.floats(-0.2, 1.1), many=30)
 def test_the_scalar_look_up_is_the_array_look_up(cells: np.ndarray, x: float, y: float) -> None:
     field = DistanceField(Grid(cells, 0.1))
     assert field.at_xy(x, y) == pytest.approx(field.at([(x, y)])[0], abs=1e-6)
@@ -77,8 +74,7 @@ def test_a_map_without_obstacles_is_free_everywhere() -> None:
     assert field.segment_clear(0.1, 0.1, 9.9, 9.9, 1.0)
 
 
-@settings(max_examples=40, deadline=None)
-@given(maps, st.integers(0, 2**31), st.floats(0.02, 0.25))
+@property_test(maps, st.integers(0, 2**31), st.floats(0.02, 0.25), many=40)
 def test_motions_are_clear_exactly_when_every_point_on_them_is(
     cells: np.ndarray, seed: int, required: float
 ) -> None:

@@ -2,10 +2,10 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass.algorithms.mapping import LocalMapper, scan_to_points
+from tests.support.properties import property_test
 
 FULL_TURN = {"angle_min": 0.0, "angle_increment": 2 * math.pi / 360}
 LIDAR = {**FULL_TURN, "range_min": 0.12, "range_max": 3.5}
@@ -57,8 +57,9 @@ def test_what_is_too_close_to_measure_says_nothing(too_close: float) -> None:
     assert (cells == -1).all()
 
 
-@settings(max_examples=60, deadline=None)
-@given(st.floats(0.2, 2.0), st.integers(0, 359), st.floats(-0.2, 0.2), st.floats(-3.1, 3.1))
+@property_test(
+    st.floats(0.2, 2.0), st.integers(0, 359), st.floats(-0.2, 0.2), st.floats(-3.1, 3.1), many=60
+)
 def test_a_lone_reading_marks_the_cell_it_ends_in(
     reading: float, ray: int, x: float, yaw: float
 ) -> None:

@@ -2,10 +2,10 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass.algorithms.following.path_tracker import PathTracker
+from tests.support.properties import property_test
 
 from .worlds import CIRCLE, EIGHT, HAIRPIN, PATHS, SINE, U, polyline
 
@@ -18,8 +18,7 @@ def test_driving_along_a_path_passes_all_of_it_once(name: str) -> None:
     assert tracker.advance(*tracker.goal) == pytest.approx(tracker.length, abs=0.06)
 
 
-@settings(max_examples=40, deadline=None)
-@given(st.sampled_from(sorted(PATHS)), st.integers(0, 2**31))
+@property_test(st.sampled_from(sorted(PATHS)), st.integers(0, 2**31), many=40)
 def test_progress_never_goes_back_nor_past_the_end(name: str, seed: int) -> None:
     tracker = PathTracker(PATHS[name])
     before = 0.0

@@ -3,7 +3,6 @@ from collections import deque
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass.algorithms.distance_field import DistanceField
@@ -11,6 +10,7 @@ from kompass.algorithms.grid import Grid
 from kompass.algorithms.planning import GlobalPlanner, PlanningFailure, Reason
 from kompass.algorithms.planning import planner as planner_module
 from kompass.algorithms.planning.sampling import planner_names
+from tests.support.properties import property_test
 
 from .worlds import brute_force_distance, empty, hexagon, walls
 
@@ -173,8 +173,7 @@ def test_a_diagonal_wall_of_touching_cells_is_closed() -> None:
     assert fails(planner, (2, 1, 0), (1, 2)).reason is Reason.UNREACHABLE
 
 
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 2**31))
+@property_test(st.integers(0, 2**31), many=25)
 def test_what_is_said_to_be_reachable_is_planned_and_the_rest_is_not(seed: int) -> None:
     """Against a flood fill over the same clear cells, on random clutter."""
     rng = np.random.default_rng(seed)

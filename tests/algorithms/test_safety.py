@@ -2,12 +2,13 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kompass.algorithms.following.command import Command
 from kompass.algorithms.following.limits import Limits, stopping_distance, stopping_speed
 from kompass.algorithms.safety import StopZone, VelocityLimiter, VelocityLimits
+from tests.support.properties import property_test
 
 R = 0.1
 ZONE = StopZone(R, 0.05, 0.2, max_decel=2.0, reaction_time=0.1)
@@ -46,13 +47,13 @@ def test_turning_on_the_spot_sweeps_only_itself() -> None:
     assert ZONE.factor(ring, 0.0, 0.0, 1.0) == 1.0
 
 
-@settings(max_examples=150, deadline=None)
-@given(
+@property_test(
     st.floats(0.001, 0.3),
     st.floats(-1.57, 1.57),
     st.floats(-math.pi, math.pi),
     st.floats(0.02, 0.3),
     st.floats(-1.0, 1.0),
+    many=150,
 )
 def test_motion_that_makes_room_is_never_blocked_however_close_the_obstacle(
     distance: float, off: float, direction: float, speed: float, bend: float
@@ -65,8 +66,9 @@ def test_motion_that_makes_room_is_never_blocked_however_close_the_obstacle(
     assert ZONE.factor([point], v, vy, omega) == 1.0
 
 
-@settings(max_examples=100, deadline=None)
-@given(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6), st.floats(-0.3, 0.3), st.floats(-2, 2))
+@property_test(
+    st.floats(-0.6, 0.6), st.floats(-0.6, 0.6), st.floats(-0.3, 0.3), st.floats(-2, 2), many=100
+)
 def test_the_swept_arc_is_the_one_a_simulation_drives(
     x: float, y: float, v: float, omega: float
 ) -> None:
@@ -89,8 +91,7 @@ def test_the_swept_arc_is_the_one_a_simulation_drives(
     assert zone.factor([(x, y)], v, 0.0, omega) == pytest.approx(expected, abs=0.01)
 
 
-@settings(max_examples=60, deadline=None)
-@given(st.integers(0, 2**31), st.floats(-0.3, 0.3), st.floats(-1, 1))
+@property_test(st.integers(0, 2**31), st.floats(-0.3, 0.3), st.floats(-1, 1), many=60)
 def test_more_obstacles_never_make_it_faster(seed: int, v: float, omega: float) -> None:
     points = np.random.default_rng(seed).uniform(-0.8, 0.8, (30, 2))
     few, all_ = ZONE.factor(points[:15], v, 0, omega), ZONE.factor(points, v, 0, omega)

@@ -1,14 +1,12 @@
-"""A shell around the engine under a virtual clock, which tapes what the engine takes."""
+"""A shell around the engine under a virtual clock, which logs the inputs of the engine."""
 
 from heapq import heappop, heappush
 from typing import Any
 
-from kompass.backtest.event_log import Began, Ended, Heard, LoggedEvent, Swapped
-from kompass.backtest.records import fired_event
+from kompass.backtest.event_log import Began, Ended, Heard, LoggedEvent, Swapped, fired_event
 from kompass.rules.engine.compiled_table import compile_table
-from kompass.rules.engine.firing import Done, Firing, Input, Output, Sample, Tick
-from kompass.rules.engine.migrate import swap
-from kompass.rules.engine.migration import plan_migration
+from kompass.rules.engine.firing import Firing, Input, Output, RunEnded, Sample, Tick
+from kompass.rules.engine.migration import plan_migration, swap
 from kompass.rules.engine.schedule import next_deadline
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.table import Table
@@ -28,14 +26,14 @@ class Shell:
         self.now = now
         self.lengths, self.lag = lengths, lag
         self.revision = 1
-        self.tape: list[LoggedEvent] = [Began(now, EPOCH_TIME + now, "life", 1, table)]
+        self.log: list[LoggedEvent] = [Began(now, EPOCH_TIME + now, "life", 1, table)]
         self.firings: list[Firing] = []
         self.ends: list[tuple[float, int, str]] = []
         self.cancelled: set[int] = set()
 
     def say(self, topic: str, message: Any, at: float) -> None:
         self.pass_time(at)
-        self.tape.append(Heard(at, topic, "" if topic.startswith("callable") else FLOAT, message))
+        self.log.append(Heard(at, topic, "" if topic.startswith("callable") else FLOAT, message))
         self._step(Sample(topic, message), at)
 
     def pass_time(self, until: float) -> None:
@@ -47,8 +45,8 @@ class Shell:
             if end is not None and end <= until and (wake is None or end <= wake):
                 when, run, rule_id = heappop(self.ends)
                 if run not in self.cancelled:
-                    self.tape.append(Ended(when, rule_id, run))
-                    self._step(Done(rule_id, run), when)
+                    self.log.append(Ended(when, rule_id, run))
+                    self._step(RunEnded(rule_id, run), when)
             elif wake is not None and wake <= until:
                 self._step(Tick(), wake)
             else:
@@ -61,7 +59,7 @@ class Shell:
         self.state, _, outputs = swap(plan_migration(self.table, new, reset), self.state, at)
         self.table = new
         self.revision += 1
-        self.tape.append(Swapped(at, self.revision, table, reset))
+        self.log.append(Swapped(at, self.revision, table, reset))
         self._take(outputs)
 
     def _step(self, event: Input, now: float) -> None:
@@ -74,7 +72,7 @@ class Shell:
             if not isinstance(output, Firing):
                 continue
             self.cancelled.update(output.cancels)
-            self.tape.append(fired_event(output, self.revision))
+            self.log.append(fired_event(output, self.revision))
             self.firings.append(output)
             if not output.shadow:
                 length = self.lengths[len(self.firings) % len(self.lengths)]

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass.backtest.engine import backtest
@@ -14,10 +13,9 @@ from kompass.rules.schema.conditions import Condition
 from kompass.rules.schema.table import Table
 from tests.backtest.event_logs import EPOCH_TIME, FLOAT, Shell
 from tests.rules.building import absent, both, compare, received, rule
-from tests.rules.strategies import EXAMPLES as ALL
 from tests.rules.strategies import GRID, callable_samples, samples, tables
+from tests.support.properties import MANY, property_test
 
-EXAMPLES = settings(ALL, max_examples=max(ALL.max_examples // 2, 1))
 happenings = st.one_of(samples, samples, samples, callable_samples)
 streams = st.lists(
     st.tuples(st.sampled_from((0, 1, 1, 2, 2, 3, 4, 8, 13)), happenings), max_size=30
@@ -29,28 +27,27 @@ def play(shell: Shell, stream: list[Any]) -> None:
         shell.say(topic, message, shell.now + gap * GRID)
 
 
-@EXAMPLES
-@given(
+@property_test(
     tables(),
     streams,
     st.lists(st.sampled_from((0.0, 0.0625, 0.3, 1.0)), min_size=1, max_size=3),
     st.sampled_from((0.0, 0.01)),
+    many=MANY // 2,
 )
 def test_the_same_table_fires_the_same_at_the_same_times(
     table: Table, stream: list[Any], lengths: list[float], lag: float
 ) -> None:
     shell = Shell(table, tuple(lengths), lag)
     play(shell, stream)
-    report = backtest(table, shell.tape, shell.tape)
-    fired = [e for e in shell.tape if isinstance(e, Fired)]
+    report = backtest(table, shell.log, shell.log)
+    fired = [e for e in shell.log if isinstance(e, Fired)]
     assert (report.same, report.new, report.gone) == (len(fired), 0, 0)
     again = sorted((f.rule_id, f.at, f.leaves) for f in report.firings)
     assert again == sorted((f.rule_id, f.now, f.leaves) for f in fired)
     assert not any(firing.assumed for firing in report.firings)
 
 
-@EXAMPLES
-@given(tables(), tables(), streams, streams)
+@property_test(tables(), tables(), streams, streams, many=MANY // 2)
 def test_a_swap_in_the_recording_makes_the_new_rules_begin_there(
     before: Table, after: Table, first: list[Any], second: list[Any]
 ) -> None:
@@ -60,7 +57,7 @@ def test_a_swap_in_the_recording_makes_the_new_rules_begin_there(
     play(shell, first)
     shell.swap(after, shell.now)
     play(shell, second)
-    report = backtest(after, shell.tape, shell.tape)
+    report = backtest(after, shell.log, shell.log)
     kept = [f for f in shell.firings if not f.rule_id.startswith("old-")]
     assert (report.same, report.new) == (len(kept), 0)
     assert report.gone == len(shell.firings) - len(kept)
@@ -85,7 +82,7 @@ def test_another_threshold_gives_exactly_the_firings_that_differ() -> None:
         assert isinstance(event, Heard)
         shell.say(event.topic, event.message, event.now)
     assert [f.at for f in shell.firings][:2] == [8.0, 18.0]
-    report = backtest(lax, shell.tape, shell.tape)
+    report = backtest(lax, shell.log, shell.log)
     assert (report.same, report.new, report.gone) == (0, 10, 10)
     times = [(f.verdict, f.at) for f in report.firings[:2]]
     assert times == [("new", 6.0), ("gone", 8.0)]
@@ -99,10 +96,10 @@ def test_a_rule_that_is_removed_or_switched_off_says_so() -> None:
     for event in ramp()[:10]:
         assert isinstance(event, Heard)
         shell.say(event.topic, event.message, event.now)
-    gone = backtest(Table(), shell.tape, shell.tape)
+    gone = backtest(Table(), shell.log, shell.log)
     assert [(f.verdict, f.text) for f in gone.firings] == [("gone", "the table has no such rule")]
     off = Table(rules=(one.model_copy(update={"enabled": False}),))
-    report = backtest(off, shell.tape, shell.tape)
+    report = backtest(off, shell.log, shell.log)
     assert [f.text for f in report.firings] == ["it is switched off"]
     (tally,) = report.tallies
     assert (tally.recorded, tally.proposed, tally.text) == (1, 0, "it is switched off")
@@ -124,7 +121,7 @@ def test_a_firing_that_is_gone_says_what_would_have_held_it_back(
         assert isinstance(event, Heard)
         shell.say(event.topic, event.message, event.now)
     proposed = rule(compare("a", "<", bound), trigger="edge", **fields)
-    report = backtest(Table(rules=(proposed,)), shell.tape, shell.tape)
+    report = backtest(Table(rules=(proposed,)), shell.log, shell.log)
     assert [f.text for f in report.firings if f.verdict == "gone"][-1] == text
 
 
@@ -137,7 +134,7 @@ def test_a_run_that_did_not_happen_lasts_as_long_as_such_runs_did() -> None:
         shell.say(event.topic, event.message, event.now)
     assert [f.at for f in shell.firings] == [8.0, 48.0, 88.0]
     report = backtest(
-        Table(rules=(rule(compare("a", "<", 3), cooldown=3.0),)), shell.tape, shell.tape
+        Table(rules=(rule(compare("a", "<", 3), cooldown=3.0),)), shell.log, shell.log
     )
     found = [(f.at, f.verdict, f.assumed) for f in report.firings]
     assert found[:3] == [(8.0, "same", False), (18.0, "new", False), (28.0, "new", True)]
@@ -149,7 +146,7 @@ def test_without_any_such_run_it_lasts_no_time() -> None:
     for event in ramp()[:20]:
         assert isinstance(event, Heard)
         shell.say(event.topic, event.message, event.now)
-    report = backtest(Table(rules=(rule(compare("a", "<", 3)),)), shell.tape, shell.tape)
+    report = backtest(Table(rules=(rule(compare("a", "<", 3)),)), shell.log, shell.log)
     assert [f.at for f in report.firings] == [8.0, 9.0, 18.0, 19.0]
 
 
@@ -190,8 +187,8 @@ def test_topics_that_the_recording_lacks_are_named() -> None:
 
 def test_a_message_of_another_type_is_not_heard() -> None:
     table = Table(rules=(rule(compare("a", "<", 3)),))
-    tape = [Heard(1.0, "/a", "std_msgs/msg/Int8", SimpleNamespace(x=0))]
-    assert backtest(table, tape).firings == ()
+    log = [Heard(1.0, "/a", "std_msgs/msg/Int8", SimpleNamespace(x=0))]
+    assert backtest(table, log).firings == ()
 
 
 def test_a_recording_of_foreign_origin_counts_its_own_time_and_warms_up() -> None:
@@ -209,9 +206,9 @@ def test_a_file_that_goes_on_where_another_ended_changes_nothing() -> None:
         assert isinstance(event, Heard)
         shell.say(event.topic, event.message, event.now)
     middle = Resumed(55.0, EPOCH_TIME + 55.0, "life", 1, table)
-    index = next(i for i, e in enumerate(shell.tape) if e.now > 55.0)
-    split = [*shell.tape[:index], middle, *shell.tape[index:]]
-    assert backtest(table, split, split).firings == backtest(table, shell.tape, shell.tape).firings
+    index = next(i for i, e in enumerate(shell.log) if e.now > 55.0)
+    split = [*shell.log[:index], middle, *shell.log[index:]]
+    assert backtest(table, split, split).firings == backtest(table, shell.log, shell.log).firings
     rest = split[index:]
     report = backtest(table, rest, rest)
     assert (report.same, report.new, report.gone) == (5, 0, 0)
@@ -226,9 +223,9 @@ def test_a_difference_that_what_was_before_may_account_for_is_marked() -> None:
         assert isinstance(event, Heard)
         shell.say(event.topic, event.message, event.now)
     assert [f.at for f in shell.firings] == [8.0, 28.0, 48.0, 68.0, 88.0]
-    cut = [e for e in shell.tape if e.now > 10.0]
-    tape = [Resumed(10.0, EPOCH_TIME + 10.0, "life", 1, table), *cut]
-    report = backtest(table, tape, tape)
+    cut = [e for e in shell.log if e.now > 10.0]
+    log = [Resumed(10.0, EPOCH_TIME + 10.0, "life", 1, table), *cut]
+    report = backtest(table, log, log)
     found = [(f.at + 10.0, f.verdict, f.assumed) for f in report.firings]
     assert found[:2] == [(18.0, "new", True), (28.0, "gone", False)]
     assert report.warm_up == 15.0
@@ -238,20 +235,20 @@ def test_what_was_handled_before_the_recording_began_is_known_and_not_handled_ag
     clicked = received("a")
     whole = both(compare("a", ">", 3, timeout=None), compare("b", ">", 0))
     table = Table(rules=(rule(clicked, "clicked"), rule(whole, "both")))
-    tape: list[LoggedEvent] = [
+    log: list[LoggedEvent] = [
         Resumed(10.0, EPOCH_TIME + 10.0, "life", 1, table),
         say(10.0, 5)._replace(again=True),
         say(12.0, 1, "b"),
         say(13.0, 4),
     ]
-    report = backtest(table, tape, tape)
+    report = backtest(table, log, log)
     assert [(f.rule_id, f.at) for f in report.firings][:2] == [("both", 2.0), ("clicked", 3.0)]
 
 
 def test_rules_that_are_used_up_stay_so() -> None:
     table = Table(rules=(rule(compare("a", "<", 3), "r", once=True),))
-    tape: list[LoggedEvent] = [Began(0.0, 100.0, "life", 1, table, ("r",)), say(1.0, 1)]
-    assert backtest(table, tape, tape).firings == ()
+    log: list[LoggedEvent] = [Began(0.0, 100.0, "life", 1, table, ("r",)), say(1.0, 1)]
+    assert backtest(table, log, log).firings == ()
 
 
 def test_a_rule_that_was_reset_on_request_begins_anew() -> None:
@@ -261,14 +258,14 @@ def test_a_rule_that_was_reset_on_request_begins_anew() -> None:
     shell.swap(table, 2.0, reset=("r",))
     shell.say("a", SimpleNamespace(x=1), 3.0)
     assert len(shell.firings) == 2
-    report = backtest(table, shell.tape, shell.tape)
+    report = backtest(table, shell.log, shell.log)
     assert (report.same, report.new, report.gone) == (2, 0, 0)
 
 
 def test_progress_is_told_and_may_cancel() -> None:
     told: list[float] = []
-    tape = [say(0.01 * n, 5) for n in range(10_000)]
-    backtest(Table(), tape, total=len(tape), progress=told.append)
+    log = [say(0.01 * n, 5) for n in range(10_000)]
+    backtest(Table(), log, total=len(log), progress=told.append)
     assert told == sorted(told)
     assert (len(told) > 3, told[-1]) == (True, 1.0)
 
@@ -276,7 +273,7 @@ def test_progress_is_told_and_may_cancel() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        backtest(Table(), tape, total=len(tape), progress=cancel)
+        backtest(Table(), log, total=len(log), progress=cancel)
 
 
 def test_more_firings_than_can_be_listed_are_counted() -> None:
@@ -287,8 +284,8 @@ def test_more_firings_than_can_be_listed_are_counted() -> None:
 
 def test_runs_of_the_recording_end_when_they_ended() -> None:
     table = Table(rules=(rule(compare("a", "<", 100)),))
-    tape: list[LoggedEvent] = [Began(0.0, 100.0, "life", 1, table)]
-    tape += [say(1.0, 1), Fired(1.0, "r", 1, 1.0, 1, "h"), say(2.0, 1), Ended(2.5, "r", 1)]
-    tape += [say(3.0, 1), Swapped(4.0, 2, table)]
-    report = backtest(table, tape, tape)
+    log: list[LoggedEvent] = [Began(0.0, 100.0, "life", 1, table)]
+    log += [say(1.0, 1), Fired(1.0, "r", 1, 1.0, 1, "h"), say(2.0, 1), Ended(2.5, "r", 1)]
+    log += [say(3.0, 1), Swapped(4.0, 2, table)]
+    report = backtest(table, log, log)
     assert [(f.at, f.verdict) for f in report.firings] == [(1.0, "same"), (3.0, "new")]

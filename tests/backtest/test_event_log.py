@@ -1,4 +1,4 @@
-"""The tape survives JSON, and says what is wrong with one that is not a tape."""
+"""The event log survives JSON, and says what is wrong with what is none."""
 
 import json
 
@@ -57,7 +57,7 @@ def test_fields_of_a_later_version_are_left_out_and_later_fields_have_defaults()
 @pytest.mark.parametrize(
     ("kind", "data", "complaint"),
     [
-        ("begun", {}, "'begun' is no event of a tape; known are: began"),
+        ("begun", {}, "'begun' is no event of an event log; known are: began"),
         ("ended", {"now": 1.0}, "lacks rule_id, run_id"),
         ("swapped", {"now": 1.0, "revision": 1, "table": {"rules": [{}]}}, "rules.0.id"),
     ],

@@ -16,8 +16,7 @@ from kompass.monitor.tables.types import Answer, InForce, Who
 from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Finding
 from kompass.rules.checks.catalog import Catalog, FieldType
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
-from kompass.rules.engine.migrate import swap
-from kompass.rules.engine.migration import plan_migration
+from kompass.rules.engine.migration import plan_migration, swap
 from kompass.rules.engine.step import initial_state
 from kompass.rules.schema.table import Table, table_hash
 from kompass.rules.schema.values import Verdict

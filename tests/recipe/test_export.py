@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 import yaml
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass.components import Controller, DriveManager
@@ -15,7 +14,7 @@ from kompass.launch.launcher import Launcher
 from kompass.recipe.export import export, to_json, to_python
 from kompass.recipe.table import RecipeRules, recipe_rules
 from kompass.rules.engine.compiled_table import compile_table
-from kompass.rules.engine.firing import Done, Firing, Sample
+from kompass.rules.engine.firing import Firing, RunEnded, Sample
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.actions import (
     Action,
@@ -47,7 +46,7 @@ from kompass.rules.schema.events import Event, MaxRate, Parallel, Queued, Restar
 from kompass.rules.schema.signals import Signal
 from kompass.rules.schema.table import Rule, Severity, Table, rule_hash
 from tests.ros.test_seeds import DOCUMENTS, SEEDS, recipe_of
-from tests.rules.strategies import EXAMPLES
+from tests.support.properties import MANY, property_test
 
 RECIPES = sorted((Path(__file__).parents[2] / "recipes").glob("0*.py"))
 
@@ -95,7 +94,7 @@ def fires(table: Table, stream: list[tuple[float, str, Any]]) -> list[tuple[str,
         for firing in out:
             if isinstance(firing, Firing):
                 found.append((firing.rule_id, firing.at))
-                step(compiled, state, Done(firing.rule_id, firing.run_id), now)
+                step(compiled, state, RunEnded(firing.rule_id, firing.run_id), now)
     return found
 
 
@@ -257,8 +256,7 @@ def is_low() -> bool:
     return True
 
 
-@settings(EXAMPLES, max_examples=max(EXAMPLES.max_examples // 2, 1))
-@given(st.tuples(rules("one"), rules("two")))
+@property_test(st.tuples(rules("one"), rules("two")), many=MANY // 2)
 def test_any_table_is_the_same_again(pair: tuple[Rule, Rule]) -> None:
     table = Table(rules=pair)
     scope: dict[str, Any] = {c.node_name: c for c in COMPONENTS}

@@ -14,7 +14,7 @@ from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import Parsed, recipe_rules
 from kompass.ros import Event
 from kompass.rules.engine.compiled_table import compile_table
-from kompass.rules.engine.firing import Done, Firing, Sample
+from kompass.rules.engine.firing import Firing, RunEnded, Sample
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.actions import (
     CallService,
@@ -44,7 +44,7 @@ def firings(made: Event, values: list[float]) -> list[int]:
         for firing in out:
             assert isinstance(firing, Firing)
             fired.append(index)
-            state, _ = step(table, state, Done(firing.rule_id, firing.run_id), 0.1 * index)
+            state, _ = step(table, state, RunEnded(firing.rule_id, firing.run_id), 0.1 * index)
     return fired
 
 

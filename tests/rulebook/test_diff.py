@@ -3,7 +3,6 @@
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
 
 from kompass.rulebook.diff import conflict, diff_tables, field_changes
 from kompass.rulebook.schema.diff_models import FieldChange, RuleChange
@@ -11,9 +10,8 @@ from kompass.rules.schema.actions import Lifecycle, Log, Publish
 from kompass.rules.schema.events import MaxRate, Queued
 from kompass.rules.schema.table import Rule, Table, rule_hash
 from tests.rules.building import FLOAT, both, compare, rule
-from tests.rules.strategies import EXAMPLES, tables
-
-FEW = settings(EXAMPLES, max_examples=max(EXAMPLES.max_examples // 2, 1))
+from tests.rules.strategies import tables
+from tests.support.properties import MANY, property_test
 
 
 def own(rule_id: str = "r", **fields: Any) -> Rule:
@@ -142,8 +140,7 @@ def test_where_a_rule_comes_from_is_no_difference() -> None:
     assert diff([own(source="recipe")], [own(source="edited")]) == []
 
 
-@FEW
-@given(tables(), tables())
+@property_test(tables(), tables(), many=MANY // 2)
 def test_a_diff_is_empty_exactly_for_what_is_the_same(one: Table, other: Table) -> None:
     assert diff_tables(one, one).changes == ()
     changes = {c.rule_id: c for c in diff_tables(one, other).changes}

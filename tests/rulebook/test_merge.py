@@ -2,16 +2,13 @@
 
 from typing import Any
 
-from hypothesis import given, settings
-
 from kompass.rulebook.merge import merge
 from kompass.rulebook.views.recipe_code import functions_of
 from kompass.rules.schema.actions import Log, Python
 from kompass.rules.schema.table import Rule, Table
 from tests.rules.building import compare, rule
-from tests.rules.strategies import EXAMPLES, tables
-
-FEW = settings(EXAMPLES, max_examples=max(EXAMPLES.max_examples // 4, 1))
+from tests.rules.strategies import tables
+from tests.support.properties import MANY, property_test
 
 
 def recipe(rule_id: str = "stuck", **fields: Any) -> Rule:
@@ -134,8 +131,7 @@ def test_different_actions_are_named_in_words() -> None:
     assert 'the recipe says log "theirs", you said log "mine"' in conflict
 
 
-@FEW
-@given(tables(), tables(), tables())
+@property_test(tables(), tables(), tables(), many=MANY // 4)
 def test_a_merge_always_gives_a_table_and_loses_nothing_silently(
     old: Table, mine: Table, new: Table
 ) -> None:

@@ -5,8 +5,8 @@ from typing import Any
 
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.explain import Explanation, explain
-from kompass.rules.engine.firing import Done, Firing, Input, Note, Sample, Tick
-from kompass.rules.engine.migrate import MigrationReport, migrate_state
+from kompass.rules.engine.firing import Firing, Input, Note, RunEnded, Sample, Tick
+from kompass.rules.engine.migration import MigrationReport, migrate_state
 from kompass.rules.engine.schedule import next_deadline
 from kompass.rules.engine.state import Counters, counters
 from kompass.rules.engine.step import initial_state, step
@@ -114,7 +114,7 @@ class Robot:
         self.notes.extend(o for o in out if isinstance(o, Note))
         ids = [f.rule_id for f in fired]
         for firing in fired if self.finish else ():
-            ids += self.feed(Done(firing.rule_id, firing.run_id))
+            ids += self.feed(RunEnded(firing.rule_id, firing.run_id))
         return ids
 
     def say(self, topic: str, x: Any = None, at: float | None = None, **fields: Any) -> list[str]:
@@ -125,7 +125,7 @@ class Robot:
         return self.feed(Tick(), until)
 
     def done(self, firing: Firing, at: float | None = None, *, ok: bool = True) -> list[str]:
-        return self.feed(Done(firing.rule_id, firing.run_id, ok, "" if ok else "broken"), at)
+        return self.feed(RunEnded(firing.rule_id, firing.run_id, ok, "" if ok else "broken"), at)
 
     def deadline(self) -> float | None:
         return next_deadline(self.table, self.state)

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from kompass.rules.engine.firing import Done, Input, Sample
+from kompass.rules.engine.firing import Input, RunEnded, Sample
 from kompass.rules.schema.conditions import (
     Absent,
     AllOf,
@@ -171,7 +171,7 @@ class Oracle:
         self.now = now
         if isinstance(event, Sample):
             self.sample(event.topic.removeprefix("/"), event.message)
-        elif isinstance(event, Done) and event.rule_id in self.memory:
+        elif isinstance(event, RunEnded) and event.rule_id in self.memory:
             self.done(event)
         return self.out
 
@@ -389,7 +389,7 @@ class Oracle:
         self.next_run += 1
         return True
 
-    def done(self, event: Done) -> None:
+    def done(self, event: RunEnded) -> None:
         rule = next(r for r in self.rules if r.id == event.rule_id)
         memory = self.memory[rule.id]
         if event.run_id not in memory.runs:

@@ -29,7 +29,7 @@ def firings(**severities: Any) -> list[Firing]:
 def ids(result: Arbitration) -> tuple[list[str], list[str], list[str]]:
     return (
         [f.rule_id for f in result.start],
-        [lost.firing.rule_id for lost in result.lost],
+        [lost.firing.rule_id for lost in result.outranked],
         [r.rule_id for r in result.preempted],
     )
 
@@ -37,9 +37,8 @@ def ids(result: Arbitration) -> tuple[list[str], list[str], list[str]]:
 def test_the_more_severe_of_two_that_fire_together_wins() -> None:
     result = arbitrate(firings(mild=("warning", UNBLOCK), grave=("critical", STOP)), [])
     assert ids(result) == (["grave"], ["mild"], [])
-    (lost,) = result.lost
+    (lost,) = result.outranked
     assert (lost.component, lost.winner_rule_id) == ("drive_manager", "grave")
-    assert lost.winner_run_id == result.start[0].run_id
 
 
 def test_rules_over_different_components_do_not_meet() -> None:
@@ -62,7 +61,7 @@ def test_a_run_in_progress_keeps_its_component_from_a_less_severe_one() -> None:
     running = Running("stopping", 7, Severity.CRITICAL, frozenset({"drive_manager"}))
     result = arbitrate(firings(mild=("warning", UNBLOCK)), [running])
     assert ids(result) == ([], ["mild"], [])
-    assert (result.lost[0].winner_rule_id, result.lost[0].winner_run_id) == ("stopping", 7)
+    assert result.outranked[0].winner_rule_id == "stopping"
 
 
 def test_a_run_that_is_cancelled_by_its_own_rule_holds_nothing() -> None:

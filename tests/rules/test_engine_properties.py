@@ -1,20 +1,20 @@
-"""What holds for every table and every stream; the long profile: KOMPASS_RULES_EXAMPLES=10000."""
+"""What holds for every table and every stream."""
 
 from typing import Any
 
-from hypothesis import given
 from hypothesis import strategies as st
 
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
-from kompass.rules.engine.firing import Done, Firing, Input, Output, Sample, Tick
-from kompass.rules.engine.migrate import migrate_state
+from kompass.rules.engine.firing import Firing, Input, Output, RunEnded, Sample, Tick
+from kompass.rules.engine.migration import migrate_state
 from kompass.rules.engine.schedule import next_deadline
-from kompass.rules.engine.state import State, counters
+from kompass.rules.engine.state import EngineState, counters
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.conditions import AllOf, AnyOf, Condition, Not
 from kompass.rules.schema.table import Table, rule_hash, table_hash
 from tests.rules.oracle import Fired, Oracle
-from tests.rules.strategies import EXAMPLES, GRID, streams, tables
+from tests.rules.strategies import GRID, streams, tables
+from tests.support.properties import property_test
 
 
 class Run:
@@ -22,7 +22,7 @@ class Run:
 
     def __init__(self, table: Table) -> None:
         self.table: CompiledTable = compile_table(table)
-        self.state: State = initial_state(self.table, 0.0)
+        self.state: EngineState = initial_state(self.table, 0.0)
         self.now = 0.0
         self.running: list[tuple[str, int]] = []
         self.out: list[Output] = []
@@ -36,9 +36,9 @@ class Run:
         if isinstance(first, str):
             return Sample(first, second)
         if not self.running:
-            return Done("r0", 999)
+            return RunEnded("r0", 999)
         rule_id, run_id = self.running[first % len(self.running)]
-        return Done(rule_id, run_id, second, "" if second else "failed")
+        return RunEnded(rule_id, run_id, second, "" if second else "failed")
 
     def feed(self, event: Input, now: float) -> list[Output]:
         self.now = now
@@ -49,7 +49,7 @@ class Run:
                     self.running.remove((o.rule_id, run))
                 self.running.append((o.rule_id, o.run_id))
         # What was due before this end may have cancelled the run already: then it is no end.
-        if isinstance(event, Done) and (event.rule_id, event.run_id) in self.running:
+        if isinstance(event, RunEnded) and (event.rule_id, event.run_id) in self.running:
             self.running.remove((event.rule_id, event.run_id))
             self.ends[event.run_id] = now
         self.out.extend(out)
@@ -82,8 +82,7 @@ def fired(out: list[Output]) -> list[Fired]:
     ]
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_the_indexed_engine_does_what_the_plain_one_does(table: Table, stream: list[Any]) -> None:
     run, oracle = Run(table), Oracle(table, 0.0)
     for gap, happening in stream:
@@ -110,8 +109,7 @@ def kleene(condition: Condition, verdicts: list[bool | None]) -> bool | None:
     return verdicts.pop(0)
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_no_rule_fires_on_unknown(table: Table, stream: list[Any]) -> None:
     run = play(table, stream)
     for firing in run.out:
@@ -121,8 +119,7 @@ def test_no_rule_fires_on_unknown(table: Table, stream: list[Any]) -> None:
             assert kleene(rule.event.condition, verdicts) is True
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_no_rule_fires_within_its_cooldown_or_more_than_once_if_once(
     table: Table, stream: list[Any]
 ) -> None:
@@ -140,14 +137,12 @@ def test_no_rule_fires_within_its_cooldown_or_more_than_once_if_once(
             assert all(sum(t <= u < t + limit.window for u in times) <= limit.count for t in times)
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_the_same_input_gives_the_same_firings(table: Table, stream: list[Any]) -> None:
     assert play(table, stream).out == play(table, stream).out
 
 
-@EXAMPLES
-@given(tables(), streams, st.data())
+@property_test(tables(), streams, st.data())
 def test_a_copy_of_the_state_goes_its_own_way(
     table: Table, stream: list[Any], data: st.DataObject
 ) -> None:
@@ -166,8 +161,7 @@ def test_a_copy_of_the_state_goes_its_own_way(
     assert first[0] == first[1]
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_ticks_only_wake(table: Table, stream: list[Any]) -> None:
     """Ticks at every deadline, or none at all, make no difference to what fires and when."""
     plain, woken = Run(table), Run(table)
@@ -187,8 +181,7 @@ def test_ticks_only_wake(table: Table, stream: list[Any]) -> None:
     assert plain.out == woken.out
 
 
-@EXAMPLES
-@given(tables(), streams)
+@property_test(tables(), streams)
 def test_nothing_happens_before_the_next_deadline(table: Table, stream: list[Any]) -> None:
     run = Run(table)
     for gap, happening in stream:
@@ -200,8 +193,7 @@ def test_nothing_happens_before_the_next_deadline(table: Table, stream: list[Any
             assert step(run.table, probe, Tick(), until)[1] == []
 
 
-@EXAMPLES
-@given(tables(), streams, st.sets(st.integers(0, 24)))
+@property_test(tables(), streams, st.sets(st.integers(0, 24)))
 def test_an_unchanged_table_is_carried_without_a_trace(
     table: Table, stream: list[Any], cuts: set[int]
 ) -> None:
@@ -223,8 +215,7 @@ def test_an_unchanged_table_is_carried_without_a_trace(
         )
 
 
-@EXAMPLES
-@given(tables(), tables(), streams, st.integers(0, 25))
+@property_test(tables(), tables(), streams, st.integers(0, 25))
 def test_what_is_carried_is_undisturbed_by_what_is_added(
     table: Table, other: Table, stream: list[Any], cut: int
 ) -> None:
@@ -240,7 +231,7 @@ def test_what_is_carried_is_undisturbed_by_what_is_added(
             swapped.table = again
         event = plain.input(happening)
         plain.feed(event, now)
-        if isinstance(event, Done):
+        if isinstance(event, RunEnded):
             event = same_run(plain, swapped, event)
         swapped.feed(event, now)
     for rule in table.rules:
@@ -249,7 +240,7 @@ def test_what_is_carried_is_undisturbed_by_what_is_added(
         assert [anonymous(f) for f in ours] == [anonymous(f) for f in theirs]
 
 
-def same_run(plain: Run, swapped: Run, event: Done) -> Done:
+def same_run(plain: Run, swapped: Run, event: RunEnded) -> RunEnded:
     """The run of the other engine that is the same firing; run ids are shared by all rules."""
     mine = [f.run_id for f in plain.out if isinstance(f, Firing) and f.rule_id == event.rule_id]
     others = [f.run_id for f in swapped.out if isinstance(f, Firing) and f.rule_id == event.rule_id]
@@ -264,8 +255,7 @@ def anonymous(output: Output) -> Any:
     return output._replace(run_id=0, cancels=(len(output.cancels),))
 
 
-@EXAMPLES
-@given(tables())
+@property_test(tables())
 def test_everything_survives_a_round_trip_through_json(table: Table) -> None:
     again = Table.model_validate_json(table.model_dump_json())
     assert again == table

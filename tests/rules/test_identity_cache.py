@@ -16,14 +16,14 @@ def test_an_answer_is_worked_out_once_and_forgotten_with_its_object() -> None:
         asked.append(item.id)
         return item.id.upper()
 
-    remembered = IdentityCache[Rule, str](work)
+    cache = IdentityCache[Rule, str](work)
     one, twin = rule(received("a"), "one"), rule(received("a"), "one")
-    assert [remembered(one), remembered(one), remembered(twin)] == ["ONE"] * 3
+    assert [cache(one), cache(one), cache(twin)] == ["ONE"] * 3
     assert asked == ["one", "one"]
-    assert len(remembered) == 2
+    assert len(cache) == 2
     del one, twin
     gc.collect()
-    assert len(remembered) == 0
+    assert len(cache) == 0
 
 
 def test_a_copy_with_another_field_has_a_hash_and_a_text_of_its_own() -> None:

@@ -4,7 +4,6 @@ import time
 from typing import Any
 
 import pytest
-from hypothesis import given
 from hypothesis import strategies as st
 
 from kompass.rules.engine.compiled_table import compile_table
@@ -13,7 +12,8 @@ from kompass.rules.engine.predicates import predicate_of
 from kompass.rules.schema.conditions import Compare
 from kompass.rules.schema.table import Table
 from tests.rules.building import Robot, both, changed, compare, received, rule
-from tests.rules.strategies import EXAMPLES, ITEMS, NUMBERS, WORDS, comparisons
+from tests.rules.strategies import ITEMS, NUMBERS, WORDS, comparisons
+from tests.support.properties import property_test
 
 numbers = st.sampled_from((*NUMBERS, float("nan"), float("inf")))
 kinds = st.sampled_from(
@@ -32,16 +32,15 @@ pairs = st.one_of(
 )
 
 
-@EXAMPLES
-@given(st.lists(comparisons, min_size=7, max_size=20), pairs)
+@property_test(st.lists(comparisons, min_size=7, max_size=20), pairs)
 def test_every_leaf_that_changes_is_a_candidate(
     leaves: list[Compare], pair: tuple[Any, Any]
 ) -> None:
     old, new = pair
     index = LeafIndex(enumerate(leaves))
     found = set(index.candidates(old, new))
-    judges = [predicate_of(leaf) for leaf in leaves]
-    changed_ones = {i for i, judge in enumerate(judges) if judge(old) is not judge(new)}
+    predicates = [predicate_of(leaf) for leaf in leaves]
+    changed_ones = {i for i, verdict in enumerate(predicates) if verdict(old) is not verdict(new)}
     assert changed_ones <= found
 
 
@@ -92,14 +91,14 @@ def test_a_message_looks_at_no_rule_that_it_cannot_make_true(make: Any, trigger:
     assert looks == 0
 
 
-def test_ten_thousand_rules_compile_in_linear_time() -> None:
+def test_the_time_to_compile_a_table_grows_with_its_rules_and_no_faster() -> None:
     def seconds(count: int) -> float:
         table = Table(rules=tuple(rule(compare("t", ">", i), f"r{i}") for i in range(count)))
         begin = time.process_time()
         compile_table(table)
         return time.process_time() - begin
 
-    assert seconds(4000) < 12 * seconds(1000)
+    assert seconds(2000) < 12 * seconds(500)
 
 
 def test_equal_leaves_of_many_rules_are_one() -> None:

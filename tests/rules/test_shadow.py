@@ -2,7 +2,7 @@
 
 import pytest
 
-from kompass.rules.engine.firing import Done, Note
+from kompass.rules.engine.firing import Note, RunEnded
 from kompass.rules.schema.events import Restart
 from tests.rules.building import Robot, both, compare, either, opposite, received, rule
 
@@ -38,7 +38,7 @@ def test_a_rule_in_shadow_cancels_no_run_of_its_days_in_the_light() -> None:
     assert robot.say("a", at=2.0) == ["r"]
     assert robot.firings[-1].cancels == ()
     assert robot.counters().running == 1
-    robot.feed(Done("r", robot.firings[0].run_id), 3.0)
+    robot.feed(RunEnded("r", robot.firings[0].run_id), 3.0)
     assert robot.counters().running == 0
 
 

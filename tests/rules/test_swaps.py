@@ -5,23 +5,21 @@ import random
 from types import SimpleNamespace
 from typing import Any
 
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass.rules.engine.compiled_table import compile_table
-from kompass.rules.engine.firing import Done, Firing, Output, Sample, Tick
-from kompass.rules.engine.migrate import swap
-from kompass.rules.engine.migration import plan_migration
-from kompass.rules.engine.state import State, counters
+from kompass.rules.engine.firing import Firing, Output, RunEnded, Sample, Tick
+from kompass.rules.engine.migration import plan_migration, swap
+from kompass.rules.engine.state import EngineState, counters
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.table import Rule, Table
 from tests.rules.building import Robot, absent, both, compare, received, rule
-from tests.rules.strategies import EXAMPLES, GRID, streams, tables
+from tests.rules.strategies import GRID, streams, tables
 from tests.rules.test_engine_properties import Run, anonymous, same_run
+from tests.support.properties import MANY, property_test
 
-# A few of the many; KOMPASS_RULES_SWAPS=500 for a long one.
+# A few of the many; KOMPASS_RULES_SWAPS=500 for many.
 SWAPS = int(os.environ.get("KOMPASS_RULES_SWAPS", "60"))
-FEW = settings(EXAMPLES, max_examples=max(EXAMPLES.max_examples // 2, 1))
 
 
 def cross(run: Run, table: Table, now: float, reset: tuple[str, ...] = ()) -> list[Output]:
@@ -32,12 +30,12 @@ def cross(run: Run, table: Table, now: float, reset: tuple[str, ...] = ()) -> li
     return out
 
 
-@FEW
-@given(
+@property_test(
     tables(),
     st.lists(tables(max_rules=2), min_size=1, max_size=4),
     streams,
     st.lists(st.tuples(st.integers(0, 25), st.integers(0, 3), st.booleans()), max_size=10),
+    many=MANY // 2,
 )
 def test_rules_that_stay_never_notice_the_others_come_and_go(
     table: Table, others: list[Table], stream: list[Any], swaps: list[tuple[int, int, bool]]
@@ -61,7 +59,7 @@ def test_rules_that_stay_never_notice_the_others_come_and_go(
             plain.feed(Tick(), now)
         event = plain.input(happening)
         plain.feed(event, now)
-        if isinstance(event, Done):
+        if isinstance(event, RunEnded):
             event = same_run(plain, swapped, event)
         swapped.feed(event, now)
     for each in table.rules:
@@ -71,8 +69,7 @@ def test_rules_that_stay_never_notice_the_others_come_and_go(
         assert kept == counters(plain.table, plain.state, each.id)
 
 
-@FEW
-@given(tables(), tables(), streams, st.integers(0, 25))
+@property_test(tables(), tables(), streams, st.integers(0, 25), many=MANY // 2)
 def test_a_swap_there_and_back_resets_what_was_away_and_nothing_else(
     table: Table, other: Table, stream: list[Any], cut: int
 ) -> None:
@@ -98,7 +95,7 @@ class Walk:
         self.chance = random.Random(seed)
         self.extra: dict[str, Rule] = {}
         self.table = compile_table(self.next_table())
-        self.state: State = initial_state(self.table, 0.0)
+        self.state: EngineState = initial_state(self.table, 0.0)
         self.out: list[Firing] = []
 
     def next_table(self) -> Table:
@@ -125,7 +122,7 @@ class Walk:
         for output in out:
             if isinstance(output, Firing):
                 self.out.append(output)
-                self.feed(Done(output.rule_id, output.run_id), now)
+                self.feed(RunEnded(output.rule_id, output.run_id), now)
 
     def swap(self, now: float) -> None:
         new = compile_table(self.next_table())

@@ -3,11 +3,15 @@
 from pathlib import Path
 
 from benchmarks.store_crash import cut_everywhere, kill_at_random
+from tests.support.properties import few_or_many
 
 
-def test_killed_at_random_moments_it_opens_on_the_old_or_the_new_table(tmp_path: Path) -> None:
-    found = kill_at_random(tmp_path / "robot", kills=15, seed=7)
-    assert found["the old table"] + found["the new table"] == 15
+@few_or_many(15, few=4)
+def test_killed_at_random_moments_it_opens_on_the_old_or_the_new_table(
+    tmp_path: Path, examples: int
+) -> None:
+    found = kill_at_random(tmp_path / "robot", kills=examples, seed=7)
+    assert found["the old table"] + found["the new table"] == examples
     assert found["acknowledged revisions"] > 0
 
 

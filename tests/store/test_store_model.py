@@ -7,12 +7,20 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
 
 from kompass.rules.schema.table import Table
 from kompass.store import StaleRevision
 from tests.rules.strategies import tables
 from tests.store.tables import BY, RECIPE, Robot
+from tests.support.properties import few_or_many
 
 
 class Histories(RuleBasedStateMachine):
@@ -100,15 +108,19 @@ class Histories(RuleBasedStateMachine):
         assert self.robot.store.table(self.active) == self.tables[self.active - 1]
 
 
-TestHistories = Histories.TestCase
-TestHistories.settings = settings(max_examples=8, stateful_step_count=15, deadline=None)
+@few_or_many(8, few=2)
+def test_the_store_holds_what_a_plain_list_holds_whatever_is_done_to_it(examples: int) -> None:
+    run_state_machine_as_test(
+        Histories, settings=settings(max_examples=examples, stateful_step_count=15, deadline=None)
+    )
 
 
-def test_every_table_comes_back_as_it_was(tmp_path: Path) -> None:
+@few_or_many(40)
+def test_every_table_comes_back_as_it_was(tmp_path: Path, examples: int) -> None:
     robot = Robot(tmp_path)
     robot.start()
 
-    @settings(max_examples=40, deadline=None)
+    @settings(max_examples=examples, deadline=None)
     @given(table=tables())
     def check(table: Table) -> None:
         number = robot.store.append(table, **BY).number
@@ -133,13 +145,14 @@ RULE_FIELDS = ("id", "event", "actions", "severity", "lane", "enabled", "note")
 FIELDS = st.sampled_from([*RULE_FIELDS, *(f"event.{name}" for name in EVENT_FIELDS)])
 
 
+@few_or_many(150)
 @pytest.mark.filterwarnings("ignore::UserWarning")  # pydantic's, on what it serializes
-def test_malformed_tables_are_never_written(tmp_path: Path) -> None:
+def test_malformed_tables_are_never_written(tmp_path: Path, examples: int) -> None:
     robot = Robot(tmp_path)
     robot.start()
     (good,) = RECIPE.rules
 
-    @settings(max_examples=150, deadline=None)
+    @settings(max_examples=examples, deadline=None)
     @given(field=FIELDS, junk=JUNK)
     def check(field: str, junk: Any) -> None:
         # As a careless caller might make it: copies are not validated.

@@ -182,7 +182,7 @@ class Runs:
         for loser in settled.preempted:
             by = next(f.rule_id for f in settled.start if loser.components & _wanted(f))
             self.cancel([(loser.rule_id, loser.run_id)], f"the more severe rule '{by}' took over")
-        for lost in settled.lost:
+        for lost in settled.outranked:
             entry = entries[lost.firing.run_id]
             self._lose(lost.firing, entry, lost.component, lost.winner_rule_id)
         # What keeps people safe begins first.

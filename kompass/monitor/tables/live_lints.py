@@ -11,7 +11,7 @@ from kompass.rulebook.lint.context import verdicts_after
 from kompass.rulebook.lint.lint import lint_table
 from kompass.rulebook.schema.report import Finding
 from kompass.rules.engine.compiled_table import CompiledTable
-from kompass.rules.engine.state import State
+from kompass.rules.engine.state import EngineState
 from kompass.rules.schema.table import Table
 from kompass.rules.schema.values import Verdict
 
@@ -34,5 +34,5 @@ class LiveLints:
         """The lints of a table whose new conditions say this."""
         return lint_table(table, self._graph.facts()._replace(verdicts=verdicts))
 
-    def _snapshot(self) -> tuple[float, CompiledTable, State]:
+    def _snapshot(self) -> tuple[float, CompiledTable, EngineState]:
         return self._loop.now, self._loop.table, self._loop.state.copy()

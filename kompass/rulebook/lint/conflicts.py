@@ -18,7 +18,7 @@ _PAIRS = 40
 _CONTRARY = {"start": "on", "restart": "on", "stop": "off"}
 
 
-class _Deed(NamedTuple):
+class _Assignment(NamedTuple):
     """Something set to a value by a rule."""
 
     rule: Rule
@@ -28,12 +28,12 @@ class _Deed(NamedTuple):
 
 def contradictions(rules: Sequence[Rule]) -> Iterator[Finding]:
     """Find pairs of rules that set one thing to different values and may both be true."""
-    deeds: dict[str, list[_Deed]] = {}
+    assignments: dict[str, list[_Assignment]] = {}
     for rule in rules:
-        for what, deed in _deeds(rule):
-            deeds.setdefault(what, []).append(deed)
+        for what, assignment in _assignments(rule):
+            assignments.setdefault(what, []).append(assignment)
     said: set[tuple[str, str]] = set()
-    for what, found in deeds.items():
+    for what, found in assignments.items():
         for number, one in enumerate(found[:_PAIRS]):
             for other in found[number + 1 : _PAIRS]:
                 pair = (one.rule.id, other.rule.id)
@@ -44,22 +44,22 @@ def contradictions(rules: Sequence[Rule]) -> Iterator[Finding]:
                     yield _finding(what, one, other)
 
 
-def _deeds(rule: Rule) -> Iterator[tuple[str, _Deed]]:
+def _assignments(rule: Rule) -> Iterator[tuple[str, _Assignment]]:
     """Walk what a rule sets in the end: of two actions on one thing the last one counts."""
-    last: dict[str, _Deed] = {}
+    last: dict[str, _Assignment] = {}
     for index, action in enumerate(rule.actions):
         if isinstance(action, UpdateParameters):
             for name, value in action.parameters.items():
                 if not (isinstance(value, str) and value.startswith("$")):
                     where = f"actions[{index}].parameters.{name}"
-                    last[f"{action.component}.{name}"] = _Deed(rule, where, value)
+                    last[f"{action.component}.{name}"] = _Assignment(rule, where, value)
         elif isinstance(action, Lifecycle) and action.action in _CONTRARY:
             where = f"actions[{index}].action"
-            last[action.component] = _Deed(rule, where, _CONTRARY[action.action])
+            last[action.component] = _Assignment(rule, where, _CONTRARY[action.action])
     yield from last.items()
 
 
-def _finding(what: str, one: _Deed, other: _Deed) -> Finding:
+def _finding(what: str, one: _Assignment, other: _Assignment) -> Finding:
     name = one.rule.name or one.rule.id
     return Finding(
         level="lint",

@@ -6,8 +6,8 @@ from typing import NamedTuple
 from kompass.rules.checks.catalog import ComponentSpec
 from kompass.rules.engine.compiled_table import CompiledTable
 from kompass.rules.engine.explain import verdict_of
-from kompass.rules.engine.migrate import migrate_state
-from kompass.rules.engine.state import State
+from kompass.rules.engine.migration import migrate_state
+from kompass.rules.engine.state import EngineState
 from kompass.rules.schema.values import Verdict
 
 
@@ -55,15 +55,15 @@ class LintContext(NamedTuple):
 
 
 def verdicts_after(
-    old: CompiledTable, state: State, new: CompiledTable, now: float
+    old: CompiledTable, state: EngineState, new: CompiledTable, now: float
 ) -> dict[str, Verdict]:
     """Return what the conditions of new and changed rules would say right after a swap.
 
     Unchanged rules go on as they were: nothing new is to be said of them. ``now`` is in monotonic
     seconds; nothing is changed.
     """
-    state_after, carried = migrate_state(old, state, new, now)
+    state_after, report = migrate_state(old, state, new, now)
     return {
         rule_id: verdict_of(new, state_after, new.by_id[rule_id], now)
-        for rule_id in (*carried.added, *carried.reset)
+        for rule_id in (*report.added, *report.reset)
     }

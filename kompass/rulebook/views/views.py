@@ -1,7 +1,7 @@
 """Rules, their state and why they fire, for those who watch."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from typing import NamedTuple
 
 from kompass.rulebook.schema.explanation import ExplanationView, GateView
@@ -14,8 +14,8 @@ from kompass.rulebook.views.wording import describe_action, seconds
 from kompass.rules.engine.compiled_table import CompiledTable, RulePlan
 from kompass.rules.engine.explain import Explanation, Gate, explain
 from kompass.rules.engine.firing import LeafVerdict
-from kompass.rules.engine.migrate import MigrationReport
-from kompass.rules.engine.state import State
+from kompass.rules.engine.migration import MigrationReport
+from kompass.rules.engine.state import EngineState
 from kompass.rules.schema.conditions import CallableCondition, leaves, timeout_of, topic_of
 from kompass.rules.schema.describe import describe
 from kompass.rules.schema.table import Rule, Table, rule_hash
@@ -55,7 +55,7 @@ def leaf_reading(leaf: LeafVerdict) -> LeafReading:
 
 def rule_status(
     compiled: CompiledTable,
-    state: State,
+    state: EngineState,
     rule_id: str,
     now: float,
     wall_offset: float,
@@ -101,31 +101,8 @@ def rule_status(
     )
 
 
-def statuses(
-    compiled: CompiledTable,
-    state: State,
-    now: float,
-    wall_offset: float,
-    *,
-    extras: Mapping[str, Extras] | None = None,
-) -> tuple[RuleStatus, ...]:
-    """Return how all rules are doing, in the order of the table; ``extras`` by rule id."""
-    known = extras or {}
-    return tuple(
-        rule_status(
-            compiled,
-            state,
-            plan.rule.id,
-            now,
-            wall_offset,
-            extras=known.get(plan.rule.id, NO_EXTRAS),
-        )
-        for plan in compiled.rules
-    )
-
-
 def _state(
-    plan: RulePlan, state: State, found: Explanation, extras: Extras
+    plan: RulePlan, state: EngineState, found: Explanation, extras: Extras
 ) -> tuple[RuleState, str, float | None]:
     """Return what the table of rules shows: of all that holds a rule back, what matters most."""
     gates = {gate.kind: gate for gate in found.gates}
@@ -183,7 +160,7 @@ def unknown_text(plan: RulePlan, readings: Collection[LeafVerdict]) -> str:
 
 def explanation_view(
     compiled: CompiledTable,
-    state: State,
+    state: EngineState,
     rule_id: str,
     now: float,
     wall_offset: float,
@@ -221,7 +198,7 @@ def explanation_view(
     )
 
 
-def why_not(compiled: CompiledTable, state: State, rule_id: str, now: float) -> str:
+def why_not(compiled: CompiledTable, state: EngineState, rule_id: str, now: float) -> str:
     """Return in one line what keeps a rule from firing; empty if nothing does.
 
     Raises
@@ -333,12 +310,12 @@ def table_view(
     )
 
 
-def effect_of(carried: MigrationReport) -> Effect:
-    """Return what became of the rules, as it is told."""
+def effect_of(report: MigrationReport) -> Effect:
+    """Return what became of the rules, for people: rules with several runs are named once."""
     return Effect(
-        carried=carried.carried,
-        reset=carried.reset,
-        removed=carried.removed,
-        added=carried.added,
-        running=tuple(dict.fromkeys(rule_id for rule_id, _ in carried.running)),
+        carried=report.carried,
+        reset=report.reset,
+        removed=report.removed,
+        added=report.added,
+        running=tuple(dict.fromkeys(rule_id for rule_id, _ in report.running)),
     )

@@ -20,13 +20,12 @@ class Running(NamedTuple):
     components: frozenset[str]
 
 
-class Lost(NamedTuple):
+class Outranked(NamedTuple):
     """A firing that is not carried out, and the run that has its component instead."""
 
     firing: Firing
     component: str
     winner_rule_id: str
-    winner_run_id: int
 
 
 class Arbitration(NamedTuple):
@@ -36,14 +35,14 @@ class Arbitration(NamedTuple):
     ----------
     start
         Firings to carry out, the most severe first, else in their order.
-    lost
-        Firings to record as outranked and to report as ``Done`` and not ok.
+    outranked
+        Firings to record as outranked and to report as ``RunEnded`` and not ok.
     preempted
         Runs in progress that must be cancelled for those that start.
     """
 
     start: tuple[Firing, ...]
-    lost: tuple[Lost, ...]
+    outranked: tuple[Outranked, ...]
     preempted: tuple[Running, ...]
 
 
@@ -65,7 +64,7 @@ def arbitrate(firings: Sequence[Firing], running: Sequence[Running]) -> Arbitrat
     cancelled = {(f.rule_id, run) for f in firings for run in f.cancels}
     holders = [r for r in running if (r.rule_id, r.run_id) not in cancelled]
     start: list[Firing] = []
-    lost: list[Lost] = []
+    outranked: list[Outranked] = []
     preempted: list[Running] = []
     for firing in sorted(firings, key=lambda f: -f.severity):
         wanted = components_of(firing.actions)
@@ -73,11 +72,11 @@ def arbitrate(firings: Sequence[Firing], running: Sequence[Running]) -> Arbitrat
         if stronger:
             winner = max(stronger, key=lambda h: h.severity)
             component = min(winner.components & wanted)
-            lost.append(Lost(firing, component, winner.rule_id, winner.run_id))
+            outranked.append(Outranked(firing, component, winner.rule_id))
             continue
         weaker = [h for h in holders if h.severity < firing.severity and h.components & wanted]
         preempted.extend(weaker)
         holders = [h for h in holders if h not in weaker]
         holders.append(Running(firing.rule_id, firing.run_id, firing.severity, wanted))
         start.append(firing)
-    return Arbitration(tuple(start), tuple(lost), tuple(preempted))
+    return Arbitration(tuple(start), tuple(outranked), tuple(preempted))

@@ -1,4 +1,4 @@
-"""What of a rule is the same in every table: worked out once, and used for each that holds it."""
+"""A rule compiled alone: once for each rule, and used by every table that has it."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -50,7 +50,7 @@ class CompiledLeaf(NamedTuple):
     condition: Leaf
     topic: str
     text: str
-    judge: Predicate
+    predicate: Predicate
     source: Source | None
     pulses: bool
     timeout: float | None
@@ -87,7 +87,7 @@ def _rule(rule: Rule) -> CompiledRule:
     )
 
 
-prepared = IdentityCache[Rule, CompiledRule](_rule)
+compiled_rule = IdentityCache[Rule, CompiledRule](_rule)
 
 
 def _tree(condition: Condition) -> tuple[tuple[TreePath, CompiledLeaf], ...]:
@@ -108,7 +108,7 @@ def _leaf(condition: Leaf) -> CompiledLeaf:
         condition=condition,
         topic=topic_of(condition),
         text=describe(condition),
-        judge=_judge(condition),
+        predicate=_predicate(condition),
         source=_source(condition),
         pulses=isinstance(condition, (Changed, Received)),
         timeout=timeout_of(condition),
@@ -127,7 +127,7 @@ def _source(condition: Leaf) -> Source | None:
     return Source(f"{topic_of(condition)} {path!r} {aggregate}", reader(path, aggregate))
 
 
-def _judge(condition: Leaf) -> Predicate:
+def _predicate(condition: Leaf) -> Predicate:
     if isinstance(condition, Compare):
         return predicate_of(condition)
     if isinstance(condition, CallableCondition):

@@ -1,9 +1,9 @@
-"""A table made ready to run: every leaf once, indexed by topic, and what hangs on it.
+"""A table compiled to run: every distinct leaf once, indexed by topic, with the rules that use it.
 
 Leaves that are equal in two rules are one leaf; signals that are equal are read once per message.
-The verdict of each leaf is kept, and a message re-judges only the leaves that its values can have
-changed; only rules that hang on a changed verdict, or that are true and want every message, are
-looked at (compare the alpha network of Forgy, "Rete", Artificial Intelligence 19, 1982).
+The verdict of each leaf is kept, and a message re-evaluates only the leaves whose verdict its
+values can have changed; only rules with such a leaf, or that are true and want every message, are
+evaluated (compare the alpha network of Forgy, "Rete", Artificial Intelligence 19, 1982).
 """
 
 import math
@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from kompass.rules.engine.compiled_rule import CompiledLeaf, Source, prepared
+from kompass.rules.engine.compiled_rule import CompiledLeaf, Source, compiled_rule
 from kompass.rules.engine.leaf_index import LeafIndex
 from kompass.rules.engine.predicates import Evaluate, Predicate, tree_of
 from kompass.rules.schema.conditions import (
@@ -41,13 +41,13 @@ class LeafPlan:
     topic: int
     probe: int  # -1 for a leaf that reads no value
     text: str
-    judge: Predicate
+    predicate: Predicate
     rules: tuple[int, ...] = ()  # enabled rules to look at when its verdict changes
     timer: int = -1  # of its silence or its rate
 
 
 @dataclass(slots=True)
-class Probe:
+class ProbePlan:
     """One value read from the messages of a topic, and the leaves that look at it."""
 
     index: int
@@ -62,7 +62,7 @@ class Probe:
 
 
 @dataclass(slots=True)
-class Timer:
+class TimerPlan:
     """Something about a topic that time alone can change.
 
     ``stale``: the values of ``leaves`` have grown older than ``seconds``. ``absent``: silence has
@@ -88,7 +88,7 @@ class TopicPlan:
 
     index: int
     name: str
-    probes: list[Probe] = field(default_factory=list)
+    probes: list[ProbePlan] = field(default_factory=list)
     timers: list[int] = field(default_factory=list)
     pulses: bool = False  # whether a leaf is true only while a message is handled
     history: int = 0  # receive times to remember, for rates
@@ -113,7 +113,6 @@ class RulePlan:
     message_topics: tuple[int, ...]
     pulses: bool
     changes: tuple[int, ...]  # leaves that tell a change, for trigger 'change'
-    timed: bool
     # Fields of the event, unpacked for speed.
     trigger: str
     hold: float
@@ -132,8 +131,8 @@ class CompiledTable:
     hash: str
     rules: list[RulePlan]
     leaves: list[LeafPlan]
-    probes: list[Probe]
-    timers: list[Timer]
+    probes: list[ProbePlan]
+    timers: list[TimerPlan]
     topics: list[TopicPlan]
     by_topic: dict[str, TopicPlan]
     by_id: dict[str, RulePlan]
@@ -176,10 +175,10 @@ class _Builder:
     def __init__(self) -> None:
         self.topics: list[TopicPlan] = []
         self.by_name: dict[str, TopicPlan] = {}
-        self.probes: dict[str, Probe] = {}
+        self.probes: dict[str, ProbePlan] = {}
         self.plans: list[LeafPlan] = []
         self.leaf_index: dict[str, int] = {}
-        self.timers: dict[str, Timer] = {}
+        self.timers: dict[str, TimerPlan] = {}
         self.rules_of_leaf: list[list[int]] = []
 
     def topic(self, name: str) -> TopicPlan:
@@ -204,7 +203,7 @@ class _Builder:
             topic=topic.index,
             probe=probe.index if probe else -1,
             text=leaf.text,
-            judge=leaf.judge,
+            predicate=leaf.predicate,
         )
         self.leaf_index[leaf.key] = plan.index
         self.plans.append(plan)
@@ -215,10 +214,10 @@ class _Builder:
         self._timer(topic, plan, leaf.timeout)
         return plan.index
 
-    def _probe(self, topic: TopicPlan, source: Source) -> Probe:
+    def _probe(self, topic: TopicPlan, source: Source) -> ProbePlan:
         probe = self.probes.get(source.key)
         if probe is None:
-            probe = Probe(len(self.probes), source.key, topic.index, source.read)
+            probe = ProbePlan(len(self.probes), source.key, topic.index, source.read)
             self.probes[source.key] = probe
             topic.probes.append(probe)
         return probe
@@ -244,16 +243,16 @@ class _Builder:
             topic.history = max(topic.history, timer.need)
             leaf.timer = timer.index
 
-    def _add_timer(self, key: str, kind: str, topic: TopicPlan, seconds: float) -> Timer:
+    def _add_timer(self, key: str, kind: str, topic: TopicPlan, seconds: float) -> TimerPlan:
         timer = self.timers.get(key)
         if timer is None:
-            timer = Timer(len(self.timers), key, kind, topic.index, seconds)
+            timer = TimerPlan(len(self.timers), key, kind, topic.index, seconds)
             self.timers[key] = timer
             topic.timers.append(timer.index)
         return timer
 
     def rule(self, index: int, rule: Rule) -> RulePlan:
-        event, known = rule.event, prepared(rule)
+        event, known = rule.event, compiled_rule(rule)
         tree = tuple((path, self.leaf(leaf)) for path, leaf in known.leaves)
         clear = tuple((path, self.leaf(leaf)) for path, leaf in known.clear)
         pulses = {at for (_, at), (_, leaf) in zip(tree, known.leaves, strict=True) if leaf.pulses}
@@ -284,7 +283,6 @@ class _Builder:
             message_topics=_unique([*topics, *mentioned]),
             pulses=bool(pulses),
             changes=_unique(map(self.leaf, known.changes)),
-            timed=any(self.plans[leaf].timer >= 0 for _, leaf in tree),
             trigger=event.trigger,
             hold=event.hold,
             cooldown=event.cooldown,
@@ -315,7 +313,7 @@ class _Builder:
         )
 
 
-def _watch(probe: Probe, leaf: LeafPlan) -> None:
+def _watch(probe: ProbePlan, leaf: LeafPlan) -> None:
     if isinstance(leaf.condition, Changed):
         probe.changes.append(leaf.index)
     elif isinstance(leaf.condition, Received):

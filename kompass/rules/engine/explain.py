@@ -7,7 +7,14 @@ from kompass.rules.engine.compiled_table import CompiledTable, LeafPlan, RulePla
 from kompass.rules.engine.firing import LeafVerdict
 from kompass.rules.engine.readings import leaf_verdict
 from kompass.rules.engine.schedule import due, rate_of
-from kompass.rules.engine.state import ARMED, WAITS_FOR_FALSE, Counters, RuleState, State, counters
+from kompass.rules.engine.state import (
+    ARMED,
+    WAITS_FOR_FALSE,
+    Counters,
+    EngineState,
+    RuleState,
+    counters,
+)
 from kompass.rules.schema.conditions import TreePath, timeout_of
 from kompass.rules.schema.values import Verdict
 
@@ -60,7 +67,7 @@ class Explanation(NamedTuple):
     text: str
 
 
-def explain(table: CompiledTable, state: State, rule_id: str, now: float) -> Explanation:
+def explain(table: CompiledTable, state: EngineState, rule_id: str, now: float) -> Explanation:
     """Explain a rule at ``now`` (monotonic seconds), without changing the state.
 
     Raises
@@ -96,7 +103,7 @@ _READY = {
 }
 
 
-def verdict_of(table: CompiledTable, state: State, plan: RulePlan, now: float) -> Verdict:
+def verdict_of(table: CompiledTable, state: EngineState, plan: RulePlan, now: float) -> Verdict:
     """Return the verdict of a rule's condition at a moment after the last step."""
     now = max(now, state.now)
     return plan.evaluate(
@@ -104,7 +111,7 @@ def verdict_of(table: CompiledTable, state: State, plan: RulePlan, now: float) -
     )
 
 
-def verdict_at(table: CompiledTable, state: State, leaf: LeafPlan, now: float) -> Verdict:
+def verdict_at(table: CompiledTable, state: EngineState, leaf: LeafPlan, now: float) -> Verdict:
     """Return the verdict of a leaf at a moment after the last step."""
     verdict = state.verdicts[leaf.index]
     if leaf.timer >= 0:
@@ -124,7 +131,7 @@ def verdict_at(table: CompiledTable, state: State, leaf: LeafPlan, now: float) -
 
 def _shown(
     table: CompiledTable,
-    state: State,
+    state: EngineState,
     leaves: tuple[tuple[TreePath, int], ...],
     verdicts: dict[int, Verdict],
     now: float,

@@ -20,7 +20,7 @@ class Tick(NamedTuple):
     """Time has passed; nothing else happened."""
 
 
-class Done(NamedTuple):
+class RunEnded(NamedTuple):
     """The actions of a run have finished, well or not, or were cancelled."""
 
     rule_id: str
@@ -29,7 +29,7 @@ class Done(NamedTuple):
     error: str = ""
 
 
-Input: TypeAlias = Sample | Tick | Done
+Input: TypeAlias = Sample | Tick | RunEnded
 
 
 class LeafVerdict(NamedTuple):
@@ -42,7 +42,7 @@ class LeafVerdict(NamedTuple):
     text
         The leaf as a person would write it.
     value
-        The value it was judged by: a scalar, or a text that sums up anything larger; None if
+        The value that was compared: a scalar, or a text that sums up anything larger; None if
         there is none. For ``absent`` the seconds of silence, for ``rate`` the rate in Hz.
     age
         Seconds since the topic's newest message; None if there was none.
@@ -58,7 +58,7 @@ class LeafVerdict(NamedTuple):
 
 
 class Firing(NamedTuple):
-    """A rule fires: the shell is to run its actions and to report ``Done`` for ``run_id``.
+    """A rule fires: the shell is to run its actions and to report ``RunEnded`` for ``run_id``.
 
     Attributes
     ----------
@@ -76,10 +76,10 @@ class Firing(NamedTuple):
         Each leaf of the condition as it was when triggered.
     cancels
         Runs of the same rule to cancel first (mode ``restart``). One of them may have ended in the
-        meantime: what was due before its ``Done`` is handled before it.
+        meantime: what was due before its ``RunEnded`` is handled before it.
     shadow
         Whether the rule is in shadow: nothing is to be done but to record it. The run has ended
-        already, and no ``Done`` is expected.
+        already, and no ``RunEnded`` is expected.
     """
 
     rule_id: str

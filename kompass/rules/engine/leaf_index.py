@@ -3,7 +3,7 @@
 A thousand rules may look at one field. Their leaves change only where the value crosses a bound or
 meets a literal of theirs: candidates come from a hash table of literals and a sorted list of
 bounds, and for bands from a table of what lies between two neighbouring bounds. The candidates are
-conservative and are judged exactly afterwards.
+conservative and are evaluated exactly afterwards.
 """
 
 from bisect import bisect_left, bisect_right
@@ -13,7 +13,7 @@ from typing import Any
 from kompass.rules.schema.conditions import Compare, Leaf
 from kompass.rules.schema.values import kind_of
 
-# Below this many leaves, judging all of them is cheaper than looking candidates up.
+# Below this many leaves, evaluating all of them is cheaper than looking candidates up.
 _FEW = 6
 # Entries per band, beyond which bands are looked up by their bounds instead.
 _OVERLAP = 64
@@ -148,7 +148,7 @@ class LeafIndex:
                 if leaf not in self._unindexed["bool"]:
                     self._unindexed["bool"].append(leaf)
             else:
-                # True and 1 share a key: one candidate too many is judged and found unchanged.
+                # True and 1 share a key: one candidate too many is evaluated and found unchanged.
                 entry = table.setdefault(value, [])
                 if leaf not in entry:
                     entry.append(leaf)

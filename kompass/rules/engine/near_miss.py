@@ -4,7 +4,7 @@ from kompass.rules.engine.compiled_table import CompiledTable, RulePlan
 from kompass.rules.engine.firing import Note, Output
 from kompass.rules.engine.predicates import tree_of
 from kompass.rules.engine.readings import readings
-from kompass.rules.engine.state import State
+from kompass.rules.engine.state import EngineState
 from kompass.rules.schema.conditions import AllOf, Condition, TreePath
 from kompass.rules.schema.describe import describe
 
@@ -13,7 +13,7 @@ ENOUGH = 0.5  # share of the hold after which its end is a near miss
 
 
 def look_for_miss(
-    table: CompiledTable, state: State, plan: RulePlan, at: float, out: list[Output]
+    table: CompiledTable, state: EngineState, plan: RulePlan, at: float, out: list[Output]
 ) -> None:
     """Look at a rule that is not true (any more), before its state is told so."""
     rule = state.rules[plan.index]
@@ -33,7 +33,12 @@ def look_for_miss(
 
 
 def report_miss(
-    table: CompiledTable, state: State, plan: RulePlan, at: float, sort: str, out: list[Output]
+    table: CompiledTable,
+    state: EngineState,
+    plan: RulePlan,
+    at: float,
+    sort: str,
+    out: list[Output],
 ) -> None:
     """Say that a rule came close, unless the same was said a moment ago."""
     missed = state.rules[plan.index].missed
@@ -53,7 +58,7 @@ def report_miss(
     out.append(note)
 
 
-def _text(state: State, plan: RulePlan, at: float, sort: str) -> str:
+def _text(state: EngineState, plan: RulePlan, at: float, sort: str) -> str:
     rule = state.rules[plan.index]
     if sort == "hold":
         assert rule.since is not None
@@ -68,7 +73,7 @@ def _text(state: State, plan: RulePlan, at: float, sort: str) -> str:
     return "became true, but its actions were still running"
 
 
-def _wanting(state: State, plan: RulePlan) -> str:
+def _wanting(state: EngineState, plan: RulePlan) -> str:
     """Return what is not true of all that must be."""
     condition = plan.rule.event.condition
     parts: list[tuple[TreePath, Condition]] = [((), condition)]

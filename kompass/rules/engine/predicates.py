@@ -34,54 +34,54 @@ def predicate_of(condition: Compare) -> Predicate:
     if isinstance(reference, tuple):
         reference = list(reference)
 
-    def judge(value: Any) -> Verdict:
+    def general(value: Any) -> Verdict:
         return compare(operator, value, reference, tolerance)
 
     if kind_of(reference) != "number" or tolerance:
-        return judge
+        return general
     # For a float or an int the generic path would only add look-ups; NaN takes it, for no verdict.
     numeric = _NUMERIC.get(operator)
-    return numeric(reference, judge) if numeric else judge
+    return numeric(reference, general) if numeric else general
 
 
-def _less(reference: float, judge: Predicate) -> Predicate:
+def _less(reference: float, general: Predicate) -> Predicate:
     def less(v: Any) -> Verdict:
-        return v < reference if type(v) in _NUMBERS and v == v else judge(v)
+        return v < reference if type(v) in _NUMBERS and v == v else general(v)
 
     return less
 
 
-def _less_equal(reference: float, judge: Predicate) -> Predicate:
+def _less_equal(reference: float, general: Predicate) -> Predicate:
     def less_equal(v: Any) -> Verdict:
-        return v <= reference if type(v) in _NUMBERS and v == v else judge(v)
+        return v <= reference if type(v) in _NUMBERS and v == v else general(v)
 
     return less_equal
 
 
-def _greater(reference: float, judge: Predicate) -> Predicate:
+def _greater(reference: float, general: Predicate) -> Predicate:
     def greater(v: Any) -> Verdict:
-        return v > reference if type(v) in _NUMBERS and v == v else judge(v)
+        return v > reference if type(v) in _NUMBERS and v == v else general(v)
 
     return greater
 
 
-def _greater_equal(reference: float, judge: Predicate) -> Predicate:
+def _greater_equal(reference: float, general: Predicate) -> Predicate:
     def greater_equal(v: Any) -> Verdict:
-        return v >= reference if type(v) in _NUMBERS and v == v else judge(v)
+        return v >= reference if type(v) in _NUMBERS and v == v else general(v)
 
     return greater_equal
 
 
-def _equal(reference: float, judge: Predicate) -> Predicate:
+def _equal(reference: float, general: Predicate) -> Predicate:
     def equal(v: Any) -> Verdict:
-        return v == reference if type(v) in _NUMBERS and v == v else judge(v)
+        return v == reference if type(v) in _NUMBERS and v == v else general(v)
 
     return equal
 
 
-def _unequal(reference: float, judge: Predicate) -> Predicate:
+def _unequal(reference: float, general: Predicate) -> Predicate:
     def unequal(v: Any) -> Verdict:
-        return v != reference if type(v) in _NUMBERS and v == v else judge(v)
+        return v != reference if type(v) in _NUMBERS and v == v else general(v)
 
     return unequal
 

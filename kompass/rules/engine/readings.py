@@ -5,7 +5,7 @@ from typing import Any
 
 from kompass.rules.engine.compiled_table import CompiledTable, LeafPlan, RulePlan
 from kompass.rules.engine.firing import LeafVerdict
-from kompass.rules.engine.state import State
+from kompass.rules.engine.state import EngineState
 from kompass.rules.schema.conditions import Absent, Rate, TreePath
 from kompass.rules.schema.values import MISSING
 
@@ -14,7 +14,7 @@ _SHOWN_TEXT = 200
 
 
 def readings(
-    table: CompiledTable, state: State, plan: RulePlan, at: float
+    table: CompiledTable, state: EngineState, plan: RulePlan, at: float
 ) -> tuple[LeafVerdict, ...]:
     """Return each leaf of a rule's condition as it is in the state."""
     return tuple(
@@ -25,7 +25,7 @@ def readings(
 
 def leaf_verdict(
     table: CompiledTable,
-    state: State,
+    state: EngineState,
     path: TreePath,
     leaf: LeafPlan,
     verdict: bool | None,
@@ -38,7 +38,7 @@ def leaf_verdict(
 
 
 def _value(
-    table: CompiledTable, state: State, leaf: LeafPlan, at: float
+    table: CompiledTable, state: EngineState, leaf: LeafPlan, at: float
 ) -> bool | int | float | str | None:
     condition = leaf.condition
     if isinstance(condition, Absent):

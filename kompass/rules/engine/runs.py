@@ -3,16 +3,16 @@
 from heapq import heappush
 
 from kompass.rules.engine.compiled_table import CompiledTable, RulePlan, TopicPlan
-from kompass.rules.engine.firing import Done, Firing, Note, Output
+from kompass.rules.engine.firing import Firing, Note, Output, RunEnded
 from kompass.rules.engine.near_miss import report_miss
 from kompass.rules.engine.readings import readings
-from kompass.rules.engine.state import ARMED, QUEUE, SPENT, State, Waiting
+from kompass.rules.engine.state import ARMED, QUEUE, SPENT, EngineState, Waiting
 from kompass.rules.schema.events import Parallel, Restart
 
 
 def trigger(
     table: CompiledTable,
-    state: State,
+    state: EngineState,
     plan: RulePlan,
     at: float,
     topic: TopicPlan | None,
@@ -55,9 +55,14 @@ def trigger(
 
 
 def finish(
-    table: CompiledTable, state: State, plan: RulePlan, done: Done, at: float, out: list[Output]
+    table: CompiledTable,
+    state: EngineState,
+    plan: RulePlan,
+    done: RunEnded,
+    at: float,
+    out: list[Output],
 ) -> None:
-    """Take note of the end of a run; of one that was cancelled or carried away, nothing is."""
+    """Count the end of a run and begin the cooldown; a run that is not in progress is ignored."""
     rule = state.rules[plan.index]
     if rule.runs.pop(done.run_id, None) is None:
         return
@@ -74,7 +79,7 @@ def finish(
 
 
 def next_in_queue(
-    table: CompiledTable, state: State, plan: RulePlan, at: float, out: list[Output]
+    table: CompiledTable, state: EngineState, plan: RulePlan, at: float, out: list[Output]
 ) -> None:
     """Start what waits for the end of a cooldown."""
     rule = state.rules[plan.index]
@@ -84,7 +89,7 @@ def next_in_queue(
 
 
 def _dequeue(
-    table: CompiledTable, state: State, plan: RulePlan, at: float, out: list[Output]
+    table: CompiledTable, state: EngineState, plan: RulePlan, at: float, out: list[Output]
 ) -> None:
     rule = state.rules[plan.index]
     if rule.latched_at is not None or not _start(
@@ -95,7 +100,7 @@ def _dequeue(
 
 def _start(
     table: CompiledTable,
-    state: State,
+    state: EngineState,
     plan: RulePlan,
     cause: Waiting,
     at: float,
@@ -145,7 +150,12 @@ def _start(
 
 
 def _missed_edge(
-    table: CompiledTable, state: State, plan: RulePlan, at: float, sort: str, out: list[Output]
+    table: CompiledTable,
+    state: EngineState,
+    plan: RulePlan,
+    at: float,
+    sort: str,
+    out: list[Output],
 ) -> None:
     # At the rate of messages a level rule is held back all the time: only an edge is news.
     if plan.trigger == "edge" and state.rules[plan.index].latched_at is None:
@@ -169,7 +179,7 @@ def _latched(plan: RulePlan, at: float) -> Note:
 
 
 def _waiting(
-    table: CompiledTable, state: State, plan: RulePlan, at: float, topic: TopicPlan | None
+    table: CompiledTable, state: EngineState, plan: RulePlan, at: float, topic: TopicPlan | None
 ) -> Waiting:
     index = _newest(state, plan) if topic is None else topic.index
     received = {
@@ -183,7 +193,7 @@ def _waiting(
     return Waiting(at, table.topics[index].name, state.messages[index], received, leaves)
 
 
-def _newest(state: State, plan: RulePlan) -> int | None:
+def _newest(state: EngineState, plan: RulePlan) -> int | None:
     newest, last = None, float("-inf")
     for topic in plan.topics:
         received = state.received[topic]

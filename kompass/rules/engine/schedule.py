@@ -8,11 +8,11 @@ entry per timeout, not one per message.
 import math
 from heapq import heappop, heappush
 
-from kompass.rules.engine.compiled_table import CompiledTable, Timer
-from kompass.rules.engine.state import HOLD, LEAF, LOOK, State
+from kompass.rules.engine.compiled_table import CompiledTable, TimerPlan
+from kompass.rules.engine.state import HOLD, LEAF, LOOK, EngineState
 
 
-def due(timer: Timer, state: State) -> float | None:
+def due(timer: TimerPlan, state: EngineState) -> float | None:
     """Return when a timer's leaves change by time alone; None if only a message changes them."""
     last = state.received[timer.topic]
     if timer.kind == "stale":
@@ -33,18 +33,18 @@ def due(timer: Timer, state: State) -> float | None:
     return times[-timer.need] + timer.seconds if enough(timer, state, state.now) else None
 
 
-def enough(timer: Timer, state: State, now: float) -> bool:
+def enough(timer: TimerPlan, state: EngineState, now: float) -> bool:
     """Whether the window that ends now holds as many messages as the rate needs."""
     times = state.times[timer.topic]
     return len(times) >= timer.need and now < times[-timer.need] + timer.seconds
 
 
-def rate_of(timer: Timer, state: State, now: float) -> bool:
+def rate_of(timer: TimerPlan, state: EngineState, now: float) -> bool:
     """Return the verdict of a rate whose first window has passed."""
     return enough(timer, state, now) is timer.above
 
 
-def start(timer: Timer, state: State, at: float) -> None:
+def start(timer: TimerPlan, state: EngineState, at: float) -> None:
     """Put a timer into the schedule, or among those that wait for a message."""
     when = due(timer, state)
     if when is None:
@@ -53,7 +53,7 @@ def start(timer: Timer, state: State, at: float) -> None:
         heappush(state.schedule, (max(when, at), LEAF, timer.index))
 
 
-def next_deadline(table: CompiledTable, state: State) -> float | None:
+def next_deadline(table: CompiledTable, state: EngineState) -> float | None:
     """Return when the next ``Tick`` is needed, in monotonic seconds; None if none is.
 
     Entries that messages have moved are put where they belong, which changes nothing that can be
@@ -77,7 +77,7 @@ def next_deadline(table: CompiledTable, state: State) -> float | None:
     return None
 
 
-def _actual(table: CompiledTable, state: State, phase: int, index: int) -> float | None:
+def _actual(table: CompiledTable, state: EngineState, phase: int, index: int) -> float | None:
     if phase == LEAF:
         return due(table.timers[index], state)
     if phase == LOOK:

@@ -1,4 +1,4 @@
-"""What the engine remembers between two steps."""
+"""The state of the engine between two steps."""
 
 from collections import deque
 from collections.abc import Iterable
@@ -28,7 +28,7 @@ class Waiting(NamedTuple):
 
 
 class RuleState:
-    """What is remembered of one rule."""
+    """The state of one rule."""
 
     __slots__ = (
         "armed",
@@ -92,8 +92,8 @@ class RuleState:
         return twin
 
 
-class State:
-    """All that the engine remembers; opaque outside of this package.
+class EngineState:
+    """The state of the engine; opaque outside of this package.
 
     ``step`` changes it in place. Make it with :func:`initial_state`, duplicate it with
     :meth:`copy`. Lists are indexed as the compiled table numbers its topics, signals and leaves.
@@ -124,7 +124,7 @@ class State:
         self.counts = [0] * topics
         self.received: list[float | None] = [None] * topics
         self.messages: list[Any] = [None] * topics
-        # False: the next message judges every leaf of the topic anew.
+        # False: the next message evaluates every leaf of the topic anew.
         self.fresh = [False] * topics
         # Timers with nothing to wait for until the next message of their topic.
         self.idle: list[list[int]] = [[] for _ in range(topics)]
@@ -141,10 +141,10 @@ class State:
         self.rules = [RuleState(plan) for plan in table.rules]
         self.next_run = 1
 
-    def copy(self) -> "State":
+    def copy(self) -> "EngineState":
         """Return an independent copy; messages are shared."""
-        twin = object.__new__(State)
-        for name in State.__slots__:
+        twin = object.__new__(EngineState)
+        for name in EngineState.__slots__:
             value = getattr(self, name)
             setattr(twin, name, value.copy() if isinstance(value, list) else value)
         twin.idle = [timers.copy() for timers in self.idle]
@@ -167,7 +167,7 @@ class State:
 
 
 class Counters(NamedTuple):
-    """What a rule has done in the life of the state.
+    """What a rule has done since the state was made, or since the rule was reset.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class Counters(NamedTuple):
     error: str
 
 
-def counters(table: CompiledTable, state: State, rule_id: str) -> Counters:
+def counters(table: CompiledTable, state: EngineState, rule_id: str) -> Counters:
     """Return the counters of a rule.
 
     Raises
@@ -225,7 +225,7 @@ def counters(table: CompiledTable, state: State, rule_id: str) -> Counters:
     )
 
 
-def evaluated(plan: RulePlan, state: State) -> int:
+def evaluated(plan: RulePlan, state: EngineState) -> int:
     """Return the number of messages that concerned a rule since the state began."""
     own = state.rules[plan.index].evaluated
     if not plan.rule.enabled:

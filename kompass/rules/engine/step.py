@@ -12,12 +12,12 @@ from typing import Any
 from kompass.rules.engine.compiled_table import (
     CompiledTable,
     LeafPlan,
-    Probe,
+    ProbePlan,
     RulePlan,
-    Timer,
+    TimerPlan,
     TopicPlan,
 )
-from kompass.rules.engine.firing import Done, Input, Output, Sample
+from kompass.rules.engine.firing import Input, Output, RunEnded, Sample
 from kompass.rules.engine.near_miss import look_for_miss
 from kompass.rules.engine.runs import finish, next_in_queue, trigger
 from kompass.rules.engine.schedule import due, enough, rate_of, start
@@ -27,8 +27,8 @@ from kompass.rules.engine.state import (
     LEAF,
     LOOK,
     WAITS_FOR_FALSE,
+    EngineState,
     RuleState,
-    State,
     evaluated,
 )
 from kompass.rules.schema.conditions import Changed
@@ -37,7 +37,7 @@ from kompass.rules.schema.values import MISSING, kind_of, same
 _SCALARS = frozenset({float, int, bool, str})
 
 
-def initial_state(table: CompiledTable, now: float, used: Collection[str] = ()) -> State:
+def initial_state(table: CompiledTable, now: float, used: Collection[str] = ()) -> EngineState:
     """Return the state of a table that has seen nothing.
 
     Parameters
@@ -45,10 +45,10 @@ def initial_state(table: CompiledTable, now: float, used: Collection[str] = ()) 
     now
         Monotonic seconds, from which silence is counted.
     used
-        Ids of rules with ``once`` that have fired before in the life of the stack; others, and
+        Ids of rules with ``once`` that have fired before since the stack was started; others, and
         those that the table does not have, make no difference.
     """
-    state = State(table, now)
+    state = EngineState(table, now)
     for rule_id in used:
         known = table.by_id.get(rule_id)
         if known is not None and known.rule.event.once:
@@ -68,8 +68,8 @@ def initial_state(table: CompiledTable, now: float, used: Collection[str] = ()) 
 
 
 def step(
-    table: CompiledTable, state: State, event: Input, now: float
-) -> tuple[State, list[Output]]:
+    table: CompiledTable, state: EngineState, event: Input, now: float
+) -> tuple[EngineState, list[Output]]:
     """Take one input and return what fires.
 
     Parameters
@@ -77,8 +77,9 @@ def step(
     table
         The rules.
     state
-        From :func:`initial_state`, :func:`kompass.rules.engine.migrate.migrate_state` or an earlier
-        step of the same table. It is changed in place and returned; copy it first to keep it.
+        From :func:`initial_state`, :func:`kompass.rules.engine.migration.migrate_state` or an
+        earlier step of the same table. It is changed in place and returned; copy it first to
+        keep it.
     event
         A message, the passing of time, or the end of a run.
     now
@@ -86,7 +87,7 @@ def step(
 
     Returns
     -------
-    State, list of Firing or Note
+    EngineState, list of Firing or Note
         In the order in which they are due; at one moment in the order of the table.
     """
     out: list[Output] = []
@@ -99,14 +100,14 @@ def step(
         plan = table.by_topic.get(event.topic)
         if plan is not None:
             _sample(table, state, plan, event.message, now, out)
-    elif type(event) is Done:
+    elif type(event) is RunEnded:
         rule = table.by_id.get(event.rule_id)
         if rule is not None:
             finish(table, state, rule, event, now, out)
     return state, out
 
 
-def _catch_up(table: CompiledTable, state: State, now: float, out: list[Output]) -> None:
+def _catch_up(table: CompiledTable, state: EngineState, now: float, out: list[Output]) -> None:
     schedule = state.schedule
     while schedule and schedule[0][0] <= now:
         at = state.now = max(schedule[0][0], state.now)
@@ -129,7 +130,9 @@ def _catch_up(table: CompiledTable, state: State, now: float, out: list[Output])
                 next_in_queue(table, state, plan, at, out)
 
 
-def _expire(table: CompiledTable, state: State, timer: Timer, at: float, touched: set[int]) -> None:
+def _expire(
+    table: CompiledTable, state: EngineState, timer: TimerPlan, at: float, touched: set[int]
+) -> None:
     when = due(timer, state)
     if when is not None and when > at:
         heappush(state.schedule, (when, LEAF, timer.index))
@@ -147,14 +150,19 @@ def _expire(table: CompiledTable, state: State, timer: Timer, at: float, touched
         _set(state, table.leaves[timer.leaves[0]], True, touched)
 
 
-def _set(state: State, leaf: LeafPlan, verdict: bool | None, touched: set[int]) -> None:
+def _set(state: EngineState, leaf: LeafPlan, verdict: bool | None, touched: set[int]) -> None:
     if state.verdicts[leaf.index] is not verdict:
         state.verdicts[leaf.index] = verdict
         touched.update(leaf.rules)
 
 
 def _sample(
-    table: CompiledTable, state: State, plan: TopicPlan, message: Any, now: float, out: list[Output]
+    table: CompiledTable,
+    state: EngineState,
+    plan: TopicPlan,
+    message: Any,
+    now: float,
+    out: list[Output],
 ) -> None:
     topic = plan.index
     state.counts[topic] += 1
@@ -192,8 +200,8 @@ def _sample(
 
 def _new_value(
     table: CompiledTable,
-    state: State,
-    probe: Probe,
+    state: EngineState,
+    probe: ProbePlan,
     old: Any,
     value: Any,
     anew: bool,
@@ -204,7 +212,7 @@ def _new_value(
     leaves = table.leaves
     for index in probe.compares if anew else probe.candidates.candidates(old, value):
         leaf = leaves[index]
-        verdict = leaf.judge(value)
+        verdict = leaf.predicate(value)
         if verdicts[index] is not verdict:
             verdicts[index] = verdict
             touched.update(leaf.rules)
@@ -224,7 +232,7 @@ def _moved(leaf: LeafPlan, reference: Any, value: Any) -> bool:
     return not same(value, reference)
 
 
-def _rest(table: CompiledTable, state: State, plan: TopicPlan, touched: set[int]) -> None:
+def _rest(table: CompiledTable, state: EngineState, plan: TopicPlan, touched: set[int]) -> None:
     """Give the leaves that are true for one message only their verdict between messages."""
     for probe in plan.probes:
         for index in probe.changes:
@@ -235,7 +243,9 @@ def _rest(table: CompiledTable, state: State, plan: TopicPlan, touched: set[int]
             _set(state, table.leaves[index], False if known else None, touched)
 
 
-def _resume(table: CompiledTable, state: State, topic: int, now: float, touched: set[int]) -> None:
+def _resume(
+    table: CompiledTable, state: EngineState, topic: int, now: float, touched: set[int]
+) -> None:
     """Set the timers going that waited for a message of their topic."""
     waiting, state.idle[topic] = state.idle[topic], []
     for index in waiting:
@@ -255,7 +265,7 @@ def _resume(table: CompiledTable, state: State, topic: int, now: float, touched:
 
 def _pulse(
     table: CompiledTable,
-    state: State,
+    state: EngineState,
     plan: TopicPlan,
     pulses: list[int],
     touched: set[int],
@@ -279,7 +289,7 @@ def _pulse(
 
 def _look(
     table: CompiledTable,
-    state: State,
+    state: EngineState,
     plan: RulePlan,
     at: float,
     topic: TopicPlan | None,
@@ -319,7 +329,7 @@ def _look(
             state.delist(plan)
 
 
-def _hold_over(state: State, plan: RulePlan, rule: RuleState, at: float) -> bool:
+def _hold_over(state: EngineState, plan: RulePlan, rule: RuleState, at: float) -> bool:
     assert rule.since is not None
     end = rule.since + plan.hold
     if at >= end:
@@ -330,14 +340,16 @@ def _hold_over(state: State, plan: RulePlan, rule: RuleState, at: float) -> bool
     return False
 
 
-def _held(table: CompiledTable, state: State, plan: RulePlan, at: float, out: list[Output]) -> None:
+def _held(
+    table: CompiledTable, state: EngineState, plan: RulePlan, at: float, out: list[Output]
+) -> None:
     rule = state.rules[plan.index]
     rule.hold_timer = False
     if rule.since is not None and _hold_over(state, plan, rule, at):
         trigger(table, state, plan, at, None, out)
 
 
-def settle(state: State, plan: RulePlan, verdict: bool | None) -> None:
+def settle(state: EngineState, plan: RulePlan, verdict: bool | None) -> None:
     """Take note that a rule is not true (any more), and re-arm it where that is due."""
     if verdict is True:
         return

@@ -34,8 +34,8 @@ def describe(condition: Condition) -> str:
     if isinstance(condition, Absent):
         return f"{describe_signal(condition.signal)} absent for {condition.seconds:g} s"
     if isinstance(condition, Rate):
-        way, bound = ("below", condition.below) if condition.below else ("above", condition.above)
-        return f"rate of {condition.topic} {way} {bound:g} Hz over {condition.window:g} s"
+        side, bound = ("below", condition.below) if condition.below else ("above", condition.above)
+        return f"rate of {condition.topic} {side} {bound:g} Hz over {condition.window:g} s"
     return _callable(condition)
 
 

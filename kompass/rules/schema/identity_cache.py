@@ -1,4 +1,4 @@
-"""What is worked out of something immutable, once for as long as that lives."""
+"""A cache by identity, for functions of immutable objects."""
 
 from collections.abc import Callable
 from typing import Generic, TypeVar
@@ -9,16 +9,16 @@ V = TypeVar("V")
 
 
 class IdentityCache(Generic[K, V]):
-    """A function of one immutable object that works out each of its answers once.
+    """A function of one immutable object that computes each result once.
 
-    Objects are told apart by identity: rules are not hashable, for arguments of actions are
-    dictionaries, and equality takes ``1`` for ``True``. An answer is forgotten with its object. May
-    be called from any thread; two that ask at once may both work it out.
+    The key is the identity of the object: rules are not hashable, for arguments of actions are
+    dictionaries, and equality takes ``1`` for ``True``. A result is dropped when its object is
+    collected. May be called from any thread; two that ask at once may both compute it.
 
     Parameters
     ----------
     work
-        Must answer the same for the same object, always.
+        The function; must always return the same for the same object.
     """
 
     def __init__(self, work: Callable[[K], V]) -> None:
@@ -26,7 +26,7 @@ class IdentityCache(Generic[K, V]):
         self._known: dict[int, tuple[ref[K], V]] = {}
 
     def __call__(self, item: K) -> V:
-        """Return the answer for an object that can be weakly referred to."""
+        """Return the result for an object that can be weakly referenced."""
         key = id(item)
         known = self._known.get(key)
         if known is not None and known[0]() is item:
@@ -37,5 +37,5 @@ class IdentityCache(Generic[K, V]):
         return answer
 
     def __len__(self) -> int:
-        """Return how many answers are kept."""
+        """Return how many results are kept."""
         return len(self._known)

@@ -1,4 +1,4 @@
-"""Rules of the same content as one object, so that what is known of one is known of all."""
+"""Rules of the same content as one object, so that they share one entry in every cache."""
 
 from weakref import WeakValueDictionary
 

@@ -126,7 +126,7 @@ def order(operator: str, value: Any, reference: Any) -> Verdict:
 
 
 def compare(operator: str, value: Any, reference: Any, tolerance: float = 0.0) -> Verdict:
-    """Judge one comparison.
+    """Evaluate one comparison.
 
     Parameters
     ----------
