@@ -16,10 +16,7 @@ from kompass.supervisor.heartbeat import beat
 from kompass.supervisor.process import Report
 
 TWIN_CHECK_DELAY = 1.0  # s in which DDS finds the other participants
-# The events executor does not rebuild its wait set for every callback: a fifth of the work of the
-# single-threaded one. It must always be given a timeout; without one it never fires a timer
-# (rclpy 7.1).
-SPIN_TIMEOUT = 0.1  # s; also how soon the end is noticed
+SPIN_TIMEOUT = 0.1  # s; how soon the end is noticed
 
 
 def host(

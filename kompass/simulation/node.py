@@ -83,7 +83,6 @@ def run_simulator(
             executor.add_node(node)
             node.get_logger().info(f"robot in {place.name!r}: {place.title}")
             while not (told_to_stop() or (stop is not None and stop())):
-                # Never without a timeout: rclpy 7.1.6 then spins at full load and fires no timer.
                 executor.spin_once(timeout_sec=0.1)
     finally:
         executor.shutdown()
