@@ -23,7 +23,7 @@ from kompass.monitor.start import start_from_store
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.rclpy_ext.node import PlainNode
 from kompass.recipe.table import RecipeRules
-from kompass.supervisor.heartbeat import beat
+from kompass.supervisor.heartbeat import send_heartbeat
 from kompass.supervisor.process import Report
 
 NAME = "monitor"
@@ -83,7 +83,7 @@ def run_monitor(
     try:
         while not ended.is_set():
             _spin_once(node, executor)
-            beat(NAME)
+            send_heartbeat(NAME)
         # Not after an exception: that is a crash, and counts as one.
         if store is not None:
             store.end_life()

@@ -19,7 +19,7 @@ from kompass.recorder.rotating_recording import RecordingInUse
 from kompass.recorder.shm_queue import ShmQueue
 from kompass.recorder.topic_sampler import TopicSampler
 from kompass.recorder.topics import SampledTopic
-from kompass.supervisor.heartbeat import beat
+from kompass.supervisor.heartbeat import send_heartbeat
 from kompass.supervisor.process import Report
 
 NAME = "recorder"
@@ -95,7 +95,7 @@ def _record(
     try:
         looks = 0
         while not ended.wait(PERIOD):
-            beat(NAME)
+            send_heartbeat(NAME)
             recorder.tick()
             taps.drain(recorder.take)
             looks += 1
@@ -111,4 +111,4 @@ def _idle(seconds: float, ended: threading.Event) -> None:
     for _ in range(int(seconds / PERIOD)):
         if ended.wait(PERIOD):
             return
-        beat(NAME)
+        send_heartbeat(NAME)
