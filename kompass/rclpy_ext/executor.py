@@ -18,6 +18,9 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.task import Future
 
 LONGEST_WAIT = 1.0  # s, for what comes next
+# What the middleware raises, without a public name in rclpy: mostly that whoever asked has gone
+# before the answer came.
+MIDDLEWARE_ERRORS = (rclpy_implementation.RCLError, rclpy_implementation.InvalidHandle)
 
 
 class Cancelled(BaseException):

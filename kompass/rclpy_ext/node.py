@@ -6,6 +6,7 @@ import weakref
 from typing import Any
 
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 
 
@@ -36,6 +37,17 @@ class NoEventCallbacks:
         entities = subscription.callback_group.entities
         entities.discard(weakref.ref(subscription))
         return bool(super().destroy_subscription(subscription))  # type: ignore[misc]
+
+
+def lifecycle_state(node: LifecycleNode) -> str:
+    """Label of the state of a lifecycle node, which rclpy (7.1.6) keeps to itself.
+
+    Returns
+    -------
+    str
+        "unconfigured", "inactive", "active", "finalized", or the name of a transition under way.
+    """
+    return str(node._state_machine.current_state[1])
 
 
 class PlainNode(NoEventCallbacks, Node):  # type: ignore[misc]  # rclpy has no types

@@ -14,6 +14,7 @@ from rclpy.node import Node
 
 from kompass.rclpy_ext.messages import ros_class
 from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, best_for
+from kompass.rclpy_ext.subscription import take_all
 from kompass.recorder.topics import SampledTopic
 
 DEPTH = 500  # messages of a topic that may gather while the recorder is held up
@@ -102,11 +103,9 @@ class TopicSampler:
             self._close(tap)
 
     def _drain(self, tap: _Reader, take: Callable[[Taken], None]) -> None:
-        handle = tap.subscription.handle
         period = int(tap.topic.period * 1e9)
         latched = tap.offer.latched
-        while (taken := handle.take_message(tap.kind, True)) is not None:
-            raw, info = taken
+        for raw, info in take_all(tap.subscription):
             at = info["received_timestamp"] or time.time_ns()  # not every middleware stamps
             # A latched message is never left out: it may be the only one.
             if latched or at - tap.last >= period:
