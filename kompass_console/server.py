@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import uvicorn
 from fastapi import FastAPI
 
-from kompass.supervisor.heartbeat import beat
+from kompass.supervisor.heartbeat import send_heartbeat
 from kompass_console.api.app import create_app
 from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
@@ -119,7 +119,7 @@ class _Server(uvicorn.Server):
 
     async def on_tick(self, counter: int) -> bool:
         # Ten times a second; a loop that hangs is found by the supervisor.
-        beat("console")
+        send_heartbeat("console")
         return await super().on_tick(counter)
 
 

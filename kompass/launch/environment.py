@@ -1,10 +1,11 @@
-"""What must be right in the environment before ROS is touched, told in one line each."""
+"""What the environment says, and what must be right in it before ROS is touched."""
 
 import importlib.util
 import os
 from pathlib import Path
 
 MIDDLEWARE = "RMW_IMPLEMENTATION"
+MULTI_PROCESSING = "KOMPASS_MULTI_PROCESSING"
 
 
 class EnvironmentProblem(RuntimeError):
@@ -35,6 +36,28 @@ def check_environment() -> None:
             "rclpy is not installed; on x86_64 Linux 'pip install kompass-console' brings it, "
             "elsewhere source a ROS 2 installation first"
         )
+
+
+def processes_wanted(stated: bool | None) -> bool:
+    """Whether components get a process each: as stated, unless the environment says otherwise.
+
+    ``KOMPASS_MULTI_PROCESSING=0`` puts all into one process, ``1`` each into its own, whatever a
+    recipe says: to debug a stack, or to save memory.
+
+    Parameters
+    ----------
+    stated
+        By the recipe; None where it says nothing, which is a process each.
+
+    Raises
+    ------
+    ValueError
+        When the variable holds something else.
+    """
+    override = os.environ.get(MULTI_PROCESSING, "")
+    if override not in ("", "0", "1"):
+        raise ValueError(f"{MULTI_PROCESSING}={override!r} is neither 0 nor 1")
+    return override == "1" if override else stated is not False
 
 
 def _has_library(middleware: str) -> bool:

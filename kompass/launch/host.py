@@ -12,14 +12,11 @@ from kompass.components.base.component import Component
 from kompass.components.base.node import ComponentNode
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.supervisor.desired_state import DesiredState
-from kompass.supervisor.heartbeat import beat
+from kompass.supervisor.heartbeat import send_heartbeat
 from kompass.supervisor.process import Report
 
 TWIN_CHECK_DELAY = 1.0  # s in which DDS finds the other participants
-# The events executor does not rebuild its wait set for every callback: a fifth of the work of the
-# single-threaded one. It must always be given a timeout; without one it never fires a timer
-# (rclpy 7.1).
-SPIN_TIMEOUT = 0.1  # s; also how soon the end is noticed
+SPIN_TIMEOUT = 0.1  # s; how soon the end is noticed
 
 
 def host(
@@ -50,9 +47,9 @@ def host(
         Look for the same nodes elsewhere on the domain. Not after a crash: DDS remembers the
         dead one for a while.
     """
-    intent = activate
-    if not isinstance(intent, DesiredState):
-        intent = DesiredState({one.node_name: one.node_name in intent for one in components})
+    desired = activate
+    if not isinstance(desired, DesiredState):
+        desired = DesiredState({one.node_name: one.node_name in desired for one in components})
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
@@ -63,8 +60,8 @@ def host(
             executor = TaskExecutor()
             executor.add_node(node)
             executors.append(executor)
-            component.on_intent = partial(intent.set, component.node_name)
-            if intent.wants(component.node_name):
+            component.on_intent = partial(desired.set, component.node_name)
+            if desired.is_active(component.node_name):
                 node.trigger_configure()
                 node.trigger_activate()
                 if not component.health.is_healthy:
@@ -105,7 +102,7 @@ def _spin(running: list[tuple[Component, Executor]], ended: threading.Event) -> 
                     if not _came_from_callback(error):
                         raise
                     component.on_callback_error(error)
-                beat(name)
+                send_heartbeat(name)
         finally:
             # One executor that dies takes the process along; the supervisor starts it again.
             ended.set()

@@ -3,15 +3,21 @@
 import logging
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from kompass.components.base.component import Component
-from kompass.launch.companions import companions
-from kompass.launch.environment import check_environment
+from kompass.components.base.notice import notice_once
+from kompass.launch.companions import (
+    add_companion,
+    companions,
+    function_process,
+    program_process,
+)
+from kompass.launch.environment import check_environment, processes_wanted
 from kompass.launch.failure_policies import FailurePolicies
 from kompass.launch.host import host
-from kompass.launch.older_names import OlderNames, processes_wanted
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.process import NAME, run_monitor
 from kompass.monitor.tables.recipe_check import check_recipe
@@ -21,13 +27,13 @@ from kompass.recorder.process import flight_recorder
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.instance_lock import lock_instance
-from kompass.supervisor.liveness import Patience
+from kompass.supervisor.liveness import LivenessLimits
 from kompass.supervisor.process import ProcessSpec, Report
 from kompass.supervisor.restarts import Restarts
 from kompass.supervisor.supervisor import Supervisor
 
 
-class Launcher(FailurePolicies, OlderNames):
+class Launcher:
     """Collects the components of a recipe and runs them.
 
     Parameters
@@ -40,10 +46,17 @@ class Launcher(FailurePolicies, OlderNames):
         Run the monitor, which carries out events, actions and fallbacks.
     activation_timeout
         Within which all components must be active [s]; the stack ends otherwise. None to wait.
-    multi_processing, activate_all_components_on_start
+    robot_plugin
+        Refused: plugins of robots are not offered here.
+    multi_processing, multiprocessing, activate_all_components_on_start
         What :meth:`kompass` assumes where it is not told.
     patience
         When a process counts as busy or stuck, and when one that is stuck is killed.
+
+    Raises
+    ------
+    ValueError
+        When a robot plugin is given.
     """
 
     def __init__(
@@ -57,7 +70,7 @@ class Launcher(FailurePolicies, OlderNames):
         multi_processing: bool | None = None,
         multiprocessing: bool | None = None,
         activate_all_components_on_start: bool = True,
-        patience: Patience | None = None,
+        patience: LivenessLimits | None = None,
     ) -> None:
         if robot_plugin is not None:
             raise ValueError(
@@ -68,13 +81,13 @@ class Launcher(FailurePolicies, OlderNames):
         self.config_file = config_file
         self.enable_monitoring = enable_monitoring
         self.activation_timeout = activation_timeout
-        self.patience = patience or Patience()
+        self.patience = patience or LivenessLimits()
         self._in_processes = _either(multi_processing, multiprocessing)
         self._activates = activate_all_components_on_start
-        super().__init__()
+        self._components: list[Component] = []
+        self._failure_policies = FailurePolicies()
         self._activate: list[str] = []
         self._threaded: list[Component] = []
-        self._recorder: list[ProcessSpec] = []
         self._events_actions: dict[Any, Any] = {}
 
     def kompass(
@@ -134,6 +147,41 @@ class Launcher(FailurePolicies, OlderNames):
         stated = _either(multi_processing, multiprocessing)
         if not processes_wanted(self._in_processes if stated is None else stated):
             self._threaded += components
+
+    def agents(self, components: list[Component], *args: Any, **kwargs: Any) -> None:
+        """As :meth:`kompass`."""
+        self.kompass(components, *args, **kwargs)
+
+    def add_pkg(
+        self,
+        components: list[Component],
+        package_name: str | None = None,
+        executable_entry_point: str = "executable",
+        events_actions: Mapping[Any, Any] | None = None,
+        multiprocessing: bool = False,
+        activate_all_components_on_start: bool = True,
+        components_to_activate_on_start: list[Component] | None = None,
+        ros_log_level: str | None = None,
+        rclpy_log_level: str | None = None,
+    ) -> None:
+        """As :meth:`kompass`, with threads unless processes are asked for.
+
+        ``package_name`` and ``executable_entry_point`` have no meaning here: a process is a fork,
+        so any component can have one.
+        """
+        self.kompass(
+            components,
+            events_actions,
+            multiprocessing,
+            activate_all_components_on_start,
+            components_to_activate_on_start,
+            ros_log_level,
+            rclpy_log_level,
+        )
+
+    def on(self, event: Any, action: Any) -> None:
+        """Answer an event with an action, or a list of them."""
+        self._events_actions[event] = action
 
     @property
     def components(self) -> list[Component]:
@@ -237,14 +285,15 @@ class Launcher(FailurePolicies, OlderNames):
         if config_file:
             for component in self._components:
                 component.apply_config_file(config_file)
-        self._apply_policies()
+        self._failure_policies.apply(self._components)
         _log_to_terminal()
-        own = self._specs()
+        own, recorder = self._specs(), list[ProcessSpec]()
         if self.enable_monitoring:
-            own.append(self._monitor())
+            monitor, recorder = self._monitor()
+            own.append(monitor)
         names = [name for spec in own for name in spec.names]
         # A node of the recipe's own takes the place of a companion of that name.
-        more = [*self._recorder, *companions()]
+        more = [*recorder, *companions()]
         beside = [spec for spec in more if not set(spec.names) & set(names)]
         names += [name for spec in beside for name in spec.names]
         held = lock_instance(names, self.namespace)
@@ -252,45 +301,142 @@ class Launcher(FailurePolicies, OlderNames):
             Supervisor(
                 [*own, *beside],
                 announced=[spec.name for spec in own],
-                patience=self.patience,
-                restarts=Restarts(self._retries),
+                limits=self.patience,
+                restarts=Restarts(self._failure_policies.process_retries),
                 activation_timeout=self.activation_timeout,
             ).run()
         finally:
             for descriptor in held:
                 os.close(descriptor)
 
+    # -- failures -----------------------------------------------------------------------------
+
+    @property
+    def fallback_rate(self) -> dict[str, float]:
+        """How often each component's fallbacks are tried at most, by node name [Hz]."""
+        return {one.node_name: one.config.fallback_rate for one in self._components}
+
+    @fallback_rate.setter
+    def fallback_rate(self, value: float) -> None:
+        for component in self._components:
+            component.config.fallback_rate = value
+
+    def on_process_fail(self, max_retries: int = 3) -> None:
+        """How often in a row a process that died is started again before it is given up.
+
+        Raises
+        ------
+        ValueError
+            When it is no positive whole number.
+        """
+        self._failure_policies.set_process_retries(max_retries)
+
+    def on_fail(self, action_name: str = "restart", max_retries: int | None = None) -> None:
+        """What every component does on a failure, unless the recipe gave it a fallback of its own.
+
+        Parameters
+        ----------
+        action_name
+            A component action, e.g. "restart"; only components that have it are meant.
+        max_retries
+            How often it is tried in a row; None means no limit.
+
+        Raises
+        ------
+        ValueError
+            When no component has it.
+        """
+        self._failure_policies.add("on_fail", action_name, max_retries, self._components)
+
+    def on_algorithm_fail(
+        self, action_name: str = "restart", max_retries: int | None = None
+    ) -> None:
+        """As :meth:`on_fail`, when an algorithm finds no answer."""
+        self._failure_policies.add("on_algorithm_fail", action_name, max_retries, self._components)
+
+    def on_component_fail(
+        self, action_name: str = "restart", max_retries: int | None = None
+    ) -> None:
+        """As :meth:`on_fail`, about a defect of a component itself."""
+        self._failure_policies.add("on_component_fail", action_name, max_retries, self._components)
+
+    def on_system_fail(self, action_name: str = "restart", max_retries: int | None = None) -> None:
+        """As :meth:`on_fail`, when something outside is missing."""
+        self._failure_policies.add("on_system_fail", action_name, max_retries, self._components)
+
+    def on_giveup(self, action_name: str = "stop", max_retries: int | None = 1) -> None:
+        """As :meth:`on_fail`, when all other fallbacks were tried in vain."""
+        self._failure_policies.add("on_giveup", action_name, max_retries, self._components)
+
+    # -- beside the components ----------------------------------------------------------------
+
+    def add_py_executable(self, path_to_executable: str, name: str = "python3") -> None:
+        """Run a Python program beside the components, started again when it dies.
+
+        ``name`` has no meaning here: the program runs in the interpreter of the stack.
+
+        Raises
+        ------
+        FileNotFoundError
+            When there is no such program.
+        """
+        add_companion(program_process(Path(path_to_executable)))
+
+    def add_method(
+        self,
+        method: Callable[..., Any],
+        args: Sequence[Any] | None = None,
+        kwargs: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Run a function once beside the components, in a process of its own.
+
+        Raises
+        ------
+        TypeError
+            When it is not a function.
+        """
+        add_companion(function_process(method, args or (), kwargs or {}))
+
+    def enable_ui(self, *_: Any, **__: Any) -> None:
+        """Say where the page comes from today."""
+        notice_once(
+            "launcher.enable_ui(): the page comes with `kompass-console run <recipe>`, and shows "
+            "all components without being told"
+        )
+
+    def setup_launch_description(self) -> None:
+        """Nothing is to be set up before :meth:`bringup`."""
+
+    # -- processes ----------------------------------------------------------------------------
+
     def _specs(self) -> list[ProcessSpec]:
+        """The processes of the components."""
         groups = [[c] for c in self._components if c not in self._threaded]
         if self._threaded:
             groups.append(self._threaded)
         return [self._spec(group) for group in groups]
 
-    def on(self, event: Any, action: Any) -> None:
-        """Answer an event with an action, or a list of them."""
-        self._events_actions[event] = action
-
-    def _monitor(self) -> ProcessSpec:
+    def _monitor(self) -> tuple[ProcessSpec, list[ProcessSpec]]:
+        """The monitor's process, and those of its flight recorder."""
         rules = recipe_rules(self._events_actions, self._components)
         catalog = RecipeCatalog(self._components, rules)
         check_recipe(rules.table, catalog)
-
-        recording, self._recorder = flight_recorder(self._components, self.namespace)
+        recording, recorder = flight_recorder(self._components, self.namespace)
 
         def main(report: Report) -> None:
             run_monitor(rules, catalog, report, spec.inbox, self.namespace, recording)
 
         spec = ProcessSpec(name=NAME, main=main, names=[NAME], listens=True)
-        return spec
+        return spec, recorder
 
     def _spec(self, group: list[Component]) -> ProcessSpec:
         names = [component.node_name for component in group]
-        intent = DesiredState({name: name in self._activate for name in names})
+        desired_state = DesiredState({name: name in self._activate for name in names})
 
         def main(report: Report) -> None:
             host(
                 group,
-                intent,
+                desired_state,
                 report,
                 namespace=self.namespace,
                 first_start=spec.starts == 1,

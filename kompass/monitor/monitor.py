@@ -33,8 +33,7 @@ from kompass.monitor.tables.live_lints import LiveLints
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import InForce
 from kompass.rclpy_ext.main_thread import MainThread
-from kompass.rclpy_ext.movable_timer import MovableTimer
-from kompass.rclpy_ext.timers import Timers
+from kompass.rclpy_ext.timers import MovableTimer, Timers
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.recipe.table import RecipeRules
 from kompass.rulebook.views.views import Extras

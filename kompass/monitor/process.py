@@ -11,7 +11,6 @@ import traceback
 
 import rclpy
 from rclpy.executors import Executor
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -20,18 +19,16 @@ from kompass.monitor.monitor import Monitor
 from kompass.monitor.recording import Recording
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import start_from_store
-from kompass.rclpy_ext.executor import TaskExecutor
+from kompass.rclpy_ext.executor import MIDDLEWARE_ERRORS, TaskExecutor
 from kompass.rclpy_ext.node import PlainNode
 from kompass.recipe.table import RecipeRules
-from kompass.supervisor.heartbeat import beat
+from kompass.supervisor.heartbeat import send_heartbeat
 from kompass.supervisor.process import Report
 
 NAME = "monitor"
 SPIN_TIMEOUT = 0.1  # s, as of the components' host
 # s after which a worker that computes lets the engine in: a fifth of Python's own
 SWITCH_INTERVAL = 0.001
-# What the middleware raises: mostly that whoever asked has gone before the answer came.
-MIDDLEWARE = (rclpy_implementation.RCLError, rclpy_implementation.InvalidHandle)
 
 
 def run_monitor(
@@ -83,7 +80,7 @@ def run_monitor(
     try:
         while not ended.is_set():
             _spin_once(node, executor)
-            beat(NAME)
+            send_heartbeat(NAME)
         # Not after an exception: that is a crash, and counts as one.
         if store is not None:
             store.end_session()
@@ -99,6 +96,6 @@ def _spin_once(node: Node, executor: Executor) -> None:
     """Handle what comes next. A client that dies is no reason to leave the robot without rules."""
     try:
         executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-    except MIDDLEWARE as error:
+    except MIDDLEWARE_ERRORS as error:
         where = "".join(traceback.format_tb(error.__traceback__)[-1:]).strip()
         node.get_logger().error(f"the middleware refused something: {error} ({where})")

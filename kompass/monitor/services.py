@@ -24,7 +24,7 @@ from rclpy.node import Node
 
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import Answer, Who
-from kompass.rclpy_ext.deferred_service import create_deferred_service
+from kompass.rclpy_ext.deferred_service import answered_by_worker, create_deferred_service
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rulebook.schema.explanation import ExplanationView
 from kompass.rulebook.schema.graph_view import GraphView
@@ -92,9 +92,8 @@ class Services:
         ]
         for kind, name, answer, worker in offers:
             failed = partial(_changed_nothing, desk) if _has_outcome(kind) else _failed
-            create_deferred_service(
-                node, main, worker, kind, f"{node.get_name()}/{name}", answer, failed
-            )
+            deferred = answered_by_worker(main, worker, answer)
+            create_deferred_service(node, kind, f"{node.get_name()}/{name}", deferred, failed)
 
     def _after(self, work: Callable[[], None]) -> None:
         """Have something done once the request under way is answered."""

@@ -1,4 +1,7 @@
-"""Wait inside of jobs on an rclpy executor: for a time, or for a future with a deadline."""
+"""Wait inside of coroutines on an rclpy executor: for a time, or for a future with a deadline.
+
+rclpy (7.1.6) has neither: no sleep, and no deadline of an awaited future.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,19 @@ from rclpy.task import Future
 
 from kompass.rclpy_ext.timers import Timers
 
-STEP = 0.02  # s between two looks at what has no future of its own
+POLL_PERIOD = 0.02  # s between two looks at what has no future of its own
 
 
 class Awaitables:
-    """Awaitables on one executor. No thread sleeps."""
+    """Awaitables on one executor. No thread sleeps.
+
+    Parameters
+    ----------
+    timers
+        On the same executor.
+    executor
+        Runs the coroutines that wait.
+    """
 
     def __init__(self, timers: Timers, executor: Executor) -> None:
         self._timers = timers
@@ -37,24 +48,42 @@ class Awaitables:
     async def until(self, condition: Callable[[], bool], timeout: float, what: str) -> None:
         """Wait until a condition holds.
 
+        Parameters
+        ----------
+        condition
+            Asked every :data:`POLL_PERIOD`.
+        timeout
+            For how long at most [s].
+        what
+            Named in the error.
+
         Raises
         ------
         TimeoutError
-            Naming ``what``, when it does not hold in time.
+            When it does not hold in time.
         """
         deadline = time.monotonic() + timeout
         while not condition():
             if time.monotonic() >= deadline:
                 raise TimeoutError(f"{what} within {timeout:g} s")
-            await self.sleep(STEP)
+            await self.sleep(POLL_PERIOD)
 
     async def result(self, awaited: Future, timeout: float | None, what: str) -> Any:
-        """The result of a future.
+        """Wait for the result of a future.
+
+        Parameters
+        ----------
+        awaited
+            The future.
+        timeout
+            For how long at most [s]; None for ever.
+        what
+            Named in the error.
 
         Raises
         ------
         TimeoutError
-            Naming ``what``, when there is none in time.
+            When there is none in time.
         """
         if timeout is None:
             return await awaited

@@ -1,68 +1,115 @@
-"""Services whose answers are made on another thread, while the executor goes on."""
+"""Services that take their time to answer, while the executor goes on."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Awaitable, Callable
+from concurrent.futures import Executor as WorkerPool
 from typing import Any
 
 from rclpy.node import Node
+from rclpy.task import Future
 
 from kompass.rclpy_ext.main_thread import MainThread
 
-
-class _Later:
-    """Stands for an answer that is on its way."""
-
-    def __init__(self) -> None:
-        self.header: Any = None
+# Takes request and response, gives the response to be sent.
+DeferredAnswer = Callable[[Any, Any], Awaitable[Any]]
+# Takes an empty response and what the answer raised; returns the response that says so.
+FailedAnswer = Callable[[Any, Exception], Any]
 
 
 def create_deferred_service(
     node: Node,
-    main: MainThread,
-    worker: ThreadPoolExecutor,
     kind: Any,
     name: str,
-    answer: Callable[[Any, Any], Any],
-    failed: Callable[[Any, Exception], Any],
+    answer: DeferredAnswer,
+    failed: FailedAnswer | None = None,
 ) -> Any:
-    """Offer a service that is answered by a worker.
+    """Offer a service whose answer is a coroutine.
 
-    The events executor (rclpy 7.1.6) takes what a callback returns for the response; what stands
-    for one is kept back here until the response is there.
+    The events executor hands what a callback returns straight to ``send_response`` (rclpy 7.1.6,
+    ``ros2/rclpy`` issue 1473), also when that is a coroutine; the other executors await it
+    themselves. So it is awaited here, in a task of the executor, where nobody has done so.
 
     Parameters
     ----------
+    node
+        Offers the service; must be in an executor by the time of the first request.
+    kind
+        Service type.
+    name
+        Of the service.
     answer
-        Takes request and response, returns the response; called on the worker.
+        A coroutine function.
     failed
-        Takes the response and what ``answer`` raised; returns the response that says so.
+        What to send when ``answer`` raises; left out, nothing is sent. Either way it is logged.
+
+    Returns
+    -------
+    rclpy.service.Service
+        The service.
     """
 
-    def take(request: Any, response: Any) -> _Later:
-        later = _Later()
+    async def respond(request: Any, response: Any) -> Any:
+        try:
+            return await answer(request, response)
+        except Exception as error:
+            if failed is None:
+                raise
+            node.get_logger().error(f"{name}: {type(error).__name__}: {error}")
+            return failed(kind.Response(), error)
 
-        def work() -> None:
-            try:
-                made = answer(request, response)
-            except Exception as error:  # noqa: BLE001 - becomes the answer
-                node.get_logger().error(f"{name}: {type(error).__name__}: {error}")
-                made = failed(kind.Response(), error)
-            # By then the executor has told the header: it does so before it takes the next task.
-            main.post(lambda: send(made, later.header))
-
-        worker.submit(work)
-        return later
-
-    service = node.create_service(kind, name, take)
+    service = node.create_service(kind, name, respond)
     send = service.send_response
 
     def send_response(response: Any, header: Any) -> None:
-        if isinstance(response, _Later):
-            response.header = header
-        else:
+        if not isinstance(response, Awaitable):
             send(response, header)
+            return
+
+        async def send_when_ready() -> None:
+            try:
+                send(await response, header)
+            except Exception as error:  # noqa: BLE001 - nobody awaits this task
+                node.get_logger().error(f"{name}: no answer: {type(error).__name__}: {error}")
+
+        node.executor.create_task(send_when_ready)
 
     service.send_response = send_response
     return service
+
+
+def answered_by_worker(
+    main: MainThread, worker: WorkerPool, answer: Callable[[Any, Any], Any]
+) -> DeferredAnswer:
+    """Have answers made on a thread that may block.
+
+    Parameters
+    ----------
+    main
+        The thread of the node's executor.
+    worker
+        Calls ``answer``.
+    answer
+        Takes request and response, returns the response.
+
+    Returns
+    -------
+    DeferredAnswer
+        For :func:`create_deferred_service`; raises what ``answer`` raises.
+    """
+
+    async def respond(request: Any, response: Any) -> Any:
+        made: Future = main.future()
+
+        def work() -> None:
+            try:
+                result = answer(request, response)
+            except Exception as error:  # noqa: BLE001 - raised where it is awaited
+                made.set_exception(error)
+            else:
+                made.set_result(result)
+
+        worker.submit(work)
+        return await made
+
+    return respond

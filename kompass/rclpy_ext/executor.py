@@ -1,8 +1,9 @@
 """Run coroutines on an rclpy executor without polling, and cancel them for real.
 
-rclpy's events executor (7.1.6) calls a task again and again while it waits: one coroutine that
-awaits a future keeps a core busy. It also cannot cancel one: the cancelled task is called for
-ever. Here a coroutine is resumed by the future that it waits for, and by nothing else.
+The events executor (rclpy 7.1.6) calls a task again and again while it waits: one coroutine that
+awaits a future keeps a core busy (``ros2/rclpy`` issue 1405). It also cannot cancel one: the
+cancelled task is called for ever. Here a coroutine is resumed by the future that it waits for, and
+by nothing else.
 """
 
 from __future__ import annotations
@@ -15,6 +16,11 @@ import rclpy
 from rclpy.context import Context
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.task import Future
+
+LONGEST_WAIT = 1.0  # s, for what comes next
+# What the middleware raises, without a public name in rclpy: mostly that whoever asked has gone
+# before the answer came.
+MIDDLEWARE_ERRORS = (rclpy_implementation.RCLError, rclpy_implementation.InvalidHandle)
 
 
 class Cancelled(BaseException):
@@ -95,11 +101,11 @@ def _await(future: Future) -> Generator[Future, None, Any]:
 Future.__await__ = _await
 
 
-class Ticker(Protocol):
-    """Something that is due at times, without a timer of ROS."""
+class TimerQueue(Protocol):
+    """What is due at times, without a timer of ROS."""
 
-    def ring(self) -> float:
-        """Do what is due; the seconds until it is to be called again."""
+    def fire(self) -> float:
+        """Do what is due; the time until it is to be called again [s]."""
 
 
 class TaskExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
@@ -107,10 +113,10 @@ class TaskExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
 
     What a coroutine raises is raised where it is awaited; of one that nobody awaits, rclpy writes
     it to the terminal. What a function raises comes out of :meth:`spin_once`, as from a callback.
-    rclpy's own would have the process die of SIGSEGV (7.1.6): it looks for the logger of its only
-    node with an index into a set.
+    rclpy's own would have the process die of SIGSEGV (7.1.6, ``ros2/rclpy`` issue 1641): it looks
+    for the logger of its only node with an index into a set.
 
-    Its nodes must be :class:`kompass.rclpy_ext.node.Eventless`.
+    Its nodes must be :class:`kompass.rclpy_ext.node.NoEventCallbacks`.
 
     Parameters
     ----------
@@ -121,33 +127,51 @@ class TaskExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
     def __init__(self, context: Context | None = None) -> None:
         super().__init__(context or rclpy.get_default_context())
         self._raised: Exception | None = None
-        self._bells: list[Ticker] = []
+        self._timers: list[TimerQueue] = []
 
-    def add_bell(self, bell: Ticker) -> None:
-        """Have a bell rung whenever it is due."""
-        self._bells.append(bell)
+    def add_timers(self, timers: TimerQueue) -> None:
+        """Fire these whenever they are due."""
+        self._timers.append(timers)
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Ring what is due, and handle what comes next.
+        """Fire the timers that are due, and handle what comes next.
 
-        It waits for that up to ``timeout_sec`` seconds, or until the next bell is due.
+        Parameters
+        ----------
+        timeout_sec
+            Wait so long at most [s], and less when a timer is due before. Without a timeout
+            rclpy's own would spin at full load and fire no timer of ROS (7.1.6); here None is
+            :data:`LONGEST_WAIT`.
 
         Raises
         ------
         Exception
             What a callback, or the function of a task, has raised.
         """
-        for bell in self._bells:
-            left = bell.ring()
-            if timeout_sec is None or left < timeout_sec:
-                timeout_sec = left
+        if timeout_sec is None:
+            timeout_sec = LONGEST_WAIT
+        for timers in self._timers:
+            timeout_sec = min(timeout_sec, timers.fire())
         super().spin_once(timeout_sec=timeout_sec)
         if self._raised is not None:
             error, self._raised = self._raised, None
             raise error
 
     def create_task(self, callback: Any, *args: Any, **kwargs: Any) -> Future:
-        """Have a function or a coroutine run; a future of its result."""
+        """Have a function or a coroutine run.
+
+        Parameters
+        ----------
+        callback
+            A function, a coroutine function or a coroutine.
+        *args, **kwargs
+            Given to the function.
+
+        Returns
+        -------
+        rclpy.task.Future
+            Of its result.
+        """
         if inspect.iscoroutinefunction(callback):
             callback = callback(*args, **kwargs)
         result = Future(executor=self)

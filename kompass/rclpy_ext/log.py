@@ -1,4 +1,4 @@
-"""Write to the ROS log at a level that is not known before, and without looking for the caller."""
+"""Write to the ROS log without looking for the line of code that called."""
 
 from __future__ import annotations
 
@@ -16,11 +16,20 @@ _SEVERITIES = {
 
 
 def write_log(logger: Any, level: str, text: str) -> None:
-    """Write a line at "debug", "info", "warning" or "error".
+    """Write a line to the ROS log.
 
-    rclpy's own methods find out which line of code called them, which takes longer than all else
-    that the monitor does about a firing (1.5 ms: they look at files), and they raise when one line
-    logs at two severities. What a rule did has no interesting line of code.
+    rclpy's own methods (7.1.6) find out which line of code called them, which takes longer than all
+    else that the monitor does about a firing (1.5 ms: they look at files), and they raise when one
+    line logs at two severities. What a rule did has no interesting line of code.
+
+    Parameters
+    ----------
+    logger
+        Of a node.
+    level
+        "debug", "info", "warning" or "error".
+    text
+        The line.
     """
     severity = _SEVERITIES[level]
     if logger.is_enabled_for(severity):

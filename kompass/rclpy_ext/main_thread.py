@@ -8,12 +8,20 @@ from concurrent.futures import Future
 from typing import TypeVar
 
 from rclpy.executors import Executor
+from rclpy.task import Future as RosFuture
 
 T = TypeVar("T")
+_ENDED = "the executor has ended"
 
 
 class MainThread:
-    """The thread that spins an executor; to be made on it."""
+    """The thread that spins an executor.
+
+    Parameters
+    ----------
+    executor
+        Spun by the thread that makes this object.
+    """
 
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
@@ -24,10 +32,12 @@ class MainThread:
     def call(self, function: Callable[[], T]) -> T:
         """Have a function called there, and wait for what it returns or raises.
 
+        Called on that thread itself, it calls the function at once.
+
         Raises
         ------
         RuntimeError
-            When the executor ends before its turn comes.
+            When :meth:`close` comes before its turn.
         """
         if threading.get_ident() == self._own:
             return function()
@@ -44,19 +54,23 @@ class MainThread:
         self._pending.add(done)  # type: ignore[arg-type]
         try:
             if self._closed:
-                raise RuntimeError("the monitor ends")
+                raise RuntimeError(_ENDED)
             self._executor.create_task(run)
             return done.result()
         finally:
             self._pending.discard(done)
 
     def post(self, function: Callable[[], None]) -> None:
-        """Have a function called there some time soon."""
+        """Have a function called there some time soon; what it raises comes out of the spin."""
         self._executor.create_task(function)
 
+    def future(self) -> RosFuture:
+        """A future to be awaited there; any thread may set its result."""
+        return RosFuture(executor=self._executor)
+
     def close(self) -> None:
-        """Nobody is waited for any more."""
+        """End all waiting in :meth:`call`, with an error."""
         self._closed = True
         for done in list(self._pending):
             if not done.done():
-                done.set_exception(RuntimeError("the monitor ends"))
+                done.set_exception(RuntimeError(_ENDED))

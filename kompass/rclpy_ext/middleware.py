@@ -2,7 +2,8 @@
 
 Its shared memory locks a mutex between processes while it sends. A process that is killed in that
 moment leaves it locked, and every other sender on the machine waits on it for seconds, the drive
-manager included (seen: half of a stack hung in ``SharedMemManager::Port::try_push`` at its end).
+manager included (seen: half of a stack hung in ``SharedMemManager::Port::try_push`` at its end;
+``ros2/rmw_fastrtps`` issue 908 tells of the like).
 UDP over loopback has nothing that a dead process could keep, and leaves no files behind.
 """
 

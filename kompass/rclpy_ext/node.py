@@ -6,6 +6,7 @@ import weakref
 from typing import Any
 
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 
 
@@ -14,7 +15,7 @@ class NoEventCallbacks:
 
     rclpy gives each one two, which log a warning when somebody's quality of service does not fit.
     Where that happens while the publisher or subscription is destroyed, the events executor (7.1.6)
-    dies of SIGSEGV: ``ros2/rclpy`` issue 1644. A rule, a restart or a page that is closed destroys
+    dies of SIGSEGV (``ros2/rclpy`` issue 1644). A rule, a restart or a page that is closed destroys
     them all the time.
     """
 
@@ -29,15 +30,28 @@ class NoEventCallbacks:
         return super().create_subscription(*args, **kwargs)  # type: ignore[misc]
 
     def destroy_subscription(self, subscription: Any) -> bool:
-        """As of :class:`rclpy.node.Node`; its callback group forgets it too, which rclpy's does
-        not (7.1.6): a little memory for each that ever was."""
+        """As of :class:`rclpy.node.Node`; its callback group forgets it too.
+
+        rclpy's does not (7.1.6, ``ros2/rclpy`` issue 1356): a little memory for each that ever was.
+        """
         entities = subscription.callback_group.entities
         entities.discard(weakref.ref(subscription))
         return bool(super().destroy_subscription(subscription))  # type: ignore[misc]
 
 
+def lifecycle_state(node: LifecycleNode) -> str:
+    """Label of the state of a lifecycle node, which rclpy (7.1.6) keeps to itself.
+
+    Returns
+    -------
+    str
+        "unconfigured", "inactive", "active", "finalized", or the name of a transition under way.
+    """
+    return str(node._state_machine.current_state[1])
+
+
 class PlainNode(NoEventCallbacks, Node):  # type: ignore[misc]  # rclpy has no types
-    """A node to be spun by :class:`kompass.rclpy_ext.executor.QuietExecutor`."""
+    """A node to be spun by :class:`kompass.rclpy_ext.executor.TaskExecutor`."""
 
 
 _NO_PUBLISHER_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)

@@ -1,8 +1,8 @@
 """Any number of timers on an executor, and none of ROS.
 
-rclpy's events executor (7.1.6) handles nine timers of a node badly, and says so on the terminal; a
-monitor has two for each action that runs. One timer of ROS that is set anew each time it rings is
-worse: on a machine that is too busy for a while, each ring leaves two more events in the
+The events executor (rclpy 7.1.6) handles nine timers of a node badly, and says so on the terminal;
+a monitor has two for each action that runs. One timer of ROS that is set anew each time it fires
+is worse: on a machine that is too busy for a while, each firing leaves two more events in the
 executor's queue, until it does nothing else and fills the memory.
 """
 
@@ -15,8 +15,8 @@ from itertools import count
 
 from rclpy.node import Node
 
-LATEST = 3600.0  # s; later than that, it looks again
-CLUTTER = 256  # cancelled timers that may lie about
+LONGEST_WAIT = 3600.0  # s; later than that, it looks again
+MOST_CANCELLED = 256  # cancelled timers that may stay in the queue
 
 
 class Timer:
@@ -38,13 +38,13 @@ class Timers:
     Parameters
     ----------
     node
-        Must be in a :class:`kompass.rclpy_ext.executor.QuietExecutor`, which rings them.
+        Must be in a :class:`kompass.rclpy_ext.executor.TaskExecutor`, which fires them.
     """
 
     def __init__(self, node: Node) -> None:
         self._heap: list[tuple[float, int, Timer]] = []
         self._order = count()
-        node.executor.add_bell(self)
+        node.executor.add_timers(self)
 
     def after(self, seconds: float, function: Callable[[], None]) -> Timer:
         """Call a function once, some seconds from now."""
@@ -59,15 +59,21 @@ class Timers:
         return timer
 
     def _add(self, at: float, timer: Timer) -> None:
-        if len(self._heap) > CLUTTER and len(self._heap) > 2 * sum(
+        if len(self._heap) > MOST_CANCELLED and len(self._heap) > 2 * sum(
             each.active for _, _, each in self._heap
         ):
             self._heap = [item for item in self._heap if item[2].active]
             heapify(self._heap)
         heappush(self._heap, (at, next(self._order), timer))
 
-    def ring(self) -> float:
-        """Call what is due; the seconds until the next is."""
+    def fire(self) -> float:
+        """Call what is due.
+
+        Returns
+        -------
+        float
+            Time until the next is due [s].
+        """
         now = time.monotonic()
         while self._heap and self._heap[0][0] <= now:
             at, _, timer = heappop(self._heap)
@@ -81,5 +87,31 @@ class Timers:
         while self._heap and not self._heap[0][2].active:
             heappop(self._heap)
         if not self._heap:
-            return LATEST
-        return min(max(self._heap[0][0] - time.monotonic(), 0.0), LATEST)
+            return LONGEST_WAIT
+        return min(max(self._heap[0][0] - time.monotonic(), 0.0), LONGEST_WAIT)
+
+
+class MovableTimer:
+    """One call that is moved to when it is next needed: early at times, and never late.
+
+    Setting a later time changes nothing: at a message every millisecond, that saves a thousand
+    changes for each call that comes for nothing.
+    """
+
+    def __init__(self, timers: Timers, function: Callable[[], None]) -> None:
+        self._timers, self._function = timers, function
+        self._at = float("inf")
+        self._timer: Timer | None = None
+
+    def set(self, at: float | None) -> None:
+        """Call at this time of the monotonic clock [s], or before; None asks for nothing."""
+        if at is None or self._at <= at:
+            return
+        if self._timer is not None:
+            self._timer.cancel()
+        self._at = at
+        self._timer = self._timers.after(at - time.monotonic(), self._fire)
+
+    def _fire(self) -> None:
+        self._timer, self._at = None, float("inf")
+        self._function()

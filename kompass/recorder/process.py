@@ -26,7 +26,7 @@ from kompass.recorder.shm_queue import ShmQueue
 from kompass.recorder.topic_sampler import TopicSampler
 from kompass.recorder.topics import HasTopics, SampledTopic, standard_topics
 from kompass.store.errors import StoreUnwritable
-from kompass.supervisor.heartbeat import beat
+from kompass.supervisor.heartbeat import send_heartbeat
 from kompass.supervisor.process import ProcessSpec, Report
 
 SETTING = "KOMPASS_RECORD"
@@ -140,7 +140,7 @@ def _record(
     try:
         looks = 0
         while not ended.wait(PERIOD):
-            beat(NAME)
+            send_heartbeat(NAME)
             recorder.tick()
             sampler.drain(recorder.take)
             looks += 1
@@ -156,4 +156,4 @@ def _idle(seconds: float, ended: threading.Event) -> None:
     for _ in range(int(seconds / PERIOD)):
         if ended.wait(PERIOD):
             return
-        beat(NAME)
+        send_heartbeat(NAME)

@@ -11,16 +11,13 @@ from collections.abc import Callable, Collection, Iterable
 from typing import Any, NamedTuple
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from kompass.rclpy_ext.messages import ros_class
+from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, best_for
+from kompass.rclpy_ext.subscription import take_all
 from kompass.recorder.topics import SampledTopic
 
 DEPTH = 500  # messages of a topic that may gather while the recorder is held up
-
-# Matches every publisher at once; made as good as the publishers are once they are known.
-_FIRST = (ReliabilityPolicy.BEST_EFFORT, DurabilityPolicy.VOLATILE)
-_Offer = tuple[ReliabilityPolicy, DurabilityPolicy]
 
 
 class Taken(NamedTuple):
@@ -45,7 +42,7 @@ class Taken(NamedTuple):
 class _Reader:
     def __init__(self, topic: SampledTopic, name: str, kind: type[Any]) -> None:
         self.topic, self.name, self.kind = topic, name, kind
-        self.offer: _Offer = _FIRST
+        self.offer = FOR_ANY_PUBLISHER
         self.subscription: Any = None
         self.last = 0
 
@@ -88,18 +85,7 @@ class TopicSampler:
         for name, tap in self._taps.items():
             if tap.subscription is None:
                 continue
-            offers = [
-                (info.qos_profile.reliability, info.qos_profile.durability)
-                for info in self._node.get_publishers_info_by_topic(name)
-            ]
-            if not offers:
-                continue
-            reliable = all(offer[0] == ReliabilityPolicy.RELIABLE for offer in offers)
-            latched = all(offer[1] == DurabilityPolicy.TRANSIENT_LOCAL for offer in offers)
-            best = (
-                ReliabilityPolicy.RELIABLE if reliable else _FIRST[0],
-                DurabilityPolicy.TRANSIENT_LOCAL if latched else _FIRST[1],
-            )
+            best = best_for(self._node.get_publishers_info_by_topic(name), tap.offer)
             if best != tap.offer:
                 self._close(tap)
                 tap.offer = best
@@ -117,11 +103,9 @@ class TopicSampler:
             self._close(tap)
 
     def _drain(self, tap: _Reader, take: Callable[[Taken], None]) -> None:
-        handle = tap.subscription.handle
         period = int(tap.topic.period * 1e9)
-        latched = tap.offer[1] == DurabilityPolicy.TRANSIENT_LOCAL
-        while (taken := handle.take_message(tap.kind, True)) is not None:
-            raw, info = taken
+        latched = tap.offer.latched
+        for raw, info in take_all(tap.subscription):
             at = info["received_timestamp"] or time.time_ns()  # not every middleware stamps
             # A latched message is never left out: it may be the only one.
             if latched or at - tap.last >= period:
@@ -130,7 +114,7 @@ class TopicSampler:
                 take(Taken(tap.topic, tap.name, latched, at, sent, raw))
 
     def _open(self, tap: _Reader) -> None:
-        qos = QoSProfile(depth=DEPTH, reliability=tap.offer[0], durability=tap.offer[1])
+        qos = tap.offer.profile(DEPTH)
         tap.subscription = self._node.create_subscription(tap.kind, tap.name, _never, qos, raw=True)
 
     def _close(self, tap: _Reader) -> None:

@@ -1,4 +1,4 @@
-"""Try the embedded robot alone: `python -m kompass.simulation [WORLD] [--fault NAME]`."""
+"""Try the embedded robot alone: ``python -m kompass.simulation [WORLD] [--fault NAME]``."""
 
 from __future__ import annotations
 

@@ -7,29 +7,29 @@ from contextlib import suppress
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Float32, UInt32
 from tf2_msgs.msg import TFMessage
 
 from kompass.algorithms.geometry import compose, inverse
+from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation import messages
 from kompass.simulation.physics.mjcf import IMU_HEIGHT, LIDAR_HEIGHT
 from kompass.simulation.physics.parts import NoReading
-from kompass.simulation.robot import Robot
+from kompass.simulation.robot import SimulatedRobot
 
 MAP, ODOM, BASE, LIDAR, IMU = "map", "odom", "base_link", "LDS-01", "imu_link"
 
 _RELIABLE = QoSProfile(depth=10)
 _SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 _TRANSFORMS = QoSProfile(depth=100)
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Broadcast:
     """All publishers of the embedded robot."""
 
-    def __init__(self, node: Node, robot: Robot) -> None:
+    def __init__(self, node: Node, robot: SimulatedRobot) -> None:
         self._robot = robot
         self._clock = node.get_clock()
         publisher = node.create_publisher
@@ -39,9 +39,9 @@ class Broadcast:
         self._wheels = publisher(Odometry, "/odom", _RELIABLE)
         self._truth = publisher(Odometry, "/simulator/ground_truth", _RELIABLE)
         self._tf = publisher(TFMessage, "/tf", _TRANSFORMS)
-        self._tf_static = publisher(TFMessage, "/tf_static", _LATCHED)
+        self._tf_static = publisher(TFMessage, "/tf_static", LATCHED_PROFILE)
         self._rate = publisher(Float32, "/simulator/rate", _RELIABLE)
-        self._contacts = publisher(UInt32, "/simulator/contacts", _LATCHED)
+        self._contacts = publisher(UInt32, "/simulator/contacts", LATCHED_PROFILE)
         self._published_contacts = -1
         self._announce_sensors()
 
@@ -71,7 +71,7 @@ class Broadcast:
         )
 
     def scan(self, period: float) -> None:
-        """One turn of the lidar, `period` seconds after the one before."""
+        """One turn of the lidar, ``period`` seconds after the one before."""
         stamp = self._clock.now().to_msg()
         with suppress(NoReading):
             self._scan.publish(messages.laser_scan(self._robot.scan(), stamp, LIDAR, period))

@@ -18,21 +18,22 @@ SILENCE = 1.0  # s
 
 
 class CommandInput:
-    """Subscribes to `/cmd_vel` with the type of its publishers.
+    """Subscribes to ``/cmd_vel`` with the type of its publishers.
 
     ROS 2 distributions disagree on the type, and one DDS participant cannot read a topic as two
-    types. So the graph decides, and is asked again by every `follow_publishers`. With no publisher
-    in sight the type stays what it was, TwistStamped at first, so that the robot shows up as a
-    reader of commands.
+    types. So the graph decides, and is asked again by every :meth:`follow_publishers`. With no
+    publisher in sight the type stays what it was, TwistStamped at first, so that the robot shows up
+    as a reader of commands.
+
+    Parameters
+    ----------
+    node
+        Owns the subscription.
+    drive
+        Called with v [m/s] and omega [rad/s]; its ValueError becomes a warning.
     """
 
     def __init__(self, node: Node, drive: Callable[[float, float], None]) -> None:
-        """Start listening.
-
-        Args:
-            node: Owns the subscription.
-            drive: Called with (v in m/s, omega in rad/s); its ValueError becomes a warning.
-        """
         self._node = node
         self._drive = drive
         self._type: type[Twist] | type[TwistStamped] = TwistStamped
@@ -44,8 +45,10 @@ class CommandInput:
     def follow_publishers(self, now: float) -> None:
         """Change over to the publishers' type when they have another one.
 
-        Args:
-            now: Monotonic seconds.
+        Parameters
+        ----------
+        now
+            Monotonic seconds.
         """
         if self._subscription is None:
             self._subscription = self._subscribe()

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from nav2_msgs.srv import ClearEntireCostmap
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import UInt32
+
+from kompass.rclpy_ext.qos import LATCHED_PROFILE
 
 # As Nav2's costmap node calls it.
 SERVICE = "/global_costmap/clear_entirely_global_costmap"
 TOPIC = "/global_costmap/times_cleared"
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Costmap:
@@ -19,7 +19,7 @@ class Costmap:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._cleared = 0
-        self._publisher = node.create_publisher(UInt32, TOPIC, _LATCHED)
+        self._publisher = node.create_publisher(UInt32, TOPIC, LATCHED_PROFILE)
         self._publisher.publish(UInt32(data=0))
         node.create_service(ClearEntireCostmap, SERVICE, self._on_clear)
 

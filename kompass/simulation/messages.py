@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import Imu, LaserScan
 
 from kompass.algorithms.geometry import quaternion_from_yaw
-from kompass.simulation.physics.motion import Matrix3, Motion
+from kompass.simulation.physics.motion import BodyMotion, Matrix3
 from kompass.simulation.sensors import imu, lidar
 
 # Where x, y and yaw stand among (x, y, z, roll, pitch, yaw).
@@ -31,8 +31,8 @@ def spatial_covariance(planar: Matrix3) -> NDArray[np.float64]:
     return full.ravel()
 
 
-def odometry(motion: Motion, stamp: Time, frame: str, child: str = "base_link") -> Odometry:
-    """`motion` as nav_msgs/Odometry in `frame`, its twist in `child`."""
+def odometry(motion: BodyMotion, stamp: Time, frame: str, child: str = "base_link") -> Odometry:
+    """``motion`` as nav_msgs/Odometry in ``frame``, its twist in ``child``."""
     message = Odometry()
     message.header.stamp = stamp
     message.header.frame_id = frame
@@ -55,7 +55,7 @@ def transform(
     stamp: Time,
     height: float = 0.0,
 ) -> TransformStamped:
-    """Where `child` is in `parent`: planar `pose` (x, y, yaw), `height` metres up."""
+    """Where ``child`` is in ``parent``: planar ``pose`` (x, y, yaw), ``height`` metres up."""
     message = TransformStamped()
     message.header.stamp = stamp
     message.header.frame_id = parent
@@ -67,7 +67,7 @@ def transform(
 
 
 def laser_scan(ranges: NDArray[np.float32], stamp: Time, frame: str, period: float) -> LaserScan:
-    """`ranges` (N,) as sensor_msgs/LaserScan, `period` seconds after the one before."""
+    """``ranges`` (N,) as sensor_msgs/LaserScan, ``period`` seconds after the one before."""
     message = LaserScan()
     message.header.stamp = stamp
     message.header.frame_id = frame
@@ -83,7 +83,7 @@ def laser_scan(ranges: NDArray[np.float32], stamp: Time, frame: str, period: flo
 
 
 def inertial(reading: imu.ImuReading, stamp: Time, frame: str) -> Imu:
-    """`reading` as sensor_msgs/Imu."""
+    """``reading`` as sensor_msgs/Imu."""
     message = Imu()
     message.header.stamp = stamp
     message.header.frame_id = frame

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kompass.simulation.broadcast import Broadcast
     from kompass.simulation.command_input import CommandInput
     from kompass.simulation.faults.fault_service import FaultService
-    from kompass.simulation.robot import Robot
+    from kompass.simulation.robot import SimulatedRobot
 
 PERIOD = 0.02  # of odometry and transforms, s
 SCAN_PERIODS = 5  # a scan every 0.1 s
@@ -35,22 +35,30 @@ def run_simulator(
     stop: Callable[[], bool] | None = None,
     faults: Sequence[str] = (),
 ) -> None:
-    """Run the robot until SIGTERM, SIGINT, or until `stop` returns true.
+    """Run the robot until SIGTERM, SIGINT, or until ``stop`` returns true.
 
     Meant to be the whole life of a forked child: it loads MuJoCo and initialises ROS 2 in a
     context of its own. It returns within 0.1 s of being told to stop. Signals are watched only
     when it runs in the main thread, and SIGINT only where the caller has not ignored it.
 
-    Args:
-        world_name: One of `kompass.simulation.worlds.registry.world_names()`.
-        seed: Of the sensors' noise and of the base's calibration.
-        node_name: Of the ROS 2 node.
-        stop: Asked after every event, at least ten times a second, whether to end.
-        faults: To begin by themselves, each as `NAME` or `NAME:SECONDS` after the start; see
-            `kompass.simulation.faults.fault_names`. More come from `/simulator/set_fault`.
+    Parameters
+    ----------
+    world_name
+        One of ``kompass.simulation.worlds.registry.world_names()``.
+    seed
+        Of the sensors' noise and of the base's calibration.
+    node_name
+        Of the ROS 2 node.
+    stop
+        Asked after every event, at least ten times a second, whether to end.
+    faults
+        To begin by themselves, each as ``NAME`` or ``NAME:SECONDS`` after the start; see
+        ``kompass.simulation.faults.fault_names``. More come from ``/simulator/set_fault``.
 
-    Raises:
-        ValueError: There is no such world, or no such fault.
+    Raises
+    ------
+    ValueError
+        There is no such world, or no such fault.
     """
     place = world(world_name)
     orders = [parse_fault(text) for text in faults]
@@ -64,9 +72,9 @@ def run_simulator(
     from kompass.simulation.command_input import CommandInput
     from kompass.simulation.costmap import Costmap
     from kompass.simulation.faults.fault_service import FaultService
-    from kompass.simulation.robot import Robot
+    from kompass.simulation.robot import SimulatedRobot
 
-    robot = Robot(place, seed)
+    robot = SimulatedRobot(place, seed)
     context = rclpy.Context()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
     node = PlainNode(node_name, context=context)
@@ -83,7 +91,6 @@ def run_simulator(
             executor.add_node(node)
             node.get_logger().info(f"robot in {place.name!r}: {place.title}")
             while not (told_to_stop() or (stop is not None and stop())):
-                # Never without a timeout: rclpy 7.1.6 then spins at full load and fires no timer.
                 executor.spin_once(timeout_sec=0.1)
     finally:
         executor.shutdown()
@@ -96,7 +103,7 @@ class _Loop:
 
     def __init__(
         self,
-        robot: Robot,
+        robot: SimulatedRobot,
         broadcast: Broadcast,
         commands: CommandInput,
         faults: FaultService,
@@ -111,7 +118,7 @@ class _Loop:
         self._ticks = 0
 
     def tick(self, now: float) -> None:
-        """Simulate up to `now` (monotonic seconds) and publish the result once."""
+        """Simulate up to ``now`` (monotonic seconds) and publish the result once."""
         self._faults.advance(now)
         self._robot.step(self._pacer.due(now) * PERIOD)
         self._broadcast.motion()

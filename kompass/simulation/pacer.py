@@ -10,15 +10,17 @@ MAX_CATCH_UP = 0.1  # s
 
 
 class Pacer:
-    """Says how many periods of simulated time are due. It has no clock: callers pass `now`."""
+    """Says how many periods of simulated time are due. It has no clock: callers pass ``now``.
+
+    Parameters
+    ----------
+    period
+        Simulated time per period [s].
+    now
+        Monotonic real time [s], at which nothing is due.
+    """
 
     def __init__(self, period: float, now: float) -> None:
-        """Start with nothing due.
-
-        Args:
-            period: Simulated seconds per period.
-            now: Monotonic real time in seconds.
-        """
         self._period = period
         self._origin = now
         self._done = 0
@@ -27,7 +29,7 @@ class Pacer:
         self._lost = 0.0
 
     def due(self, now: float) -> int:
-        """How many periods to simulate at `now`; the caller is taken to simulate them all."""
+        """How many periods to simulate at ``now``; the caller is taken to simulate them all."""
         # The tolerance lets a timer that fires a hair early do its work now, not a period later.
         behind = now - self._origin - self._done * self._period + 0.2 * self._period
         excess = behind - MAX_CATCH_UP
@@ -40,7 +42,13 @@ class Pacer:
         return count
 
     def report(self, now: float) -> tuple[float, float]:
-        """(simulated seconds per real second, seconds given up) since the last report."""
+        """What became of the time since the last report.
+
+        Returns
+        -------
+        tuple[float, float]
+            Simulated seconds per real second, and seconds given up.
+        """
         elapsed = now - self._rate_at
         simulated = (self._done - self._rate_done) * self._period
         lost = self._lost

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from kompass.simulation.physics.barriers import Barrier
 from kompass.simulation.physics.drive import DifferentialDrive
 from kompass.simulation.physics.mjcf import BARRIER_STORE, TIMESTEP, model_text
-from kompass.simulation.physics.motion import Motion
-from kompass.simulation.physics.parts import Drive, Odometer, PoseSource, RangeFinder
+from kompass.simulation.physics.motion import BodyMotion
+from kompass.simulation.physics.parts import Odometer, PoseSource, RangeFinder, WheelDrive
 from kompass.simulation.sensors.bumper import Bumper
 from kompass.simulation.sensors.imu import Imu, ImuReading
 from kompass.simulation.sensors.lidar import Lidar
@@ -21,38 +21,42 @@ from kompass.simulation.sensors.localizer import Localizer
 from kompass.simulation.sensors.wheel_odometry import WheelOdometry
 from kompass.simulation.worlds.world import World
 
-# Encoders and localizer are sampled at this period of simulated time, however `step` is called.
+# Encoders and localizer are sampled at this period of simulated time, however ``step`` is called.
 SAMPLE_STEPS = 10
 SAMPLE_PERIOD = SAMPLE_STEPS * TIMESTEP
 _SETTLING_STEPS = 250  # the wheels sink a few micrometres into the floor first
 
 
-class Robot:
+class SimulatedRobot:
     """A differential-drive robot in a world.
 
-    Every source of noise has its own stream drawn from `seed`, so the same seed and the same calls
-    give the same run, and replacing one sensor leaves the others as they were. The parts (`drive`,
-    `lidar`, `imu_sensor`, `wheels`, `localizer`, `bumper`) may be exchanged for objects that
-    behave otherwise.
+    It starts at rest at the start pose of its world. Every source of noise has its own stream
+    drawn from ``seed``, so the same seed and the same calls give the same run, and replacing one
+    sensor leaves the others as they were.
 
-    Attributes:
-        time: Simulated seconds since the start.
+    Parameters
+    ----------
+    world
+        Where the robot is.
+    seed
+        Of all noise and of the base's calibration errors.
+
+    Attributes
+    ----------
+    world
+        Where the robot is.
+    drive, lidar, imu_sensor, wheels, localizer, bumper
+        Its parts, which may be exchanged for objects that behave otherwise.
     """
 
     def __init__(self, world: World, seed: int = 0) -> None:
-        """Build the model of `world` and put the robot at its start, at rest.
-
-        Args:
-            world: Where the robot is.
-            seed: Of all noise and of the base's calibration errors.
-        """
         self.world = world
         self._model = mujoco.MjModel.from_xml_string(model_text(world))
         self._data = mujoco.MjData(self._model)
         lidar, imu, wheels, localizer = (
             np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(4)
         )
-        self.drive: Drive = DifferentialDrive()
+        self.drive: WheelDrive = DifferentialDrive()
         self.lidar: RangeFinder = Lidar(self._model, self._data, lidar)
         self.imu_sensor = Imu(self._model, self._data, imu)
         self.wheels: Odometer = WheelOdometry(wheels)
@@ -78,7 +82,7 @@ class Robot:
         return self.bumper.episodes
 
     def place(self, pose: tuple[float, float, float]) -> None:
-        """Set the robot down at rest at `pose` (x, y, yaw) in `map`.
+        """Set the robot down at rest at ``pose`` (x, y, yaw) in ``map``.
 
         The wheels do not notice: wheel odometry goes on from where it was.
         """
@@ -112,16 +116,18 @@ class Robot:
         mujoco.mj_kinematics(self._model, self._data)
 
     def command(self, v: float, omega: float) -> None:
-        """Drive with `v` (m/s) and `omega` (rad/s); see `DifferentialDrive.command`."""
+        """Drive with ``v`` (m/s) and ``omega`` (rad/s); see :meth:`DifferentialDrive.command`."""
         self.drive.command(v, omega, self.time)
 
     def step(self, dt: float) -> None:
-        """Let `dt` seconds of simulated time pass.
+        """Let ``dt`` seconds of simulated time pass.
 
-        What is left of `dt` after whole physics steps is kept for the next call.
+        What is left of ``dt`` after whole physics steps is kept for the next call.
 
-        Raises:
-            ValueError: `dt` is negative or not finite.
+        Raises
+        ------
+        ValueError
+            ``dt`` is negative or not finite.
         """
         if not (math.isfinite(dt) and dt >= 0.0):
             raise ValueError(f"dt is {dt!r}; give a finite time of 0 s or more")
@@ -139,9 +145,11 @@ class Robot:
     def scan(self) -> NDArray[np.float32]:
         """Lidar ranges (360,) in metres from straight ahead anticlockwise; +inf = no return.
 
-        Raises:
-            NoReading: A faulty lidar says nothing this time; so may `wheel_odometry` and
-                `filtered`.
+        Raises
+        ------
+        NoReading
+            A faulty lidar says nothing this time; so may ``wheel_odometry`` and
+            ``filtered``.
         """
         return self.lidar.scan()
 
@@ -149,22 +157,22 @@ class Robot:
         """The newest inertial reading."""
         return self.imu_sensor.read()
 
-    def wheel_odometry(self) -> Motion:
-        """What the encoders say: pose in `odom`, drifting, with its covariance."""
+    def wheel_odometry(self) -> BodyMotion:
+        """What the encoders say: pose in ``odom``, drifting, with its covariance."""
         return self.wheels.read()
 
-    def filtered(self) -> Motion:
-        """What a localizer says: pose in `map`, within millimetres of the truth."""
+    def filtered(self) -> BodyMotion:
+        """What a localizer says: pose in ``map``, within millimetres of the truth."""
         return self.localizer.read()
 
-    def truth(self) -> Motion:
-        """Where the robot is in `map` and how it moves, exactly."""
+    def truth(self) -> BodyMotion:
+        """Where the robot is in ``map`` and how it moves, exactly."""
         x, y, _, w, i, j, k = (float(part) for part in self._data.qpos[:7])
         yaw = math.atan2(2 * (w * k + i * j), 1 - 2 * (j * j + k * k))
         east, north = (float(part) for part in self._data.qvel[:2])
         cos, sin = math.cos(yaw), math.sin(yaw)
         omega = float(self._data.qvel[5])  # a free joint's rotation is in the body's frame
-        return Motion((x, y, yaw), (cos * east + sin * north, cos * north - sin * east, omega))
+        return BodyMotion((x, y, yaw), (cos * east + sin * north, cos * north - sin * east, omega))
 
     def _sample(self) -> None:
         qpos = self._data.qpos

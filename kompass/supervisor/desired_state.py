@@ -11,18 +11,23 @@ class DesiredState:
 
     A component that a rule or a person had stopped stays stopped when its process dies and is
     started again, and one that was started comes back active. Made before the fork.
+
+    Parameters
+    ----------
+    active
+        Whether each component, by name, is meant to be active at first.
     """
 
     def __init__(self, active: Mapping[str, bool]) -> None:
         self._index = {name: index for index, name in enumerate(active)}
         self._flags = mmap.mmap(-1, max(1, len(active)))
-        for name, wanted in active.items():
-            self.set(name, wanted)
+        for name, is_active in active.items():
+            self.set(name, is_active)
 
-    def wants(self, name: str) -> bool:
+    def is_active(self, name: str) -> bool:
         """Whether a component is meant to be active."""
         return bool(self._flags[self._index[name]])
 
     def set(self, name: str, active: bool) -> None:
-        """Remember what is wanted from now on."""
+        """Remember whether a component is meant to be active from now on."""
         self._flags[self._index[name]] = int(active)

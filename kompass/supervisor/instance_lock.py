@@ -1,4 +1,4 @@
-"""One stack of a name on a domain: a second one is refused before it moves anything."""
+"""One stack of a name on a ROS domain: a second one is refused before it moves anything."""
 
 import fcntl
 import os
@@ -11,10 +11,17 @@ class AlreadyRunning(RuntimeError):
 
 
 def lock_instance(names: list[str], namespace: str = "") -> list[int]:
-    """Claim node names on this machine's ROS domain, for as long as this process lives.
+    """Lock node names on this machine's ROS domain, for as long as this process lives.
 
     The lock is one on a file, which the kernel gives back when the process ends in whatever
     way. Stacks on other machines are noticed over DDS by the components themselves.
+
+    Parameters
+    ----------
+    names
+        Of all nodes of the stack.
+    namespace
+        ROS namespace of the nodes.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Busy, stuck or well: what the beats of a process mean. No clock and no processes here."""
+"""Active, busy or stuck: what the heartbeats of a process mean. No clock and no processes here."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ Condition = Literal["active", "busy", "stuck"]
 
 
 @dataclass(frozen=True)
-class Patience:
-    """How long a process may be silent [s].
+class LivenessLimits:
+    """How long a process may be silent, and what happens then [s].
 
     Attributes
     ----------
@@ -19,9 +19,9 @@ class Patience:
     stopped
         A process that was stopped (SIGSTOP) is stuck from then on; a debugger's glance is shorter.
     silent
-        With no beat at all, and no use of the processor, it is stuck from then on.
+        With no heartbeat at all, and no use of the processor, it is stuck from then on.
     stuck
-        An executor that has not come round for so long is stuck, whatever else beats.
+        An executor that has not come round for so long is stuck, whatever other heartbeats come.
     killed
         A stuck process is killed so long after that, and started again; None for never.
     """
@@ -36,17 +36,17 @@ class Patience:
         for name in ("busy", "stopped", "silent", "stuck", "killed"):
             value = getattr(self, name)
             if value is not None and not value > 0:
-                raise ValueError(f"Patience: {name} = {value!r} s must be above 0")
+                raise ValueError(f"LivenessLimits: {name} = {value!r} s must be above 0")
 
 
 @dataclass(frozen=True)
-class Signs:
+class Observation:
     """What is known of one executor of a process at a moment.
 
     Attributes
     ----------
     silent
-        Since the last beat of the process as such [s].
+        Since the last heartbeat of the process as such [s].
     lag
         Since the executor last came round; None when it has never, or is not meant to [s].
     stopped
@@ -54,7 +54,8 @@ class Signs:
     computing
         Whether it has used, or waited for, a processor while it was silent.
     allowed
-        How long a step of this executor may take, beyond the general patience [s].
+        How long a step of this executor may take, where that is longer than
+        :attr:`LivenessLimits.stuck` [s].
     """
 
     silent: float
@@ -64,21 +65,27 @@ class Signs:
     allowed: float = 0.0
 
 
-def judge(signs: Signs, patience: Patience) -> tuple[Condition, str]:
-    """The condition, and for all but ``active`` the reason in words."""
-    if signs.stopped is not None:
-        if signs.stopped >= patience.stopped:
+def assess_liveness(observed: Observation, limits: LivenessLimits) -> tuple[Condition, str]:
+    """Tell the condition of an executor.
+
+    Returns
+    -------
+    tuple[Condition, str]
+        The condition, and for all but "active" the reason in words.
+    """
+    if observed.stopped is not None:
+        if observed.stopped >= limits.stopped:
             return "stuck", "the process was stopped by a signal"
         return "busy", "the process was stopped by a signal just now"
-    if signs.silent >= patience.silent and not signs.computing:
-        return "stuck", f"no sign of life for {signs.silent:.1f} s"
-    limit = max(patience.stuck, signs.allowed)
-    if signs.lag is not None and signs.lag >= limit:
-        return "stuck", f"its loop has not come round for {signs.lag:.0f} s"
-    if signs.silent >= patience.stuck and signs.lag is None:
-        return "stuck", f"no sign of life for {signs.silent:.0f} s"
-    if signs.lag is not None and signs.lag >= patience.busy:
-        return "busy", f"its loop has not come round for {signs.lag:.1f} s"
-    if signs.silent >= patience.silent:
-        return "busy", f"it computes; no sign of life for {signs.silent:.1f} s"
+    if observed.silent >= limits.silent and not observed.computing:
+        return "stuck", f"no sign of life for {observed.silent:.1f} s"
+    longest_step = max(limits.stuck, observed.allowed)
+    if observed.lag is not None and observed.lag >= longest_step:
+        return "stuck", f"its loop has not come round for {observed.lag:.0f} s"
+    if observed.silent >= limits.stuck and observed.lag is None:
+        return "stuck", f"no sign of life for {observed.silent:.0f} s"
+    if observed.lag is not None and observed.lag >= limits.busy:
+        return "busy", f"its loop has not come round for {observed.lag:.1f} s"
+    if observed.silent >= limits.silent:
+        return "busy", f"it computes; no sign of life for {observed.silent:.1f} s"
     return "active", ""

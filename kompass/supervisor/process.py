@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from kompass.supervisor.cpu_usage import CpuUsage
-from kompass.supervisor.heartbeat import Heartbeat, adopt
+from kompass.supervisor.heartbeat import Heartbeat, start_heartbeat
 from kompass.supervisor.liveness import Condition
 
 PR_SET_PDEATHSIG = 1
@@ -40,14 +40,14 @@ class ProcessSpec:
     listens: bool = False  # wants to be told how the other processes are doing
     inbox: int = -1  # in the child: where it is told, a JSON line each
     allowed: dict[str, float] = field(default_factory=dict)  # s that a step of a node may take
-    pulse: Heartbeat = field(init=False)  # signs of life of it and of each node
+    heartbeat: Heartbeat = field(init=False)  # of it and of each node
 
     def __post_init__(self) -> None:
-        self.pulse = Heartbeat(self.members)
+        self.heartbeat = Heartbeat(self.members)
 
     @property
     def members(self) -> list[str]:
-        """What is judged and told of one by one: its nodes, or itself."""
+        """Whose conditions are assessed and told one by one: its nodes, or itself."""
         return self.names or [self.name]
 
 
@@ -65,7 +65,7 @@ class Child:
     active: bool = False
     stopped: float | None = None  # since when a signal (SIGSTOP) holds it
     killed: str = ""  # why the supervisor killed it
-    load: CpuUsage = field(default_factory=CpuUsage)
+    cpu_usage: CpuUsage = field(default_factory=CpuUsage)
     conditions: dict[str, Condition] = field(default_factory=dict)  # of each member
     stuck_since: float | None = None
 
@@ -106,7 +106,7 @@ def fork(spec: ProcessSpec, close: list[int]) -> Child:
         File descriptors of the parent that the child must not keep open.
     """
     spec.starts += 1
-    spec.pulse.reset()
+    spec.heartbeat.reset()
     sys.stdout.flush()
     sys.stderr.flush()
     read_end, write_end = os.pipe()
@@ -139,7 +139,7 @@ def _run(spec: ProcessSpec, parent: int, reports: int, close: list[int]) -> None
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        adopt(spec.pulse)
+        start_heartbeat(spec.heartbeat)
         # A crash in somebody's C++ leaves nothing else behind to find it by.
         faulthandler.enable(STDERR)
 

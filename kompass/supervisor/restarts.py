@@ -1,9 +1,9 @@
-"""How often, and after what rest, a process that died is started again."""
+"""How often, and after what delay, a process that died is started again."""
 
 from __future__ import annotations
 
 DELAYS = (0.1, 0.5, 1.0, 2.0, 5.0)  # s; the last one for all further deaths
-HEALTHY = 30.0  # s; who lived longer starts anew with its tries
+HEALTHY = 30.0  # s; the deaths before a life longer than this no longer count
 RETRIES = 5
 
 
@@ -21,20 +21,27 @@ class Restarts:
         self._deaths: dict[str, int] = {}
 
     def ever_died(self, name: str) -> bool:
-        """Whether it died before."""
+        """Whether a process has died before."""
         return name in self._deaths
 
     def in_a_row(self, name: str) -> int:
-        """Deaths without a healthy life between them."""
+        """Deaths of a process without a healthy life between them."""
         return self._deaths.get(name, 0)
 
     def after_death(self, name: str, lived: float) -> float | None:
-        """The rest before the next life [s]; None when it is given up.
+        """Count a death.
 
         Parameters
         ----------
+        name
+            Of the process.
         lived
             How long it lived [s].
+
+        Returns
+        -------
+        float or None
+            Delay before it is to be started again [s]; None when it is given up.
         """
         before = 0 if lived > HEALTHY else self._deaths.get(name, 0)
         self._deaths[name] = before + 1

@@ -2,7 +2,7 @@
 
 One thread, no rclpy, no web: the supervisor itself does nothing that can hang, and a fork of it is
 always clean. Death is learned from pidfds and stopping (SIGSTOP) from SIGCHLD, never by polling;
-hangs show in beats that are missing.
+hangs show in heartbeats that are missing.
 """
 
 import gc
@@ -14,13 +14,13 @@ import signal
 import time
 from dataclasses import dataclass
 
-from kompass.supervisor.liveness import Patience, Signs, judge
+from kompass.supervisor.liveness import LivenessLimits, Observation, assess_liveness
 from kompass.supervisor.process import Child, ProcessSpec, fork
 from kompass.supervisor.restarts import Restarts
 
 STOP_ROBOT_TIME = 0.7  # s for the last gate before the wheels to halt the robot
 END_TIME = 1.5  # s for all others to end by themselves
-TICK = 0.2  # s between two looks at the signs of life
+LIVENESS_PERIOD = 0.2  # s between two looks at the heartbeats
 
 log = logging.getLogger("kompass.supervisor")
 
@@ -30,9 +30,9 @@ class StartupError(RuntimeError):
 
 
 @dataclass
-class _Due:
+class _PendingStart:
     spec: ProcessSpec
-    at: float
+    at: float  # monotonic s
 
 
 class Supervisor:
@@ -44,10 +44,10 @@ class Supervisor:
         What to run, in the order of starting.
     announced
         Names of those whose common activity is announced.
-    patience
+    limits
         When a process counts as busy or stuck, and when one that is stuck is killed.
     restarts
-        How often, and after what rest, one that died is started again.
+        How often, and after what delay, one that died is started again.
     activation_timeout
         Within which all that are announced must be active [s]; None to wait for ever.
     """
@@ -57,24 +57,23 @@ class Supervisor:
         specs: list[ProcessSpec],
         announced: list[str],
         *,
-        patience: Patience | None = None,
+        limits: LivenessLimits | None = None,
         restarts: Restarts | None = None,
         activation_timeout: float | None = None,
     ) -> None:
         self._specs = specs
-        self._patience = patience or Patience()
+        self._limits = limits or LivenessLimits()
         self._restarts = restarts or Restarts()
         self._activation_timeout = activation_timeout
         self._children: dict[int, Child] = {}
         self._selector = selectors.DefaultSelector()
         self._wakeup = -1
         self._stop: signal.Signals | None = None
-        self._due: list[_Due] = []
-        self._waiting = set(announced)
-        self._began = 0.0
-        self._looked = 0.0
-        self._known: dict[str, str] = {}  # the last line told of each process
-        self.restarts = 0
+        self._pending: list[_PendingStart] = []
+        self._awaited = set(announced)
+        self._started = 0.0
+        self._assessed = 0.0
+        self._states: dict[str, str] = {}  # the last line told of each process
 
     def run(self) -> None:
         """Start everything, block until a signal ends it, end everything.
@@ -84,7 +83,7 @@ class Supervisor:
         StartupError
             When a process cannot start at all.
         """
-        self._began = time.monotonic()
+        self._started = time.monotonic()
         numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGCHLD)
         before = {number: signal.getsignal(number) for number in numbers}
         self._wakeup, write = os.pipe()
@@ -100,7 +99,7 @@ class Supervisor:
             for spec in self._specs:
                 self._start(spec)
             while self._stop is None:
-                self._turn()
+                self._run_once()
         finally:
             self._end_all()
             signal.set_wakeup_fd(-1)
@@ -115,33 +114,34 @@ class Supervisor:
         if number != signal.SIGCHLD:
             self._stop = signal.Signals(number)
 
-    def _turn(self) -> None:
-        soonest = min((due.at for due in self._due), default=time.monotonic() + TICK)
-        for key, _ in self._selector.select(max(0.0, min(TICK, soonest - time.monotonic()))):
+    def _run_once(self) -> None:
+        next_start = min((due.at for due in self._pending), default=float("inf"))
+        timeout = max(0.0, min(LIVENESS_PERIOD, next_start - time.monotonic()))
+        for key, _ in self._selector.select(timeout):
             if key.data is None:
                 os.read(self._wakeup, 64)
-                self._look_for_stopped()
+                self._note_stopped()
                 continue
             child = key.data
             if key.fd == child.reports:
                 self._read(child)
             elif child.pid in self._children:
                 self._read(child)
-                self._bury(child)
-        for due in [due for due in self._due if due.at <= time.monotonic()]:
-            self._due.remove(due)
+                self._handle_exit(child)
+        for due in [due for due in self._pending if due.at <= time.monotonic()]:
+            self._pending.remove(due)
             self._start(due.spec)
         now = time.monotonic()
-        if now - self._looked >= 0.8 * TICK:
-            self._looked = now
+        if now - self._assessed >= 0.8 * LIVENESS_PERIOD:
+            self._assessed = now
             for child in list(self._children.values()):
-                self._look_at(child, now)
+                self._assess(child, now)
             self._check_activation(now)
 
-    # -- signs of life ------------------------------------------------------------------------
+    # -- liveness -----------------------------------------------------------------------------
 
-    def _look_for_stopped(self) -> None:
-        """Which children a signal has stopped, or lets go on."""
+    def _note_stopped(self) -> None:
+        """Note which children a signal has stopped, or lets go on."""
         kinds = os.WSTOPPED | os.WCONTINUED | os.WNOHANG
         for child in self._children.values():
             try:
@@ -152,27 +152,27 @@ class Supervisor:
                 stopped = changed.si_code == os.CLD_STOPPED
                 child.stopped = time.monotonic() if stopped else None
 
-    def _look_at(self, child: Child, now: float) -> None:
+    def _assess(self, child: Child, now: float) -> None:
         if not child.active:
             return
-        pulse, patience = child.spec.pulse, self._patience
-        silent = now - pulse.last()
+        heartbeat, limits = child.spec.heartbeat, self._limits
+        silent = now - heartbeat.last_sent()
         computing = False
-        if child.stopped is None and silent > patience.silent / 2:
-            computing = child.load.computing(child.pid, now)
+        if child.stopped is None and silent > limits.silent / 2:
+            computing = child.cpu_usage.computing(child.pid, now)
         else:
-            child.load.clear()
+            child.cpu_usage.clear()
         for member in child.spec.members:
-            last = pulse.last(member)
-            condition, reason = judge(
-                Signs(
+            last = heartbeat.last_sent(member)
+            condition, reason = assess_liveness(
+                Observation(
                     silent=silent,
                     lag=now - last if last else None,
                     stopped=None if child.stopped is None else now - child.stopped,
                     computing=computing,
                     allowed=child.spec.allowed.get(member, 0.0),
                 ),
-                patience,
+                limits,
             )
             if condition != child.conditions.get(member, "active"):
                 if condition == "stuck":
@@ -180,12 +180,12 @@ class Supervisor:
                 elif child.conditions.get(member) == "stuck":
                     log.info("%s is no longer stuck", member)
                 child.conditions[member] = condition
-                self._tell_of(child.spec, member, condition, child.pid, reason)
+                self._tell_member(child.spec, member, condition, child.pid, reason)
         if "stuck" not in child.conditions.values():
             child.stuck_since = None
         elif child.stuck_since is None:
             child.stuck_since = now
-        elif patience.killed is not None and now - child.stuck_since >= patience.killed:
+        elif limits.killed is not None and now - child.stuck_since >= limits.killed:
             self._kill(child, f"it was stuck for {now - child.stuck_since:.0f} s")
 
     def _kill(self, child: Child, why: str) -> None:
@@ -196,9 +196,9 @@ class Supervisor:
 
     def _check_activation(self, now: float) -> None:
         limit = self._activation_timeout
-        if limit is not None and self._waiting and now - self._began > limit:
+        if limit is not None and self._awaited and now - self._started > limit:
             raise StartupError(
-                f"{', '.join(sorted(self._waiting))} did not become active within "
+                f"{', '.join(sorted(self._awaited))} did not become active within "
                 f"{limit:g} s (activation_timeout)"
             )
 
@@ -214,7 +214,7 @@ class Supervisor:
         self._children[child.pid] = child
         log.info("%s is process %d", spec.name, child.pid)
         if spec.listens:
-            for line in self._known.values():
+            for line in self._states.values():
                 child.tell(line)
         self._tell(spec, "starting", child.pid)
         self._selector.register(child.reports, selectors.EVENT_READ, child)
@@ -241,23 +241,23 @@ class Supervisor:
                 self._restart(rest)
 
     def _restart(self, member: str) -> None:
-        """A rule wants a node that hangs anew; who was given up stays so."""
+        """Start the process of a node anew, because a rule wants it; what was given up stays so."""
         for child in list(self._children.values()):
             if member in (child.spec.name, *child.spec.members):
                 self._kill(child, "a restart was asked for")
 
     def _report_active(self, child: Child) -> None:
         log.info("%s is up (%.2f s)", child.spec.name, time.monotonic() - child.started)
-        if child.spec.name in self._waiting:
-            self._waiting.discard(child.spec.name)
-            if not self._waiting:
-                log.info("all components active in %.2f s", time.monotonic() - self._began)
+        if child.spec.name in self._awaited:
+            self._awaited.discard(child.spec.name)
+            if not self._awaited:
+                log.info("all components active in %.2f s", time.monotonic() - self._started)
 
     def _forget_pipe(self, child: Child) -> None:
         if child.reports in self._selector.get_map():
             self._selector.unregister(child.reports)
 
-    def _bury(self, child: Child) -> None:
+    def _handle_exit(self, child: Child) -> None:
         _, status = os.waitpid(child.pid, 0)
         code = os.waitstatus_to_exitcode(status)
         lived = time.monotonic() - child.started
@@ -277,17 +277,18 @@ class Supervisor:
             log.error("%s %s: given up", name, text)
             self._tell(child.spec, "given up", child.pid, text)
             return
-        self.restarts += 1
         log.warning("%s starts again in %.1f s", name, delay)
-        self._due.append(_Due(child.spec, time.monotonic() + delay))
+        self._pending.append(_PendingStart(child.spec, time.monotonic() + delay))
 
     def _tell(self, spec: ProcessSpec, state: str, pid: int, reason: str = "") -> None:
         """Tell those who listen how a process is doing."""
         for member in spec.members:
-            self._tell_of(spec, member, state, pid, reason)
+            self._tell_member(spec, member, state, pid, reason)
 
-    def _tell_of(self, spec: ProcessSpec, member: str, state: str, pid: int, reason: str) -> None:
-        """Tell of one node; those that share a process are told of one by one."""
+    def _tell_member(
+        self, spec: ProcessSpec, member: str, state: str, pid: int, reason: str
+    ) -> None:
+        """Tell those who listen of one node of a process."""
         shared = len(spec.members) > 1
         name = member if shared else spec.name
         line = json.dumps(
@@ -300,7 +301,7 @@ class Supervisor:
                 "reason": reason,
             }
         )
-        self._known[name] = line
+        self._states[name] = line
         for child in self._children.values():
             if child.outbox >= 0:
                 child.tell(line)
@@ -313,7 +314,7 @@ class Supervisor:
         del self._children[child.pid]
 
     def _end_all(self) -> None:
-        """The robot halts first, then all end; who does not, is killed. Nobody is left behind."""
+        """Halt the robot first, then end all; what does not end is killed. Nothing is left."""
         # A second Ctrl-C while ending must not leave half of them running.
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)
@@ -322,10 +323,10 @@ class Supervisor:
         self._end(gates, STOP_ROBOT_TIME)
         self._end(list(self._children.values()), END_TIME)
 
-    def _end(self, children: list[Child], patience: float) -> None:
+    def _end(self, children: list[Child], timeout: float) -> None:
         for child in children:
             signal.pidfd_send_signal(child.pidfd, signal.SIGTERM)
-        deadline = time.monotonic() + patience
+        deadline = time.monotonic() + timeout
         waiting = {child.pid: child for child in children}
         while waiting:
             for pid in list(waiting):
@@ -340,7 +341,7 @@ class Supervisor:
                     selector.register(child.pidfd, selectors.EVENT_READ)
                 selector.select(max(0.0, deadline - time.monotonic()))
         for child in waiting.values():
-            log.warning("%s did not end in %.1f s: killed", child.spec.name, patience)
+            log.warning("%s did not end in %.1f s: killed", child.spec.name, timeout)
             signal.pidfd_send_signal(child.pidfd, signal.SIGKILL)
             # A stopped process (SIGSTOP) dies of SIGKILL all the same, so this returns.
             os.waitpid(child.pid, 0)

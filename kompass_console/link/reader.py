@@ -7,7 +7,8 @@ from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, ReaderQoS, best_for
 
 T = TypeVar("T")
 _logger = logging.getLogger(__name__)
@@ -37,7 +38,7 @@ class Reader(Generic[T]):
         self._latched = latched
         self._depth = depth
         self._subscription: Any = None
-        self._qos: tuple[ReliabilityPolicy, DurabilityPolicy] | None = None
+        self._qos = FOR_ANY_PUBLISHER
         self._complained = ""
         self.topic: str | None = None
 
@@ -52,14 +53,8 @@ class Reader(Generic[T]):
         moved = topic != self.topic
         self.close()
         self.topic, self._qos = topic, qos
-        profile = QoSProfile(
-            history=HistoryPolicy.KEEP_LAST,
-            depth=self._depth,
-            reliability=qos[0],
-            durability=qos[1],
-        )
         self._subscription = self._node.create_subscription(
-            self._type, topic, self._received, profile
+            self._type, topic, self._received, qos.profile(self._depth)
         )
         return moved
 
@@ -69,19 +64,10 @@ class Reader(Generic[T]):
             self._node.destroy_subscription(self._subscription)
             self._subscription = None
 
-    def _offered(self, topic: str) -> tuple[ReliabilityPolicy, DurabilityPolicy]:
-        best_effort = (ReliabilityPolicy.BEST_EFFORT, DurabilityPolicy.VOLATILE)
+    def _offered(self, topic: str) -> ReaderQoS:
         if not self._latched:
-            return best_effort
-        offers = [p.qos_profile for p in self._node.get_publishers_info_by_topic(topic)]
-        if not offers:
-            return self._qos or best_effort
-        reliable = all(o.reliability == ReliabilityPolicy.RELIABLE for o in offers)
-        kept = all(o.durability == DurabilityPolicy.TRANSIENT_LOCAL for o in offers)
-        return (
-            ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-            DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE,
-        )
+            return FOR_ANY_PUBLISHER
+        return best_for(self._node.get_publishers_info_by_topic(topic), self._qos)
 
     def _received(self, message: Any) -> None:
         try:

@@ -79,7 +79,7 @@ def test_a_general_fallback_is_for_all_that_have_none_of_their_own() -> None:
     launcher = Launcher()
     launcher.kompass([planner, driver])
     launcher.on_fail(action_name="restart", max_retries=2)
-    launcher._apply_policies()
+    launcher._failure_policies.apply(launcher.components)
     assert planner.fallbacks.on_fail is not None
     assert planner.fallbacks.on_fail.actions == (planner.restart,)
     assert planner.fallbacks.on_fail.max_retries == 2
@@ -95,7 +95,7 @@ def test_each_kind_of_failure_has_a_general_fallback(kind: str) -> None:
     launcher = Launcher()
     launcher.kompass([planner])
     getattr(launcher, kind)(action_name="restart")
-    launcher._apply_policies()
+    launcher._failure_policies.apply(launcher.components)
     assert getattr(planner.fallbacks, kind) is not None
 
 
@@ -193,3 +193,17 @@ def test_a_long_plan_is_given_its_time() -> None:
     launcher.kompass([Planner(config=PlannerConfig(planning_timeout=30.0))])
     (spec,) = launcher._specs()
     assert spec.allowed["planner"] > 30.0
+
+
+# Every name that a recipe of some generation may call, read or set.
+PUBLIC = {
+    *("activation_timeout", "config_file", "enable_monitoring", "namespace", "patience"),
+    *("kompass", "agents", "add_pkg", "components", "robot", "frames", "configure"),
+    *("inputs", "outputs", "on", "bringup", "setup_launch_description", "enable_ui"),
+    *("fallback_rate", "on_fail", "on_algorithm_fail", "on_component_fail", "on_system_fail"),
+    *("on_giveup", "on_process_fail", "add_py_executable", "add_method"),
+}
+
+
+def test_recipes_find_all_that_they_may_ask_for_and_nothing_else() -> None:
+    assert {name for name in dir(Launcher()) if not name.startswith("_")} == PUBLIC

@@ -6,6 +6,7 @@ import pytest
 from rclpy.task import Future
 
 from kompass.rclpy_ext.executor import Cancelled, Task
+from tests.support.patience import patient
 from tests.support.spinning import Spinning
 
 
@@ -109,3 +110,15 @@ def test_what_a_function_raises_comes_out_of_the_spin_and_ends_no_process(
     after = spinning.executor.create_task(lambda: "it goes on")
     spinning.until(after.done)
     assert after.result() == "it goes on"
+
+
+def test_without_a_timeout_it_rests_and_timers_fire(spinning: Spinning) -> None:
+    fired: list[float] = []
+    timer = spinning.node.create_timer(0.05, lambda: fired.append(time.monotonic()))
+    begun = time.process_time()
+    deadline = time.monotonic() + patient(5.0)
+    while len(fired) < 5 and time.monotonic() < deadline:
+        spinning.executor.spin_once()
+    assert len(fired) >= 5
+    assert time.process_time() - begun < 0.2
+    spinning.node.destroy_timer(timer)

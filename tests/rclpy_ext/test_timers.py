@@ -4,8 +4,7 @@ import time
 
 import pytest
 
-from kompass.rclpy_ext.movable_timer import MovableTimer
-from kompass.rclpy_ext.timers import Timers
+from kompass.rclpy_ext.timers import MovableTimer, Timers
 from tests.support.patience import patient
 from tests.support.spinning import Spinning
 

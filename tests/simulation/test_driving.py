@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from kompass.simulation.robot import Robot
+from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.registry import world
 from kompass.simulation.worlds.shapes import Cylinder
 from kompass.simulation.worlds.world import World
@@ -20,7 +20,7 @@ HALL = World(
 )
 
 
-def drive(robot: Robot, v: float, omega: float, seconds: float) -> None:
+def drive(robot: SimulatedRobot, v: float, omega: float, seconds: float) -> None:
     for _ in range(round(seconds / PERIOD)):
         robot.command(v, omega)
         robot.step(PERIOD)
@@ -28,7 +28,7 @@ def drive(robot: Robot, v: float, omega: float, seconds: float) -> None:
 
 @pytest.mark.parametrize("v", [0.25, 0.1, -0.2])
 def test_drives_one_metre_in_the_commanded_time_and_straight(v: float) -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     drive(robot, v, 0.0, 1.0 / abs(v))
     drive(robot, 0.0, 0.0, 0.5)
     x, y, yaw = robot.truth().pose
@@ -39,7 +39,7 @@ def test_drives_one_metre_in_the_commanded_time_and_straight(v: float) -> None:
 
 @pytest.mark.parametrize("omega", [1.0, -1.0, 0.3])
 def test_turns_ninety_degrees_on_the_spot(omega: float) -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     drive(robot, 0.0, omega, math.radians(90) / abs(omega))
     drive(robot, 0.0, 0.0, 0.5)
     x, y, yaw = robot.truth().pose
@@ -48,7 +48,7 @@ def test_turns_ninety_degrees_on_the_spot(omega: float) -> None:
 
 
 def test_drives_a_square_back_to_where_it_began() -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     for _ in range(4):
         drive(robot, 0.25, 0.0, 4.0)
         drive(robot, 0.0, 0.0, 0.3)
@@ -60,7 +60,7 @@ def test_drives_a_square_back_to_where_it_began() -> None:
 
 
 def test_circle_has_the_commanded_radius() -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     drive(robot, 0.2, 0.4, 0.5)
     places = []
     for _ in range(50):
@@ -71,7 +71,7 @@ def test_circle_has_the_commanded_radius() -> None:
 
 
 def test_command_beyond_the_limits_is_cut_to_them() -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     drive(robot, 5.0, 0.0, 1.0)
     assert robot.truth().twist[0] == pytest.approx(0.3, rel=0.03)
     drive(robot, 0.0, -9.0, 1.0)
@@ -79,7 +79,7 @@ def test_command_beyond_the_limits_is_cut_to_them() -> None:
 
 
 def test_without_commands_it_stops_after_half_a_second() -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     drive(robot, 0.25, 0.0, 1.0)
     robot.step(0.45)
     assert robot.truth().twist[0] == pytest.approx(0.25, rel=0.03)
@@ -89,7 +89,7 @@ def test_without_commands_it_stops_after_half_a_second() -> None:
 
 @pytest.mark.parametrize(("v", "omega"), [(math.nan, 0.0), (0.0, math.inf)])
 def test_command_that_is_no_number_is_refused_and_changes_nothing(v: float, omega: float) -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     drive(robot, 0.2, 0.0, 1.0)
     with pytest.raises(ValueError, match=r"command (v|omega) is .*finite"):
         robot.command(v, omega)
@@ -98,7 +98,7 @@ def test_command_that_is_no_number_is_refused_and_changes_nothing(v: float, omeg
 
 
 def test_stands_perfectly_still_at_rest() -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     robot.step(1.0)
     before, odometry = np.array(robot.truth().pose), robot.wheel_odometry().pose
     for _ in range(500):
@@ -111,7 +111,7 @@ def test_stands_perfectly_still_at_rest() -> None:
 
 
 def test_hard_stop_does_not_nod() -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     for direction in (1, -1):
         drive(robot, direction * 0.3, 0.0, 1.0)
         for _ in range(25):
@@ -122,7 +122,7 @@ def test_hard_stop_does_not_nod() -> None:
 
 
 def test_pillar_stops_it_and_counts_once_per_touch() -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     robot.place((2.4, 0.0, 0.0))
     drive(robot, 0.2, 0.0, 3.0)
     assert robot.truth().pose[0] == pytest.approx(3.0 - 0.15 - 0.10, abs=0.005)
@@ -135,7 +135,7 @@ def test_pillar_stops_it_and_counts_once_per_touch() -> None:
 
 
 def test_wall_stops_it() -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     robot.place((0.0, 4.5, math.pi / 2))
     drive(robot, 0.3, 0.0, 3.0)
     assert robot.truth().pose[1] == pytest.approx(4.9, abs=0.005)
@@ -143,7 +143,7 @@ def test_wall_stops_it() -> None:
 
 
 def test_passing_close_is_no_contact() -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     robot.place((2.0, 0.27, 0.0))
     drive(robot, 0.3, 0.0, 6.0)
     assert robot.truth().pose[0] > 3.5
@@ -153,7 +153,7 @@ def test_passing_close_is_no_contact() -> None:
 def test_starts_where_the_world_says_without_touching_anything() -> None:
     for name in ("hexagon", "apartment", "warehouse"):
         place = world(name)
-        robot = Robot(place)
+        robot = SimulatedRobot(place)
         robot.step(0.5)
         np.testing.assert_allclose(robot.truth().pose, place.start, atol=1e-3)
         assert robot.contacts == 0
@@ -161,7 +161,7 @@ def test_starts_where_the_world_says_without_touching_anything() -> None:
 
 def test_same_seed_repeats_the_run_and_another_does_not() -> None:
     def run(seed: int) -> list[float]:
-        robot = Robot(world("hexagon"), seed)
+        robot = SimulatedRobot(world("hexagon"), seed)
         drive(robot, 0.2, 0.3, 2.0)
         return [*robot.filtered().pose, *robot.wheel_odometry().pose, *robot.scan().tolist()]
 
@@ -170,7 +170,7 @@ def test_same_seed_repeats_the_run_and_another_does_not() -> None:
 
 
 def test_time_adds_up_whatever_the_steps() -> None:
-    robot = Robot(HALL)
+    robot = SimulatedRobot(HALL)
     for _ in range(300):
         robot.step(1 / 300)
     assert robot.time == pytest.approx(1.0, abs=0.002)

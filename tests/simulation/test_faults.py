@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kompass.simulation.faults.fault_manager import BodyFaults, FaultManager, FaultRefused, NotYet
+from kompass.simulation.faults.fault_manager import FaultManager, FaultRefused, NotYet
 from kompass.simulation.faults.fault_names import (
     FAULTS,
     FaultOrder,
@@ -18,30 +18,30 @@ from kompass.simulation.faults.fault_names import (
 )
 from kompass.simulation.faults.robot_faults import ROBOT_FAULTS, RobotFaults
 from kompass.simulation.physics.parts import NoReading
-from kompass.simulation.robot import Robot
+from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.registry import world
 
 PERIOD = 0.02
 
 
 @pytest.fixture
-def robot() -> Robot:
-    return Robot(world("hexagon"))
+def robot() -> SimulatedRobot:
+    return SimulatedRobot(world("hexagon"))
 
 
 @pytest.fixture
-def faults(robot: Robot) -> RobotFaults:
+def faults(robot: SimulatedRobot) -> RobotFaults:
     return RobotFaults(robot)
 
 
-def drive(robot: Robot, seconds: float, v: float = 0.2, omega: float = 0.0) -> None:
+def drive(robot: SimulatedRobot, seconds: float, v: float = 0.2, omega: float = 0.0) -> None:
     for _ in range(round(seconds / PERIOD)):
         robot.command(v, omega)
         robot.step(PERIOD)
 
 
 def test_an_unplugged_lidar_says_nothing_until_it_is_plugged_in_again(
-    robot: Robot, faults: RobotFaults
+    robot: SimulatedRobot, faults: RobotFaults
 ) -> None:
     faults.begin("lidar_unplugged")
     with pytest.raises(NoReading):
@@ -51,7 +51,7 @@ def test_an_unplugged_lidar_says_nothing_until_it_is_plugged_in_again(
 
 
 def test_a_frozen_scan_stays_the_same_while_the_robot_moves(
-    robot: Robot, faults: RobotFaults
+    robot: SimulatedRobot, faults: RobotFaults
 ) -> None:
     faults.begin("scan_frozen")
     first = robot.scan()
@@ -61,7 +61,9 @@ def test_a_frozen_scan_stays_the_same_while_the_robot_moves(
     assert not np.array_equal(robot.scan(), first)
 
 
-def test_a_halved_rate_leaves_out_every_other_scan(robot: Robot, faults: RobotFaults) -> None:
+def test_a_halved_rate_leaves_out_every_other_scan(
+    robot: SimulatedRobot, faults: RobotFaults
+) -> None:
     faults.begin("scan_rate_halved")
     said = []
     for _ in range(6):
@@ -74,7 +76,7 @@ def test_a_halved_rate_leaves_out_every_other_scan(robot: Robot, faults: RobotFa
 
 
 def test_frozen_odometry_repeats_itself_and_jumps_to_the_truth_at_its_end(
-    robot: Robot, faults: RobotFaults
+    robot: SimulatedRobot, faults: RobotFaults
 ) -> None:
     before = robot.filtered().pose
     rolled = robot.wheel_odometry().pose
@@ -87,7 +89,7 @@ def test_frozen_odometry_repeats_itself_and_jumps_to_the_truth_at_its_end(
     assert robot.wheel_odometry().pose[0] > 0.1
 
 
-def test_silent_odometry_says_nothing(robot: Robot, faults: RobotFaults) -> None:
+def test_silent_odometry_says_nothing(robot: SimulatedRobot, faults: RobotFaults) -> None:
     faults.begin("odometry_silent")
     with pytest.raises(NoReading):
         robot.filtered()
@@ -95,7 +97,9 @@ def test_silent_odometry_says_nothing(robot: Robot, faults: RobotFaults) -> None
         robot.wheel_odometry()
 
 
-def test_with_a_blocked_wheel_the_robot_turns_about_it(robot: Robot, faults: RobotFaults) -> None:
+def test_with_a_blocked_wheel_the_robot_turns_about_it(
+    robot: SimulatedRobot, faults: RobotFaults
+) -> None:
     faults.begin("wheel_blocked")
     drive(robot, 1.0)
     assert robot.truth().pose[2] > 0.5
@@ -106,7 +110,7 @@ def test_with_a_blocked_wheel_the_robot_turns_about_it(robot: Robot, faults: Rob
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.0])
 def test_a_boxed_in_robot_sees_walls_all_around_and_gets_nowhere(
-    robot: Robot, faults: RobotFaults, yaw: float
+    robot: SimulatedRobot, faults: RobotFaults, yaw: float
 ) -> None:
     x, y, _ = robot.truth().pose
     robot.place((x, y, yaw))
@@ -124,7 +128,7 @@ def test_a_boxed_in_robot_sees_walls_all_around_and_gets_nowhere(
 
 
 def test_a_wall_across_the_way_stands_ahead_and_nowhere_else(
-    robot: Robot, faults: RobotFaults
+    robot: SimulatedRobot, faults: RobotFaults
 ) -> None:
     drive(robot, 1.0)
     faults.begin("way_blocked")
@@ -135,7 +139,7 @@ def test_a_wall_across_the_way_stands_ahead_and_nowhere_else(
     assert robot.scan()[0] > 1.0
 
 
-def test_faults_overlap_and_end_in_any_order(robot: Robot, faults: RobotFaults) -> None:
+def test_faults_overlap_and_end_in_any_order(robot: SimulatedRobot, faults: RobotFaults) -> None:
     for name in ("scan_frozen", "lidar_unplugged", "scan_rate_halved", "wheel_blocked"):
         faults.begin(name)
     with pytest.raises(NoReading):
@@ -146,13 +150,13 @@ def test_faults_overlap_and_end_in_any_order(robot: Robot, faults: RobotFaults) 
     faults.end("scan_rate_halved")
     faults.end("wheel_blocked")
     assert faults.active == ()
-    sound = Robot(world("hexagon"))
+    sound = SimulatedRobot(world("hexagon"))
     assert [type(part) for part in (robot.lidar, robot.drive, robot.localizer, robot.wheels)] == [
         type(part) for part in (sound.lidar, sound.drive, sound.localizer, sound.wheels)
     ]
 
 
-def robot_next(robot: Robot) -> np.ndarray:
+def robot_next(robot: SimulatedRobot) -> np.ndarray:
     """The next scan that is not left out."""
     while True:
         try:
@@ -161,13 +165,13 @@ def robot_next(robot: Robot) -> np.ndarray:
             continue
 
 
-class Uncertain:
+class LateFaults:
     """Faults of a target that shows up late."""
 
     def __init__(self) -> None:
         self.there = False
         self.begun: list[str] = []
-        self.ended: list[str] = []
+        self.switched_off: list[str] = []
         self.over: list[str] = []
 
     def knows(self, name: str) -> bool:
@@ -180,26 +184,26 @@ class Uncertain:
         return name.startswith("stop:")
 
     def end(self, name: str) -> None:
-        self.ended.append(name)
+        self.switched_off.append(name)
 
-    def passed(self) -> Iterable[str]:
+    def ended(self) -> Iterable[str]:
         return self.over
 
 
-def desk(
-    robot: Robot, *orders: FaultOrder
-) -> tuple[FaultManager, Uncertain, list[tuple[str, ...]]]:
+def manager(
+    robot: SimulatedRobot, *orders: FaultOrder
+) -> tuple[FaultManager, LateFaults, list[tuple[str, ...]]]:
     told: list[tuple[str, ...]] = []
-    late = Uncertain()
+    late = LateFaults()
     return (
-        FaultManager([BodyFaults(RobotFaults(robot)), late], orders, 100.0, told.append),
+        FaultManager([RobotFaults(robot), late], orders, 100.0, told.append),
         late,
         told,
     )
 
 
-def test_a_fault_with_a_duration_ends_by_itself(robot: Robot) -> None:
-    made, _, told = desk(robot)
+def test_a_fault_with_a_duration_ends_by_itself(robot: SimulatedRobot) -> None:
+    made, _, told = manager(robot)
     made.switch("lidar_unplugged", True, 2.0, 100.0)
     made.advance(101.9)
     assert made.active == ("lidar_unplugged",)
@@ -208,8 +212,8 @@ def test_a_fault_with_a_duration_ends_by_itself(robot: Robot) -> None:
     robot.scan()
 
 
-def test_a_fault_is_ordered_for_later_and_waits_for_its_target(robot: Robot) -> None:
-    made, late, _ = desk(robot, FaultOrder("wheel_blocked", 5.0), FaultOrder("stop:mapper"))
+def test_a_fault_is_ordered_for_later_and_waits_for_its_target(robot: SimulatedRobot) -> None:
+    made, late, _ = manager(robot, FaultOrder("wheel_blocked", 5.0), FaultOrder("stop:mapper"))
     made.advance(104.9)
     assert made.active == ()
     late.there = True
@@ -219,8 +223,8 @@ def test_a_fault_is_ordered_for_later_and_waits_for_its_target(robot: Robot) -> 
     assert late.begun == ["stop:mapper"]
 
 
-def test_a_kill_is_over_at_once_and_may_be_repeated(robot: Robot) -> None:
-    made, late, _ = desk(robot)
+def test_a_kill_is_over_at_once_and_may_be_repeated(robot: SimulatedRobot) -> None:
+    made, late, _ = manager(robot)
     late.there = True
     made.switch("kill:mapper", True, 0.0, 100.0)
     made.switch("kill:mapper", True, 0.0, 101.0)
@@ -228,8 +232,8 @@ def test_a_kill_is_over_at_once_and_may_be_repeated(robot: Robot) -> None:
     assert made.active == ()
 
 
-def test_a_fault_that_passes_by_itself_is_told(robot: Robot) -> None:
-    made, late, told = desk(robot)
+def test_a_fault_that_passes_by_itself_is_told(robot: SimulatedRobot) -> None:
+    made, late, told = manager(robot)
     late.there = True
     made.switch("stop:mapper", True, 0.0, 100.0)
     late.over.append("stop:mapper")
@@ -237,19 +241,19 @@ def test_a_fault_that_passes_by_itself_is_told(robot: Robot) -> None:
     assert told[-1] == made.active == ()
 
 
-def test_nothing_is_left_broken_when_the_simulator_ends(robot: Robot) -> None:
-    made, late, _ = desk(robot)
+def test_nothing_is_left_broken_when_the_simulator_ends(robot: SimulatedRobot) -> None:
+    made, late, _ = manager(robot)
     late.there = True
     made.switch("lidar_unplugged", True, 0.0, 100.0)
     made.switch("stop:mapper", True, 0.0, 100.0)
     made.close()
-    assert late.ended == ["stop:mapper"]
+    assert late.switched_off == ["stop:mapper"]
     robot.scan()
 
 
 @pytest.mark.parametrize("duration", [-1.0, math.nan, math.inf])
-def test_a_duration_that_is_no_time_is_refused(robot: Robot, duration: float) -> None:
-    made, _, _ = desk(robot)
+def test_a_duration_that_is_no_time_is_refused(robot: SimulatedRobot, duration: float) -> None:
+    made, _, _ = manager(robot)
     with pytest.raises(FaultRefused, match="duration"):
         made.switch("lidar_unplugged", True, duration, 100.0)
     assert made.active == ()

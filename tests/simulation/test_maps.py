@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kompass.algorithms.map_file import load_map
-from kompass.simulation.robot import Robot
+from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.make_maps import ALIASES, MAPS_FOLDER, make_maps
 from kompass.simulation.worlds.rasterize import rasterize
 from kompass.simulation.worlds.registry import world, world_names
@@ -61,7 +61,7 @@ def test_cells_tell_solid_from_free_from_outside(name: str, resolution: float) -
 def test_walls_seen_by_the_lidar_are_on_the_map(name: str) -> None:
     place = world(name)
     grid = rasterize(place)
-    robot = Robot(place)
+    robot = SimulatedRobot(place)
     x, y, yaw = robot.truth().pose
     ranges = robot.scan().astype(float)
     bearing = yaw + np.arange(360) * np.radians(1.0)

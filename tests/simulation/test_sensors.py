@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kompass.simulation.physics.motion import Motion
-from kompass.simulation.robot import Robot
+from kompass.simulation.physics.motion import BodyMotion
+from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.sensors.bumper import Bumper
 from kompass.simulation.sensors.lidar import NOISE, RANGE_MAX, RANGE_MIN
 from kompass.simulation.sensors.localizer import HEADING_ERROR, POSITION_ERROR, Localizer
@@ -59,7 +59,7 @@ def ray_lengths(place: World, pose: tuple[float, float, float]) -> NDArray[np.fl
 @pytest.mark.parametrize("name", world_names())
 def test_scan_matches_the_geometry_in_every_direction(name: str) -> None:
     place = world(name)
-    robot = Robot(place)
+    robot = SimulatedRobot(place)
     x, y, _ = place.start
     for yaw in (0.0, 0.7, -2.0):
         robot.place((x, y, yaw))
@@ -80,17 +80,17 @@ def test_scan_matches_the_geometry_in_every_direction(name: str) -> None:
 
 
 def test_what_touches_the_robot_is_seen_and_not_taken_for_free_space() -> None:
-    robot = Robot(world("hexagon"))
+    robot = SimulatedRobot(world("hexagon"))
     robot.place((-1.1 - 0.15 - 0.101, 0.0, 0.0))
     assert RANGE_MIN < robot.scan()[0] < RANGE_MIN + 0.005
 
 
 def test_lidar_sees_neither_the_floor_nor_the_robot() -> None:
-    assert np.all(np.isposinf(Robot(HALL).scan()))
+    assert np.all(np.isposinf(SimulatedRobot(HALL).scan()))
 
 
 def test_imu_feels_gravity_and_the_turn_rate() -> None:
-    robot = Robot(world("hexagon"))
+    robot = SimulatedRobot(world("hexagon"))
     for _ in range(60):
         robot.command(0.0, 1.0)
         robot.step(PERIOD)
@@ -105,7 +105,7 @@ def test_imu_feels_gravity_and_the_turn_rate() -> None:
 
 def test_localizer_errs_by_millimetres_smoothly_and_within_bounds() -> None:
     localizer = Localizer(np.random.default_rng(2), PERIOD)
-    still = Motion((1.0, -2.0, math.pi), (0.0, 0.0, 0.0))
+    still = BodyMotion((1.0, -2.0, math.pi), (0.0, 0.0, 0.0))
     errors = []
     for _ in range(20_000):
         localizer.update(still)
@@ -140,7 +140,7 @@ def test_wheel_odometry_follows_an_exact_circle() -> None:
 def test_wheel_odometry_drifts_within_its_own_covariance() -> None:
     drifts, surprises = [], []
     for seed in range(6):
-        robot = Robot(HALL, seed)
+        robot = SimulatedRobot(HALL, seed)
         before = robot.wheel_odometry()
         for tick in range(3000):
             robot.command(0.2, 0.0 if tick % 500 < 350 else 0.5)
@@ -159,7 +159,7 @@ def test_wheel_odometry_drifts_within_its_own_covariance() -> None:
 
 def test_reading_one_sensor_more_often_leaves_the_others_unchanged() -> None:
     def run(scans: int) -> tuple[float, float, float]:
-        robot = Robot(world("hexagon"), seed=9)
+        robot = SimulatedRobot(world("hexagon"), seed=9)
         for _ in range(50):
             robot.command(0.1, 0.2)
             robot.step(PERIOD)

@@ -54,10 +54,10 @@ PROGRAM = """
 
     def beats(report):
         import signal
-        from kompass.supervisor.heartbeat import beat
+        from kompass.supervisor.heartbeat import send_heartbeat
         signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
         hang = {hang!r}
-        beat("node_a")
+        send_heartbeat("node_a")
         report("active")
         began = time.monotonic()
         while True:
@@ -74,7 +74,7 @@ PROGRAM = """
                 elif hang == "never returns":
                     while True:
                         time.sleep(0.01)
-            beat("node_a")
+            send_heartbeat("node_a")
             time.sleep(0.05)
 
     def never(report):
@@ -238,11 +238,13 @@ def test_who_listens_is_told_how_the_others_are_doing(
 
 EAR = "ear = ProcessSpec('m', listens, listens=True); "
 LISTENED = EAR + "specs = [ProcessSpec('a', beats, names=['node_a']), ear]"
-QUICK = "dict(patience=__import__('kompass.supervisor.liveness', fromlist=['x']).Patience({}))"
+LIMITED = (
+    "dict(limits=__import__('kompass.supervisor.liveness', fromlist=['x']).LivenessLimits({}))"
+)
 
 
-def listened(folder: Path, programs: list[Program], hang: str = "", patience: str = "") -> Program:
-    options = QUICK.format(patience)
+def listened(folder: Path, programs: list[Program], hang: str = "", limits: str = "") -> Program:
+    options = LIMITED.format(limits)
     program = Program(folder, LISTENED, name="ear", hang=hang, options=options)
     programs.append(program)
     wait_until(lambda: "active" in program.told("a"), 10, "a living process")
@@ -263,7 +265,7 @@ def test_a_stopped_process_is_stuck_within_a_second_and_well_again_when_it_goes_
 
 
 def test_a_glance_of_a_debugger_is_no_failure(tmp_path: Path, programs: list[Program]) -> None:
-    program = listened(tmp_path, programs, patience="stopped=1.0")
+    program = listened(tmp_path, programs, limits="stopped=1.0")
     os.kill(program.pid_of("a"), signal.SIGSTOP)
     wait_until(lambda: program.told("a")[-1] == "busy", 1.0, "word of it")
     os.kill(program.pid_of("a"), signal.SIGCONT)
@@ -274,7 +276,7 @@ def test_a_glance_of_a_debugger_is_no_failure(tmp_path: Path, programs: list[Pro
 def test_a_process_that_stays_stuck_is_killed_and_started_again(
     tmp_path: Path, programs: list[Program]
 ) -> None:
-    program = listened(tmp_path, programs, patience="killed=0.5")
+    program = listened(tmp_path, programs, limits="killed=0.5")
     first = program.pid_of("a")
     os.kill(first, signal.SIGSTOP)
     wait_until(lambda: program.told("a")[-1] == "active" and "dead" in program.told("a"), 6, "life")
@@ -312,7 +314,7 @@ def test_who_allows_itself_longer_steps_is_not_stuck(
         EAR + "specs = [ProcessSpec('a', beats, names=['node_a'], allowed={'node_a': 60.0}), ear]",
         name="ear",
         hang="sleeps",
-        options=QUICK.format("stuck=0.7"),
+        options=LIMITED.format("stuck=0.7"),
     )
     programs.append(program)
     wait_until(lambda: program.told("a")[-2:] == ["busy", "active"], 10, "a long step")
@@ -327,7 +329,7 @@ def test_nodes_that_share_a_process_are_told_of_one_by_one(
         EAR + "specs = [ProcessSpec('components', beats, names=['node_a', 'node_b']), ear]",
         name="ear",
         hang="never returns",
-        options=QUICK.format("stuck=60"),
+        options=LIMITED.format("stuck=60"),
     )
     programs.append(program)
     wait_until(lambda: "busy" in program.told("node_a"), 10, "word of the busy node")

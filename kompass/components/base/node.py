@@ -4,7 +4,7 @@ from typing import Protocol
 
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
-from kompass.rclpy_ext.node import NoEventCallbacks
+from kompass.rclpy_ext.node import NoEventCallbacks, lifecycle_state
 
 
 class Transitions(Protocol):
@@ -28,7 +28,7 @@ class ComponentNode(NoEventCallbacks, LifecycleNode):  # type: ignore[misc]  # r
     @property
     def state(self) -> str:
         """Label of the lifecycle's state: unconfigured, inactive, active, finalized, …"""
-        return str(self._state_machine.current_state[1])
+        return lifecycle_state(self)
 
     def _carry(self, transition: str) -> TransitionCallbackReturn:
         try:

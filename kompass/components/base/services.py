@@ -14,7 +14,7 @@ from automatika_ros_sugar.srv import (
 from kompass.components.base.component_config import ComponentConfig
 from kompass.components.base.health import Health
 from kompass.components.base.parameter import read_values
-from kompass.rclpy_ext.async_service import create_async_service
+from kompass.rclpy_ext.deferred_service import create_deferred_service
 from kompass.rclpy_ext.topic import Topic
 
 
@@ -52,7 +52,7 @@ class ComponentServices:
             (ReplaceTopic, "change_topic", self._on_topic),
         ):
             node.create_service(kind, f"{name}/{suffix}", callback)
-        create_async_service(node, ExecuteMethod, f"{name}/execute_method", self._on_execute)
+        create_deferred_service(node, ExecuteMethod, f"{name}/execute_method", self._on_execute)
 
     def _on_parameter(
         self, request: ChangeParameter.Request, response: ChangeParameter.Response

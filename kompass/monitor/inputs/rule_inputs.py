@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 from kompass.rclpy_ext.messages import ros_class
+from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, ReaderQoS, best_for
 
 # Messages that wait for a monitor that is held up: a second of a fast topic. Of large ones fewer.
 DEPTH = 1000
@@ -21,10 +21,6 @@ DEPTH_OF_LARGE = 10
 RECENT = 2
 TOGETHER = 0.05  # s within which two readers are handed the same message
 LARGE = ("Image", "CompressedImage", "PointCloud2", "OccupancyGrid")
-# A best-effort reader matches every publisher at once, so nothing waits for discovery. Once the
-# publishers are known, the reader is made as good as they are.
-FIRST = (ReliabilityPolicy.BEST_EFFORT, DurabilityPolicy.VOLATILE)
-Offer = tuple[ReliabilityPolicy, DurabilityPolicy]
 # Topic, type, message, and the bytes that it came as.
 Receive = Callable[[str, str, Any, bytes], None]
 
@@ -36,7 +32,7 @@ class _Input:
     type_name: str
     kind: type[Any]
     subscription: Any
-    offer: Offer
+    offer: ReaderQoS
     count: int = 0
     # Messages that came before the table that asked for the topic; None once it is in force.
     early: deque[tuple[Any, bytes]] | None = field(default=None)
@@ -113,7 +109,7 @@ class RuleInputs:
             best = self._offer(name, each.type_name)
             if best != each.offer:
                 each.leaving, each.offer = each.subscription, best
-                if best[1] == DurabilityPolicy.TRANSIENT_LOCAL:
+                if best.latched:
                     each.again.update(each.recent)
                 each.subscription = self._subscribe(name, each.kind, best)
 
@@ -144,30 +140,19 @@ class RuleInputs:
             type_name, kind, self._subscribe(name, kind, offer), offer, early=held
         )
 
-    def _offer(self, name: str, type_name: str) -> Offer:
+    def _offer(self, name: str, type_name: str) -> ReaderQoS:
         """The best that every publisher of a topic offers."""
         infos = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(name))
-        offers = [
-            (info.qos_profile.reliability, info.qos_profile.durability)
-            for info in infos
-            if info.topic_type == type_name
-        ]
-        if infos and not offers:
+        fitting = [info for info in infos if info.topic_type == type_name]
+        if infos and not fitting:
             self.broken[name] = f"/{name} is published as {infos[0].topic_type}, not as {type_name}"
         else:
             self.broken.pop(name, None)
-        if not offers:
-            known = self._open.get(name)
-            return known.offer if known else FIRST
-        reliable = all(each[0] == ReliabilityPolicy.RELIABLE for each in offers)
-        latched = all(each[1] == DurabilityPolicy.TRANSIENT_LOCAL for each in offers)
-        return (
-            ReliabilityPolicy.RELIABLE if reliable else FIRST[0],
-            DurabilityPolicy.TRANSIENT_LOCAL if latched else FIRST[1],
-        )
+        known = self._open.get(name)
+        return best_for(fitting, known.offer if known else FOR_ANY_PUBLISHER)
 
-    def _subscribe(self, name: str, kind: type[Any], offer: Offer) -> Any:
-        qos = QoSProfile(depth=_depth(kind), reliability=offer[0], durability=offer[1])
+    def _subscribe(self, name: str, kind: type[Any], offer: ReaderQoS) -> Any:
+        qos = offer.profile(_depth(kind))
         reader: list[Any] = []
 
         def take(raw: bytes) -> None:

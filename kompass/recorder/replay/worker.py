@@ -149,7 +149,7 @@ def _save(_: Callable[..., None], recordings: str, path: str, seconds: float) ->
     return str(save_clip(Path(recordings), Path(path), start))
 
 
-_JOBS: dict[str, Callable[..., Any]] = {"backtest": _backtest, "save_clip": _save}
+_JOBS: dict[str, Callable[..., Any]] = {"backtest": _backtest, "save": _save}
 
 if __name__ == "__main__":
     main()

@@ -1,4 +1,4 @@
-"""Which faults are on, and when they begin and end. It has no clock: callers pass `now`."""
+"""Which faults are on, and when they begin and end. It has no clock: callers pass ``now``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
 from kompass.simulation.faults.fault_names import FaultOrder, check_fault
-from kompass.simulation.faults.robot_faults import ROBOT_FAULTS, RobotFaults
 
 
 class FaultRefused(RuntimeError):
@@ -18,11 +17,11 @@ class NotYet(FaultRefused):
     """It cannot be switched on now, but may be later: its target has not shown up."""
 
 
-class Faults(Protocol):
-    """Faults of one kind."""
+class FaultKind(Protocol):
+    """Faults of one kind: of the robot, of processes, of the map."""
 
     def knows(self, name: str) -> bool:
-        """Whether `name` is one of them."""
+        """Whether ``name`` is one of them."""
 
     def begin(self, name: str) -> bool:
         """Switch it on; False when it is over at once, as a kill is."""
@@ -30,43 +29,28 @@ class Faults(Protocol):
     def end(self, name: str) -> None:
         """Switch it off."""
 
-    def passed(self) -> Iterable[str]:
-        """Faults that have ended by themselves since they were last asked for."""
-
-
-class BodyFaults:
-    """The robot's own faults, as a kind."""
-
-    def __init__(self, faults: RobotFaults) -> None:
-        self._faults = faults
-
-    def knows(self, name: str) -> bool:
-        return name in ROBOT_FAULTS
-
-    def begin(self, name: str) -> bool:
-        self._faults.begin(name)
-        return True
-
-    def end(self, name: str) -> None:
-        self._faults.end(name)
-
-    def passed(self) -> Iterable[str]:
-        return ()
+    def ended(self) -> Iterable[str]:
+        """Faults that have come to an end by themselves."""
 
 
 class FaultManager:
-    """Takes orders for faults of every kind.
+    """Switches faults of every kind on and off, at once or when their time comes.
 
-    Args:
-        kinds: Asked in turn who knows a fault.
-        orders: Faults to begin by themselves.
-        now: Monotonic seconds; what the orders' times count from.
-        changed: Called with the faults that are on, whenever they have changed.
+    Parameters
+    ----------
+    kinds
+        Asked in turn who knows a fault.
+    orders
+        Faults to begin by themselves.
+    now
+        Monotonic seconds; what the orders' times count from.
+    changed
+        Called with the faults that are on, whenever they have changed.
     """
 
     def __init__(
         self,
-        kinds: Sequence[Faults],
+        kinds: Sequence[FaultKind],
         orders: Iterable[FaultOrder],
         now: float,
         changed: Callable[[tuple[str, ...]], None],
@@ -84,15 +68,23 @@ class FaultManager:
     def switch(self, name: str, on: bool, duration: float, now: float) -> None:
         """Switch a fault on or off.
 
-        Args:
-            name: Of the fault.
-            on: Which of the two.
-            duration: Seconds after which it ends by itself; 0 for never.
-            now: Monotonic seconds.
+        Parameters
+        ----------
+        name
+            Of the fault.
+        on
+            Which of the two.
+        duration
+            Seconds after which it ends by itself; 0 for never.
+        now
+            Monotonic seconds.
 
-        Raises:
-            UnknownFault: There is no such fault.
-            FaultRefused: It cannot be switched.
+        Raises
+        ------
+        UnknownFault
+            There is no such fault.
+        FaultRefused
+            It cannot be switched.
         """
         kind = self._kind(check_fault(name))
         if not (math.isfinite(duration) and duration >= 0.0):
@@ -108,19 +100,19 @@ class FaultManager:
         self._changed(self.active)
 
     def advance(self, now: float) -> None:
-        """Begin and end what is due at `now` (monotonic seconds)."""
+        """Begin and end what is due at ``now`` (monotonic seconds)."""
         for order in [order for order in self._due if order[0] <= now]:
             self._due.remove(order)
             try:
                 self.switch(order[1], True, 0.0, now)
             except NotYet:
                 self._due.append(order)  # its target is on its way up; the next call tries again
-        gone = [name for kind in self._kinds for name in kind.passed() if name in self._ends]
-        for name in gone:
+        ended = [name for kind in self._kinds for name in kind.ended() if name in self._ends]
+        for name in ended:
             del self._ends[name]
         for name in [name for name, end in self._ends.items() if end <= now]:
             self.switch(name, False, 0.0, now)
-        if gone:
+        if ended:
             self._changed(self.active)
 
     def close(self) -> None:
@@ -129,7 +121,7 @@ class FaultManager:
             self._kind(name).end(name)
         self._ends.clear()
 
-    def _kind(self, name: str) -> Faults:
+    def _kind(self, name: str) -> FaultKind:
         for kind in self._kinds:
             if kind.knows(name):
                 return kind

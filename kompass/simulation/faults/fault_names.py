@@ -37,9 +37,12 @@ class UnknownFault(ValueError):
 class FaultOrder:
     """A fault to be switched on some time after the start.
 
-    Attributes:
-        name: One of `FAULTS`, with a process in the place of NAME.
-        after: Seconds after the start.
+    Attributes
+    ----------
+    name
+        One of ``FAULTS``, with a process in the place of NAME.
+    after
+        Seconds after the start.
     """
 
     name: str
@@ -47,10 +50,12 @@ class FaultOrder:
 
 
 def check_fault(name: str) -> str:
-    """`name`, if there is such a fault.
+    """``name``, if there is such a fault.
 
-    Raises:
-        UnknownFault: There is none; the message offers the nearest.
+    Raises
+    ------
+    UnknownFault
+        There is none; the message offers the nearest.
     """
     kind, colon, target = name.partition(":")
     if colon and kind in TARGETED:
@@ -68,10 +73,12 @@ def check_fault(name: str) -> str:
 
 
 def parse_fault(text: str) -> FaultOrder:
-    """Read `NAME` or `NAME:SECONDS`, as on a command line.
+    """Read ``NAME`` or ``NAME:SECONDS``, as on a command line.
 
-    Raises:
-        UnknownFault: There is no such fault, or the seconds are none.
+    Raises
+    ------
+    UnknownFault
+        There is no such fault, or the seconds are none.
     """
     name, colon, last = text.rpartition(":")
     try:
@@ -92,8 +99,10 @@ def parse_fault(text: str) -> FaultOrder:
 def withholds_map(orders: Iterable[str]) -> bool:
     """Whether the map server must start without a map.
 
-    Raises:
-        UnknownFault: One of the orders cannot be read.
+    Raises
+    ------
+    UnknownFault
+        One of the orders cannot be read.
     """
     return MAP_WITHHELD in [parse_fault(text).name for text in orders]
 

@@ -8,68 +8,71 @@ from collections.abc import Sequence
 
 from kompass_interfaces.srv import SetFault
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
-from kompass.simulation.faults.fault_manager import BodyFaults, FaultManager, FaultRefused
+from kompass.rclpy_ext.qos import LATCHED_PROFILE
+from kompass.simulation.faults.fault_manager import FaultManager, FaultRefused
 from kompass.simulation.faults.fault_names import MAP_WITHHELD, FaultOrder, UnknownFault, help_text
 from kompass.simulation.faults.map_faults import MapFaults
 from kompass.simulation.faults.process_faults import ProcessFaults
 from kompass.simulation.faults.robot_faults import RobotFaults
-from kompass.simulation.robot import Robot
+from kompass.simulation.robot import SimulatedRobot
 
 SERVICE = "/simulator/set_fault"
 TOPIC = "/simulator/faults"
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class FaultService:
-    """`/simulator/set_fault`, and the faults that are on as a JSON list on `/simulator/faults`.
+    """Offers ``/simulator/set_fault``, and tells on ``/simulator/faults`` which are on (JSON list).
 
-    Args:
-        node: Of the simulator.
-        robot: Whose faults they are.
-        orders: Faults to begin by themselves.
+    Parameters
+    ----------
+    node
+        Of the simulator.
+    robot
+        Whose faults they are.
+    orders
+        Faults to begin by themselves.
     """
 
-    def __init__(self, node: Node, robot: Robot, orders: Sequence[FaultOrder]) -> None:
+    def __init__(self, node: Node, robot: SimulatedRobot, orders: Sequence[FaultOrder]) -> None:
         self._node = node
         self._published: tuple[str, ...] | None = None
-        self._publisher = node.create_publisher(String, TOPIC, _LATCHED)
+        self._publisher = node.create_publisher(String, TOPIC, LATCHED_PROFILE)
         withheld = any(order.name == MAP_WITHHELD for order in orders)
         kinds = (
-            BodyFaults(RobotFaults(robot)),
+            RobotFaults(robot),
             ProcessFaults(node),
             MapFaults(node, robot, withheld=withheld),
         )
-        self._desk = FaultManager(kinds, orders, time.monotonic(), self._publish)
+        self._manager = FaultManager(kinds, orders, time.monotonic(), self._publish)
         self._publish(())
         node.create_service(SetFault, SERVICE, self._on_request)
 
     def advance(self, now: float) -> None:
-        """Begin and end what is due at `now` (monotonic seconds)."""
+        """Begin and end what is due at ``now`` (monotonic seconds)."""
         try:
-            self._desk.advance(now)
+            self._manager.advance(now)
         except FaultRefused as refusal:
             self._node.get_logger().error(str(refusal), throttle_duration_sec=5.0)
 
     def close(self) -> None:
         """End all faults."""
-        self._desk.close()
+        self._manager.close()
 
     def _on_request(
         self, request: SetFault.Request, response: SetFault.Response
     ) -> SetFault.Response:
         try:
             if request.fault:
-                self._desk.switch(request.fault, request.on, request.duration, time.monotonic())
+                self._manager.switch(request.fault, request.on, request.duration, time.monotonic())
                 response.message = f"{request.fault} is {'on' if request.on else 'off'}"
             else:
                 response.message = help_text()
             response.success = True
         except (UnknownFault, FaultRefused) as refusal:
             response.message = str(refusal)
-        response.active = list(self._desk.active)
+        response.active = list(self._manager.active)
         return response
 
     def _publish(self, active: tuple[str, ...]) -> None:

@@ -5,8 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kompass.simulation.physics.motion import Motion
-from kompass.simulation.physics.parts import Drive, NoReading, Odometer, PoseSource, RangeFinder
+from kompass.simulation.physics.motion import BodyMotion
+from kompass.simulation.physics.parts import (
+    NoReading,
+    Odometer,
+    PoseSource,
+    RangeFinder,
+    WheelDrive,
+)
 
 
 class UnpluggedLidar:
@@ -50,15 +56,15 @@ class FrozenLocalizer:
         self._sound = sound
         self._kept = sound.read()
 
-    def update(self, truth: Motion) -> None:
+    def update(self, truth: BodyMotion) -> None:
         self._sound.update(truth)
 
-    def read(self) -> Motion:
+    def read(self) -> BodyMotion:
         return self._kept
 
 
 class FrozenOdometry:
-    """Repeats one pose of the wheels; see `FrozenLocalizer`."""
+    """Repeats one pose of the wheels; see ``FrozenLocalizer``."""
 
     def __init__(self, sound: Odometer) -> None:
         self._sound = sound
@@ -67,7 +73,7 @@ class FrozenOdometry:
     def update(self, left_angle: float, right_angle: float, dt: float) -> None:
         self._sound.update(left_angle, right_angle, dt)
 
-    def read(self) -> Motion:
+    def read(self) -> BodyMotion:
         return self._kept
 
 
@@ -77,10 +83,10 @@ class SilentLocalizer:
     def __init__(self, sound: PoseSource) -> None:
         self._sound = sound
 
-    def update(self, truth: Motion) -> None:
+    def update(self, truth: BodyMotion) -> None:
         self._sound.update(truth)
 
-    def read(self) -> Motion:
+    def read(self) -> BodyMotion:
         raise NoReading("the localizer is silent")
 
 
@@ -93,14 +99,14 @@ class SilentOdometry:
     def update(self, left_angle: float, right_angle: float, dt: float) -> None:
         self._sound.update(left_angle, right_angle, dt)
 
-    def read(self) -> Motion:
+    def read(self) -> BodyMotion:
         raise NoReading("the wheels' encoders are silent")
 
 
 class BlockedWheelDrive:
     """The left motor holds its wheel still."""
 
-    def __init__(self, sound: Drive) -> None:
+    def __init__(self, sound: WheelDrive) -> None:
         self._sound = sound
 
     def command(self, v: float, omega: float, now: float) -> None:

@@ -11,37 +11,42 @@ import numpy as np
 from nav2_msgs.srv import LoadMap
 from nav_msgs.msg import OccupancyGrid
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from kompass.algorithms.grid import OCCUPIED, Grid
 from kompass.algorithms.map_file import save_map
+from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.share import map_path
 from kompass.simulation.faults.fault_manager import FaultRefused, NotYet
 from kompass.simulation.faults.fault_names import MAP_WITHHELD
-from kompass.simulation.robot import Robot
+from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.rasterize import rasterize
 
 SERVICE = "/map_server/load_map"
 START_OCCUPIED = "start_occupied"
 SPOT = 0.05  # m; radius of what the map shows where the robot is
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class MapFaults:
     """Has the map server serve what the fault asks for, and the world's own map afterwards.
 
-    Args:
-        withheld: Whether the map server was started without a map.
+    Parameters
+    ----------
+    node
+        Of the simulator.
+    robot
+        Whose place and world the map is of.
+    withheld
+        Whether the map server was started without a map.
     """
 
-    def __init__(self, node: Node, robot: Robot, *, withheld: bool) -> None:
+    def __init__(self, node: Node, robot: SimulatedRobot, *, withheld: bool) -> None:
         self._node = node
         self._robot = robot
         self._client = node.create_client(LoadMap, SERVICE)
         self._withheld = withheld
         self._arrived = False
         if withheld:
-            node.create_subscription(OccupancyGrid, "/map", self._on_map, _LATCHED)
+            node.create_subscription(OccupancyGrid, "/map", self._on_map, LATCHED_PROFILE)
 
     def knows(self, name: str) -> bool:
         return name in (MAP_WITHHELD, START_OCCUPIED)
@@ -69,7 +74,7 @@ class MapFaults:
     def end(self, name: str) -> None:
         self._load(map_path(self._robot.world.name), None)
 
-    def passed(self) -> Iterable[str]:
+    def ended(self) -> Iterable[str]:
         return (MAP_WITHHELD,) if self._arrived else ()
 
     def _on_map(self, _message: OccupancyGrid) -> None:
@@ -88,7 +93,7 @@ class MapFaults:
 
 
 def _with_spot(grid: Grid, x: float, y: float) -> Grid:
-    """`grid` with everything within `SPOT` of a point occupied, the point's own cell at least."""
+    """A grid with all within ``SPOT`` of a point occupied, and its own cell in any case."""
     rows, columns = np.indices(grid.cells.shape)
     centers = grid.cell_to_world(np.column_stack([columns.ravel(), rows.ravel()]))
     away = np.hypot(centers[:, 0] - x, centers[:, 1] - y).reshape(grid.cells.shape)

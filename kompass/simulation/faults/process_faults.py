@@ -9,14 +9,13 @@ from pathlib import Path
 
 from kompass_interfaces.msg import ProcessState, StackState
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation.faults.fault_manager import FaultRefused, NotYet
 from kompass.simulation.faults.fault_names import TARGETED
 
 TOPIC = "monitor/stack_state"
 _GONE = ("dead", "given up")
-_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class ProcessFaults:
@@ -24,13 +23,18 @@ class ProcessFaults:
 
     The names and process ids come over ROS, from whoever publishes them. So only siblings of this
     process are touched: what the same supervisor has forked.
+
+    Parameters
+    ----------
+    node
+        Of the simulator.
     """
 
     def __init__(self, node: Node) -> None:
         self._node = node
         self._processes: list[ProcessState] = []
         self._stopped: dict[str, int] = {}  # pidfds, which a later process cannot be mistaken for
-        node.create_subscription(StackState, TOPIC, self._note, _LATCHED)
+        node.create_subscription(StackState, TOPIC, self._on_stack_state, LATCHED_PROFILE)
 
     def knows(self, name: str) -> bool:
         return name.partition(":")[0] in TARGETED
@@ -62,10 +66,10 @@ class ProcessFaults:
         finally:
             os.close(descriptor)
 
-    def passed(self) -> Iterable[str]:
+    def ended(self) -> Iterable[str]:
         return ()
 
-    def _note(self, message: StackState) -> None:
+    def _on_stack_state(self, message: StackState) -> None:
         self._processes = list(message.processes)
 
     def _find(self, target: str) -> ProcessState:

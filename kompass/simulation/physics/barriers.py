@@ -16,11 +16,16 @@ _THICKNESS = 0.02
 class Barrier:
     """An upright wall.
 
-    Attributes:
-        name: Of its body in the physics.
-        gap: Between it and the robot's shell, metres.
-        direction: In which it stands from the robot, radians anticlockwise from ahead.
-        length: Metres.
+    Attributes
+    ----------
+    name
+        Of its body in the physics.
+    gap
+        Between it and the robot's shell, metres.
+    direction
+        In which it stands from the robot, radians anticlockwise from ahead.
+    length
+        Metres.
     """
 
     name: str
@@ -31,7 +36,7 @@ class Barrier:
     height: float = 0.5
 
     def place(self, pose: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Where it stands (x, y, yaw of its normal) when put up beside a robot at `pose`."""
+        """Where it stands (x, y, yaw of its normal) when put up beside a robot at ``pose``."""
         x, y, yaw = pose
         away = BODY_RADIUS + self.gap + self.thickness / 2
         turned = yaw + self.direction

@@ -1,6 +1,6 @@
 """The robot and its world as MuJoCo's model text (MJCF).
 
-The robot is a differential drive of the TurtleBot3's proportions. `base_link` lies on the floor
+The robot is a differential drive of the TurtleBot3's proportions. ``base_link`` lies on the floor
 midway between the wheels, x forward. What touches what is decided by collision bits, so that the
 shell alone meets walls and pillars while wheels and casters alone meet the floor.
 """
@@ -41,7 +41,7 @@ _FLOOR_BIT, _SOLID_BIT = 1, 2
 
 
 def model_text(world: World) -> str:
-    """MJCF of `world` with the robot at its start pose."""
+    """MJCF of ``world`` with the robot at its start pose."""
     solids = "\n".join(_solid(shape) for shape in world.solids)
     barriers = "\n".join(map(_barrier, BARRIERS))
     return f"""

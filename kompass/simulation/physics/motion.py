@@ -15,14 +15,19 @@ def _zeros() -> Matrix3:
 
 
 @dataclass(frozen=True)
-class Motion:
+class BodyMotion:
     """A planar pose with the twist that goes with it.
 
-    Attributes:
-        pose: (x, y, yaw) in the frame of whoever gives it, metres and radians.
-        twist: (vx, vy, omega) in `base_link`, m/s and rad/s.
-        pose_covariance: (3, 3) of `pose`; zeros for the truth.
-        twist_covariance: (3, 3) of `twist`; zeros for the truth.
+    Attributes
+    ----------
+    pose
+        (x, y, yaw) in the frame of whoever gives it, metres and radians.
+    twist
+        (vx, vy, omega) in ``base_link``, m/s and rad/s.
+    pose_covariance
+        (3, 3) of ``pose``; zeros for the truth.
+    twist_covariance
+        (3, 3) of ``twist``; zeros for the truth.
     """
 
     pose: tuple[float, float, float]

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from kompass.simulation.physics.motion import Motion
+from kompass.simulation.physics.motion import BodyMotion
 
 
 class NoReading(Exception):
@@ -18,34 +18,57 @@ class RangeFinder(Protocol):
     """Measures distances all around."""
 
     def scan(self) -> NDArray[np.float32]:
-        """Ranges in metres from straight ahead anticlockwise; raises NoReading for none."""
+        """Measure once.
+
+        Returns
+        -------
+        NDArray[np.float32]
+            Ranges [m] from straight ahead anticlockwise.
+
+        Raises
+        ------
+        NoReading
+            When there is none this time.
+        """
 
 
 class PoseSource(Protocol):
     """Tells where the robot is in the map."""
 
-    def update(self, truth: Motion) -> None:
+    def update(self, truth: BodyMotion) -> None:
         """Take in the true motion."""
 
-    def read(self) -> Motion:
-        """The newest reading; raises NoReading for none."""
+    def read(self) -> BodyMotion:
+        """The newest reading.
+
+        Raises
+        ------
+        NoReading
+            When there is none this time.
+        """
 
 
 class Odometer(Protocol):
     """Tells how far the wheels have rolled."""
 
     def update(self, left_angle: float, right_angle: float, dt: float) -> None:
-        """Take in the wheel angles (radians), `dt` seconds after the last ones."""
+        """Take in the wheel angles (radians), ``dt`` seconds after the last ones."""
 
-    def read(self) -> Motion:
-        """The newest reading; raises NoReading for none."""
+    def read(self) -> BodyMotion:
+        """The newest reading.
+
+        Raises
+        ------
+        NoReading
+            When there is none this time.
+        """
 
 
-class Drive(Protocol):
+class WheelDrive(Protocol):
     """Turns commands into speeds of the wheels."""
 
     def command(self, v: float, omega: float, now: float) -> None:
-        """Drive with `v` (m/s) and `omega` (rad/s) from `now` (s) on."""
+        """Drive with ``v`` (m/s) and ``omega`` (rad/s) from ``now`` (s) on."""
 
     def wheel_speeds(self, now: float) -> tuple[float, float]:
         """(left, right) in rad/s."""

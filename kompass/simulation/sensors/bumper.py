@@ -8,9 +8,11 @@ SEPARATION_TIME = 0.2  # s without contact that end an episode
 class Bumper:
     """Turns touching, sampled at every physics step, into episodes.
 
-    Attributes:
-        episodes: Contacts so far. One that is lost for less than `SEPARATION_TIME`, as when a
-            robot bounces or scrapes along a wall, still counts once.
+    Attributes
+    ----------
+    episodes
+        Contacts so far. One that is lost for less than ``SEPARATION_TIME``, as when a
+        robot bounces or scrapes along a wall, still counts once.
     """
 
     def __init__(self) -> None:
@@ -18,7 +20,7 @@ class Bumper:
         self._last_touch = -SEPARATION_TIME
 
     def update(self, touching: bool, now: float) -> None:
-        """Take in whether the shell touches anything at `now` (simulated seconds)."""
+        """Take in whether the shell touches anything at ``now`` (simulated seconds)."""
         if not touching:
             return
         if now - self._last_touch >= SEPARATION_TIME:

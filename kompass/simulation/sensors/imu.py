@@ -15,12 +15,16 @@ ORIENTATION_NOISE = 0.002  # rad
 
 @dataclass(frozen=True)
 class ImuReading:
-    """One reading in `imu_link`.
+    """One reading in ``imu_link``.
 
-    Attributes:
-        orientation: Quaternion (x, y, z, w) of `imu_link` in the world.
-        angular_velocity: (3,) rad/s.
-        linear_acceleration: (3,) m/s², gravity included as real accelerometers do.
+    Attributes
+    ----------
+    orientation
+        Quaternion (x, y, z, w) of ``imu_link`` in the world.
+    angular_velocity
+        (3,) rad/s.
+    linear_acceleration
+        (3,) m/s², gravity included as real accelerometers do.
     """
 
     orientation: tuple[float, float, float, float]

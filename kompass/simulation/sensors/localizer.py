@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from kompass.simulation.physics.motion import Motion
+from kompass.simulation.physics.motion import BodyMotion
 
 POSITION_ERROR = 0.005  # standard deviation of x and of y, m
 HEADING_ERROR = math.radians(0.3)
@@ -22,16 +22,18 @@ class Localizer:
     Each error follows a second-order Gauss-Markov process (Brown and Hwang, "Introduction to
     Random Signals and Applied Kalman Filtering", 4th ed., section 4.4), whose derivative is finite:
     an operator sees the robot stand still when it stands still. It is stepped with its exact
-    discretisation, so its statistics do not depend on the rate.
+    discretisation, so its statistics do not depend on the rate. At first the errors are drawn from
+    their stationary distribution.
+
+    Parameters
+    ----------
+    random
+        Source of all its noise.
+    dt
+        Time between updates [s].
     """
 
     def __init__(self, random: np.random.Generator, dt: float) -> None:
-        """Start with errors drawn from their stationary distribution.
-
-        Args:
-            random: Source of all its noise.
-            dt: Seconds between updates.
-        """
         self._random = random
         self._sigma = np.array([POSITION_ERROR, POSITION_ERROR, HEADING_ERROR])
         beta = CORRELATION
@@ -43,23 +45,23 @@ class Localizer:
         self._kick = np.linalg.cholesky(gained)
         # Rows: error and its rate, in standard deviations; columns: x, y, yaw.
         self._error = np.array([[1.0], [beta]]) * random.standard_normal((2, 3))
-        self._motion = Motion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        self._motion = BodyMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
-    def update(self, truth: Motion) -> None:
-        """Take in the true motion, `dt` seconds after the last one."""
+    def update(self, truth: BodyMotion) -> None:
+        """Take in the true motion, ``dt`` seconds after the last one."""
         noise = self._random.standard_normal((3, 3))
         self._error = self._step @ self._error + self._kick @ noise[:2]
         offset = np.clip(self._error[0], -BOUND, BOUND) * self._sigma
         x, y, yaw = np.array(truth.pose) + offset
         deviation = np.array(SPEED_FLOOR) + SPEED_ERROR * np.abs(truth.twist)
         vx, vy, omega = np.array(truth.twist) + deviation * noise[2]
-        self._motion = Motion(
+        self._motion = BodyMotion(
             (float(x), float(y), math.remainder(float(yaw), math.tau)),
             (float(vx), float(vy), float(omega)),
             np.diag(self._sigma**2),
             np.diag(deviation**2),
         )
 
-    def read(self) -> Motion:
-        """Pose in `map` and twist, as of the last update."""
+    def read(self) -> BodyMotion:
+        """Pose in ``map`` and twist, as of the last update."""
         return self._motion

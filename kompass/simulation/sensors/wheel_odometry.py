@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from kompass.simulation.physics.mjcf import WHEEL_RADIUS, WHEEL_SEPARATION
-from kompass.simulation.physics.motion import Motion
+from kompass.simulation.physics.motion import BodyMotion
 
 TICKS_PER_TURN = 4096
 
@@ -21,7 +21,7 @@ SPEED_VARIANCE = (2e-3**2, 1e-9, 2e-2**2)  # of the twist, (m/s)², (m/s)², (ra
 
 
 class WheelOdometry:
-    """Integrates encoder ticks along circular arcs, frame `odom`, which starts at the robot.
+    """Integrates encoder ticks along circular arcs, frame ``odom``, which starts at the robot.
 
     The covariance grows as in Siegwart, Nourbakhsh and Scaramuzza, "Introduction to Autonomous
     Mobile Robots", 2nd ed., section 5.2.4: independent errors of the two wheels, proportional to
@@ -38,7 +38,7 @@ class WheelOdometry:
         self._covariance = np.zeros((3, 3))
 
     def update(self, left_angle: float, right_angle: float, dt: float) -> None:
-        """Take in the wheel angles (radians) now, `dt` seconds after the last ones."""
+        """Take in the wheel angles (radians) now, ``dt`` seconds after the last ones."""
         angles = np.array([left_angle, right_angle])
         ticks = np.floor(angles * (TICKS_PER_TURN / math.tau))
         if self._ticks is None:
@@ -61,9 +61,9 @@ class WheelOdometry:
         )
         self._twist = (travel / dt, 0.0, turn / dt)
 
-    def read(self) -> Motion:
-        """Pose in `odom` with its grown covariance, and the twist of the last update."""
-        return Motion(self._pose, self._twist, self._covariance.copy(), np.diag(SPEED_VARIANCE))
+    def read(self) -> BodyMotion:
+        """Pose in ``odom`` with its grown covariance, and the twist of the last update."""
+        return BodyMotion(self._pose, self._twist, self._covariance.copy(), np.diag(SPEED_VARIANCE))
 
     def _grow_covariance(self, left: float, right: float, travel: float, turn: float) -> None:
         heading = self._pose[2] + turn / 2

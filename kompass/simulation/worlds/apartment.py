@@ -9,7 +9,7 @@ _WALL = 0.12
 
 
 def _wall(name: str, start: tuple[float, float], end: tuple[float, float]) -> Box:
-    """An inner wall along x or y from `start` to `end`, metres."""
+    """An inner wall along x or y from ``start`` to ``end``, metres."""
     center = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
     length_x, length_y = abs(end[0] - start[0]), abs(end[1] - start[1])
     size = (length_x, _WALL) if length_x > length_y else (_WALL, length_y)

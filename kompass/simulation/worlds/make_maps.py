@@ -1,4 +1,4 @@
-"""Write the map files of all worlds: `python -m kompass.simulation.worlds.make_maps [FOLDER]`."""
+"""Write the map files of all worlds: ``python -m kompass.simulation.worlds.make_maps [FOLDER]``."""
 
 from __future__ import annotations
 
@@ -16,9 +16,11 @@ ALIASES = {"turtlebot3_webots": "hexagon"}
 
 
 def make_maps(folder: Path) -> list[Path]:
-    """Write `<world>.yaml` and `<world>.pgm` for every world, and the aliases, into `folder`.
+    """Write ``<world>.yaml`` and ``<world>.pgm`` for every world, and the aliases, into ``folder``.
 
-    Returns:
+    Returns
+    -------
+    list[Path]
         The .yaml files written.
     """
     folder.mkdir(parents=True, exist_ok=True)

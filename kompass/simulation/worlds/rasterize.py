@@ -14,18 +14,23 @@ MARGIN = 0.25  # of unknown cells around the outer wall, m
 
 
 def rasterize(world: World, resolution: float = 0.05) -> Grid:
-    """The occupancy grid of `world`, frame `map`.
+    """The occupancy grid of ``world``, frame ``map``.
 
     A cell is occupied when its centre lies in a solid or within half a cell of one, free when it
     is elsewhere on the floor, and unknown outside the walls. Corners of the grid fall on multiples
     of the resolution, so that maps of one world at one resolution are identical everywhere.
 
-    Args:
-        world: The geometry.
-        resolution: Edge of a cell in metres.
+    Parameters
+    ----------
+    world
+        The geometry.
+    resolution
+        Edge of a cell in metres.
 
-    Raises:
-        ValueError: The resolution is not a finite length above zero.
+    Raises
+    ------
+    ValueError
+        The resolution is not a finite length above zero.
     """
     if not (math.isfinite(resolution) and resolution > 0.0):
         raise ValueError(f"resolution is {resolution!r}; give a finite length above 0 (metres)")

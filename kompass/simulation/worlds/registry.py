@@ -11,15 +11,17 @@ _WORLDS = {item.name: item for item in (HEXAGON, APARTMENT, WAREHOUSE)}
 
 
 def world_names() -> tuple[str, ...]:
-    """The names that `world` knows, the default first."""
+    """The names that ``world`` knows, the default first."""
     return tuple(_WORLDS)
 
 
 def world(name: str) -> World:
-    """The world called `name`.
+    """The world called ``name``.
 
-    Raises:
-        ValueError: There is no such world; the message lists those there are.
+    Raises
+    ------
+    ValueError
+        There is no such world; the message lists those there are.
     """
     found = _WORLDS.get(name)
     if found is None:

@@ -26,12 +26,18 @@ def _require_positive(shape: str, name: str, field: str, value: float) -> None:
 class Box:
     """An upright box.
 
-    Attributes:
-        name: Unique within its world.
-        center: (x, y) of its middle in the world frame, metres.
-        size: (length, width) along its own x and y axes, metres.
-        yaw: Direction of its own x axis in the world frame, radians.
-        height: Metres above the floor.
+    Attributes
+    ----------
+    name
+        Unique within its world.
+    center
+        (x, y) of its middle in the world frame, metres.
+    size
+        (length, width) along its own x and y axes, metres.
+    yaw
+        Direction of its own x axis in the world frame, radians.
+    height
+        Metres above the floor.
     """
 
     name: str
@@ -46,7 +52,7 @@ class Box:
         _require_positive("box", self.name, "height", self.height)
 
     def distance(self, points: Points) -> NDArray[np.float64]:
-        """Signed distance in metres of world `points` (N, 2); negative inside. Shape (N,)."""
+        """Signed distance in metres of world ``points`` (N, 2); negative inside. Shape (N,)."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         dx = points[:, 0] - self.center[0]
         dy = points[:, 1] - self.center[1]
@@ -61,11 +67,16 @@ class Box:
 class Cylinder:
     """An upright cylinder.
 
-    Attributes:
-        name: Unique within its world.
-        center: (x, y) of its axis in the world frame, metres.
-        radius: Metres.
-        height: Metres above the floor.
+    Attributes
+    ----------
+    name
+        Unique within its world.
+    center
+        (x, y) of its axis in the world frame, metres.
+    radius
+        Metres.
+    height
+        Metres above the floor.
     """
 
     name: str
@@ -78,7 +89,7 @@ class Cylinder:
         _require_positive("cylinder", self.name, "height", self.height)
 
     def distance(self, points: Points) -> NDArray[np.float64]:
-        """Signed distance in metres of world `points` (N, 2); negative inside. Shape (N,)."""
+        """Signed distance in metres of world ``points`` (N, 2); negative inside. Shape (N,)."""
         offset = np.hypot(points[:, 0] - self.center[0], points[:, 1] - self.center[1])
         return np.asarray(offset - self.radius, dtype=np.float64)
 

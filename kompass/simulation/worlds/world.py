@@ -18,16 +18,24 @@ START_CLEARANCE = 0.15
 
 @dataclass(frozen=True)
 class World:
-    """A place to drive in, as data. Lengths in metres, angles in radians, frame `map`.
+    """A place to drive in, as data. Lengths in metres, angles in radians, frame ``map``.
 
-    Attributes:
-        name: What `--sim NAME` calls it.
-        title: One line for people.
-        floor: Corners (x, y) of the floor, anticlockwise: the inner faces of the outer wall.
-        start: The robot's first pose (x, y, yaw).
-        obstacles: What stands on the floor.
-        wall_thickness: Of the outer wall, built outside the floor.
-        wall_height: Of the outer wall.
+    Attributes
+    ----------
+    name
+        What ``--sim NAME`` calls it.
+    title
+        One line for people.
+    floor
+        Corners (x, y) of the floor, anticlockwise: the inner faces of the outer wall.
+    start
+        The robot's first pose (x, y, yaw).
+    obstacles
+        What stands on the floor.
+    wall_thickness
+        Of the outer wall, built outside the floor.
+    wall_height
+        Of the outer wall.
     """
 
     name: str
@@ -111,7 +119,7 @@ class World:
         return min(xs) - reach, min(ys) - reach, max(xs) + reach, max(ys) + reach
 
     def on_floor(self, points: Points) -> NDArray[np.bool_]:
-        """Which world `points` (N, 2) lie inside the outer wall. Shape (N,).
+        """Which world ``points`` (N, 2) lie inside the outer wall. Shape (N,).
 
         Counts the sides that a ray towards +x crosses (Shimrat, CACM 1962).
         """
@@ -125,7 +133,7 @@ class World:
         return inside
 
     def distance(self, points: Points) -> NDArray[np.float64]:
-        """Distance in metres of world `points` (N, 2) to the nearest solid; negative inside it."""
+        """Distance of world ``points`` (N, 2) to the nearest solid [m]; negative inside it."""
         return np.asarray(
             np.min([shape.distance(points) for shape in self.solids], axis=0), dtype=np.float64
         )
