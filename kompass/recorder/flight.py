@@ -11,7 +11,6 @@ from typing import Any
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from kompass.monitor.event_log import EventLog, NoEventLog
 from kompass.recorder.clip_policy import KEEP, ClipPolicy
 from kompass.recorder.event_log import RecorderEventLog
 from kompass.recorder.places import saved_path
@@ -29,7 +28,7 @@ class NotRecording(RuntimeError):
 
 
 class FlightRecorder:
-    """A :class:`kompass.monitor.recording.Recording`.
+    """A :class:`kompass.monitor.recording.FlightRecording`.
 
     Parameters
     ----------
@@ -43,7 +42,7 @@ class FlightRecorder:
 
     def __init__(self, recordings: Path, lane: ShmQueue | None, least: Severity | None) -> None:
         self._recordings, self._lane = recordings, lane
-        self.tape: EventLog = NoEventLog() if lane is None else RecorderEventLog(lane)
+        self.event_log = None if lane is None else RecorderEventLog(lane)
         self._keeper = ClipPolicy(recordings, least)
         self._store: Any = None
         self._server: BacktestServer | None = None

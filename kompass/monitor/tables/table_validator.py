@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from functools import partial
-from typing import Protocol
 
+from kompass.monitor.tables.live_lints import LiveLints
 from kompass.monitor.tables.recipe_check import faults_of
 from kompass.monitor.tables.table_reader import Unreadable
 from kompass.monitor.tables.types import InForce
@@ -20,39 +20,31 @@ from kompass.rules.schema.table import Rule, Table, rule_hash
 from kompass.rules.schema.values import Verdict
 
 
-class Lints(Protocol):
-    """What there is to think about in a table, on the robot as it is now."""
-
-    def foreseen(self, table: CompiledTable) -> list[Finding]:
-        """Of a table that may come: what it would find if it were in force now."""
-
-    def found(self, table: Table, verdicts: Mapping[str, Verdict]) -> list[Finding]:
-        """Of a table that has come; with what the conditions that were new to it said then."""
-
-
 class TableValidator:
-    """Looks at tables; a rule that was looked at before is not checked again.
+    """Checks tables; a rule that was checked before is not checked again.
 
     Parameters
     ----------
     catalog
-        What the robot knows; the same for as long as the examiner lives.
+        What the robot knows; must not change.
     recipe
         The table that the recipe declares.
+    lints
+        Finds what there is to think about in a table.
     """
 
-    def __init__(self, catalog: Catalog, recipe: Table, lints: Lints) -> None:
+    def __init__(self, catalog: Catalog, recipe: Table, lints: LiveLints) -> None:
         self._recipe, self._lints = recipe, lints
         self._gates = gates_of(catalog)
         self._faults = IdentityCache[Rule, tuple[Finding, ...]](partial(faults_of, catalog=catalog))
 
     def learn(self, table: Table) -> None:
-        """Look at the rules of a table already, before somebody waits for it."""
+        """Check the rules of a table already, before somebody waits for it."""
         for rule in table.rules:
             self._faults(rule)
 
-    def named(self, table: Table) -> Table:
-        """A table with the truth about where its rules come from, whatever it says itself."""
+    def with_true_sources(self, table: Table) -> Table:
+        """A table whose rules name their true source, whatever it says itself."""
         return with_sources(table, self._recipe)
 
     def errors(self, now: InForce, table: Table, role: str) -> list[Finding]:
