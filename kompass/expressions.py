@@ -194,7 +194,7 @@ def reference_of(field: MessageField) -> str:
 
 
 def condition_of(value: Any) -> RuleCondition:
-    """The condition of an expression; of a topic: that a message arrived.
+    """The condition of an expression as data; of a topic, that a message arrived.
 
     Raises
     ------

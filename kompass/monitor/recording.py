@@ -27,9 +27,6 @@ class EventLog(Protocol):
     def text(self, kind: str, text: str, now_ns: int) -> None:
         """Take the same as :meth:`event`, for one that is JSON text already."""
 
-    def close(self) -> None:
-        """Nothing follows."""
-
 
 class FlightRecording(Protocol):
     """The flight recorder, as the monitor's process sees it."""

@@ -9,7 +9,15 @@ from rclpy.impl.rcutils_logger import RcutilsLogger
 
 
 class Worker(ThreadPoolExecutor):
-    """One thread, which does one thing after another in the order in which they are handed in."""
+    """One thread, which does one thing after another.
+
+    Parameters
+    ----------
+    name
+        Of the thread.
+    log
+        Where errors are told that nobody waits for.
+    """
 
     def __init__(self, name: str, log: RcutilsLogger) -> None:
         super().__init__(1, thread_name_prefix=name)

@@ -29,6 +29,3 @@ class RecorderEventLog:
     def text(self, kind: str, text: str, now_ns: int) -> None:
         """The same, for one that is JSON text already."""
         self._lane.write(now_ns, True, kind, "", text.encode())
-
-    def close(self) -> None:
-        """Nothing follows; what is on the lane is recorded all the same."""

@@ -34,9 +34,6 @@ class EventList:
     def text(self, kind: str, text: str, now_ns: int) -> None:
         self.events.append(from_data(kind, json.loads(text)))
 
-    def close(self) -> None:
-        """Nothing to close."""
-
 
 class World:
     """An engine loop on a clock that is moved by hand; runs end when they are told to."""

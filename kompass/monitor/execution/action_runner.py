@@ -79,7 +79,7 @@ class ActionRunner:
         }
 
     def close(self) -> None:
-        """Wait for nothing and begin nothing."""
+        """Begin nothing more, and wait for nothing that is under way."""
         for threads in self._threads.values():
             threads.shutdown(wait=False, cancel_futures=True)
         for client in self._actions.values():
@@ -91,6 +91,11 @@ class ActionRunner:
         To be run as a :class:`kompass.rclpy_ext.executor.Task`. When that is cancelled, a goal that
         was sent is cancelled too, and no further action begins; a function of the recipe runs
         to its end.
+
+        Parameters
+        ----------
+        tell
+            Takes the outcome of each action when it has ended.
         """
         error = ""
         for action in firing.actions:

@@ -81,7 +81,7 @@ class Runs:
         self._extras: dict[str, Extras] = {}
 
     def extras(self, rule_id: str) -> Extras:
-        """What is known of a rule that the engine does not know."""
+        """What is known of a rule's runs outside the engine."""
         return self._extras.get(rule_id, Extras())
 
     def forget(self, rule_ids: Iterable[str]) -> None:
@@ -90,10 +90,12 @@ class Runs:
             self._extras.pop(rule_id, None)
 
     def take(self, outputs: Iterable[Output], table: CompiledTable, revision: int) -> None:
-        """Carry out what the engine put out; what follows from that at once, too.
+        """Carry out what the engine put out, and what follows from that at once.
 
         Parameters
         ----------
+        outputs
+            In the order of the engine.
         table, revision
             That let it fire.
         """
@@ -111,7 +113,15 @@ class Runs:
             self._busy = False
 
     def cancel(self, runs: Iterable[tuple[str, int]], reason: str) -> None:
-        """End runs that are in progress; of others, nothing is done."""
+        """Cancel those of the runs that are in progress.
+
+        Parameters
+        ----------
+        runs
+            Ids of rule and run.
+        reason
+            Becomes the error with which they end.
+        """
         for key in runs:
             run = self._runs.get(key)
             if run is not None and run.task is not None:

@@ -19,7 +19,7 @@ THREADS = 8
 
 
 class PolledFunctions:
-    """Functions run in threads: one that is slow holds up neither the engine nor the others.
+    """Asks in threads: a function that is slow holds up neither the engine nor the others.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ class _Input:
 
 
 class RuleInputs:
-    """One subscription per topic of the table, whatever number of rules use it.
+    """Subscribes once to each topic of the table, whatever number of rules use it.
 
     Parameters
     ----------
@@ -76,7 +76,13 @@ class RuleInputs:
         return topic in self._open
 
     def prepare(self, topics: Mapping[str, str]) -> None:
-        """Listen already to what a coming table needs; what comes early waits for it."""
+        """Subscribe already to what a coming table needs; messages wait until it is in force.
+
+        Parameters
+        ----------
+        topics
+            Types (``package/msg/Name``) by name, without a leading slash.
+        """
         for name in topics:
             if topics[name] and name not in self._open:
                 self._begin(name, topics[name], early=True)

@@ -107,7 +107,7 @@ class Firings:
         self._say(entry, "done", ok, error, {})
 
     def announce(self, text: str) -> None:
-        """Say what concerns the table and no single rule."""
+        """Tell what concerns the table and no single rule, as a note."""
         self._log.warning(text)
         loop = self._loop
         entry = RunEntry(

@@ -51,7 +51,13 @@ class RevisionHistory:
             self._store.refuse(author=author, role=role, what=what, text=text)
 
     def diff(self, before: int, after: int) -> TableDiff:
-        """What differs between two revisions."""
+        """What differs between two revisions.
+
+        Raises
+        ------
+        StoreError
+            When there is no such revision.
+        """
         store = self.store
         return diff_tables(
             store.table(before), store.table(after), before_revision=before, after_revision=after

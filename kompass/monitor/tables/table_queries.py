@@ -76,11 +76,30 @@ class TableQueries:
         )
 
     def history(self, before: int, count: int) -> History:
-        """The revisions, newest first."""
+        """The revisions, newest first.
+
+        Parameters
+        ----------
+        before
+            Number of the one that follows; 0 for the newest.
+        count
+            How many, at most.
+
+        Raises
+        ------
+        StoreError
+            When nothing can be stored on this robot.
+        """
         return self._history.store.history(before, count)
 
     def diff(self, before: int, after: int) -> TableDiff:
-        """What differs between two revisions."""
+        """What differs between two revisions.
+
+        Raises
+        ------
+        StoreError
+            When there is no such revision.
+        """
         return self._history.diff(before, after)
 
     def check(self, text: str, role: str) -> CheckReport:

@@ -61,7 +61,13 @@ class TableValidator:
         return self._lints.foreseen(table)
 
     def found(self, table: Table, verdicts: Mapping[str, Verdict]) -> tuple[Finding, ...]:
-        """What there is to think about in a table that is in force, whatever comes of the look."""
+        """What there is to think about in a table that is in force; never raises.
+
+        Parameters
+        ----------
+        verdicts
+            What the conditions that were new to it said then, by rule id.
+        """
         try:
             return tuple(self._lints.found(table, verdicts))
         except Exception as error:  # noqa: BLE001 - told in its place: it is in force all the same
@@ -77,16 +83,20 @@ class TableValidator:
             )
 
     def unreadable(self, now: InForce, error: Unreadable) -> CheckReport:
-        """What is answered when there is no table to look at."""
+        """What is answered to a text that is no table."""
         return CheckReport(ok=False, revision=now.revision, findings=tuple(error.findings))
 
     def report(
         self, now: InForce, table: Table, findings: Collection[Finding], running: Collection[str]
     ) -> CheckReport:
-        """What is answered to who asks of a table.
+        """What is answered to whoever asks about a table.
 
         Parameters
         ----------
+        now
+            What is in force.
+        table
+            The table that is asked about.
         findings
             Errors and lints.
         running
