@@ -72,7 +72,7 @@ def reconfigure(*, component: Component, new_config: Any, keep_alive: bool = Fal
     new_config
         A config object, a mapping, or the path of a file.
     keep_alive
-        Whether the component stays active meanwhile.
+        Take it while running, instead of after a restart.
     """
     name = _component("reconfigure", component)
     dump = getattr(new_config, "model_dump", None)
@@ -90,7 +90,7 @@ def update_parameter(
     Parameters
     ----------
     keep_alive
-        Whether the component stays active meanwhile.
+        Take it while running, instead of after a restart.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def update_parameters(
     params_names, new_values
         As many of the one as of the other.
     keep_alive
-        Whether the component stays active meanwhile.
+        Take it while running, instead of after a restart.
 
     Raises
     ------
