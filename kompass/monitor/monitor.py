@@ -32,7 +32,7 @@ from kompass.monitor.tables.active_table import ActiveTable
 from kompass.monitor.tables.live_lints import LiveLints
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import InForce
-from kompass.monitor.worker import Worker
+from kompass.monitor.worker_thread import WorkerThread
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.movable_timer import MovableTimer
 from kompass.rclpy_ext.timers import Timers
@@ -90,7 +90,7 @@ class Monitor:
 
         self._recording = recording
         self._main = main = MainThread(executor)
-        self._worker = Worker("tables", node.get_logger())
+        self._worker = WorkerThread("tables", node.get_logger())
         timers = Timers(node)
         alarms = Alarms(node)
         # What fires begins runs, and the end of a run is an input of the engine: a circle.

@@ -23,7 +23,7 @@ from rclpy.node import Node
 
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import ChangeAnswer, Who
-from kompass.monitor.worker import Worker
+from kompass.monitor.worker_thread import WorkerThread
 from kompass.rclpy_ext.deferred_service import create_deferred_service
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rulebook.schema.explanation import ExplanationView
@@ -90,13 +90,13 @@ class Services:
         self,
         node: Node,
         main: MainThread,
-        worker: Worker,
+        worker: WorkerThread,
         tables: TableManager,
         sources: Sources,
     ) -> None:
         self._tables, self._sources = tables, sources
-        self._lookups = Worker("lookups", node.get_logger())
-        offers: list[tuple[Any, str, Callable[[Any, Any], Any], Worker]] = [
+        self._lookups = WorkerThread("lookups", node.get_logger())
+        offers: list[tuple[Any, str, Callable[[Any, Any], Any], WorkerThread]] = [
             (GetRules, "get_rules", self._get, worker),
             (CheckRules, "check_rules", self._check, worker),
             (ApplyRules, "apply_rules", self._apply, worker),

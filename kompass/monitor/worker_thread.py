@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
 
-class Worker(ThreadPoolExecutor):
+class WorkerThread(ThreadPoolExecutor):
     """One thread, which does one thing after another.
 
     Parameters
