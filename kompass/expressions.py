@@ -21,7 +21,13 @@ _ARRAYS = (list, tuple, array.array, np.ndarray)
 
 
 class Expression:
-    """A condition over messages; combine with ``&``, ``|`` and ``~``."""
+    """A condition over messages; combine with ``&``, ``|`` and ``~``.
+
+    Parameters
+    ----------
+    condition
+        The same as data.
+    """
 
     def __init__(self, condition: RuleCondition) -> None:
         self.condition = condition
@@ -50,6 +56,17 @@ class Expression:
 
 class MessageField:
     """A value inside the messages of a topic. Any field name may follow, ``name`` and ``type`` too.
+
+    Parameters
+    ----------
+    topic
+        Name, without a leading slash.
+    message
+        Class of its messages.
+    timeout
+        Seconds for which a message counts; None for ever.
+    path
+        Names of fields and indices, from the message to the value.
 
     Raises
     ------
@@ -177,7 +194,7 @@ def reference_of(field: MessageField) -> str:
 
 
 def condition_of(value: Any) -> RuleCondition:
-    """The condition of an expression; of a topic: that a message arrived.
+    """The condition of an expression as data; of a topic, that a message arrived.
 
     Raises
     ------

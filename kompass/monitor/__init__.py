@@ -1,1 +1,1 @@
-"""The monitor: the thin shell around the rule engine, on ROS 2."""
+"""The monitor: feeds the rule engine on ROS 2, carries out what fires, and changes the rules."""

@@ -17,7 +17,7 @@ from kompass.backtest.event_log import (
     swapped_text,
     to_data,
 )
-from kompass.monitor.event_log import EventLog, NoEventLog
+from kompass.monitor.recording import EventLog
 from kompass.rules.engine.compiled_table import CompiledTable
 from kompass.rules.engine.explain import verdict_of
 from kompass.rules.engine.firing import Firing, Input, Output, RunEnded, Sample, Tick
@@ -33,6 +33,8 @@ class Swap(NamedTuple):
 
     Attributes
     ----------
+    carried
+        What became of each rule, and of the runs in progress.
     pause
         Seconds for which no message was taken.
     verdicts
@@ -52,16 +54,16 @@ class EngineLoop:
     table, revision
         In force at first.
     epoch
-        Name of this life of the monitor.
+        Name of this session of the monitor.
     handle
         Takes what the engine puts out, in its order, and the table and its revision that let it:
         at a swap, those that were in force until then.
     wake
         Told when :meth:`tick` is due, in monotonic seconds; None for not at all.
     used
-        Ids of ``once`` rules that have fired in an earlier life of the same stack.
-    tape
-        Takes down all that the engine takes.
+        Ids of ``once`` rules that have fired in an earlier session of the same stack.
+    event_log
+        Takes down all that the engine takes; None for nothing.
     clock, wall
         Monotonic nanoseconds, and seconds since the epoch.
     """
@@ -75,21 +77,21 @@ class EngineLoop:
         handle: Callable[[list[Output], CompiledTable, int], None],
         wake: Callable[[float | None], None],
         used: Iterable[str] = (),
-        tape: EventLog | None = None,
+        event_log: EventLog | None = None,
         clock: Callable[[], int] = time.monotonic_ns,
         wall: Callable[[], float] = time.time,
     ) -> None:
         self.table, self.revision, self.epoch = table, revision, epoch
         self._handle, self._wake, self._clock, self._wall = handle, wake, clock, wall
-        self._tape = tape or NoEventLog()
-        self._untaped: deque[tuple[Firing, int]] = deque()
+        self._event_log = event_log
+        self._unlogged: deque[tuple[Firing, int]] = deque()  # with the time of their step
         began = clock()
         self.state: EngineState = initial_state(table, began * 1e-9)
         used = tuple(rule_id for rule_id in used if rule_id in table.by_id)
         for rule_id in used:
             self.state.rules[table.by_id[rule_id].index].fired = 1
         now = began * 1e-9
-        self._record(Began(now, wall(), epoch, revision, table.table, used), began)
+        self._log(Began(now, wall(), epoch, revision, table.table, used), began)
 
     @property
     def now(self) -> float:
@@ -102,59 +104,63 @@ class EngineLoop:
         return self._wall() - self.now
 
     def begin(self) -> None:
-        """Have oneself woken up; once the shell is ready for it."""
+        """Let time pass for the engine; called once, when firings can be carried out."""
         self._schedule()
 
     def heard(self, topic: str, type_name: str, message: Any, raw: bytes) -> None:
         """Take a message of ROS."""
-        self._tape_fired()
+        self._log_firings()
         now = self._clock()
-        self._tape.message(topic, type_name, raw, now)
+        if self._event_log is not None:
+            self._event_log.message(topic, type_name, raw, now)
         self._step(Sample(topic, message), now)
 
     def answered(self, topic: str, answer: Any) -> None:
         """Take the answer of a polled function (topic ``callable/<name>``)."""
         now = self._clock()
-        self._record(Heard(now * 1e-9, topic, "", _plain(answer)), now)
+        self._log_firings()
+        self._log(Heard(now * 1e-9, topic, "", _plain(answer)), now)
         self._step(Sample(topic, answer), now)
 
     def ended(self, rule_id: str, run_id: int, ok: bool, error: str) -> None:
         """Take the end of a run."""
         now = self._clock()
-        self._record(Ended(now * 1e-9, rule_id, run_id, ok, error), now)
+        self._log_firings()
+        self._log(Ended(now * 1e-9, rule_id, run_id, ok, error), now)
         self._step(RunEnded(rule_id, run_id, ok, error), now)
 
     def tick(self) -> None:
         """Take note that time has passed."""
         self._step(Tick(), self._clock())
 
-    def swap(self, way: Migration, revision: int, reset: Collection[str] = ()) -> Swap:
+    def swap(self, plan: Migration, revision: int, reset: Collection[str] = ()) -> Swap:
         """Go on with another table: one step was the old table's, the next is the new one's.
 
         What was due by now is handled by the old table first.
 
         Parameters
         ----------
-        way
+        plan
             From the table in force to the other one; made beforehand, because that takes long.
         reset
-            Ids of the rules that the bridge starts afresh though they are unchanged.
+            Ids of the rules that the plan starts afresh though they are unchanged.
         """
-        assert way.old is self.table
+        assert plan.old is self.table
         begun = self._clock()
         now, before = begun * 1e-9, self.revision
-        self.state, carried, outputs = swap(way, self.state, now)
-        self._untaped += [(output, begun) for output in outputs if isinstance(output, Firing)]
-        self._tape_fired()
-        self.table, self.revision = way.new, revision
-        event = Swapped(now, revision, way.new.table, tuple(reset))
-        self._tape.text("swapped", swapped_text(event), begun)
+        self.state, carried, outputs = swap(plan, self.state, now)
+        self._unlogged += [(output, begun) for output in outputs if isinstance(output, Firing)]
+        self._log_firings()
+        self.table, self.revision = plan.new, revision
+        if self._event_log is not None:
+            event = Swapped(now, revision, plan.new.table, tuple(reset))
+            self._event_log.text("swapped", swapped_text(event), begun)
         verdicts = {
-            plan.rule.id: verdict_of(way.new, self.state, plan, now) for plan, _ in way.fresh
+            rule.rule.id: verdict_of(plan.new, self.state, rule, now) for rule, _ in plan.fresh
         }
         pause = (self._clock() - begun) * 1e-9
         # Only now, for what follows from it is the new table's; but it was the old one that fired.
-        self._handle(outputs, way.old, before)
+        self._handle(outputs, plan.old, before)
         self._schedule()
         return Swap(carried, pause, verdicts)
 
@@ -162,22 +168,21 @@ class EngineLoop:
         self.state, outputs = step(self.table, self.state, event, now * 1e-9)
         if outputs:
             # Handled first, logged afterwards: logging takes about as long as all the rest.
-            self._untaped += [(output, now) for output in outputs if isinstance(output, Firing)]
+            self._unlogged += [(output, now) for output in outputs if isinstance(output, Firing)]
             self._handle(outputs, self.table, self.revision)
-            self._tape_fired()
+            self._log_firings()
         self._schedule()
 
-    def _tape_fired(self) -> None:
-        """Take down what has fired, before anything that follows from it."""
-        while self._untaped:
-            firing, now = self._untaped.popleft()
-            kind, data = to_data(fired_event(firing, self.revision))
-            self._tape.event(kind, data, now)
+    def _log_firings(self) -> None:
+        """Log what has fired, before anything that follows from it."""
+        while self._unlogged:
+            firing, now = self._unlogged.popleft()
+            self._log(fired_event(firing, self.revision), now)
 
-    def _record(self, event: LoggedEvent, now: int) -> None:
-        self._tape_fired()
-        kind, data = to_data(event)
-        self._tape.event(kind, data, now)
+    def _log(self, event: LoggedEvent, now: int) -> None:
+        if self._event_log is not None:
+            kind, data = to_data(event)
+            self._event_log.event(kind, data, now)
 
     def _schedule(self) -> None:
         self._wake(next_deadline(self.table, self.state))

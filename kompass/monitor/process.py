@@ -16,7 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.monitor import Monitor
-from kompass.monitor.recording import Recording
+from kompass.monitor.recording import FlightRecording
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import start_from_store
 from kompass.rclpy_ext.executor import MIDDLEWARE_ERRORS, TaskExecutor
@@ -37,7 +37,7 @@ def run_monitor(
     report: Report,
     inbox: int,
     namespace: str = "",
-    recording: Recording | None = None,
+    recording: FlightRecording | None = None,
 ) -> None:
     """Run the monitor in this process until SIGTERM.
 
@@ -52,7 +52,7 @@ def run_monitor(
     inbox
         File descriptor on which the supervisor tells of processes, a JSON line each.
     recording
-        The flight recorder; None when it is off.
+        The flight recorder; None where there is none.
     """
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
@@ -63,8 +63,7 @@ def run_monitor(
     node = PlainNode(NAME, namespace=namespace or None)
     executor = TaskExecutor()
     executor.add_node(node)
-    monitor = Monitor(node, executor, recipe, catalog, start, store, settings, recording)
-    monitor.ask_supervisor(report)
+    monitor = Monitor(node, executor, recipe, catalog, start, store, settings, report, recording)
 
     def read() -> None:
         with os.fdopen(inbox) as lines:

@@ -1,4 +1,4 @@
-"""What the monitor needs of the flight recorder."""
+"""What the monitor needs of the flight recorder, which the launcher hands to it."""
 
 from __future__ import annotations
 
@@ -7,61 +7,58 @@ from typing import Any, Protocol
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from kompass.monitor.event_log import EventLog, NoEventLog
 from kompass.rulebook.schema.journal import FiringRecord
+from kompass.store import RuleStore
 
 
-class Recording(Protocol):
-    """The flight recorder, as the monitor's process sees it.
+class EventLog(Protocol):
+    """Takes all that the engine took, in order; must neither wait nor raise.
 
-    Attributes
-    ----------
-    tape
-        Takes what the engine takes.
+    ``now_ns`` is the reading of the monotonic clock that the engine was given (as
+    ``now_ns * 1e-9`` seconds).
     """
 
+    def message(self, topic: str, type_name: str, raw: bytes, now_ns: int) -> None:
+        """Take a message, serialised as it came (CDR)."""
+
+    def event(self, kind: str, data: dict[str, Any], now_ns: int) -> None:
+        """Take anything else: an event of :mod:`kompass.backtest.event_log` as JSON data."""
+
+    def text(self, kind: str, text: str, now_ns: int) -> None:
+        """Take the same as :meth:`event`, for one that is JSON text already."""
+
+
+class FlightRecording(Protocol):
+    """The flight recorder, as the monitor's process sees it."""
+
     @property
-    def tape(self) -> EventLog: ...
+    def event_log(self) -> EventLog | None:
+        """Takes what the engine takes; None when nothing is recorded."""
 
-    def start(self, node: Node, executor: Executor, store: Any) -> None:
-        """Offer what else there is (``~/backtest_rules``); called once, on the executor's thread.
+    def start(self, node: Node, executor: Executor, store: RuleStore | None) -> None:
+        """Offer ``~/backtest_rules``; called once, on the executor's thread.
 
-        ``store`` is the robot's :class:`kompass.store.RuleStore`, or None.
+        Parameters
+        ----------
+        store
+            Where the journal learns which recording belongs to a firing.
         """
 
     def fired(self, entry: FiringRecord) -> None:
-        """An entry of the journal was made; must not wait."""
+        """Take note of an entry of the journal; must not wait."""
 
     def save(self, seconds: float, name: str) -> str:
-        """Keep the last seconds (0: all there is) under a name (empty: one of the time); the path.
+        """Keep the last seconds under a name, and return the path of the file.
 
-        Called on a worker, which may wait. Raises what it cannot, with a sentence for a person.
+        Called on a worker, which may wait. What it raises has a sentence for a person.
+
+        Parameters
+        ----------
+        seconds
+            0 for all there is.
+        name
+            Empty for one that is made of the time.
         """
 
     def close(self) -> None:
-        """The monitor ends."""
-
-
-class NoRecording:
-    """The flight recorder is off."""
-
-    tape: EventLog = NoEventLog()
-
-    def start(self, node: Node, executor: Executor, store: Any) -> None:
-        """Offer nothing."""
-
-    def fired(self, entry: FiringRecord) -> None:
-        """Let it go."""
-
-    def save(self, seconds: float, name: str) -> str:
-        """Refuse.
-
-        Raises
-        ------
-        RuntimeError
-            Always.
-        """
-        raise RuntimeError("the flight recorder is off; start the stack without --no-record")
-
-    def close(self) -> None:
-        """Nothing to end."""
+        """End what is under way, because the monitor ends."""

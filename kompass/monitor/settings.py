@@ -33,7 +33,7 @@ class MonitorSettings(NamedTuple):
 
     @classmethod
     def of(cls, environment: Mapping[str, str] = os.environ) -> MonitorSettings:
-        """Read them.
+        """Read the settings from environment variables.
 
         Raises
         ------

@@ -21,12 +21,18 @@ class Start(NamedTuple):
 
     Attributes
     ----------
+    table
+        In force at first.
     revision
         0 when there is no store.
     epoch
-        Name of this life of the monitor.
+        Name of this session of the monitor.
+    notice
+        What an operator should know of it; empty for nothing.
+    merge
+        Edits of an older recipe that wait to be merged; None for none.
     used
-        Ids of ``once`` rules that have fired already in this life of the stack.
+        Ids of ``once`` rules that have fired already in this run of the stack.
     """
 
     table: Table
@@ -38,7 +44,7 @@ class Start(NamedTuple):
 
 
 def start_from_store(recipe: Table, settings: MonitorSettings) -> tuple[Start, RuleStore | None]:
-    """Open the robot's store and begin a life in it.
+    """Open the robot's store and begin a session in it.
 
     Without a store that can be written, the recipe's table is in force and stays so: a table that
     nobody could come back to is worse than one that cannot be edited.
@@ -68,7 +74,7 @@ def _without(recipe: Table, epoch: str, error: Exception) -> Start:
 
 
 def this_stack() -> str:
-    """What tells this run of the stack from all others: the supervisor, our parent process."""
+    """What tells this run of the stack from all others: our parent process, the supervisor."""
     parent = os.getppid()
     # The 22nd field is the time at which it started; the name in front of it may hold anything.
     fields = Path(f"/proc/{parent}/stat").read_text().rpartition(")")[2].split()

@@ -24,7 +24,15 @@ METHOD_TIMEOUT = 120.0
 
 @dataclass
 class Parser:
-    """A function of the recipe that makes an argument of an action from the message."""
+    """A function of the recipe that makes an argument of an action from the message.
+
+    Attributes
+    ----------
+    function
+        Called with the message as ``msg`` and ``trigger``, and with ``extra``.
+    output
+        Name of the argument; None when the function returns several by name.
+    """
 
     function: Callable[..., Any]
     output: str | None
@@ -40,6 +48,8 @@ class Action:
         A bound method of a component, or any function.
     args, kwargs
         Arguments; ``topic.msg.field`` stands for the newest value of that field.
+    description
+        What it does, for a person.
 
     Raises
     ------
@@ -65,7 +75,7 @@ class Action:
 
     @classmethod
     def from_data(cls, data: RuleAction) -> Action:
-        """An action that is data from the start."""
+        """Make an action of data, as a rule holds it."""
         made = cls.__new__(cls)
         made.description, made.parser, made.method, made._data = "", None, None, data
         made._given = (), {}
@@ -74,17 +84,27 @@ class Action:
     def event_parser(
         self, method: Callable[..., Any], output_mapping: str | None = None, **extra: Any
     ) -> None:
-        """Make an argument from the message that triggered: ``method(msg=…, **_)``.
+        """Have an argument made from the message that triggered.
 
-        ``output_mapping`` names the argument that its result becomes; without, a mapping of
-        results is laid over the arguments.
+        Parameters
+        ----------
+        method
+            Called as ``method(msg=…, trigger=…, **extra)``.
+        output_mapping
+            Name of the argument that its result becomes; without, it returns a mapping that is
+            laid over the arguments.
+
+        Raises
+        ------
+        TypeError
+            When the method is not a function.
         """
         if not callable(method):
             raise TypeError(f"event_parser: method = {method!r} is not a function")
         self.parser = Parser(method, output_mapping, extra)
 
     def missing(self) -> list[str]:
-        """Arguments without which the function cannot be called, and which nothing gives."""
+        """Names of the arguments that the function needs and nothing gives."""
         if self.method is None:
             return []
         parameters = inspect.signature(self.method).parameters.values()

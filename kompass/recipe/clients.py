@@ -7,7 +7,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class ServiceClientConfig:
-    """A service that somebody may call. Times in seconds."""
+    """A service that somebody may call.
+
+    Attributes
+    ----------
+    timeout_secs, attempt_period_secs
+        Seconds to wait for it, and between two tries.
+    """
 
     srv_type: type
     name: str
@@ -17,7 +23,15 @@ class ServiceClientConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class ActionClientConfig:
-    """An action that somebody may send goals to. Times in seconds."""
+    """An action that somebody may send goals to.
+
+    Attributes
+    ----------
+    timeout_secs, attempt_period_secs
+        Seconds to wait for it, and between two tries.
+    feedback_check_period, feedback_check_timeout
+        Seconds between two looks at the feedback, and after which there is none.
+    """
 
     action_type: type
     name: str

@@ -25,7 +25,7 @@ class Event:
     on_change
         Fire on becoming true, instead of on each message for which it is true.
     handle_once
-        At most once in the life of the stack.
+        At most once while the stack runs.
     keep_event_delay
         Dead time after the actions have finished [s].
     check_rate
@@ -124,7 +124,7 @@ def _polled(function: Callable[..., Any], asked: Callable[..., Any]) -> Callable
     return lambda: bool(function())
 
 
-class _Named(Event):
+class _NamedEvent(Event):
     """An event with a name, over one field of one topic."""
 
     trigger = "level"
@@ -155,7 +155,7 @@ class _Named(Event):
         raise NotImplementedError
 
 
-class _Valued(_Named):
+class _Valued(_NamedEvent):
     """A named event that compares the field with a value."""
 
     def __init__(
@@ -171,7 +171,7 @@ class _Valued(_Named):
         super().__init__(event_name, event_source, nested_attributes, handle_once, keep_event_delay)
 
 
-class OnAny(_Named):
+class OnAny(_NamedEvent):
     """Each message."""
 
     def __init__(
@@ -257,7 +257,7 @@ class OnContainsAny(_Valued):
         return condition_of(self._field.contains_any(_listed(self._value)))
 
 
-class OnChange(_Named):
+class OnChange(_NamedEvent):
     """Each message whose field differs from the one before."""
 
     trigger = "change"

@@ -11,12 +11,13 @@ import json
 import keyword
 import re
 from collections.abc import Iterable, Iterator
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from pydantic import BaseModel
 
 from kompass.rulebook.views.recipe_code import functions_in
 from kompass.rulebook.views.wording import describe_rule
+from kompass.rules import schema
 from kompass.rules.schema.actions import (
     Action,
     Lifecycle,
@@ -52,9 +53,10 @@ _FALLBACK = re.compile(
 _TAKEN = {
     "events_actions",
     "data",
-    *("Event", "Topic", "Action", "Expression", "QoSConfig", "DurabilityPolicy", "Signal"),
+    *("Topic", "Action", "Expression", "QoSConfig", "DurabilityPolicy", *schema.__all__),
     *("log", "start", "stop", "restart", "update_parameter", "update_parameters"),
 }
+_ACTIONS = get_args(Action)[0]
 _SEVERITY, _LANE = "warning", "normal"
 
 
@@ -132,8 +134,8 @@ class _Fragment:
         self._components: dict[str, None] = {}
         self._ros: set[str] = {"Event"}
         self._actions: set[str] = set()
-        self._data: dict[str, set[str]] = {}
-        self._latched = False
+        self._schema: set[str] = set()  # names of kompass.rules.schema
+        self._with_expression = self._with_data = self._latched = False
         self._left_out = [rule for rule in table.rules if _is_fallback(rule)]
         kept = [rule for rule in table.rules if not _is_fallback(rule)]
         self._reserve(kept)
@@ -175,16 +177,15 @@ class _Fragment:
             yield ""
         if self._actions:
             yield f"from kompass.actions import {', '.join(sorted(self._actions))}"
-        if "Expression" in self._data.get("kompass.expressions", ()):
+        if self._with_expression:
             yield "from kompass.expressions import Expression"
         if self._topics:
             self._ros.add("Topic")
         yield f"from kompass.ros import {', '.join(sorted(self._ros))}"
-        for module, names in sorted(self._data.items()):
-            if module == "kompass.rules.schema.actions":
-                yield "from kompass.rules import actions as data"
-            elif module != "kompass.expressions":
-                yield f"from {module} import {', '.join(sorted(names))}"
+        if self._with_data:
+            yield "from kompass.rules import actions as data"
+        if self._schema:
+            yield f"from kompass.rules.schema import {', '.join(sorted(self._schema))}"
 
     def _needed(self) -> Iterator[str]:
         yield ""
@@ -277,7 +278,7 @@ class _Fragment:
         for _, leaf in leaves(condition):
             if isinstance(leaf, CallableCondition):
                 self._functions[leaf.name] = None
-        self._data.setdefault("kompass.expressions", set()).add("Expression")
+        self._with_expression = True
         return f"Expression({self._construct(condition)})"
 
     def _compare(self, condition: Compare) -> str:
@@ -337,7 +338,7 @@ class _Fragment:
         if isinstance(action, Python):
             self._functions[action.name] = None
         self._ros.add("Action")
-        self._data.setdefault("kompass.rules.schema.actions", set())
+        self._with_data = True
         return f"Action.from_data(data.{self._construct(action)})"
 
     def _call(self, function: str, arguments: str) -> str:
@@ -355,9 +356,8 @@ class _Fragment:
     def _construct(self, model: BaseModel) -> str:
         """Return the call that makes a model, with what is not as it is by default."""
         name = type(model).__name__
-        module = type(model).__module__
-        if module != "kompass.rules.schema.actions":
-            self._data.setdefault(module, set()).add(name)
+        if not isinstance(model, _ACTIONS):
+            self._schema.add(name)
         given = []
         for key, field in type(model).model_fields.items():
             value = getattr(model, key)

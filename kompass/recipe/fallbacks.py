@@ -34,8 +34,16 @@ LEVELS = {
 class FallbackSequence:
     """Actions tried one after another while a component fails.
 
-    Each is tried ``max_retries`` times (a list: once, unless stated; a single action: for ever).
-    After the last comes ``giveup``, once. Health resets all counts.
+    Attributes
+    ----------
+    actions
+        In their order.
+    max_retries
+        How often each is tried; None for once, or for ever if there is only one.
+    giveup
+        What follows the last, once.
+    tried
+        How many tries there were since the component was last well.
     """
 
     actions: tuple[RuleAction, ...]
@@ -60,12 +68,12 @@ class FallbackSequence:
 
 
 def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule]:
-    """The rules that carry out a component's fallbacks; their ladders go into ``functions``."""
+    """The rules of a component's fallbacks; ``functions`` gets their actions, as sequences."""
     declared = component.fallbacks
     status = component.status_topic.msg.status
     giveup = _actions(declared.on_giveup)
     pause = max(PAUSE, 1.0 / component.config.fallback_rate)
-    rules, ladders = [], []
+    rules, sequences = [], []
     for kind in (*LEVELS, "on_fail"):
         fallback = getattr(declared, kind)
         if fallback is None:
@@ -76,10 +84,10 @@ def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule
             condition: Condition = AllOf(conditions=(failing, *others)) if others else failing
         else:
             condition = condition_of(status == LEVELS[kind])
-        ladder = FallbackSequence(_actions(fallback), fallback.max_retries, giveup)
-        ladders.append(ladder)
+        sequence = FallbackSequence(_actions(fallback), fallback.max_retries, giveup)
+        sequences.append(sequence)
         name = f"{component.node_name} {kind.replace('_', ' ')}"
-        functions[name] = ladder
+        functions[name] = sequence
         rules.append(
             Rule(
                 id=name.replace(" ", "-").replace("_", "-"),
@@ -89,9 +97,9 @@ def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule
                 source="recipe",
             )
         )
-    if ladders:
+    if sequences:
         name = f"{component.node_name} recovered"
-        functions[name] = _reset_of(ladders)
+        functions[name] = _reset_of(sequences)
         rules.append(
             Rule(
                 id=name.replace(" ", "-").replace("_", "-"),
@@ -110,10 +118,10 @@ def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule
     return rules
 
 
-def _reset_of(ladders: list[FallbackSequence]) -> Callable[[], None]:
+def _reset_of(sequences: list[FallbackSequence]) -> Callable[[], None]:
     def reset() -> None:
-        for ladder in ladders:
-            ladder.reset()
+        for sequence in sequences:
+            sequence.reset()
 
     return reset
 

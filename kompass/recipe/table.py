@@ -28,7 +28,15 @@ class Parsed:
 
 @dataclass
 class RecipeRules:
-    """What the monitor runs: data, and the code that the data names."""
+    """What the monitor runs: data, and the code that the data names.
+
+    Attributes
+    ----------
+    functions
+        What opaque actions do, by name.
+    polled
+        Conditions that are functions, by name.
+    """
 
     table: Table = field(default_factory=Table)
     functions: dict[str, Callable[..., Any] | Parsed | FallbackSequence] = field(
@@ -148,7 +156,7 @@ def _register(
 
 
 def slug(text: str) -> str:
-    """A stable identifier of a name or a condition."""
+    """Turn a name or a condition into an identifier of small letters, digits and dashes."""
     words = {
         "==": "is",
         "!=": "is-not",

@@ -44,7 +44,13 @@ def stop(*, component: Component) -> Action:
 
 
 def restart(*, component: Component, wait_time: float | None = None) -> Action:
-    """Deactivate and activate a component."""
+    """Deactivate and activate a component.
+
+    Parameters
+    ----------
+    wait_time
+        Seconds in between.
+    """
     name = _component("restart", component)
     if wait_time:
         return Action.from_data(
@@ -59,7 +65,15 @@ def restart(*, component: Component, wait_time: float | None = None) -> Action:
 
 
 def reconfigure(*, component: Component, new_config: Any, keep_alive: bool = False) -> Action:
-    """Give a component a new configuration: a config object, a mapping, or the path of a file."""
+    """Give a component a new configuration.
+
+    Parameters
+    ----------
+    new_config
+        A config object, a mapping, or the path of a file.
+    keep_alive
+        Take it while running, instead of after a restart.
+    """
     name = _component("reconfigure", component)
     dump = getattr(new_config, "model_dump", None)
     config = dump(mode="json") if dump is not None else new_config
@@ -71,7 +85,18 @@ def reconfigure(*, component: Component, new_config: Any, keep_alive: bool = Fal
 def update_parameter(
     *, component: Component, param_name: str, new_value: Any, keep_alive: bool = True
 ) -> Action:
-    """Change one parameter; name and value are checked now, not in the night."""
+    """Change one parameter; name and value are checked while the recipe is read.
+
+    Parameters
+    ----------
+    keep_alive
+        Take it while running, instead of after a restart.
+
+    Raises
+    ------
+    ParameterError
+        When there is no such parameter, or the value does not fit it.
+    """
     return update_parameters(
         component=component,
         params_names=[param_name],
@@ -88,6 +113,13 @@ def update_parameters(
     keep_alive: bool = True,
 ) -> Action:
     """Change several parameters; all of them or none.
+
+    Parameters
+    ----------
+    params_names, new_values
+        As many of the one as of the other.
+    keep_alive
+        Take it while running, instead of after a restart.
 
     Raises
     ------
@@ -118,7 +150,13 @@ def update_parameters(
 
 
 def send_srv_request(*, srv_name: str, srv_type: type, srv_request_msg: Any = None) -> Action:
-    """Call a service of any node."""
+    """Call a service of any node.
+
+    Parameters
+    ----------
+    srv_request_msg
+        The request; an empty one unless given.
+    """
     return Action.from_data(
         CallService(
             service=srv_name, type=type_name(srv_type), request=to_plain(srv_request_msg) or {}
@@ -135,7 +173,20 @@ def send_action_goal(
     server_type: type | None = None,
     request_msg: Any = None,
 ) -> Action:
-    """Send a goal to an action server of any node; both generations of keywords."""
+    """Send a goal to an action server of any node.
+
+    Parameters
+    ----------
+    action_name, action_type, action_request_msg
+        Name, type and goal; an empty goal unless given.
+    server_name, server_type, request_msg
+        The same in older recipes.
+
+    Raises
+    ------
+    TypeError
+        When there is no name or no type.
+    """
     name, kind = action_name or server_name, action_type or server_type
     if name is None or kind is None:
         raise TypeError("send_action_goal: action_name and action_type are needed")
@@ -202,7 +253,15 @@ def publish_message(
     publish_rate: float | None = None,
     publish_period: float | None = None,
 ) -> Action:
-    """Publish a message: once, or at a rate, for a period or for ever."""
+    """Publish a message: once, or again and again.
+
+    Parameters
+    ----------
+    publish_rate
+        How often [Hz]; once unless given.
+    publish_period
+        For how long [s]; for ever unless given.
+    """
     return Action.from_data(
         Publish(
             topic=topic.name,

@@ -9,7 +9,7 @@ from kompass.recorder.shm_queue import ShmQueue
 
 
 class RecorderEventLog:
-    """A :class:`kompass.monitor.event_log.Tape` that hands all to the recorder's process.
+    """A :class:`kompass.monitor.recording.EventLog` that hands all to the recorder's process.
 
     It costs some microseconds for each message, waits for nothing, and never raises for a
     recorder that is slow or dead: what does not fit is counted, and the recording says so.
@@ -29,6 +29,3 @@ class RecorderEventLog:
     def text(self, kind: str, text: str, now_ns: int) -> None:
         """The same, for one that is JSON text already."""
         self._queue.write(now_ns, True, kind, "", text.encode())
-
-    def close(self) -> None:
-        """Nothing follows; what is on the queue is recorded all the same."""

@@ -11,7 +11,6 @@ from typing import Any
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from kompass.monitor.event_log import EventLog, NoEventLog
 from kompass.recorder.clip_policy import KEEP, ClipPolicy
 from kompass.recorder.event_log import RecorderEventLog
 from kompass.recorder.places import saved_path
@@ -29,7 +28,7 @@ class NotRecording(RuntimeError):
 
 
 class FlightRecorder:
-    """A :class:`kompass.monitor.recording.Recording`.
+    """A :class:`kompass.monitor.recording.FlightRecording`.
 
     Parameters
     ----------
@@ -43,7 +42,7 @@ class FlightRecorder:
 
     def __init__(self, recordings: Path, queue: ShmQueue | None, least: Severity | None) -> None:
         self._recordings, self._queue = recordings, queue
-        self.tape: EventLog = NoEventLog() if queue is None else RecorderEventLog(queue)
+        self.event_log = None if queue is None else RecorderEventLog(queue)
         self._clip_policy = ClipPolicy(recordings, least)
         self._store: Any = None
         self._server: BacktestServer | None = None

@@ -1,270 +1,119 @@
-"""A stand-in for the monitor: the far side of DDS for the console's routes on rules.
+"""The real monitor with its services, table manager and store, on a robot that has nothing else.
 
-It keeps the contract of the services, topics and the action, and judges nothing: what it answers
-hangs on what it is asked. Run it with `python -m tests.console.fake_monitor`.
+No component, no supervisor and no flight recorder are there: what a process is doing, what a
+recording holds and what a back-test finds is made up here, and so is a disk that is full. Run it
+with `python -m tests.console.fake_monitor FOLDER`, where its store is to be.
 """
 
 from __future__ import annotations
 
+import json
 import signal
+import sys
 import threading
-import time
+from pathlib import Path
 from typing import Any
 
 import rclpy
 from kompass_interfaces.action import BacktestRules
-from kompass_interfaces.msg import ProcessState, RuleFiring, RulesState, StackState
-from kompass_interfaces.srv import (
-    ApplyRules,
-    CheckRules,
-    ConfirmRules,
-    DescribeGraph,
-    ExplainRule,
-    GetFirings,
-    GetHistory,
-    GetRules,
-    ResetRule,
-    RollbackRules,
-    SaveRecording,
-)
-from pydantic import TypeAdapter, ValidationError
 from rclpy.action import ActionServer, CancelResponse
-from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.executors import MultiThreadedExecutor
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_msgs.msg import String
+from rclpy.executors import Executor, MultiThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 
 from kompass.backtest.report import BacktestReport
-from kompass.rulebook.diff import diff_tables
-from kompass.rulebook.schema.alarm import Alarm
-from kompass.rulebook.schema.diff_models import TableDiff
-from kompass.rulebook.schema.explanation import ExplanationView
-from kompass.rulebook.schema.graph_view import GraphView
-from kompass.rulebook.schema.journal import Journal
-from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Effect, Finding
-from kompass.rulebook.schema.revision import History
-from kompass.rulebook.schema.status import RuleStatus
-from kompass.rulebook.views.views import table_view
-from kompass.rules.schema.actions import Log
-from kompass.rules.schema.conditions import Compare
+from kompass.monitor.introspection.catalog import RecipeCatalog
+from kompass.monitor.monitor import Monitor
+from kompass.monitor.settings import MonitorSettings
+from kompass.monitor.start import Start
+from kompass.rclpy_ext.executor import TaskExecutor
+from kompass.rclpy_ext.node import PlainNode
+from kompass.recipe.table import RecipeRules
+from kompass.rulebook.schema.journal import FiringRecord
+from kompass.rulebook.schema.revision import Revision
+from kompass.rules.schema.actions import Log, RaiseAlarm
+from kompass.rules.schema.conditions import Absent, Compare
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.signals import Signal
 from kompass.rules.schema.table import Rule, Table
-
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+from kompass.store import RuleStore, StoreUnwritable
 
 NEAR = Rule(
     id="near",
     name="Something is near",
+    source="recipe",
     event=Event(
         condition=Compare(
             signal=Signal(
                 topic="scan", type="sensor_msgs/msg/LaserScan", path=("ranges",), aggregate="min"
             ),
             operator="<",
-            value=0.3,
+            value=0.01,
         )
     ),
     actions=(Log(text="near"),),
 )
-TABLE = Table(rules=(NEAR,))
+# Nobody ever says anything there: it fires once, and once more after each reset.
+SILENT = Rule(
+    id="silent",
+    name="The battery says nothing",
+    source="recipe",
+    protected=True,
+    event=Event(
+        condition=Absent(
+            signal=Signal(topic="battery_left", type="std_msgs/msg/Float32"), seconds=0.05
+        ),
+        trigger="edge",
+    ),
+    actions=(RaiseAlarm(alarm="low-battery", text="Battery at 9 %"),),
+)
+TABLE = Table(rules=(NEAR, SILENT))
 DISK_FULL = "disk full"  # the reason with which applying fails
+PLANNER = {
+    "name": "planner",
+    "nodes": ["planner"],
+    "state": "busy",
+    "pid": 77,
+    "restarts": 2,
+    "reason": "killed",
+}
 
 
-class FakeMonitor:
-    """Services, topics and the action of the monitor, in one node."""
+class FullStore(RuleStore):
+    """A store whose disk is full for who gives that as the reason."""
 
-    def __init__(self, ending: threading.Event) -> None:
-        self.ending = ending
-        self.node = rclpy.create_node("monitor")
-        self.tables = {1: TABLE}
-        self.revision = self.confirmed = 1
-        self.reset: list[str] = []
-        group = ReentrantCallbackGroup()
-        offered = {
-            GetRules: self.get_rules,
-            CheckRules: self.check,
-            ApplyRules: self.apply,
-            RollbackRules: self.rollback,
-            ConfirmRules: self.confirm,
-            ResetRule: self.reset_rule,
-            ExplainRule: self.explain,
-            GetHistory: self.history,
-            GetFirings: self.firings,
-            DescribeGraph: self.graph,
-            SaveRecording: self.save,
-        }
-        names = {
-            kind: "".join("_" + c.lower() if c.isupper() else c for c in kind.__name__)[1:]
-            for kind in offered
-        }
-        for kind, answer in offered.items():
-            name = f"/monitor/{names[kind]}"
-            self.node.create_service(kind, name, answer, callback_group=group)
-        self.steps = self.node.create_publisher(RuleFiring, "/monitor/firings", 100)
-        self.states = self.node.create_publisher(RulesState, "/monitor/rules_state", LATCHED)
-        self.alarms = self.node.create_publisher(String, "/monitor/alarms", LATCHED)
-        self.stack = self.node.create_publisher(StackState, "/monitor/stack_state", LATCHED)
-        self.backtests = ActionServer(
-            self.node,
+    def append(self, table: Table, **more: Any) -> Revision:
+        if more.get("reason") == DISK_FULL:
+            raise StoreUnwritable("the disk is full")
+        return super().append(table, **more)
+
+
+class Backtests:
+    """The action server of back-tests, whose recordings have names that say how one ends."""
+
+    def __init__(self) -> None:
+        self._ending = threading.Event()
+        self._node = rclpy.create_node("backtests")
+        self._server = ActionServer(
+            self._node,
             BacktestRules,
             "/monitor/backtest_rules",
-            self.backtest,
-            callback_group=group,
+            self._execute,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
-        self.node.create_timer(0.25, self.say, callback_group=group)
-        alarm = Alarm(name="low-battery", text="Battery at 9 %", since=time.time())
-        self.alarms.publish(String(data=TypeAdapter(list[Alarm]).dump_json([alarm]).decode()))
-        planner = ProcessState(
-            name="planner", nodes=["planner"], state="busy", pid=77, restarts=2, reason="killed"
-        )
-        self.stack.publish(StackState(processes=[planner]))
+        self._executor = MultiThreadedExecutor(4)
+        self._executor.add_node(self._node)
+        self._thread = threading.Thread(target=self._executor.spin)
+        self._thread.start()
 
-    def say(self) -> None:
-        status = RuleStatus(rule_id="near", state="ready", text="the condition is false")
-        rules = TypeAdapter(list[RuleStatus]).dump_json([status]).decode()
-        left = 60.0 if self.revision != self.confirmed else 0.0
-        self.states.publish(
-            RulesState(
-                revision=self.revision, confirmed=self.confirmed, probation_left=left, rules=rules
-            )
-        )
+    def close(self) -> None:
+        self._ending.set()
+        self._executor.shutdown(2.0)
+        self._thread.join(2.0)
+        self._server.destroy()
+        self._node.destroy_node()
 
-    def get_rules(self, request: Any, response: Any) -> Any:
-        number = request.revision or self.revision
-        if number not in self.tables:
-            response.message = f"there is no revision {number}"
-            return response
-        view = table_view(
-            self.tables[number],
-            revision=number,
-            active=self.revision,
-            confirmed=self.confirmed,
-            robot="fake",
-        )
-        response.success, response.answer = True, view.model_dump_json()
-        return response
-
-    def check(self, request: Any, response: Any) -> Any:
-        try:
-            report = self.report(Table.model_validate_json(request.table), request.role)
-        except ValidationError:
-            response.message = "this is no table"
-            return response
-        response.success, response.answer = report.ok, report.model_dump_json()
-        return response
-
-    def report(self, table: Table, role: str) -> CheckReport:
-        found = []
-        if role == "viewer":
-            found.append(_error("role", "a viewer changes nothing"))
-        if not table.rules:
-            found.append(_error("protected", "the last rule is protected"))
-        return CheckReport(ok=not found, revision=self.revision, findings=tuple(found))
-
-    def apply(self, request: Any, response: Any) -> Any:
-        try:
-            table = Table.model_validate_json(request.table)
-        except ValidationError:
-            response.outcome, response.message = ApplyRules.Request.REFUSED, "this is no table"
-            return response
-        return self.put(request, response, table)
-
-    def rollback(self, request: Any, response: Any) -> Any:
-        return self.put(request, response, self.tables[request.revision or self.revision - 1])
-
-    def put(self, request: Any, response: Any, table: Table) -> Any:
-        response.revision = self.revision
-        report = self.report(table, request.role)
-        if request.expected_revision != self.revision:
-            conflict = Conflict(
-                expected=request.expected_revision,
-                revision=self.revision,
-                author="ben",
-                time=time.time(),
-                reason="faster",
-                theirs=TableDiff(),
-                yours=diff_tables(self.tables[1], table),
-            )
-            response.outcome, response.answer = ApplyRules.Request.CONFLICT, _json(conflict)
-            response.message = f"revision {self.revision} is in force by now"
-        elif not report.ok:
-            response.outcome, response.answer = ApplyRules.Request.REFUSED, _json(report)
-            response.message = report.findings[0].text
-        elif request.reason == DISK_FULL:
-            response.outcome = ApplyRules.Request.FAILED
-            response.message = "the disk is full"
-        else:
-            self.revision += 1
-            self.tables[self.revision] = table
-            answer = ApplyReport(
-                revision=self.revision,
-                previous=self.revision - 1,
-                probation=getattr(request, "probation", 0.0),
-                pause=0.0,
-                effect=Effect(),
-                diff=TableDiff(),
-            )
-            response.answer, response.revision = _json(answer), self.revision
-            self.say()
-        return response
-
-    def confirm(self, request: Any, response: Any) -> Any:
-        if request.revision == self.revision:
-            self.confirmed, response.success = self.revision, True
-            self.say()
-        else:
-            response.message = f"revision {self.revision} is in force"
-        return response
-
-    def reset_rule(self, request: Any, response: Any) -> Any:
-        response.success = request.rule_id == "near"
-        response.message = "" if response.success else f"there is no rule {request.rule_id!r}"
-        if response.success:  # and fires at once, in front of whoever listens
-            for number in range(3):
-                self.steps.publish(
-                    RuleFiring(
-                        rule_id="near", run_id=number, phase="fired", details='{"leaves":[]}'
-                    )
-                )
-        return response
-
-    def explain(self, request: Any, response: Any) -> Any:
-        if request.rule_id != "near":
-            response.message = f"there is no rule {request.rule_id!r}"
-            return response
-        view = ExplanationView(
-            rule_id="near", time=time.time(), text="false", condition="", rule=NEAR, revision=1
-        )
-        response.success, response.answer = True, _json(view)
-        return response
-
-    def history(self, request: Any, response: Any) -> Any:
-        found: Any = History(active=self.revision, confirmed=1, revisions=(), more=False)
-        if request.diff_from:
-            found = TableDiff(before=request.diff_from, after=request.diff_to)
-        response.success, response.answer = True, _json(found)
-        return response
-
-    def firings(self, _: Any, response: Any) -> Any:
-        response.success, response.answer = True, _json(Journal(firings=(), more=False))
-        return response
-
-    def graph(self, _: Any, response: Any) -> Any:
-        view = GraphView(
-            topics=(), types={}, components=(), services=(), actions=(), functions=("beep",)
-        )
-        response.success, response.answer = True, _json(view)
-        return response
-
-    def save(self, request: Any, response: Any) -> Any:
-        response.success = request.name != "taken"
-        response.message = "" if response.success else "there is a recording 'taken' already"
-        response.path = f"/recordings/{request.name}.mcap"
-        return response
-
-    def backtest(self, handle: Any) -> BacktestRules.Result:
+    def _execute(self, handle: Any) -> BacktestRules.Result:
         handle.publish_feedback(BacktestRules.Feedback(progress=0.5, text="half"))
         if handle.request.recording == "broken":
             handle.abort()
@@ -273,7 +122,7 @@ class FakeMonitor:
             if handle.is_cancel_requested:
                 handle.canceled()
                 return BacktestRules.Result()
-            if self.ending.wait(0.02):
+            if self._ending.wait(0.02):
                 handle.abort()
                 return BacktestRules.Result()
         report = BacktestReport(
@@ -288,32 +137,65 @@ class FakeMonitor:
             gone=0,
         )
         handle.succeed()
-        return BacktestRules.Result(success=True, answer=_json(report))
+        return BacktestRules.Result(success=True, answer=report.model_dump_json())
 
 
-def _error(code: str, text: str) -> Finding:
-    return Finding(level="error", code=code, rule_id="near", field="", text=text, remedy="leave it")
+class NoFiles:
+    """A flight recorder that keeps nothing and says where it is."""
+
+    event_log = None
+
+    def __init__(self) -> None:
+        self._backtests = Backtests()
+
+    def start(self, node: Node, executor: Executor, store: RuleStore | None) -> None:
+        """Back-tests are offered already."""
+
+    def fired(self, entry: FiringRecord) -> None:
+        """Nothing is kept."""
+
+    def save(self, seconds: float, name: str) -> str:
+        if name == "taken":
+            raise FileExistsError("there is a recording 'taken' already")
+        return f"/recordings/{name}.mcap"
+
+    def close(self) -> None:
+        self._backtests.close()
 
 
-def _json(model: Any) -> str:
-    return str(model.model_dump_json())
+def run(folder: Path, ending: threading.Event) -> None:
+    """Run a monitor that has its store in a folder."""
+    recipe = RecipeRules(TABLE)
+    node, executor = PlainNode("monitor"), TaskExecutor()
+    executor.add_node(node)
+    with FullStore.open(folder) as store:
+        boot = store.begin_session(TABLE, epoch="fake", stack="fake")
+        assert boot.revision is not None
+        monitor = Monitor(
+            node,
+            executor,
+            recipe,
+            RecipeCatalog([], recipe),
+            Start(boot.table, boot.revision, "fake"),
+            store,
+            MonitorSettings(robot="fake"),
+            ask=lambda _: None,
+            recording=NoFiles(),
+        )
+        monitor.process_changed(json.dumps(PLANNER))
+        while not ending.is_set():
+            executor.spin_once(timeout_sec=0.1)
+        monitor.close()
+    node.destroy_node()
 
 
 def main() -> None:
     """Run until SIGTERM."""
     ending = threading.Event()
-    rclpy.init()
-    monitor = FakeMonitor(ending)
-    executor = MultiThreadedExecutor(8)
-    executor.add_node(monitor.node)
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: ending.set())
-    spinning = threading.Thread(target=executor.spin)
-    spinning.start()
-    ending.wait()
-    executor.shutdown(2.0)
-    spinning.join(2.0)
-    monitor.node.destroy_node()
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    run(Path(sys.argv[1]), ending)
     rclpy.shutdown()
 
 

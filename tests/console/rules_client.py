@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import subprocess
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -20,13 +21,18 @@ from tests.support.processes import wait_until
 Json = dict[str, Any]
 
 
-def running_monitor() -> contextlib.AbstractContextManager[subprocess.Popen[bytes]]:
-    """A stand-in for the monitor."""
-    return running("tests.console.fake_monitor")
+@contextlib.contextmanager
+def running_monitor() -> Iterator[subprocess.Popen[bytes]]:
+    """A monitor with an empty store, on a robot that has nothing else."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        running("tests.console.fake_monitor", folder) as process,
+    ):
+        yield process
 
 
 def table() -> Json:
-    """The stand-in's table, to be edited."""
+    """The monitor's table, to be edited."""
     return TABLE.model_dump(mode="json")
 
 

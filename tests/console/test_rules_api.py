@@ -28,7 +28,6 @@ READS = [
     "/api/rules",
     "/api/rules?revision=1",
     "/api/rules/near/explain",
-    "/api/rules/near/explain?run_id=3&epoch=x",
     "/api/rules/history?before=9&count=2",
     "/api/rules/diff?from=1&to=1",
     "/api/rules/schema",
@@ -138,20 +137,45 @@ def test_an_edit_goes_into_force_is_kept_and_taken_back(
     assert back.status_code == 200
     assert operator.get("/api/rules").json()["table"] == table()
     told = [(e["what"], e["outcome"]) for e in audited(monitored) if e["who"] == "ava"]
+    tried, kept = report["revision"], back.json()["revision"]
     assert told[-3:] == [
-        ("apply rules", "done"),
+        (
+            "apply rules",
+            f"Revision {tried} is in force; confirm it within 30 s, or it is taken back.",
+        ),
         ("confirm rules", "done"),
-        ("roll back rules", "done"),
+        ("roll back rules", f"Revision {kept} is in force."),
     ]
+
+
+def test_a_firing_of_the_past_is_explained(operator: httpx.Client) -> None:
+    firings: list[Json] = []
+
+    def kept() -> bool:
+        firings[:] = operator.get("/api/firings?rule_id=silent").json()["firings"]
+        return any(each["kind"] == "firing" for each in firings)
+
+    wait_until(kept, 10.0, "the journal has a firing")
+    run = next(each for each in firings if each["kind"] == "firing")
+    path = f"/api/rules/silent/explain?run_id={run['run_id']}&epoch={run['epoch']}"
+    view = operator.get(path).json()
+    assert (view["rule_id"], view["revision"]) == ("silent", run["revision"])
+    unknown = operator.get("/api/rules/silent/explain?run_id=4000")
+    assert unknown.status_code == 404
+    assert "no run 4000" in unknown.json()["detail"]["title"]
 
 
 def test_without_a_probation_the_monitors_own_holds(operator: httpx.Client) -> None:
     report = operator.post("/api/rules/apply", json=edited(operator)).json()
-    assert report["probation"] == -1.0
+    assert report["probation"] == 60.0
 
 
 def test_who_was_too_late_gets_both_changes(monitored: Served, operator: httpx.Client) -> None:
-    body = {**edited(operator), "expected_revision": in_force(operator) + 5}
+    begun = in_force(operator)
+    body = edited(operator)
+    with monitored.client(Role.ENGINEER, user="ben") as faster:
+        assert faster.post("/api/rules/apply", json=body).is_success
+    body["table"]["rules"][0]["event"]["cooldown"] = 30.0
     answer = operator.post("/api/rules/apply", json=body)
     assert answer.status_code == 409
     assert set(answer.json()["detail"]) == {"title", "remedy"}
@@ -159,7 +183,7 @@ def test_who_was_too_late_gets_both_changes(monitored: Served, operator: httpx.C
     assert conflict["author"] == "ben"
     assert conflict["yours"]["changes"][0]["rule_id"] == "near"
     assert audited(monitored)[-1]["outcome"] == answer.json()["detail"]["title"]
-    late = operator.post("/api/rules/rollback", json={"expected_revision": 99})
+    late = operator.post("/api/rules/rollback", json={"expected_revision": begun})
     assert late.status_code == 409
     assert late.json()["conflict"]["revision"] == in_force(operator)
 
@@ -170,7 +194,7 @@ def test_a_refused_table_comes_back_with_its_findings(operator: httpx.Client) ->
     answer = operator.post("/api/rules/apply", json=body)
     assert answer.status_code == 422
     assert answer.json()["report"]["findings"][0]["code"] == "protected"
-    assert answer.json()["detail"]["title"] == "The last rule is protected."
+    assert "'The battery says nothing' is protected" in answer.json()["detail"]["title"]
     assert in_force(operator) == before
 
 
@@ -178,13 +202,16 @@ def test_a_disk_that_is_full_is_told_and_the_old_table_stays(operator: httpx.Cli
     before = in_force(operator)
     answer = operator.post("/api/rules/apply", json=edited(operator, reason=DISK_FULL))
     assert answer.status_code == 507
-    assert answer.json()["detail"]["title"] == "The disk is full."
+    assert answer.json()["detail"]["title"] == (
+        f"The disk is full; the rules of revision {before} stay in force."
+    )
     assert in_force(operator) == before
 
 
 def test_the_role_reaches_the_guard_rails(monitored: Served) -> None:
     with monitored.client(Role.VIEWER) as client:
-        report = client.post("/api/rules/check", json={"table": table()}).json()
+        body = {"table": {"rules": table()["rules"][1:]}}
+        report = client.post("/api/rules/check", json=body).json()
     assert [finding["code"] for finding in report["findings"]] == ["role"]
 
 
@@ -309,4 +336,6 @@ def test_a_monitor_that_is_killed_is_told_and_the_next_ones_word_is_taken(
         wait_until(lambda: operator.get("/api/rules").is_success, 20.0, "the next monitor")
         assert in_force(operator) == 1
         body = {"table": table(), "expected_revision": applied.json()["revision"]}
-        assert operator.post("/api/rules/apply", json=body).status_code == 409
+        answer = operator.post("/api/rules/apply", json=body)
+        assert answer.status_code == 422
+        assert "there is no such revision, 1 is in force" in answer.json()["detail"]["title"]

@@ -2,7 +2,7 @@
 
 from kompass_interfaces.srv import GetFirings
 
-from kompass.monitor.services import LARGEST, _told_in_parts
+from kompass.monitor.services import LARGEST, answer_in_parts
 from kompass.rulebook.schema.journal import FiringRecord, Journal
 
 
@@ -13,7 +13,7 @@ def test_a_long_answer_comes_in_parts() -> None:
     )  # fmt: skip
     firings = tuple(entry.model_copy(update={"number": 1000 - n}) for n in range(1000))
 
-    answer = _told_in_parts(GetFirings.Response(), Journal(firings=firings, more=False), "firings")
+    answer = answer_in_parts(GetFirings.Response(), Journal(firings=firings, more=False), "firings")
 
     told = Journal.model_validate_json(answer.answer)
     assert answer.success

@@ -1,4 +1,4 @@
-"""What the tape takes down is what the engine took: a replay of it fires the same."""
+"""What the event log takes down is what the engine took: a replay of it fires the same."""
 
 import json
 from typing import Any
@@ -18,7 +18,7 @@ from kompass.rules.schema.table import Table
 from tests.support.rules import compare, rule, signal
 
 
-class ListTape:
+class EventList:
     """Keeps what it is given as it would come from a file."""
 
     def __init__(self) -> None:
@@ -34,26 +34,23 @@ class ListTape:
     def text(self, kind: str, text: str, now_ns: int) -> None:
         self.events.append(from_data(kind, json.loads(text)))
 
-    def close(self) -> None:
-        """Nothing to close."""
-
 
 class World:
     """An engine loop on a clock that is moved by hand; runs end when they are told to."""
 
     def __init__(self, table: Table) -> None:
         self.now = 5_000_000_123
-        self.tape = ListTape()
+        self.event_log = EventList()
         self.firings: list[Firing] = []
         self.revisions: list[int] = []  # of the table that let each of them fire
         self.deadline: float | None = None
         self.loop = EngineLoop(
             compile_table(table),
             1,
-            "life",
+            "session",
             handle=self._handle,
             wake=self._wake,
-            tape=self.tape,
+            event_log=self.event_log,
             clock=lambda: self.now,
             wall=lambda: 1_700_000_000.0 + self.now * 1e-9,
         )
@@ -98,7 +95,7 @@ STEPS = st.lists(
 
 @settings(max_examples=30, deadline=None)
 @given(steps=STEPS)
-def test_a_replay_of_the_tape_fires_at_the_same_times_for_the_same_reasons(
+def test_a_replay_of_the_log_fires_at_the_same_times_for_the_same_reasons(
     steps: list[tuple[str, int]],
 ) -> None:
     table = Table.model_validate({"rules": RULES})
@@ -122,23 +119,23 @@ def test_a_replay_of_the_tape_fires_at_the_same_times_for_the_same_reasons(
         elif what in ("a", "b"):
             world.wait(1_000_000)
             world.say(what, number)
-    fired = [event for event in world.tape.events if isinstance(event, Fired)]
+    fired = [event for event in world.event_log.events if isinstance(event, Fired)]
     assert [(f.rule_id, f.run_id) for f in fired] == [(f.rule_id, f.run_id) for f in world.firings]
     if swapped:
-        return  # a back-test is of one table; that the tape is whole is shown above
-    recorded = [event for event in world.tape.events if not isinstance(event, Heard)]
-    report = backtest(table, world.tape.events, recorded)
+        return  # a back-test is of one table; that the log is whole is shown above
+    recorded = [event for event in world.event_log.events if not isinstance(event, Heard)]
+    report = backtest(table, world.event_log.events, recorded)
     assert (report.same, report.new, report.gone) == (len(fired), 0, 0)
 
 
-def test_a_swap_is_taped_after_what_the_old_table_let_fire() -> None:
+def test_a_swap_is_logged_after_what_the_old_table_let_fire() -> None:
     world = World(Table.model_validate({"rules": RULES}))
     world.say("b", 1)
     world.now += 1_000_000_000  # silence is due, and nobody has woken the engine up
     empty = compile_table(Table())
     world.loop.swap(plan_migration(world.loop.table, empty), 2)
-    assert [type(event).__name__ for event in world.tape.events][-2:] == ["Fired", "Swapped"]
-    fired = world.tape.events[-2]
+    assert [type(event).__name__ for event in world.event_log.events][-2:] == ["Fired", "Swapped"]
+    fired = world.event_log.events[-2]
     assert isinstance(fired, Fired)
     assert (fired.rule_id, fired.revision) == ("silent", 1)
     # It is not the new table's, though that is in force when it is carried out.

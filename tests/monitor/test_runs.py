@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 from rclpy.task import Future
 
-from kompass.monitor.execution.outcome import Outcome
-from kompass.monitor.execution.runs import Entry, Runs, Tell
+from kompass.monitor.execution.runs import Runs, Tell
+from kompass.monitor.reporting.entries import ActionOutcome, RunEntry
+from kompass.monitor.reporting.firings import Firings
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Firing, Note, Output
 from kompass.rules.schema.actions import Log, Method
@@ -15,27 +16,27 @@ from kompass.rules.schema.table import Severity, Table
 from tests.support.rules import compare, rule
 
 
-class Told:
-    """Writes down what it hears."""
+class Told(Firings):
+    """Keeps in lists what it is to tell, and tells nobody."""
 
     def __init__(self) -> None:
         self.heard: list[tuple[Any, ...]] = []
-        self.entries: list[Entry] = []
+        self.entries: list[RunEntry] = []
         self._number = 0
 
-    def begins(self, entry: Entry) -> None:
+    def begins(self, entry: RunEntry) -> None:
         """Nothing to keep."""
 
-    def fired(self, entry: Entry, message: Any) -> int:
+    def fired(self, entry: RunEntry, message: Any) -> int:
         self._number += 1
         self.heard.append((entry.kind, entry.rule_id, entry.text))
         self.entries.append(entry)
         return self._number
 
-    def acted(self, entry: Entry, number: int, outcome: Outcome) -> None:
+    def acted(self, entry: RunEntry, number: int, outcome: ActionOutcome) -> None:
         self.heard.append(("acted", entry.rule_id, outcome.action))
 
-    def ended(self, entry: Entry, number: int, ok: bool, error: str) -> None:
+    def ended(self, entry: RunEntry, number: int, ok: bool, error: str) -> None:
         self.entries.append(entry)
         self.heard.append(("ended", entry.rule_id, ok, error))
 
@@ -53,7 +54,7 @@ class World:
     async def _perform(self, firing: Firing, tell: Tell) -> tuple[bool, str]:
         future = self.futures[(firing.rule_id, firing.run_id)] = Future()
         ok = bool(await future)
-        tell(Outcome("action", ok, "", 0.0))
+        tell(ActionOutcome("action", ok, "", 0.0))
         return ok, "" if ok else "it failed"
 
     def _done(self, rule_id: str, run_id: int, ok: bool, error: str) -> None:

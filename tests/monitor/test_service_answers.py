@@ -11,9 +11,9 @@ from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from std_srvs.srv import SetBool, Trigger
 
 from kompass.monitor.execution.action_runner import ActionRunner
-from kompass.monitor.execution.alarms import Alarms
-from kompass.monitor.execution.outcome import Outcome
 from kompass.monitor.execution.service_refusal import refusal
+from kompass.monitor.reporting.alarms import Alarms
+from kompass.monitor.reporting.entries import ActionOutcome
 from kompass.rclpy_ext.timers import Timers
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema.actions import Action, CallService, Log
@@ -45,21 +45,23 @@ def test_an_answer_says_no_only_where_custom_says_so(answer: Any, words: str) ->
     assert refusal(answer) == words
 
 
-class Desk:
+class Robot:
     """Actions of a rule, and the services that answer them, on one executor."""
 
     def __init__(self, spinning: Spinning) -> None:
         self._spinning = spinning
         node = spinning.node
-        self.runner = ActionRunner(node, spinning.executor, Timers(node), {}, Alarms(node))
+        self.runner = ActionRunner(
+            node, spinning.executor, Timers(node), {}, Alarms(node), lambda component: False
+        )
 
     def offer(self, kind: Any, name: str, answer: Callable[[Any], Any]) -> None:
         """A service, that answers what a function makes of the response."""
         self._spinning.node.create_service(kind, name, lambda _, response: answer(response))
 
-    def run(self, *actions: Action) -> tuple[tuple[bool, str], list[Outcome]]:
+    def run(self, *actions: Action) -> tuple[tuple[bool, str], list[ActionOutcome]]:
         """How a run of these ends, and each of its actions."""
-        told: list[Outcome] = []
+        told: list[ActionOutcome] = []
         more: dict[str, Any] = {"lane": "normal", "severity": Severity.INFO, "actions": actions}
         firing = Firing("r", 1, 0.0, 0.0, "hash", None, None, {}, (), **more)
         ended = self._spinning.executor.create_task(self.runner.run, firing, told.append)
@@ -69,38 +71,38 @@ class Desk:
 
 
 @pytest.fixture(scope="module")
-def desk(spinning: Spinning) -> Iterator[Desk]:
-    made = Desk(spinning)
+def robot(spinning: Spinning) -> Iterator[Robot]:
+    made = Robot(spinning)
     yield made
     made.runner.close()
 
 
-def test_a_service_that_says_no_fails_the_run_and_what_follows_waits(desk: Desk) -> None:
+def test_a_service_that_says_no_fails_the_run_and_what_follows_waits(robot: Robot) -> None:
     answers = [LOAD.RESULT_INVALID_MAP_DATA, LOAD.RESULT_SUCCESS]
 
     def load(response: Any) -> Any:
         response.result = answers.pop(0)
         return response
 
-    desk.offer(LoadMap, "load_map", load)
+    robot.offer(LoadMap, "load_map", load)
     call = CallService(service="load_map", type="nav2_msgs/srv/LoadMap", request={}, timeout=15.0)
-    (ok, error), told = desk.run(call, Log(text="the map is there"))
+    (ok, error), told = robot.run(call, Log(text="the map is there"))
     assert (ok, [each.ok for each in told]) == (False, [False])
     assert "load_map says no: RESULT_INVALID_MAP_DATA" in error
     # The next try, after the cooldown of its rule, is a run of its own.
-    (ok, error), told = desk.run(call, Log(text="the map is there"))
+    (ok, error), told = robot.run(call, Log(text="the map is there"))
     assert (ok, error, [each.ok for each in told]) == (True, "", [True, True])
 
 
-def test_who_does_not_care_goes_on_and_it_is_recorded_all_the_same(desk: Desk) -> None:
+def test_who_does_not_care_goes_on_and_it_is_recorded_all_the_same(robot: Robot) -> None:
     def refuse(response: Any) -> Any:
         response.message = "the lamp is broken"
         return response
 
-    desk.offer(SetBool, "lamp", refuse)
+    robot.offer(SetBool, "lamp", refuse)
     call = CallService(
         service="lamp", type="std_srvs/srv/SetBool", request={}, timeout=15.0, on_error="continue"
     )
-    (ok, error), told = desk.run(call, Log(text="dark"))
+    (ok, error), told = robot.run(call, Log(text="dark"))
     assert (ok, [each.ok for each in told]) == (False, [False, True])
     assert "the lamp is broken" in error

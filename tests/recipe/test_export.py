@@ -10,7 +10,6 @@ import yaml
 from hypothesis import strategies as st
 
 from kompass.components import Controller, DriveManager
-from kompass.launch.launcher import Launcher
 from kompass.recipe.export import export, to_json, to_python
 from kompass.recipe.table import RecipeRules, recipe_rules
 from kompass.rules.engine.compiled_table import compile_table
@@ -57,20 +56,19 @@ class Bringup(Exception):
 
 def read_recipe(source: str, monkeypatch: pytest.MonkeyPatch) -> tuple[RecipeRules, dict[str, Any]]:
     """The rules of a recipe, and the names that it defines."""
-    launchers: list[Launcher] = []
+    rules = RecipeRules()
+    by_name: dict[str, Any] = {}
 
-    def bringup(self: Launcher, *_: Any, **__: Any) -> None:
-        launchers.append(self)
+    def begin(events_actions: Any, components: Any) -> RecipeRules:
+        nonlocal rules
+        rules = recipe_rules(events_actions, components)
+        by_name.update({component.node_name: component for component in components})
         raise Bringup
 
-    monkeypatch.setattr(Launcher, "bringup", bringup)
+    monkeypatch.setattr("kompass.launch.launcher.recipe_rules", begin)
     scope: dict[str, Any] = {"__name__": "__main__", "__file__": "recipe.py"}
     with pytest.raises(Bringup):
         exec(compile(source, "recipe.py", "exec"), scope)
-    (launcher,) = launchers
-    components = list(launcher._components)
-    rules = recipe_rules(launcher._events_actions, components)
-    by_name = {component.node_name: component for component in components}
     return rules, {**by_name, **{k: v for k, v in scope.items() if callable(v)}}
 
 
@@ -300,6 +298,20 @@ def test_functions_of_the_recipe_are_named_for_whoever_pastes_it() -> None:
     text = to_python(table)
     assert "# Functions of the recipe, which must stand above: is_low, shout\n" in text
     assert "Event(is_low, check_rate=5.0)" in text
+
+
+def test_the_text_imports_what_rules_are_made_of_from_one_place_that_stays() -> None:
+    signal = Signal(topic="level", type=FLOAT, path=("data",))
+    condition = AllOf(conditions=(Absent(signal=signal, seconds=2.0), Rate(topic="a", below=5.0)))
+    event = Event(condition=condition, mode=Queued(size=3), max_rate=MaxRate(count=3, window=10.0))
+    table = Table(rules=(Rule(id="r", event=event, actions=(RaiseAlarm(alarm="quiet"),)),))
+    imports = [line for line in to_python(table).splitlines() if line.startswith("from ")]
+    assert imports == [
+        "from kompass.expressions import Expression",
+        "from kompass.ros import Action, Event",
+        "from kompass.rules import actions as data",
+        "from kompass.rules.schema import Absent, MaxRate, Queued, Rate, Signal",
+    ]
 
 
 def test_an_unknown_format_is_refused() -> None:

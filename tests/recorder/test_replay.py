@@ -82,12 +82,12 @@ def level(value: float) -> bytes:
 
 
 class StackSession:
-    """A stack's session: a monitor that writes its tape, and a recorder that takes it."""
+    """A stack's session: a monitor that writes its event log, and a recorder that takes it."""
 
     def __init__(self, recordings: Path) -> None:
         self.recordings = recordings
         self.queue = ShmQueue()
-        self.tape = RecorderEventLog(self.queue)
+        self.event_log = RecorderEventLog(self.queue)
         self.now_ns = 100 * NS
         self.left_out: set[str] = set()
         self.recorder = self.start()
@@ -101,7 +101,7 @@ class StackSession:
 
     def event(self, event: LoggedEvent) -> None:
         kind, data = to_data(event)
-        self.tape.event(kind, data, self.now_ns)
+        self.event_log.event(kind, data, self.now_ns)
 
     def begin(self, first: Table, epoch: str = "first") -> None:
         now = self.now_ns * 1e-9
@@ -110,7 +110,7 @@ class StackSession:
 
     def hear(self, value: float, topic: str = "level") -> None:
         self.now_ns += NS // 10 + 7
-        self.tape.message(topic, FLOAT, level(value), self.now_ns)
+        self.event_log.message(topic, FLOAT, level(value), self.now_ns)
 
     def fire(self, rule: Any, run: int) -> None:
         now = self.now_ns * 1e-9
@@ -237,7 +237,7 @@ def test_what_did_not_fit_is_told(session: StackSession) -> None:
     session.begin(table(5.0))
     session.recorder.tick()
     for _ in range(3):
-        session.tape.message("level", FLOAT, bytes(5 << 20), session.now_ns)
+        session.event_log.message("level", FLOAT, bytes(5 << 20), session.now_ns)
     session.hear(1.0)
     session.recorder.close()
 
@@ -364,7 +364,7 @@ def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_befor
         "first",
         handle=lambda outputs, *_: due.extend(o for o in outputs if isinstance(o, Firing)),
         wake=lambda _: None,
-        tape=session.tape,
+        event_log=session.event_log,
         clock=lambda: session.now_ns,
         wall=lambda: (session.now_ns + session.queue.offset_ns) * 1e-9,
     )

@@ -16,9 +16,9 @@ from rclpy.action import ActionClient
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from kompass.monitor.execution.alarms import Alarms
-from kompass.monitor.execution.outcome import Outcome
 from kompass.monitor.execution.service_refusal import refusal
+from kompass.monitor.reporting.alarms import Alarms
+from kompass.monitor.reporting.entries import ActionOutcome
 from kompass.rclpy_ext.awaitables import Awaitables
 from kompass.rclpy_ext.executor import Cancelled
 from kompass.rclpy_ext.log import write_log
@@ -40,7 +40,7 @@ class Failed(Exception):
 
 
 class ActionRunner:
-    """Runs on the executor of one node; functions of the recipe run in threads of their own lane.
+    """Runs on the executor of one node; functions of the recipe run in threads, by lane.
 
     Parameters
     ----------
@@ -52,6 +52,8 @@ class ActionRunner:
         What the recipe's opaque actions are called.
     alarms
         Where alarms are raised and cleared.
+    restart_if_stuck
+        Has the process of a component started anew if it hangs, and returns whether it does.
     """
 
     def __init__(
@@ -61,13 +63,13 @@ class ActionRunner:
         timers: Timers,
         functions: Mapping[str, Callable[..., Any] | Parsed | FallbackSequence],
         alarms: Alarms,
+        restart_if_stuck: Callable[[str], bool],
     ) -> None:
         self._node = node
         self._alarms = alarms
         self._functions = functions
-        self._waiting = Awaitables(timers, executor)
-        # Whether a component hangs, and its process was therefore asked for anew.
-        self.restart_stuck: Callable[[str], bool] = lambda component: False
+        self._awaitables = Awaitables(timers, executor)
+        self._restart_if_stuck = restart_if_stuck
         self._clients: dict[tuple[type, str], Any] = {}
         self._actions: dict[tuple[type, str], ActionClient] = {}
         # A slow function of one lane never holds up the other.
@@ -77,28 +79,33 @@ class ActionRunner:
         }
 
     def close(self) -> None:
-        """Wait for nothing and begin nothing."""
+        """Begin nothing more, and wait for nothing that is under way."""
         for threads in self._threads.values():
             threads.shutdown(wait=False, cancel_futures=True)
         for client in self._actions.values():
             client.destroy()
 
-    async def run(self, firing: Firing, tell: Callable[[Outcome], None]) -> tuple[bool, str]:
-        """Carry out all actions; whether all went well, and the first error.
+    async def run(self, firing: Firing, tell: Callable[[ActionOutcome], None]) -> tuple[bool, str]:
+        """Carry out all actions of a firing; return whether all went well, and the first error.
 
         To be run as a :class:`kompass.rclpy_ext.executor.Task`. When that is cancelled, a goal that
         was sent is cancelled too, and no further action begins; a function of the recipe runs
         to its end.
+
+        Parameters
+        ----------
+        tell
+            Takes the outcome of each action when it has ended.
         """
         error = ""
         for action in firing.actions:
             began = time.monotonic()
             try:
                 text = await self._perform(action, firing)
-                outcome = Outcome(_name(action), True, text, time.monotonic() - began)
+                outcome = ActionOutcome(_name(action), True, text, time.monotonic() - began)
             except Exception as problem:  # noqa: BLE001 - becomes the outcome, which is reported
                 text = str(problem) or type(problem).__name__
-                outcome = Outcome(_name(action), False, text, time.monotonic() - began)
+                outcome = ActionOutcome(_name(action), False, text, time.monotonic() - began)
                 error = error or f"{outcome.action}: {text}"
             tell(outcome)
             if not outcome.ok and action.on_error == "abort":
@@ -115,11 +122,11 @@ class ActionRunner:
         if entry is None:
             raise Failed(f"the recipe has no function {action.name!r}")
         if isinstance(entry, FallbackSequence):
-            rung = entry.next()
-            if rung is None:
+            fallback = entry.next()
+            if fallback is None:
                 raise Failed("given up: every fallback was tried; a person must look")
-            text = await self._known(rung, firing, {})
-            return f"{_name(rung)}: {text}"
+            text = await self._known(fallback, firing, {})
+            return f"{_name(fallback)}: {text}"
         if isinstance(entry, Parsed):
             made = entry.parser.function(
                 msg=firing.message, trigger=firing.message, **entry.parser.extra
@@ -127,7 +134,7 @@ class ActionRunner:
             output = entry.parser.output
             return await self._known(entry.action, firing, {output: made} if output else made)
         kwargs = resolve(action.kwargs, firing.message, firing.messages)
-        done = self._waiting.future()
+        done = self._awaitables.future()
         begun = threading.Event()
 
         def call() -> None:
@@ -140,7 +147,9 @@ class ActionRunner:
         self._threads[firing.lane].submit(call)
         # Python goes on with this thread; the other one waits its turn unless it is let in.
         begun.wait(LET_IN)
-        result = await self._waiting.result(done, action.timeout, f"{action.name} did not return")
+        result = await self._awaitables.result(
+            done, action.timeout, f"{action.name} did not return"
+        )
         if result is False:
             raise Failed(f"{action.name} returned False")
         return "" if result is None else str(result)
@@ -166,7 +175,7 @@ class ActionRunner:
                 kwargs = {**arguments(action.kwargs), **made}
                 return await self._method(action.component, action.method, kwargs, action.timeout)
             case kinds.Lifecycle():
-                if action.action == "restart" and self.restart_stuck(action.component):
+                if action.action == "restart" and self._restart_if_stuck(action.component):
                     return "it hung; its process is started anew"
                 return await self._method(action.component, action.action, {}, action.timeout)
             case kinds.UpdateParameters():
@@ -204,8 +213,8 @@ class ActionRunner:
         if client is None:
             client = self._clients[(kind, name)] = self._node.create_client(kind, name)
         search = SEARCH if timeout is None else min(SEARCH, timeout)
-        await self._waiting.until(client.service_is_ready, search, f"no service {name}")
-        return await self._waiting.result(
+        await self._awaitables.until(client.service_is_ready, search, f"no service {name}")
+        return await self._awaitables.result(
             client.call_async(request), timeout, f"no answer from {name}"
         )
 
@@ -251,14 +260,14 @@ class ActionRunner:
         if client is None:
             client = ActionClient(self._node, kind, action.action)
             self._actions[(kind, action.action)] = client
-        await self._waiting.until(client.server_is_ready, SEARCH, f"no server {action.action}")
-        handle = await self._waiting.result(
+        await self._awaitables.until(client.server_is_ready, SEARCH, f"no server {action.action}")
+        handle = await self._awaitables.result(
             client.send_goal_async(goal), SEARCH, f"no answer from {action.action}"
         )
         if not handle.accepted:
             raise Failed(f"{action.action} refused the goal")
         try:
-            ended = await self._waiting.result(
+            ended = await self._awaitables.result(
                 handle.get_result_async(), action.timeout, f"no end of the goal of {action.action}"
             )
         except (Cancelled, TimeoutError):
@@ -277,7 +286,7 @@ class ActionRunner:
         try:
             count = publisher.get_subscription_count
             try:
-                await self._waiting.until(lambda: count() > 0, 0.5, "nobody listens")
+                await self._awaitables.until(lambda: count() > 0, 0.5, "nobody listens")
             except TimeoutError:
                 if action.rate is None:
                     publisher.publish(message)
@@ -287,9 +296,9 @@ class ActionRunner:
                 publisher.publish(message)
                 if action.rate is None or (deadline and time.monotonic() >= deadline):
                     # Give the middleware the time to deliver before the publisher goes.
-                    await self._waiting.sleep(0.1)
+                    await self._awaitables.sleep(0.1)
                     return "published"
-                await self._waiting.sleep(1.0 / action.rate)
+                await self._awaitables.sleep(1.0 / action.rate)
         finally:
             self._node.destroy_publisher(publisher)
 

@@ -1,87 +1,53 @@
-"""The runs of rules: who may begin, who must end, and what is told of each."""
+"""The runs of rules: which may begin, which must end, and what is told of each."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Coroutine, Iterable
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
-from kompass.monitor.execution.outcome import Outcome
+from kompass.monitor.reporting.entries import ActionOutcome, EntryKind, RunEntry
+from kompass.monitor.reporting.firings import Firings
 from kompass.rclpy_ext.executor import Task
-from kompass.rulebook.schema.status import LeafReading
 from kompass.rulebook.views.views import Extras, leaf_reading
 from kompass.rules.engine.arbitrate import Running, arbitrate, components_of
 from kompass.rules.engine.compiled_table import CompiledTable
 from kompass.rules.engine.firing import Firing, Note, Output
 
-Kind = Literal["firing", "shadow", "note", "near miss", "outranked"]
-Tell = Callable[[Outcome], None]
-
-
-class Teller(Protocol):
-    """Hears of every step in the life of a run."""
-
-    def begins(self, entry: Entry) -> None:
-        """A run is about to begin; what must be kept before it does is kept now."""
-
-    def fired(self, entry: Entry, message: Any) -> int:
-        """A rule fired, or would have; the number of the entry in the journal."""
-
-    def acted(self, entry: Entry, number: int, outcome: Outcome) -> None:
-        """One action of a run has ended."""
-
-    def ended(self, entry: Entry, number: int, ok: bool, error: str) -> None:
-        """A run has ended."""
-
-
-class Entry(NamedTuple):
-    """What goes into the journal of a firing, or of what came close to one.
-
-    Attributes
-    ----------
-    kind
-        As in :class:`FiringRecord`.
-    name, once
-        Of the rule as it was then: the name, and whether it fires once only.
-    revision
-        Of the table that held it.
-    at
-        Monotonic seconds.
-    """
-
-    kind: Kind
-    rule_id: str
-    name: str
-    once: bool
-    revision: int
-    run_id: int
-    at: float
-    rule_hash: str
-    severity: str
-    topic: str | None
-    text: str
-    leaves: tuple[LeafReading, ...]
+Tell = Callable[[ActionOutcome], None]
 
 
 @dataclass(eq=False)
 class Run:
-    """A run in progress."""
+    """A run in progress.
+
+    Attributes
+    ----------
+    entry
+        What was told of its firing.
+    components
+        Node names of the components that it acts on.
+    number
+        Of the entry in the journal.
+    stopped
+        Why it was cancelled; empty unless it was.
+    untold
+        What is to be told of it once its beginning has been told; None from then on.
+    """
 
     firing: Firing
-    entry: Entry
+    entry: RunEntry
     components: frozenset[str]
     number: int = 0
-    job: Task | None = None
-    ended: bool = False
+    task: Task | None = None
     ok: bool = False
     error: str = ""
-    stopped: str = ""  # why it was cancelled
-    # What is to be told of it once its beginning has been told; None from then on.
+    stopped: str = ""
     untold: list[Callable[[], None]] | None = field(default_factory=list)
 
     def tell(self, step: Callable[[], None]) -> None:
-        """Tell a step of its life, after its beginning."""
+        """Tell a step of the run, after its beginning."""
         if self.untold is None:
             step()
         else:
@@ -98,36 +64,38 @@ class Runs:
         the first error.
     done
         Tells the engine that a run has ended.
-    teller
-        Hears of everything.
+    firings
+        Tells of every step.
     """
 
     def __init__(
         self,
         perform: Callable[[Firing, Tell], Coroutine[Any, None, tuple[bool, str]]],
         done: Callable[[str, int, bool, str], None],
-        teller: Teller,
+        firings: Firings,
     ) -> None:
-        self._perform, self._done, self._teller = perform, done, teller
+        self._perform, self._done, self._firings = perform, done, firings
         self._runs: dict[tuple[str, int], Run] = {}
         self._outputs: deque[tuple[Output, _Origin]] = deque()
         self._busy = False
         self._extras: dict[str, Extras] = {}
 
     def extras(self, rule_id: str) -> Extras:
-        """What is known of a rule that the engine does not know."""
+        """What is known of a rule's runs outside the engine."""
         return self._extras.get(rule_id, Extras())
 
     def forget(self, rule_ids: Iterable[str]) -> None:
-        """These rules start afresh, or are gone."""
+        """Forget what is known of rules that start afresh, or are gone."""
         for rule_id in rule_ids:
             self._extras.pop(rule_id, None)
 
     def take(self, outputs: Iterable[Output], table: CompiledTable, revision: int) -> None:
-        """Carry out what the engine put out; what follows from that at once, too.
+        """Carry out what the engine put out, and what follows from that at once.
 
         Parameters
         ----------
+        outputs
+            In the order of the engine.
         table, revision
             That let it fire.
         """
@@ -145,12 +113,20 @@ class Runs:
             self._busy = False
 
     def cancel(self, runs: Iterable[tuple[str, int]], reason: str) -> None:
-        """End runs that are in progress; of others, nothing is done."""
+        """Cancel those of the runs that are in progress.
+
+        Parameters
+        ----------
+        runs
+            Ids of rule and run.
+        reason
+            Becomes the error with which they end.
+        """
         for key in runs:
             run = self._runs.get(key)
-            if run is not None and run.job is not None:
+            if run is not None and run.task is not None:
                 run.stopped = reason
-                run.job.cancel()
+                run.task.cancel()
 
     def running(self) -> frozenset[str]:
         """Ids of the rules whose actions run."""
@@ -162,12 +138,12 @@ class Runs:
 
     def _take(self, outputs: list[tuple[Output, _Origin]]) -> None:
         firings: list[Firing] = []
-        entries: dict[int, Entry] = {}  # by run
+        entries: dict[int, RunEntry] = {}  # by run
         for output, origin in outputs:
             if isinstance(output, Note):
-                self._teller.fired(_noted(output, origin), None)
+                self._firings.fired(_noted(output, origin), None)
             elif output.shadow:
-                self._teller.fired(_entry(output, origin, "shadow"), output.message)
+                self._firings.fired(_entry(output, origin, "shadow"), output.message)
             else:
                 firings.append(output)
                 entries[output.run_id] = _entry(output, origin, "firing")
@@ -189,27 +165,27 @@ class Runs:
         for firing in sorted(settled.start, key=lambda f: f.lane != "safety"):
             self._start(firing, entries[firing.run_id])
 
-    def _lose(self, firing: Firing, entry: Entry, component: str, winner: str) -> None:
+    def _lose(self, firing: Firing, entry: RunEntry, component: str, winner: str) -> None:
         text = f"the more severe rule '{winner}' has {component}"
         extras = self.extras(firing.rule_id)
         self._extras[firing.rule_id] = extras._replace(outranked=extras.outranked + 1)
-        self._teller.fired(entry._replace(kind="outranked", text=text), firing.message)
+        self._firings.fired(entry._replace(kind="outranked", text=text), firing.message)
         self._done(firing.rule_id, firing.run_id, False, f"outranked: {text}")
 
-    def _start(self, firing: Firing, entry: Entry) -> None:
+    def _start(self, firing: Firing, entry: RunEntry) -> None:
         run = Run(firing, entry, _wanted(firing))
         self._runs[(firing.rule_id, firing.run_id)] = run
-        self._teller.begins(run.entry)
+        self._firings.begins(run.entry)
         # What it starts is started first: telling of it takes longer.
-        run.job = Task(self._carry_out(run), lambda error: self._over(run, error))
-        run.number = self._teller.fired(run.entry, firing.message)
+        run.task = Task(self._carry_out(run), lambda error: self._over(run, error))
+        run.number = self._firings.fired(run.entry, firing.message)
         untold, run.untold = run.untold or (), None
         for step in untold:
             step()
 
     async def _carry_out(self, run: Run) -> None:
-        def tell(outcome: Outcome) -> None:
-            run.tell(lambda: self._teller.acted(run.entry, run.number, outcome))
+        def tell(outcome: ActionOutcome) -> None:
+            run.tell(lambda: self._firings.acted(run.entry, run.number, outcome))
 
         run.ok, run.error = await self._perform(run.firing, tell)
 
@@ -220,7 +196,7 @@ class Runs:
             run.ok = False
             run.error = f"cancelled: {run.stopped}" if run.stopped else f"{error!r}"
         self._extras[firing.rule_id] = self.extras(firing.rule_id)._replace(last_ok=run.ok)
-        run.tell(lambda: self._teller.ended(run.entry, run.number, run.ok, run.error))
+        run.tell(lambda: self._firings.ended(run.entry, run.number, run.ok, run.error))
         run.tell(lambda: self._done(firing.rule_id, firing.run_id, run.ok, run.error))
 
 
@@ -231,9 +207,9 @@ class _Origin(NamedTuple):
     revision: int
 
 
-def _entry(output: Output, origin: _Origin, kind: Kind) -> Entry:
+def _entry(output: Output, origin: _Origin, kind: EntryKind) -> RunEntry:
     rule = origin.table.by_id[output.rule_id].rule
-    return Entry(
+    return RunEntry(
         kind=kind,
         rule_id=rule.id,
         name=rule.name,
@@ -249,7 +225,7 @@ def _entry(output: Output, origin: _Origin, kind: Kind) -> Entry:
     )
 
 
-def _noted(note: Note, origin: _Origin) -> Entry:
+def _noted(note: Note, origin: _Origin) -> RunEntry:
     return _entry(note, origin, "near miss" if note.kind == "near_miss" else "note")
 
 

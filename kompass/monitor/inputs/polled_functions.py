@@ -19,10 +19,16 @@ THREADS = 8
 
 
 class PolledFunctions:
-    """Functions run in threads: one that is slow holds up neither the engine nor the others.
+    """Asks in threads: a function that is slow holds up neither the engine nor the others.
 
     Parameters
     ----------
+    timers
+        On the executor's thread.
+    log
+        Where a function that raises is told of.
+    main
+        The executor's thread.
     functions
         Of the recipe, by name.
     answered
@@ -37,7 +43,7 @@ class PolledFunctions:
         functions: Mapping[str, Callable[[], Any]],
         answered: Callable[[str, Any], None],
     ) -> None:
-        self._timed, self._log, self._main = timers, log, main
+        self._scheduler, self._log, self._main = timers, log, main
         self._functions, self._answered = functions, answered
         self._timers: dict[str, tuple[float, Timer]] = {}
         self._asked: set[str] = set()
@@ -57,7 +63,7 @@ class PolledFunctions:
                 del self._timers[name]
         for name, rate in wanted.items():
             if name not in self._timers:
-                timer = self._timed.every(1.0 / rate, partial(self._ask, name))
+                timer = self._scheduler.every(1.0 / rate, partial(self._ask, name))
                 self._timers[name] = (rate, timer)
 
     def close(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,6 +13,7 @@ from rclpy.serialization import deserialize_message
 
 from kompass.rclpy_ext.messages import ros_class
 from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, ReaderQoS, best_for
+from kompass.rules.engine.compiled_table import CompiledTable
 
 # Messages that wait for a monitor that is held up: a second of a fast topic. Of large ones fewer.
 DEPTH = 1000
@@ -44,7 +45,14 @@ class _Input:
 
 
 class RuleInputs:
-    """One subscription per topic of the table, whatever number of rules use it.
+    """Subscribes once to each topic of the table, whatever number of rules use it.
+
+    Parameters
+    ----------
+    node
+        Subscribes.
+    receive
+        Takes topic, type, message, and the bytes that it came as (CDR).
 
     Attributes
     ----------
@@ -64,7 +72,13 @@ class RuleInputs:
         return topic in self._open
 
     def prepare(self, topics: Mapping[str, str]) -> None:
-        """Listen already to what a coming table needs; what comes early waits for it."""
+        """Subscribe already to what a coming table needs; messages wait until it is in force.
+
+        Parameters
+        ----------
+        topics
+            Types (``package/msg/Name``) by name, without a leading slash.
+        """
         for name in topics:
             if topics[name] and name not in self._open:
                 self._begin(name, topics[name], early=True)
@@ -158,7 +172,7 @@ class RuleInputs:
         def take(raw: bytes) -> None:
             self._take(name, reader[0], raw)
 
-        # Raw, so that the tape gets the very bytes that the engine's message was made of.
+        # Raw, so that the event log gets the very bytes that the engine's message was made of.
         reader.append(self._node.create_subscription(kind, name, take, qos, raw=True))
         return reader[0]
 
@@ -202,6 +216,7 @@ def _depth(kind: type[Any]) -> int:
     return DEPTH_OF_LARGE if kind.__name__ in LARGE else DEPTH
 
 
-def wanted(types: Iterable[tuple[str, set[str]]]) -> dict[str, str]:
-    """One type for each topic of a compiled table; empty where the rules tell none."""
+def topics_of(table: CompiledTable) -> dict[str, str]:
+    """The topics that a table looks at, with a type each; empty where the rules tell none."""
+    types = table.topic_types().items()
     return {name: min(kinds) if kinds else "" for name, kinds in types}

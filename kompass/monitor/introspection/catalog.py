@@ -36,8 +36,13 @@ class RecipeCatalog(MessageTypes):
         return self._functions
 
 
+def status_topics(component: str) -> tuple[str, str]:
+    """The topics on which a component tells its health, in both generations' names."""
+    return f"{component}/status", f"{component}_status"
+
+
 def _topics_of(component: Component) -> frozenset[str]:
     outputs = (component.get_out_topic(key) for key in component.outputs_keys)
     listed = [each if isinstance(each, list) else [each] for each in outputs if each is not None]
     names = {topic.name.removeprefix("/") for topics in listed for topic in topics}
-    return frozenset(names | {f"{component.node_name}/status", f"{component.node_name}_status"})
+    return frozenset(names.union(status_topics(component.node_name)))

@@ -9,7 +9,7 @@ from rclpy.action import get_action_names_and_types
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy
 
-from kompass.monitor.introspection.catalog import RecipeCatalog
+from kompass.monitor.introspection.catalog import RecipeCatalog, status_topics
 from kompass.monitor.introspection.message_types import constants
 from kompass.rulebook.lint.context import LintContext, TopicFacts
 from kompass.rulebook.schema.graph_view import (
@@ -34,6 +34,10 @@ class Graph:
 
     Parameters
     ----------
+    node
+        Asks what there is.
+    catalog
+        What is installed, and what the recipe brings.
     counts
         Messages received so far, by topic.
     """
@@ -94,7 +98,7 @@ class Graph:
         status = {
             name: component
             for component in self._catalog.components()
-            for name in (f"{component}/status", f"{component}_status")
+            for name in status_topics(component)
         }
         for full, types in sorted(self._node.get_topic_names_and_types()):
             name = full.removeprefix("/")

@@ -44,7 +44,13 @@ class MessageTypes:
         return _fields(type_name)
 
     def walk(self, type_name: str, depth: int = 6) -> Iterator[tuple[Path, FieldType]]:
-        """All fields of a type, the inner ones after the outer; lists are not entered."""
+        """All fields of a type, the inner ones after the outer; lists are not entered.
+
+        Parameters
+        ----------
+        depth
+            How many messages within messages are entered.
+        """
         yield from _walk(type_name, (), depth)
 
 
@@ -97,7 +103,7 @@ def _parse(text: str) -> FieldType:
 
 
 def constants(type_name: str, field: str) -> dict[str, int]:
-    """Constants of a message that go with one of its fields.
+    """Values by name of the constants of a message that go with one of its fields.
 
     ROS does not say which belong together: those named like the field, or all when there is only
     one integer that they could belong to.

@@ -1,1 +1,1 @@
-"""What is told of rules: firings, their states, explanations, and who cannot speak."""
+"""What is told of rules and processes: firings, alarms, explanations, states."""

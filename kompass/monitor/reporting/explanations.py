@@ -16,10 +16,16 @@ NEAR_MISSES = 10
 
 
 class Explanations:
-    """Called on a worker, which may wait for the disk.
+    """Explains rules; to be called on a worker, which may wait for the disk.
 
     Parameters
     ----------
+    main
+        The executor's thread.
+    loop
+        The engine.
+    extras
+        Returns what is known of a rule outside the engine.
     store
         None when nothing is stored: then only the present can be explained.
     """
@@ -36,6 +42,13 @@ class Explanations:
     def explain(self, rule_id: str, run_id: int, epoch: str) -> ExplanationView:
         """Explain a rule now, or one of its runs.
 
+        Parameters
+        ----------
+        run_id
+            0 for now.
+        epoch
+            Session of the monitor in which the run was; empty for this one.
+
         Raises
         ------
         KeyError
@@ -47,6 +60,15 @@ class Explanations:
 
     def firings(self, before: int, count: int, rule_id: str) -> Journal:
         """A stretch of the journal, newest first.
+
+        Parameters
+        ----------
+        before
+            Number of the entry that follows; 0 for the newest.
+        count
+            How many, at most.
+        rule_id
+            Of this rule only; empty for all.
 
         Raises
         ------

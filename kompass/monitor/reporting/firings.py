@@ -4,66 +4,52 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from kompass_interfaces.msg import RuleFiring
 from rclpy.node import Node
 
 from kompass.monitor.engine_loop import EngineLoop
-from kompass.monitor.execution.outcome import Outcome
-from kompass.monitor.execution.runs import Entry
 from kompass.monitor.reporting.brief import brief
+from kompass.monitor.reporting.entries import ActionOutcome, RunEntry
 from kompass.rclpy_ext.log import write_log
 from kompass.rclpy_ext.topic import QoSConfig
 from kompass.rulebook.schema.journal import ActionRecord, FiringRecord
+from kompass.store import RuleStore
 
 REPEATED = 60.0  # s within which the same failure is the same
 
 
-class Journal(Protocol):
-    """Where firings are kept; nothing but :meth:`use_once` waits for that."""
-
-    def record_firing(self, entry: FiringRecord) -> FiringRecord:
-        """Keep an entry; the same with its number."""
-
-    def finish_firing(
-        self,
-        number: int,
-        *,
-        ended: float,
-        ok: bool,
-        error: str = "",
-        actions: Sequence[ActionRecord] = (),
-    ) -> None:
-        """Add what came of it."""
-
-    def use_once(self, rule_id: str, rule_hash: str) -> None:
-        """A rule that fires once only has fired; kept when this returns."""
-
-
 class Firings:
-    """Hears of every step of a run, and tells everybody.
+    """Publishes, logs and keeps every step of a run.
 
     Parameters
     ----------
-    journal
-        None when nothing can be stored.
+    node
+        Publishes, and logs.
+    loop
+        Says which table is in force, and what time it is.
+    store
+        Keeps the journal; nothing but ``once`` rules wait for that. None when nothing can be
+        stored.
+    stamp
+        The time of now, for messages.
     kept
-        Told of every entry of the journal, when it is made.
+        Takes every entry of the journal, when it is made; None for nobody.
     """
 
     def __init__(
         self,
         node: Node,
         loop: EngineLoop,
-        journal: Journal | None,
+        store: RuleStore | None,
         stamp: Callable[[], Time],
-        kept: Callable[[FiringRecord], None],
+        kept: Callable[[FiringRecord], None] | None,
     ) -> None:
         self._log = node.get_logger()
-        self._loop, self._journal, self._stamp, self._kept = loop, journal, stamp, kept
+        self._loop, self._store, self._stamp, self._kept = loop, store, stamp, kept
         self._publisher = node.create_publisher(
             RuleFiring, f"{node.get_name()}/firings", QoSConfig(queue_size=100).to_ros()
         )
@@ -71,13 +57,13 @@ class Firings:
         self._failing: dict[tuple[str, str], tuple[str, float]] = {}
         self._numbers = 0
 
-    def begins(self, entry: Entry) -> None:
-        """A run is about to begin; that of a rule that fires once must not begin again."""
-        if entry.once and self._journal is not None:
-            self._journal.use_once(entry.rule_id, entry.rule_hash)
+    def begins(self, entry: RunEntry) -> None:
+        """Take note that a run is about to begin: a ``once`` rule must not begin another."""
+        if entry.once and self._store is not None:
+            self._store.use_once(entry.rule_id, entry.rule_hash)
 
-    def fired(self, entry: Entry, message: Any) -> int:
-        """A rule fired, or would have; the number of its entry in the journal."""
+    def fired(self, entry: RunEntry, message: Any) -> int:
+        """Tell that a rule fired, or would have; return the entry's number in the journal."""
         if entry.kind == "firing":
             self._say(entry, "fired", True, entry.rule_id, self._details(entry))
         else:
@@ -88,8 +74,8 @@ class Firings:
             self._say(entry, "note", entry.kind == "shadow", entry.text, self._details(entry))
         return self._keep(entry, message)
 
-    def acted(self, entry: Entry, number: int, outcome: Outcome) -> None:
-        """One action of a run has ended."""
+    def acted(self, entry: RunEntry, number: int, outcome: ActionOutcome) -> None:
+        """Tell that one action of a run has ended."""
         self._log_outcome(entry, outcome)
         seconds = round(outcome.seconds, 3)
         self._actions.setdefault(number, []).append(
@@ -98,7 +84,7 @@ class Firings:
         details = {"action": outcome.action, "seconds": seconds}
         self._say(entry, "action", outcome.ok, outcome.text, details)
 
-    def _log_outcome(self, entry: Entry, outcome: Outcome) -> None:
+    def _log_outcome(self, entry: RunEntry, outcome: ActionOutcome) -> None:
         """A line of the log; one that fails as it did a moment ago is not told of again."""
         key = (entry.rule_id, outcome.action)
         if outcome.ok:
@@ -111,20 +97,20 @@ class Firings:
             failed = f"{entry.rule_id}: {outcome.action} failed: {outcome.text}"
             write_log(self._log, "error", failed)
 
-    def ended(self, entry: Entry, number: int, ok: bool, error: str) -> None:
-        """A run has ended."""
+    def ended(self, entry: RunEntry, number: int, ok: bool, error: str) -> None:
+        """Tell that a run has ended."""
         actions = tuple(self._actions.pop(number, ()))
-        if self._journal is not None:
-            self._journal.finish_firing(
+        if self._store is not None:
+            self._store.finish_firing(
                 number, actions=actions, ended=time.time(), ok=ok, error=error
             )
         self._say(entry, "done", ok, error, {})
 
     def announce(self, text: str) -> None:
-        """Say what concerns the table and no single rule."""
+        """Tell what concerns the table and no single rule, as a note."""
         self._log.warning(text)
         loop = self._loop
-        entry = Entry(
+        entry = RunEntry(
             kind="note",
             rule_id="",
             name="",
@@ -141,7 +127,7 @@ class Firings:
         self._say(entry, "note", True, text, self._details(entry))
         self._keep(entry, None)
 
-    def _keep(self, entry: Entry, message: Any) -> int:
+    def _keep(self, entry: RunEntry, message: Any) -> int:
         time_ = entry.at + self._loop.wall_offset
         self._numbers += 1
         record = FiringRecord(
@@ -161,19 +147,20 @@ class Firings:
             ended=None if entry.kind == "firing" else time_,
             message=brief(message),
         )
-        if self._journal is not None:
-            record = self._journal.record_firing(record)
-        self._kept(record)
+        if self._store is not None:
+            record = self._store.record_firing(record)
+        if self._kept is not None:
+            self._kept(record)
         return record.number
 
-    def _details(self, entry: Entry) -> dict[str, Any]:
+    def _details(self, entry: RunEntry) -> dict[str, Any]:
         return {
             "kind": entry.kind,
             "epoch": self._loop.epoch,
             "leaves": [leaf.model_dump(mode="json") for leaf in entry.leaves],
         }
 
-    def _say(self, entry: Entry, phase: str, ok: bool, text: str, details: Any) -> None:
+    def _say(self, entry: RunEntry, phase: str, ok: bool, text: str, details: Any) -> None:
         self._publisher.publish(
             RuleFiring(
                 stamp=self._stamp(),

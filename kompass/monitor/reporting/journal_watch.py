@@ -3,23 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
-from kompass.monitor.execution.alarms import Alarms
+from kompass.monitor.reporting.alarms import Alarms
+from kompass.store import RuleStore
 
 ALARM = "journal-not-kept"
-
-
-class WatchedJournal(Protocol):
-    """What is asked of the store."""
-
-    @property
-    def journal_trouble(self) -> str:
-        """Why the last entries could not be written; empty when they were."""
-
-    @property
-    def lost_entries(self) -> int:
-        """Number of entries that were not written since the start."""
 
 
 class JournalWatch:
@@ -29,20 +17,22 @@ class JournalWatch:
 
     Parameters
     ----------
+    store
+        Writes the journal.
+    alarms
+        Where the alarm is raised.
     announce
         Takes a sentence that every operator must hear.
     """
 
-    def __init__(
-        self, journal: WatchedJournal, alarms: Alarms, announce: Callable[[str], None]
-    ) -> None:
-        self._journal, self._alarms, self._announce = journal, alarms, announce
+    def __init__(self, store: RuleStore, alarms: Alarms, announce: Callable[[str], None]) -> None:
+        self._store, self._alarms, self._announce = store, alarms, announce
         self._said = ""
         self._lost = 0
 
     def look(self) -> None:
         """Look at how the journal is doing; to be called every two seconds or so."""
-        trouble, lost = self._journal.journal_trouble, self._journal.lost_entries
+        trouble, lost = self._store.journal_trouble, self._store.lost_entries
         if trouble and trouble != self._said:
             text = f"firings are not written down: {trouble}. The rules go on"
             self._alarms.raise_alarm(ALARM, text, "", "error")

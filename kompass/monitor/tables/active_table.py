@@ -1,7 +1,8 @@
-"""How things stand: the table in force, until when, and what waits for an operator beside it."""
+"""The table in force, until when, and what waits for an operator beside it."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 from kompass.monitor.tables.types import InForce
@@ -10,12 +11,14 @@ from kompass.rules.schema.table import Table
 
 
 class ActiveTable:
-    """Read from any thread; changed by the desk, one change after another.
+    """Says which table is in force; read from any thread, changed by the table manager alone.
 
     Parameters
     ----------
+    in_force, merge
+        At first.
     changed
-        Told after every change of what is in force.
+        Called after every change of what is in force.
     clock
         Monotonic seconds.
 
@@ -32,7 +35,7 @@ class ActiveTable:
         in_force: InForce,
         merge: Merge | None,
         changed: Callable[[], None],
-        clock: Callable[[], float],
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.in_force, self.merge = in_force, merge
         self._changed, self._clock = changed, clock
@@ -50,16 +53,16 @@ class ActiveTable:
         return ends is not None and self._clock() >= ends
 
     def try_out(self, table: Table, revision: int, probation: float) -> None:
-        """A table is in force, for so many seconds unless it is confirmed."""
+        """Take note that a table is in force, for so many seconds unless it is confirmed."""
         confirmed = self.in_force.confirmed
         self._set(InForce(table, revision, confirmed, self._clock() + probation))
 
     def keep(self, table: Table, revision: int, notice: str = "") -> None:
-        """A table is in force, and stays."""
+        """Take note that a table is in force, and stays."""
         self._set(InForce(table, revision, revision, notice=notice))
 
     def cannot_take_back(self, notice: str) -> None:
-        """The table in force stays though nobody confirmed it."""
+        """Take note that the table in force stays though nobody confirmed it."""
         self._set(self.in_force._replace(probation_ends=None, notice=notice))
 
     def _set(self, in_force: InForce) -> None:

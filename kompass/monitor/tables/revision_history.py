@@ -1,20 +1,20 @@
-"""The revisions of before: looked at, compared, gone back to."""
+"""The revisions of before: where they are kept, compared and found."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from kompass.monitor.tables.types import InForce, Store
+from kompass.monitor.tables.types import InForce
 from kompass.rulebook.diff import conflict, diff_tables
 from kompass.rulebook.schema.diff_models import TableDiff
 from kompass.rulebook.schema.report import Conflict
 from kompass.rulebook.schema.revision import Revision
 from kompass.rules.schema.table import Table
-from kompass.store import NoSuchRevision, StoreError
+from kompass.store import NoSuchRevision, RuleStore, StoreError
 
 
 class RevisionHistory:
-    """Where the desk has its tables; all that looks at it raises :class:`StoreError`.
+    """The stored revisions; without a store, all that needs one raises :class:`StoreError`.
 
     Parameters
     ----------
@@ -24,11 +24,11 @@ class RevisionHistory:
         Why not, in words for an operator.
     """
 
-    def __init__(self, store: Store | None, reason: Callable[[], str]) -> None:
+    def __init__(self, store: RuleStore | None, reason: Callable[[], str]) -> None:
         self._store, self._reason = store, reason
 
     @property
-    def store(self) -> Store:
+    def store(self) -> RuleStore:
         """Where revisions are kept.
 
         Raises
@@ -41,7 +41,7 @@ class RevisionHistory:
         return self._store
 
     def forget_use(self, rule_id: str) -> None:
-        """A rule that fires once only may fire again; without a store nothing was kept."""
+        """Let a rule that fires once only fire again; without a store nothing was kept."""
         if self._store is not None:
             self._store.reset_once(rule_id)
 
@@ -51,7 +51,13 @@ class RevisionHistory:
             self._store.refuse(author=author, role=role, what=what, text=text)
 
     def diff(self, before: int, after: int) -> TableDiff:
-        """What differs between two revisions."""
+        """What differs between two revisions.
+
+        Raises
+        ------
+        StoreError
+            When there is no such revision.
+        """
         store = self.store
         return diff_tables(
             store.table(before), store.table(after), before_revision=before, after_revision=after
@@ -59,6 +65,15 @@ class RevisionHistory:
 
     def conflict(self, now: InForce, table: Table, expected: int) -> Conflict:
         """What is told to who began from a revision that is no longer in force.
+
+        Parameters
+        ----------
+        now
+            What is in force.
+        table
+            What was to be.
+        expected
+            The revision that it began from.
 
         Raises
         ------

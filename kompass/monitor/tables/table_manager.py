@@ -1,85 +1,90 @@
-"""The desk at which tables are handed in: checked, stored, put in force, kept or taken back."""
+"""What changes the table in force: it is checked, stored, put in force, kept or taken back."""
 
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Sequence
 
+from kompass.monitor.live_engine import LiveEngine
 from kompass.monitor.tables.active_table import ActiveTable
+from kompass.monitor.tables.live_lints import LiveLints
 from kompass.monitor.tables.revision_history import RevisionHistory
 from kompass.monitor.tables.table_queries import TableQueries
 from kompass.monitor.tables.table_reader import TableReader, Unreadable
-from kompass.monitor.tables.table_validator import Lints, TableValidator, sentence
-from kompass.monitor.tables.types import Answer, Engine, InForce, Store, Who
+from kompass.monitor.tables.table_validator import TableValidator, sentence
+from kompass.monitor.tables.types import ChangeAnswer, InForce, Who
 from kompass.rulebook.diff import diff_tables
 from kompass.rulebook.schema.report import ApplyReport, CheckReport
 from kompass.rulebook.schema.revision import Origin
-from kompass.rulebook.schema.table_view import Merge
 from kompass.rulebook.views.views import effect_of
 from kompass.rules.checks.catalog import Catalog
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Table
-from kompass.store import NoSuchRevision, StoreError
+from kompass.store import NoSuchRevision, RuleStore, StoreError
 
 LONGEST_PROBATION = 86_400.0  # s
 
 
 class TableManager:
-    """Takes one request after another, from whatever thread.
+    """Takes one request for a change after another, from any thread.
 
     Parameters
     ----------
     store
-        None when nothing can be stored: then the table stays as it is, and ``in_force.notice``
-        says why.
+        None when nothing can be stored: then the table stays as it is, and the notice of what is
+        in force says why.
+    engine
+        Runs the table.
     catalog
         What the robot knows, for checking.
+    active
+        The table in force.
+    recipe
+        The table that the recipe declares.
+    robot
+        Its name.
     lints
-        What there is to think about in a table.
-    changed
-        Told after every change of what is in force.
+        Finds what there is to think about in a table.
     announce
         Takes a sentence that every operator must hear.
+    later
+        Takes what is to be done once the request under way is answered.
+    safe_mode
+        Whether the recipe's table is in force, whatever is stored.
     probation
         Default in seconds; 0 for none.
 
     Attributes
     ----------
-    window
-        Where one looks and changes nothing.
-    later
-        Has something done that nobody waits for: at once, unless whoever answers sets another.
+    queries
+        Answers questions, and changes nothing.
     """
 
     def __init__(
         self,
-        store: Store | None,
-        engine: Engine,
+        store: RuleStore | None,
+        engine: LiveEngine,
         catalog: Catalog,
-        in_force: InForce,
+        active: ActiveTable,
         *,
         recipe: Table,
         robot: str,
-        lints: Lints,
-        changed: Callable[[], None],
+        lints: LiveLints,
         announce: Callable[[str], None],
-        merge: Merge | None = None,
+        later: Callable[[Callable[[], None]], None],
         safe_mode: bool = False,
         probation: float = 60.0,
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._engine, self._announce, self._probation = engine, announce, probation
+        self._engine, self._active, self._announce = engine, active, announce
+        self._later, self._probation = later, probation
         self._lock = threading.RLock()
-        self.later: Callable[[Callable[[], None]], None] = lambda work: work()
-        self._standing = ActiveTable(in_force, merge, changed, clock)
-        self._shelf = RevisionHistory(store, lambda: self.in_force.notice)
-        self._reader, self._examiner = TableReader(), TableValidator(catalog, recipe, lints)
+        self._history = RevisionHistory(store, lambda: active.in_force.notice)
+        self._reader, self._validator = TableReader(), TableValidator(catalog, recipe, lints)
         # The first change is to cost no more than those that follow.
-        self._reader.learn(in_force.table)
-        self._examiner.learn(in_force.table)
-        self.window = TableQueries(
-            *(self._standing, self._shelf, self._reader, self._examiner, engine.running),
+        self._reader.learn(active.in_force.table)
+        self._validator.learn(active.in_force.table)
+        self.queries = TableQueries(
+            *(active, self._history, self._reader, self._validator, engine.running),
             robot=robot,
             safe_mode=safe_mode,
         )
@@ -87,12 +92,7 @@ class TableManager:
     @property
     def in_force(self) -> InForce:
         """What is in force now."""
-        return self._standing.in_force
-
-    @property
-    def probation_left(self) -> float:
-        """Seconds until the table in force is taken back; 0 when it stays."""
-        return self._standing.probation_left
+        return self._active.in_force
 
     def apply(
         self,
@@ -104,11 +104,15 @@ class TableManager:
         probation: float = -1.0,
         cancel_running: bool = False,
         reset: Sequence[str] = (),
-    ) -> Answer:
+    ) -> ChangeAnswer:
         """Put a table in force, or change nothing.
 
         Parameters
         ----------
+        text
+            The table as JSON.
+        who
+            Who asks.
         expected
             The revision that the edit began from.
         probation
@@ -122,7 +126,7 @@ class TableManager:
         try:
             table = self._reader.read(text)
         except Unreadable as error:
-            return self._refuse(str(error), self._examiner.unreadable(self.in_force, error))
+            return self._refuse(str(error), self._validator.unreadable(self.in_force, error))
         if not probation <= LONGEST_PROBATION:  # not a number is refused too
             return self._refuse(
                 f"probation = {probation}: give seconds up to {LONGEST_PROBATION:g}, 0 for none, "
@@ -147,7 +151,7 @@ class TableManager:
         expected: int = 0,
         reason: str = "",
         cancel_running: bool = False,
-    ) -> Answer:
+    ) -> ChangeAnswer:
         """Put the table of an earlier revision in force again.
 
         Parameters
@@ -163,8 +167,8 @@ class TableManager:
         with self._lock:
             now = self.in_force
             try:
-                store = self._shelf.store
-                wanted = store.revision(revision) if revision else self._shelf.before(now)
+                store = self._history.store
+                wanted = store.revision(revision) if revision else self._history.before(now)
                 table = store.table(wanted.number)
             except StoreError as error:
                 return self._refuse(str(error))
@@ -182,7 +186,7 @@ class TableManager:
                 cancel=cancel_running,
             )
 
-    def confirm(self, revision: int, who: Who) -> Answer:
+    def confirm(self, revision: int, who: Who) -> ChangeAnswer:
         """Keep the revision on probation."""
         if problem := who.barred or who.too_long():
             return self._refuse(problem)
@@ -193,16 +197,18 @@ class TableManager:
                     f"revision {revision} is not in force, {now.revision} is; look at it first"
                 )
             if now.revision == now.confirmed:
-                return Answer("applied", f"revision {revision} is confirmed already", revision)
+                return ChangeAnswer(
+                    "applied", f"revision {revision} is confirmed already", revision
+                )
             try:
-                self._shelf.store.set_confirmed(revision, author=who.author, role=who.role)
+                self._history.store.set_confirmed(revision, author=who.author, role=who.role)
             except StoreError as error:
                 return self._fail(error)
-            self._standing.merge = None
-            self._standing.keep(now.table, revision)
-            return Answer("applied", f"revision {revision} is confirmed", revision)
+            self._active.merge = None
+            self._active.keep(now.table, revision)
+            return ChangeAnswer("applied", f"revision {revision} is confirmed", revision)
 
-    def reset(self, rule_id: str, who: Who) -> Answer:
+    def reset(self, rule_id: str, who: Who) -> ChangeAnswer:
         """Let a rule start afresh; makes no revision."""
         if problem := who.barred:
             return self._refuse(problem)
@@ -210,22 +216,22 @@ class TableManager:
             now = self.in_force
             if all(rule.id != rule_id for rule in now.table.rules):
                 return self._refuse(f"there is no rule {rule_id[:100]!r} in the table in force")
-            self._shelf.forget_use(rule_id)
+            self._history.forget_use(rule_id)
             self._engine.swap(compile_table(now.table), now.revision, [rule_id], "")
             self._announce(f"{who.author or who.role} has reset the rule '{rule_id}'")
-            return Answer("applied", f"'{rule_id}' starts afresh", now.revision)
+            return ChangeAnswer("applied", f"'{rule_id}' starts afresh", now.revision)
 
-    def tick(self) -> None:
+    def end_probation(self) -> None:
         """Take the table back if its probation has ended; to be called at its end."""
         with self._lock:
             now = self.in_force
-            if not self._standing.overdue:
+            if not self._active.overdue:
                 return
             try:
-                table = self._shelf.store.table(now.confirmed)
+                table = self._history.store.table(now.confirmed)
             except StoreError as error:
                 notice = f"revision {now.revision} cannot be taken back: {error}"
-                self._standing.cannot_take_back(notice)
+                self._active.cannot_take_back(notice)
                 self._announce(notice)
                 return
             notice = (
@@ -234,14 +240,14 @@ class TableManager:
             )
             number, reason = now.confirmed, f"nobody confirmed revision {now.revision}"
             try:
-                number = self._shelf.store.take_back(reason).number
+                number = self._history.store.take_back(reason).number
             except StoreError as error:
                 # Safety first: it is taken back all the same, and a restart comes to the same.
                 notice += f" (this could not be stored: {error})"
             compiled = compile_table(table)
             self._engine.prepare(compiled)
             self._engine.swap(compiled, number, (), "the table was taken back")
-            self._standing.keep(table, number, notice)
+            self._active.keep(table, number, notice)
             self._announce(notice)
 
     # -- inside ---------------------------------------------------------------------------------
@@ -257,19 +263,18 @@ class TableManager:
         restores: int | None = None,
         reset: Sequence[str] = (),
         cancel: bool,
-    ) -> Answer:
-        """Check, store, swap, tell; in this order. Nothing fails any more once it is stored."""
-        now, table = self.in_force, self._examiner.named(table)
-        errors = self._examiner.errors(now, table, who.role)
+    ) -> ChangeAnswer:
+        """Check, store, swap and tell, in this order; what can fail comes before it is stored."""
+        now, table = self.in_force, self._validator.with_true_sources(table)
+        errors = self._validator.errors(now, table, who.role)
         if problem := who.barred or sentence(errors):
-            self._shelf.note_refusal(who.author, who.role, origin, problem)
-            report = self._examiner.report(now, table, errors, self._engine.running())
+            self._history.note_refusal(who.author, who.role, origin, problem)
+            report = self._validator.report(now, table, errors, self._engine.running())
             return self._refuse(problem, report)
         compiled = compile_table(table)
         diff = diff_tables(now.table, table, before_revision=now.revision)
         try:
-            store = self._shelf.store
-            # What can fail comes before it is stored: listening to what it needs, too.
+            store = self._history.store
             self._engine.prepare(compiled)
             # Durable before it is in force: what was acknowledged is never lost, and what is in
             # force is never unknown. The copy beside it is for a damaged disk, and can wait.
@@ -288,12 +293,12 @@ class TableManager:
         by = f"{who.author or who.role} put revision {made.number} in force"
         swap = self._engine.swap(compiled, made.number, tuple(reset), by if cancel else "")
         if probation:
-            self._standing.try_out(table, made.number, probation)
+            self._active.try_out(table, made.number, probation)
         else:
             if origin == "edit":
-                self._standing.merge = None  # taken, or decided against
-            self._standing.keep(table, made.number)
-            self.later(store.keep_copy)
+                self._active.merge = None  # taken, or decided against
+            self._active.keep(table, made.number)
+            self._later(store.keep_copy)
         body = ApplyReport(
             revision=made.number,
             previous=now.revision,
@@ -301,15 +306,17 @@ class TableManager:
             pause=swap.pause,
             effect=effect_of(swap.carried),
             diff=diff.model_copy(update={"after": made.number}),
-            findings=self._examiner.found(table, swap.verdicts),
+            findings=self._validator.found(table, swap.verdicts),
         )
         wait = f"; confirm it within {probation:g} s, or it is taken back" if probation else ""
-        return Answer("applied", f"revision {made.number} is in force{wait}", made.number, body)
+        return ChangeAnswer(
+            "applied", f"revision {made.number} is in force{wait}", made.number, body
+        )
 
-    def _conflict(self, table: Table, expected: int) -> Answer:
+    def _conflict(self, table: Table, expected: int) -> ChangeAnswer:
         now = self.in_force
         try:
-            body = self._shelf.conflict(now, table, expected)
+            body = self._history.conflict(now, table, expected)
         except NoSuchRevision:
             return self._refuse(
                 f"expected_revision = {expected}: there is no such revision, {now.revision} is in "
@@ -317,16 +324,16 @@ class TableManager:
             )
         except StoreError as error:
             return self._fail(error)
-        newest = self._shelf.store.revision(now.revision)
+        newest = self._history.store.revision(now.revision)
         text = (
             f"{newest.author or newest.role} was faster: revision {now.revision} is in "
             f"force, your edit began from {expected}; nothing was changed"
         )
-        return Answer("conflict", text, now.revision, body)
+        return ChangeAnswer("conflict", text, now.revision, body)
 
-    def _refuse(self, message: str, body: CheckReport | None = None) -> Answer:
-        return Answer("refused", message, self.in_force.revision, body)
+    def _refuse(self, message: str, body: CheckReport | None = None) -> ChangeAnswer:
+        return ChangeAnswer("refused", message, self.in_force.revision, body)
 
-    def _fail(self, error: StoreError) -> Answer:
+    def _fail(self, error: StoreError) -> ChangeAnswer:
         text = f"{error}; the rules of revision {self.in_force.revision} stay in force"
-        return Answer("failed", text, self.in_force.revision)
+        return ChangeAnswer("failed", text, self.in_force.revision)

@@ -1,4 +1,4 @@
-"""The window through which tables are looked at; nothing is changed here."""
+"""What is asked of tables; nothing is changed here."""
 
 from __future__ import annotations
 
@@ -17,27 +17,37 @@ from kompass.rules.engine.compiled_table import compile_table
 
 
 class TableQueries:
-    """Answers from whatever thread.
+    """Answers questions from any thread.
 
     Parameters
     ----------
+    active
+        The table in force.
+    history
+        The revisions of before.
+    reader, validator
+        Read and check what is sent.
     running
-        Ids of rules whose actions are running.
+        Returns the ids of rules whose actions are running.
+    robot
+        Its name.
+    safe_mode
+        Whether the recipe's table is in force, whatever is stored.
     """
 
     def __init__(
         self,
-        standing: ActiveTable,
-        shelf: RevisionHistory,
+        active: ActiveTable,
+        history: RevisionHistory,
         reader: TableReader,
-        examiner: TableValidator,
+        validator: TableValidator,
         running: Callable[[], Collection[str]],
         *,
         robot: str,
         safe_mode: bool,
     ) -> None:
-        self._standing, self._shelf, self._reader = standing, shelf, reader
-        self._examiner, self._running = examiner, running
+        self._active, self._history, self._reader = active, history, reader
+        self._validator, self._running = validator, running
         self._robot, self._safe_mode = robot, safe_mode
 
     def view(self, revision: int = 0) -> TableView:
@@ -48,40 +58,59 @@ class TableQueries:
         StoreError
             When there is no such revision.
         """
-        now = self._standing.in_force
+        now = self._active.in_force
         number = revision or now.revision
         current = number == now.revision
-        table = now.table if current else self._shelf.store.table(number)
+        table = now.table if current else self._history.store.table(number)
         return table_view(
             table,
             revision=number,
             active=now.revision,
             confirmed=now.confirmed,
             robot=self._robot,
-            probation_left=self._standing.probation_left,
+            probation_left=self._active.probation_left,
             notice=now.notice,
-            findings=tuple(self._examiner.foreseen(compile_table(table))) if current else (),
-            merge=self._standing.merge if current else None,
+            findings=tuple(self._validator.foreseen(compile_table(table))) if current else (),
+            merge=self._active.merge if current else None,
             safe_mode=self._safe_mode,
         )
 
     def history(self, before: int, count: int) -> History:
-        """The revisions, newest first."""
-        return self._shelf.store.history(before, count)
+        """The revisions, newest first.
+
+        Parameters
+        ----------
+        before
+            Number of the one that follows; 0 for the newest.
+        count
+            How many, at most.
+
+        Raises
+        ------
+        StoreError
+            When nothing can be stored on this robot.
+        """
+        return self._history.store.history(before, count)
 
     def diff(self, before: int, after: int) -> TableDiff:
-        """What differs between two revisions."""
-        return self._shelf.diff(before, after)
+        """What differs between two revisions.
+
+        Raises
+        ------
+        StoreError
+            When there is no such revision.
+        """
+        return self._history.diff(before, after)
 
     def check(self, text: str, role: str) -> CheckReport:
         """What is wrong with a table, and what applying it would do."""
-        now = self._standing.in_force
+        now = self._active.in_force
         try:
             table = self._reader.read(text)
         except Unreadable as error:
-            return self._examiner.unreadable(now, error)
-        table = self._examiner.named(table)
-        findings = self._examiner.errors(now, table, role)
+            return self._validator.unreadable(now, error)
+        table = self._validator.with_true_sources(table)
+        findings = self._validator.errors(now, table, role)
         if not findings:
-            findings = self._examiner.foreseen(compile_table(table))
-        return self._examiner.report(now, table, findings, self._running())
+            findings = self._validator.foreseen(compile_table(table))
+        return self._validator.report(now, table, findings, self._running())

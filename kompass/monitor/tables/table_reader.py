@@ -20,7 +20,13 @@ SHOWN_VALUE = 200  # characters of a value that are told
 
 
 class Unreadable(ValueError):
-    """The text is no table; ``findings`` say what is wrong with it, and the message the first."""
+    """The text is no table; the message says what is wrong first.
+
+    Attributes
+    ----------
+    findings
+        All that is wrong.
+    """
 
     def __init__(self, findings: Sequence[Finding]) -> None:
         first = findings[0]

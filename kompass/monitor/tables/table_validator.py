@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from functools import partial
-from typing import Protocol
 
+from kompass.monitor.tables.live_lints import LiveLints
 from kompass.monitor.tables.recipe_check import faults_of
 from kompass.monitor.tables.table_reader import Unreadable
 from kompass.monitor.tables.types import InForce
@@ -20,39 +20,31 @@ from kompass.rules.schema.table import Rule, Table, rule_hash
 from kompass.rules.schema.values import Verdict
 
 
-class Lints(Protocol):
-    """What there is to think about in a table, on the robot as it is now."""
-
-    def foreseen(self, table: CompiledTable) -> list[Finding]:
-        """Of a table that may come: what it would find if it were in force now."""
-
-    def found(self, table: Table, verdicts: Mapping[str, Verdict]) -> list[Finding]:
-        """Of a table that has come; with what the conditions that were new to it said then."""
-
-
 class TableValidator:
-    """Looks at tables; a rule that was looked at before is not checked again.
+    """Checks tables; a rule that was checked before is not checked again.
 
     Parameters
     ----------
     catalog
-        What the robot knows; the same for as long as the examiner lives.
+        What the robot knows; must not change.
     recipe
         The table that the recipe declares.
+    lints
+        Finds what there is to think about in a table.
     """
 
-    def __init__(self, catalog: Catalog, recipe: Table, lints: Lints) -> None:
+    def __init__(self, catalog: Catalog, recipe: Table, lints: LiveLints) -> None:
         self._recipe, self._lints = recipe, lints
         self._gates = gates_of(catalog)
         self._faults = IdentityCache[Rule, tuple[Finding, ...]](partial(faults_of, catalog=catalog))
 
     def learn(self, table: Table) -> None:
-        """Look at the rules of a table already, before somebody waits for it."""
+        """Check the rules of a table already, before somebody waits for it."""
         for rule in table.rules:
             self._faults(rule)
 
-    def named(self, table: Table) -> Table:
-        """A table with the truth about where its rules come from, whatever it says itself."""
+    def with_true_sources(self, table: Table) -> Table:
+        """A table whose rules name their true source, whatever it says itself."""
         return with_sources(table, self._recipe)
 
     def errors(self, now: InForce, table: Table, role: str) -> list[Finding]:
@@ -69,7 +61,13 @@ class TableValidator:
         return self._lints.foreseen(table)
 
     def found(self, table: Table, verdicts: Mapping[str, Verdict]) -> tuple[Finding, ...]:
-        """What there is to think about in a table that is in force, whatever comes of the look."""
+        """What there is to think about in a table that is in force; never raises.
+
+        Parameters
+        ----------
+        verdicts
+            What the conditions that were new to it said then, by rule id.
+        """
         try:
             return tuple(self._lints.found(table, verdicts))
         except Exception as error:  # noqa: BLE001 - told in its place: it is in force all the same
@@ -85,16 +83,20 @@ class TableValidator:
             )
 
     def unreadable(self, now: InForce, error: Unreadable) -> CheckReport:
-        """What is answered when there is no table to look at."""
+        """What is answered to a text that is no table."""
         return CheckReport(ok=False, revision=now.revision, findings=tuple(error.findings))
 
     def report(
         self, now: InForce, table: Table, findings: Collection[Finding], running: Collection[str]
     ) -> CheckReport:
-        """What is answered to who asks of a table.
+        """What is answered to whoever asks about a table.
 
         Parameters
         ----------
+        now
+            What is in force.
+        table
+            The table that is asked about.
         findings
             Errors and lints.
         running

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
-from typing import Any
 
 from builtin_interfaces.msg import Time
 from kompass_interfaces.msg import RulesState
 from rclpy.node import Node
 
 from kompass.monitor.engine_loop import EngineLoop
-from kompass.monitor.tables.types import InForce
+from kompass.monitor.tables.active_table import ActiveTable
 from kompass.rclpy_ext.timers import Timers
 from kompass.rclpy_ext.topic import LATCHED
-from kompass.rulebook.schema.status import RuleStatus
 from kompass.rulebook.views.views import Extras, rule_status
 
 PERIOD = 0.25  # s between two looks while anybody listens
@@ -30,10 +27,18 @@ class RulesStatePublisher:
 
     Parameters
     ----------
+    node
+        Publishes.
+    loop
+        The engine.
     extras
-        What the shell knows of a rule.
-    in_force
-        The table in force, and the seconds of probation that are left.
+        Returns what is known of a rule outside the engine.
+    active
+        The table in force.
+    stamp
+        The time of now, for messages.
+    timers
+        On the executor's thread.
     """
 
     def __init__(
@@ -41,11 +46,11 @@ class RulesStatePublisher:
         node: Node,
         loop: EngineLoop,
         extras: Callable[[str], Extras],
-        in_force: Callable[[], tuple[InForce, float]],
+        active: ActiveTable,
         stamp: Callable[[], Time],
         timers: Timers,
     ) -> None:
-        self._loop, self._extras, self._in_force, self._stamp = loop, extras, in_force, stamp
+        self._loop, self._extras, self._active, self._stamp = loop, extras, active, stamp
         self._publisher = node.create_publisher(
             RulesState, f"{node.get_name()}/rules_state", LATCHED.to_ros()
         )
@@ -57,7 +62,7 @@ class RulesStatePublisher:
         timers.every(PERIOD, self._look)
 
     def changed(self) -> None:
-        """Something that matters has changed: say so soon."""
+        """Publish soon, because something that matters has changed."""
         if self._busy:
             self._again = True
             return
@@ -76,8 +81,8 @@ class RulesStatePublisher:
         rules = loop.table.rules
         begin = len(self._made)
         now, offset = loop.now, loop.wall_offset
-        for plan in rules[begin : begin + SLICE]:
-            rule_id = plan.rule.id
+        for compiled in rules[begin : begin + SLICE]:
+            rule_id = compiled.rule.id
             status = rule_status(
                 loop.table, loop.state, rule_id, now, offset, extras=self._extras(rule_id)
             )
@@ -92,20 +97,14 @@ class RulesStatePublisher:
             self.changed()
 
     def _publish(self) -> None:
-        now, left = self._in_force()
+        now = self._active.in_force
         self._publisher.publish(
             RulesState(
                 stamp=self._stamp(),
                 revision=now.revision,
                 confirmed=now.confirmed,
-                probation_left=left,
+                probation_left=self._active.probation_left,
                 notice=now.notice,
                 rules=f"[{','.join(self._made)}]",
             )
         )
-
-
-def read_statuses(text: str) -> list[RuleStatus]:
-    """The ``rules`` of a :class:`RulesState`, as models."""
-    data: list[dict[str, Any]] = json.loads(text)
-    return [RuleStatus.model_validate(item) for item in data]

@@ -15,7 +15,7 @@ TOPIC = "alarms"
 
 
 class Alarms:
-    """Alarms in force by name; a JSON list of :class:`Alarm` on ``<node>/alarms`` tells them."""
+    """Keeps the alarms in force, and tells them on ``<node>/alarms`` as a JSON list."""
 
     def __init__(self, node: Node) -> None:
         self._alarms: dict[str, Alarm] = {}
@@ -25,7 +25,7 @@ class Alarms:
         self._publish()
 
     def raise_alarm(self, name: str, text: str, rule_id: str, severity: str) -> None:
-        """Show an alarm until it is cleared; raised again it counts up and keeps its beginning."""
+        """Show an alarm until it is cleared; raised again, it counts up and keeps its beginning."""
         known = self._alarms.get(name)
         self._alarms[name] = Alarm(
             name=name,
@@ -38,7 +38,7 @@ class Alarms:
         self._publish()
 
     def clear(self, name: str) -> bool:
-        """Take an alarm back; whether there was one."""
+        """Take an alarm back; return whether there was one."""
         found = self._alarms.pop(name, None) is not None
         if found:
             self._publish()
