@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from kompass.components.base.component import Component
-from kompass.components.base.notice import notice_once
 from kompass.launch.companions import add_companion
+from kompass.settings import notice_once
 from kompass.supervisor.process import ProcessSpec, Report
 
 

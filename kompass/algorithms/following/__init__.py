@@ -1,7 +1,8 @@
 """Following a path: where along it the robot is, and which twist keeps it there."""
 
 from kompass.algorithms.following.command import Command, FollowStep
-from kompass.algorithms.following.dwa import DWA, DWAParams, NoCommand
+from kompass.algorithms.following.dwa import DWA, DWAParams
+from kompass.algorithms.following.follower import FollowerParams, NoCommand, PathFollower
 from kompass.algorithms.following.limits import Limits
 from kompass.algorithms.following.path_tracker import PathTracker
 from kompass.algorithms.following.pure_pursuit import PurePursuit, PurePursuitParams
@@ -12,8 +13,10 @@ __all__ = [
     "Command",
     "DWAParams",
     "FollowStep",
+    "FollowerParams",
     "Limits",
     "NoCommand",
+    "PathFollower",
     "PathTracker",
     "PurePursuit",
     "PurePursuitParams",

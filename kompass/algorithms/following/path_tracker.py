@@ -103,13 +103,6 @@ class PathTracker:
         """The path's direction at arc length ``s`` [rad], turning gradually between its legs."""
         return float(wrap_angle(float(np.interp(s, self._middles, self._headings))))
 
-    def curvature_at(self, s: float) -> float:
-        """Change of heading per arc length around ``s`` [1/m], positive to the left."""
-        behind, before = np.interp(
-            (s - _CURVATURE_ARC, s + _CURVATURE_ARC), self._middles, self._headings
-        )
-        return float(before - behind) / (2.0 * _CURVATURE_ARC)
-
     def sharpest(self, start: float, end: float) -> float:
         """The largest |curvature| [1/m] between two arc lengths."""
         at = np.linspace(start, end, 8)

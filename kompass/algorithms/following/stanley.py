@@ -39,28 +39,10 @@ class StanleyParams(FollowerParams):
             raise ValueError(f"max_steer: {self.max_steer} rad; give between 0 and π/2")
 
 
-class Stanley(PathFollower):
+class Stanley(PathFollower[StanleyParams]):
     """Stanley's law; a robot without a steered axle drives as if it had one ahead of it."""
 
-    def __init__(
-        self,
-        config: StanleyParams | None = None,
-        *,
-        max_v: float,
-        max_omega: float,
-        acc: float,
-        decel: float,
-        omega_acc: float,
-    ) -> None:
-        self.config = config or StanleyParams()
-        super().__init__(
-            self.config,
-            max_v=max_v,
-            max_omega=max_omega,
-            acc=acc,
-            decel=decel,
-            omega_acc=omega_acc,
-        )
+    params_class = StanleyParams
 
     def _curvature(self, situation: Situation) -> float:
         tracker, config = situation.tracker, self.config

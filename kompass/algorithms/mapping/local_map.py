@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kompass.algorithms.geometry import Floats, transform_points
+from kompass.algorithms.geometry import Floats
 from kompass.algorithms.grid import OCCUPIED
 
 
-class LocalMapper:
+class LocalMapBuilder:
     """Inverse sensor model per cell: every cell looks up the range measured in its direction.
 
     A cell nearer than that range is free (0); the cell that holds a reading's end is occupied
@@ -141,10 +141,3 @@ class LocalMapper:
         self._ray_x: Floats = np.cos(angles)
         self._ray_y: Floats = np.sin(angles)
         self._geometry = geometry
-
-
-def corner_pose(mapper: LocalMapper, robot_pose: ArrayLike) -> Floats:
-    """The pose (3,) of the local map's corner in the frame that ``robot_pose`` is given in."""
-    pose = np.asarray(robot_pose, dtype=np.float64)
-    corner = transform_points(pose, [mapper.origin[:2]])[0]
-    return np.array([corner[0], corner[1], pose[2]])

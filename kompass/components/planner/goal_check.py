@@ -8,10 +8,10 @@ from geometry_msgs.msg import Point
 from kompass_interfaces.srv import CheckGoal
 from nav_msgs.msg import Path
 
-from kompass.algorithms.geometry import wrap_angle
+from kompass.algorithms.geometry import Pose2D, wrap_angle
 from kompass.algorithms.planning.failure import PlanningFailure, Reason
 from kompass.algorithms.planning.planner import GlobalPlanner
-from kompass.components.base.convert import Pose2D, pose_of
+from kompass.components.base.convert import pose_of
 from kompass.robot import RobotConfig
 
 SHARE_OF_TOP_SPEED = 0.85  # what a robot keeps on average that slows for curves and the end

@@ -15,13 +15,15 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 from std_msgs.msg import Bool
 
+from kompass.algorithms.geometry import Pose2D
 from kompass.algorithms.planning.failure import PlanningFailure, Reason
 from kompass.algorithms.planning.planner import GlobalPlanner
 from kompass.algorithms.safety.standstill import Standstill
 from kompass.components.base.actions import component_action
+from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
-from kompass.components.base.convert import Pose2D, grid_of, path_msg, pose_of, quaternion_msg
-from kompass.components.base.located import Located
+from kompass.components.base.convert import grid_of, path_msg, pose_of, quaternion_msg
+from kompass.components.base.pose_source import PoseSource
 from kompass.components.planner.config import PlannerConfig, usable_planner
 from kompass.components.planner.goal_check import check_goal
 from kompass.components.planner.mission import FREE_HEADING, Mission, Outcome, Tolerance
@@ -37,7 +39,7 @@ ALGORITHM_FAILURES = (Reason.START_BLOCKED, Reason.NO_PATH, Reason.UNREACHABLE)
 MAY_PASS = (Reason.NO_MAP, Reason.NO_POSE, Reason.START_BLOCKED, Reason.NO_PATH)
 
 
-class Planner(Located):
+class Planner(Component):
     """Plans on the map, replans when the map closes the way, and says how each goal ended.
 
     As ``ActionServer`` it serves ``<node>/plan_path``; as ``Timed`` or ``Event`` it takes goals
@@ -72,10 +74,9 @@ class Planner(Located):
     }
     qos: ClassVar = {"map": LATCHED, "plan": LATCHED}
     main_action_type = PlanPath
-    ignored_settings: ClassVar = {"algorithm": "the planner is always one of OMPL"}
     ignored_inputs: ClassVar = {"map_layer": "the key is 'map'"}
 
-    def __init__(self, component_name: str = "planner", **kwargs: object) -> None:
+    def __init__(self, component_name: str = "planner", **kwargs: Any) -> None:
         super().__init__(component_name, **kwargs)
 
     @property
@@ -115,7 +116,7 @@ class Planner(Located):
             self._client = ActionClient(self.node, PlanPath, self.main_action_name)
 
     def custom_on_activate(self) -> None:
-        super().custom_on_activate()
+        self._pose_source = PoseSource(self)
         self.input("map").on_message = self._on_map
         self.input("location").on_message = self._on_location
         if not self._serves_action or self.config.goals_from_topics:
@@ -126,7 +127,7 @@ class Planner(Located):
 
     def custom_on_deactivate(self) -> None:
         self._end(Outcome.ERROR, "The planner was deactivated.")
-        super().custom_on_deactivate()
+        self._pose_source.close()
 
     # -- inputs -------------------------------------------------------------------------------
 
@@ -152,7 +153,7 @@ class Planner(Located):
         )
 
     def _on_location(self, _message: Any) -> None:
-        self._standstill.update(self.speed(), time.monotonic())
+        self._standstill.update(self._pose_source.speed(), time.monotonic())
 
     def _on_drive_state(self, state: DriveState) -> None:
         self._stopped = f"{state.stopped_by} pressed STOP" if state.stopped else ""
@@ -257,7 +258,7 @@ class Planner(Located):
         if mission is None:
             return
         self._progress.cancel()
-        pose = self.pose()
+        pose = self._pose_source.pose()
         displacement = mission.errors(pose) if pose is not None else (math.inf, math.inf)
         self.publish("plan", self._path_msg(np.empty((0, 3))))
         self.publish("reached_end", Bool(data=outcome is Outcome.ARRIVED))
@@ -297,7 +298,7 @@ class Planner(Located):
     def _ready(self) -> tuple[GlobalPlanner, Pose2D]:
         if self._planner is None:
             raise PlanningFailure(Reason.NO_MAP, "There is no map yet.")
-        pose = self.pose()
+        pose = self._pose_source.pose()
         if pose is None or self.input("location").age() > self.config.location_timeout:
             raise PlanningFailure(Reason.NO_POSE, "The robot does not know where it is.")
         return self._planner, pose
@@ -323,7 +324,7 @@ class Planner(Located):
         if mission.path is None:
             self._plan(now)
             return
-        pose = self.pose()
+        pose = self._pose_source.pose()
         if pose is None or self._planner is None:
             return
         ahead = mission.path[int(np.argmin(np.hypot(*(mission.path[:, :2] - pose[:2]).T))) :]
@@ -346,7 +347,7 @@ class Planner(Located):
         if self._handle is not None and self._handle.is_cancel_requested:
             self._end(Outcome.CANCELED, "Canceled.")
             return
-        pose, now = self.pose(), time.monotonic()
+        pose, now = self._pose_source.pose(), time.monotonic()
         if pose is None:
             return
         standing = self._standstill.reached(now, self.config.location_timeout)
