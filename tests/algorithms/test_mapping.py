@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kompass.algorithms.mapping import LocalMapBuilder, scan_to_points
+from kompass.algorithms.mapping.local_map import LocalMapBuilder
+from kompass.algorithms.mapping.scan_points import scan_to_points
 
 FULL_TURN = {"angle_min": 0.0, "angle_increment": 2 * math.pi / 360}
 LIDAR = {**FULL_TURN, "range_min": 0.12, "range_max": 3.5}

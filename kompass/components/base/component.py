@@ -18,7 +18,7 @@ from kompass.components.base.fallbacks import Fallbacks, make_fallback
 from kompass.components.base.health import Health, StatusPublisher
 from kompass.components.base.node import ComponentNode
 from kompass.components.base.parameter import ParameterError, with_values
-from kompass.components.base.ports import Input, Inputs, Outputs
+from kompass.components.base.ports import Input, InputPorts, OutputPorts
 from kompass.components.base.services import ComponentServices
 from kompass.components.base.topics import DeclaredTopics
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
@@ -100,8 +100,8 @@ class Component:
         self.health = Health()
         self._node: ComponentNode | None = None
         self._status: StatusPublisher | None = None
-        self._inputs = Inputs(self.qos)
-        self._outputs = Outputs(self.qos)
+        self._inputs = InputPorts(self.qos)
+        self._outputs = OutputPorts(self.qos)
         self._timers: list[Any] = []
         self._loop: list[Any] = []
         self._active_since: float | None = None

@@ -59,7 +59,7 @@ class Input:
             self.on_message(message)
 
 
-class Inputs:
+class InputPorts:
     """The inputs of a component by key: there while it is configured, open while it is active.
 
     Parameters
@@ -109,7 +109,7 @@ class Inputs:
         self._inputs[key][index] = new
 
 
-class Outputs:
+class OutputPorts:
     """The publishers of a component by key: there while it is configured.
 
     Parameters

@@ -16,7 +16,7 @@ from kompass.components.base.actions import component_action
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_of, path_poses, quaternion_msg
-from kompass.components.base.pose_source import PoseSource
+from kompass.components.base.location_source import LocationSource
 from kompass.components.controller.config import CmdPublishType, ControllerConfig
 from kompass.components.controller.controllers_id import ControllersID
 from kompass.components.controller.follower_settings import (
@@ -132,7 +132,7 @@ class Controller(Component):
         return key not in SENSORS
 
     def custom_on_activate(self) -> None:
-        self._pose_source = PoseSource(self)
+        self._location = LocationSource(self)
         self.input("plan").on_message = self._on_plan
         self._obstacles = ObstacleSource(
             self.node, self.input, {"sensor_data": self._place_scan, "local_map": self._place_map}
@@ -141,7 +141,7 @@ class Controller(Component):
 
     def custom_on_deactivate(self) -> None:
         self._halt()
-        self._pose_source.close()
+        self._location.close()
 
     def on_config_changed(self, names: set[str]) -> None:
         follower = self._make_follower()
@@ -193,9 +193,9 @@ class Controller(Component):
             scan.angle_increment,
             scan.range_min,
             scan.range_max,
-            self._pose_source.of_sensor(scan.header.frame_id),
+            self._location.of_sensor(scan.header.frame_id),
         )
-        pose = self._pose_source.pose()
+        pose = self._location.pose()
         if pose is None:
             raise LookupError("the robot does not know where it is")
         return transform_points(pose, points)
@@ -218,7 +218,7 @@ class Controller(Component):
         pose = self._located()
         seen = self._seen() if pose is not None else None
         if pose is None or seen is None:
-            # Inputs that have never spoken get their time; the robot stands meanwhile.
+            # InputPorts that have never spoken get their time; the robot stands meanwhile.
             if self._has_path:
                 self._halt()
                 self._follower.reset()
@@ -228,7 +228,7 @@ class Controller(Component):
             self._progress.reset()
             self.health.set_healthy()
             return
-        vx, _, omega = self._pose_source.speed()
+        vx, _, omega = self._location.speed()
         period = 1.0 / self.config.loop_rate
         try:
             points = transform_points(inverse(pose), seen)
@@ -258,7 +258,7 @@ class Controller(Component):
     def _located(self) -> Pose2D | None:
         """The pose, or None with the reason in the health."""
         source = self.input("location")
-        pose = self._pose_source.pose()
+        pose = self._location.pose()
         if pose is not None and source.age() <= self.config.location_timeout:
             return pose
         topic = f"/{source.topic.name}"

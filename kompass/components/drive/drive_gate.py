@@ -54,7 +54,7 @@ class GateLimits:
 
 
 @dataclass(frozen=True)
-class Situation:
+class GateInput:
     """What is known in one turn.
 
     Attributes
@@ -129,7 +129,7 @@ class DriveGate:
         """Something else has sent zero; the next command sets out from there."""
         self._sent = STILL
 
-    def judge(self, situation: Situation, now: float) -> Verdict:
+    def judge(self, given: GateInput, now: float) -> Verdict:
         """The verdict of this turn; its twist counts as sent.
 
         Raises
@@ -137,13 +137,13 @@ class DriveGate:
         ValueError
             The wanted twist is not finite.
         """
-        wanted = situation.wanted
-        factor, limited_by = self._allowed(situation)
+        wanted = given.wanted
+        factor, limited_by = self._allowed(given)
         blocked = limited_by == "obstacle" and factor == 0.0
         # A round body that turns on the spot meets nothing: what is blocked is the way, and the
         # turn that is part of the command leads out of it.
         turn = wanted[2] if wanted and blocked and abs(wanted[2]) >= TURNING else 0.0
-        twist = STILL if situation.stopped else self._twist(wanted, factor, turn, now)
+        twist = STILL if given.stopped else self._twist(wanted, factor, turn, now)
         if twist is not None:
             self._sent = twist
             if twist[0] or twist[1]:
@@ -151,25 +151,25 @@ class DriveGate:
         if wanted and any(wanted):
             emergency = blocked and not turn
         else:
-            emergency = self._too_close_ahead(situation.obstacles)
+            emergency = self._too_close_ahead(given.obstacles)
         return Verdict(twist, factor, limited_by, emergency)
 
-    def _allowed(self, situation: Situation) -> tuple[float, str]:
+    def _allowed(self, given: GateInput) -> tuple[float, str]:
         """Share of the wanted twist that is allowed, and why not all of it."""
-        limits, wanted = self._limits, situation.wanted
-        if situation.stopped:
+        limits, wanted = self._limits, given.wanted
+        if given.stopped:
             return 0.0, "stop"
-        if situation.odometry_age > limits.odometry_timeout:
+        if given.odometry_age > limits.odometry_timeout:
             return 0.0, "odometry stale"
         if limits.safety_stop:
-            if situation.obstacles is None:
+            if given.obstacles is None:
                 if limits.needs_scan:
                     return 0.0, "scan stale"
             elif wanted is not None:
-                factor = self._zone.factor(situation.obstacles, *wanted)
+                factor = self._zone.factor(given.obstacles, *wanted)
                 if factor < 1.0:
                     return (0.0 if factor < BLOCKED_BELOW else factor), "obstacle"
-        return 1.0, "command stale" if situation.command_stale else ""
+        return 1.0, "command stale" if given.command_stale else ""
 
     def _twist(
         self, wanted: Twist2D | None, factor: float, turn: float, now: float

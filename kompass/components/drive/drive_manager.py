@@ -22,12 +22,12 @@ from kompass.algorithms.transforms import TransformError
 from kompass.components.base.actions import ActionRefused, component_action
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
+from kompass.components.base.location_source import LocationSource
 from kompass.components.base.ports import Input
-from kompass.components.base.pose_source import PoseSource
 from kompass.components.base.robot_limits import velocity_limits
 from kompass.components.drive.command_queue import STILL, CommandQueue, Twist2D
 from kompass.components.drive.config import DriveManagerConfig
-from kompass.components.drive.drive_gate import DriveGate, GateLimits, Situation
+from kompass.components.drive.drive_gate import DriveGate, GateInput, GateLimits
 from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
 from kompass.components.drive.stop_latch import StopLatch
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
@@ -131,7 +131,7 @@ class DriveManager(Component):
         self.node.create_service(ReleaseStop, f"{name}/release_stop", self._on_release)
 
     def custom_on_activate(self) -> None:
-        self._pose_source = PoseSource(self)
+        self._location = LocationSource(self)
         self.input("command").on_message = self._on_command
         self.input("multi_command").on_message = self._on_commands
         self.input("location").on_message = self._on_location
@@ -148,7 +148,7 @@ class DriveManager(Component):
         self._send_halt()
         for publisher in self._outputs["robot_command"]:
             publisher.wait_for_all_acked(Duration(seconds=0.2))
-        self._pose_source.close()
+        self._location.close()
 
     # -- STOP ---------------------------------------------------------------------------------
 
@@ -197,7 +197,7 @@ class DriveManager(Component):
             self._queue.put_array(message, time.monotonic())
 
     def _on_location(self, _message: object) -> None:
-        self._standstill.update(self._pose_source.speed(), time.monotonic())
+        self._standstill.update(self._location.speed(), time.monotonic())
 
     def _obstacles(self) -> NDArray[np.float64] | None:
         """Points of the newest scan in the robot's frame, shape (N, 2); None when unknown."""
@@ -207,7 +207,7 @@ class DriveManager(Component):
             return None
         if scan is not self._points_of:
             try:
-                mounted = self._pose_source.of_sensor(scan.header.frame_id)
+                mounted = self._location.of_sensor(scan.header.frame_id)
             except TransformError as error:
                 self.warn(f"the scan cannot be placed on the robot: {error}")
                 return None
@@ -238,10 +238,10 @@ class DriveManager(Component):
         self._judge_health(obstacles is not None, odometry_age <= self.config.odometry_timeout)
         if self._latch.is_set:
             self._queue.clear()
-        situation = Situation(
+        given = GateInput(
             wanted, self._queue.is_stale(now), obstacles, odometry_age, self._latch.is_set
         )
-        verdict = self._gate.judge(situation, now)
+        verdict = self._gate.judge(given, now)
         if verdict.twist is not None:
             self._send(verdict.twist)
         self._publish_emergency(now, verdict.emergency)
@@ -254,7 +254,7 @@ class DriveManager(Component):
             return self._queue.current(now)
         if self._manoeuvre is None:
             return None
-        pose = self._pose_source.pose()
+        pose = self._location.pose()
         if pose is None:
             self._finish("the robot does not know where it is")
             return None

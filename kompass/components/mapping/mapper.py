@@ -13,7 +13,7 @@ from kompass.algorithms.transforms import TransformError
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentConfig
 from kompass.components.base.convert import grid_msg
-from kompass.components.base.pose_source import PoseSource
+from kompass.components.base.location_source import LocationSource
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.settings import Settings
 
@@ -73,10 +73,10 @@ class LocalMapper(Component):
         self._set_up()
 
     def custom_on_activate(self) -> None:
-        self._pose_source = PoseSource(self)
+        self._location = LocationSource(self)
 
     def custom_on_deactivate(self) -> None:
-        self._pose_source.close()
+        self._location.close()
 
     def on_config_changed(self, names: set[str]) -> None:
         self._set_up()
@@ -104,9 +104,9 @@ class LocalMapper(Component):
         scan = source.message
         if scan is self._mapped:
             return
-        pose = self._pose_source.pose()
+        pose = self._location.pose()
         try:
-            mounted = self._pose_source.of_sensor(scan.header.frame_id)
+            mounted = self._location.of_sensor(scan.header.frame_id)
         except TransformError as error:
             if self._mapped is None and self.is_starting:
                 self.health.set_healthy("waiting for /tf_static")

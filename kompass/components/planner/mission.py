@@ -15,7 +15,7 @@ from kompass.algorithms.geometry import Pose2D, wrap_angle
 FREE_HEADING = math.pi  # rad; a tolerance from here on asks for no heading
 
 
-class Outcome(enum.IntEnum):
+class GoalOutcome(enum.IntEnum):
     """How a mission ended; the numbers are those of PlanPath's result."""
 
     ARRIVED = 0

@@ -68,7 +68,7 @@ class TransformListener:
 
 
 class Located(Protocol):
-    """What a pose source needs of the component that holds it."""
+    """What a location source needs of the component that holds it."""
 
     @property
     def node(self) -> LifecycleNode: ...
@@ -78,7 +78,7 @@ class Located(Protocol):
     def warn(self, text: str, every: float = 5.0) -> None: ...
 
 
-class PoseSource:
+class LocationSource:
     """The robot's pose and speed by the input ``location`` of a component, while it is active.
 
     The frame is the one that the message names, whatever the configuration says: a localiser that
