@@ -31,18 +31,30 @@ _OPEN_AHEAD = 0.3
 class DWAParams(FollowerParams):
     """What is sampled and how it is judged.
 
-    Attributes:
-        prediction_time: How far the rollouts look ahead [s].
-        time_step: Between two looked-at places of a rollout [s].
-        linear_samples: Velocities tried.
-        angular_samples: Turning rates tried for each.
-        clearance: What rollouts keep between the body and obstacles [m].
-        resolution: Of the grid around the robot [m].
-        path_weight: On the mean distance from the path, per metre.
-        goal_weight: On the distance left to the point ahead on the path, per metre.
-        obstacle_weight: On nearness to obstacles, 0 from ``obstacle_range`` on, 1 at contact.
-        obstacle_range: [m]
-        smoothness_weight: On the change of command, as a share of the largest velocities.
+    Attributes
+    ----------
+    prediction_time
+        How far the rollouts look ahead [s].
+    time_step
+        Between two looked-at places of a rollout [s].
+    linear_samples
+        Velocities tried.
+    angular_samples
+        Turning rates tried for each.
+    clearance
+        What rollouts keep between the body and obstacles [m].
+    resolution
+        Of the grid around the robot [m].
+    path_weight
+        On the mean distance from the path, per metre.
+    goal_weight
+        On the distance left to the point ahead on the path, per metre.
+    obstacle_weight
+        On nearness to obstacles, 0 from ``obstacle_range`` on, 1 at contact.
+    obstacle_range
+        [m]
+    smoothness_weight
+        On the change of command, as a share of the largest velocities.
     """
 
     prediction_time: float = 1.6

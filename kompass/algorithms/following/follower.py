@@ -24,16 +24,26 @@ class NoCommand(Exception):
 class FollowerParams:
     """Common to all followers.
 
-    Attributes:
-        lookahead_distance: Arc ahead of the robot whose end tells which way to face [m].
-        goal_tolerance: Distance from the path's end that counts as there [m].
-        heading_tolerance: Difference from the goal's heading that counts as aligned [rad].
-        turn_in_place_angle: Facing farther than this from the path, the robot turns first [rad].
-        turn_done_angle: … until it faces it this closely [rad].
-        lateral_acceleration: Allowed in curves [m/s²].
-        approach_deceleration: Used to slow down towards the goal, if the robot can [m/s²].
-        min_speed: Least speed while the goal is not reached [m/s].
-        min_turn_rate: Least rate of turning on the spot [rad/s].
+    Attributes
+    ----------
+    lookahead_distance
+        Arc ahead of the robot whose end tells which way to face [m].
+    goal_tolerance
+        Distance from the path's end that counts as there [m].
+    heading_tolerance
+        Difference from the goal's heading that counts as aligned [rad].
+    turn_in_place_angle
+        Facing farther than this from the path, the robot turns first [rad].
+    turn_done_angle
+        … until it faces it this closely [rad].
+    lateral_acceleration
+        Allowed in curves [m/s²].
+    approach_deceleration
+        Used to slow down towards the goal, if the robot can [m/s²].
+    min_speed
+        Least speed while the goal is not reached [m/s].
+    min_turn_rate
+        Least rate of turning on the spot [rad/s].
     """
 
     lookahead_distance: float = 0.35
@@ -161,8 +171,10 @@ class PathFollower(ABC, Generic[P]):
         The path is joined where it first comes (almost) nearest to the robot, which keeps
         moving meanwhile. Setting the path that is being followed again changes nothing.
 
-        Raises:
-            ValueError: No poses, or one that is not finite.
+        Raises
+        ------
+        ValueError
+            No poses, or one that is not finite.
         """
         given = np.array(poses, dtype=np.float64)
         same = self._poses is not None and np.array_equal(self._poses, given)

@@ -29,11 +29,15 @@ _CURVATURE_ARC = 0.1
 class PathTracker:
     """Progress along a path.
 
-    Args:
-        poses: (N, ≥ 2), N ≥ 1: x, y and optionally yaw; the last yaw is the goal's heading.
+    Parameters
+    ----------
+    poses
+        (N, ≥ 2), N ≥ 1: x, y and optionally yaw; the last yaw is the goal's heading.
 
-    Raises:
-        ValueError: No poses, or one that is not finite.
+    Raises
+    ------
+    ValueError
+        No poses, or one that is not finite.
     """
 
     def __init__(self, poses: ArrayLike) -> None:

@@ -17,12 +17,18 @@ from kompass.algorithms.geometry import wrap_angle
 class StanleyParams(FollowerParams):
     """The law's own parameters.
 
-    Attributes:
-        heading_gain: On the heading error.
-        cross_track_gain: k in atan(k e / v) [1/s].
-        cross_track_min_linear_vel: Least v there, which keeps a slow robot from twitching [m/s].
-        wheel_base: From the axle that drives to the (virtual) one that steers [m].
-        max_steer: Of the (virtual) steering angle [rad].
+    Attributes
+    ----------
+    heading_gain
+        On the heading error.
+    cross_track_gain
+        k in atan(k e / v) [1/s].
+    cross_track_min_linear_vel
+        Least v there, which keeps a slow robot from twitching [m/s].
+    wheel_base
+        From the axle that drives to the (virtual) one that steers [m].
+    max_steer
+        Of the (virtual) steering angle [rad].
     """
 
     heading_gain: float = 1.0

@@ -23,14 +23,21 @@ class LocalMapBuilder:
     free up to that range and no obstacle. -inf and what is nearer than the minimum range are
     "too close to measure": they say nothing.
 
-    Args:
-        width: Of the map along the robot's x axis [m].
-        height: Along its y axis [m].
-        resolution: Cell size [m].
-        range_max: Readings are believed up to here [m], if the sensor does not stop earlier.
+    Parameters
+    ----------
+    width
+        Of the map along the robot's x axis [m].
+    height
+        Along its y axis [m].
+    resolution
+        Cell size [m].
+    range_max
+        Readings are believed up to here [m], if the sensor does not stop earlier.
 
-    Raises:
-        ValueError: An argument is out of range.
+    Raises
+    ------
+    ValueError
+        An argument is out of range.
     """
 
     def __init__(
@@ -75,16 +82,25 @@ class LocalMapBuilder:
     ) -> NDArray[np.int8]:
         """The map (rows, cols) of one scan; row 0 is the lowest y, column 0 the lowest x.
 
-        Args:
-            ranges: (N,) [m], ray i at ``angle_min + i * angle_increment`` in the sensor's frame.
-            angle_min: [rad]
-            angle_increment: [rad], may be negative.
-            range_min: Nearest distance the sensor can measure [m].
-            range_max: Farthest [m].
-            sensor_pose_in_base: (x, y, yaw) of the sensor in the base frame.
+        Parameters
+        ----------
+        ranges
+            (N,) [m], ray i at ``angle_min + i * angle_increment`` in the sensor's frame.
+        angle_min
+            [rad]
+        angle_increment
+            [rad], may be negative.
+        range_min
+            Nearest distance the sensor can measure [m].
+        range_max
+            Farthest [m].
+        sensor_pose_in_base
+            (x, y, yaw) of the sensor in the base frame.
 
-        Raises:
-            ValueError: No rays, or an increment of 0.
+        Raises
+        ------
+        ValueError
+            No rays, or an increment of 0.
         """
         measured = np.asarray(ranges, dtype=np.float32)
         if measured.ndim != 1 or measured.size == 0:

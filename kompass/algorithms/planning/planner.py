@@ -32,19 +32,30 @@ class Plan:
 class GlobalPlanner:
     """Plans for a round robot on one map. Building it is the expensive part; keep it per map.
 
-    Args:
-        grid: The map.
-        robot_radius: Of the circle around the robot's footprint [m].
-        clearance: What the path keeps between that circle and every obstacle [m]. A robot that
-            already stands closer is led out by the straightest way that comes no closer still.
-        unknown_is_obstacle: Whether unexplored cells are closed to the robot.
-        points_per_meter: Density of the returned poses [1/m].
-        planner_id: An OMPL geometric planner, ``"RRTConnect"`` or ``"ompl.geometric.RRTConnect"``.
-        timeout: For OMPL [s]. When it runs out a search over the grid's cells takes its place.
-        seed: For OMPL; the same input and seed give the same path.
+    Parameters
+    ----------
+    grid
+        The map.
+    robot_radius
+        Of the circle around the robot's footprint [m].
+    clearance
+        What the path keeps between that circle and every obstacle [m]. A robot that already stands
+        closer is led out by the straightest way that comes no closer still.
+    unknown_is_obstacle
+        Whether unexplored cells are closed to the robot.
+    points_per_meter
+        Density of the returned poses [1/m].
+    planner_id
+        An OMPL geometric planner, ``"RRTConnect"`` or ``"ompl.geometric.RRTConnect"``.
+    timeout
+        For OMPL [s]. When it runs out a search over the grid's cells takes its place.
+    seed
+        For OMPL; the same input and seed give the same path.
 
-    Raises:
-        ValueError: An argument is out of range, or OMPL has no such planner.
+    Raises
+    ------
+    ValueError
+        An argument is out of range, or OMPL has no such planner.
     """
 
     def __init__(
@@ -81,8 +92,10 @@ class GlobalPlanner:
     def check(self, start: ArrayLike, goal: ArrayLike) -> None:
         """Whether a plan from ``start`` (x, y, yaw) to ``goal`` (x, y) exists, without searching.
 
-        Raises:
-            PlanningFailure: It does not; says why, and what the nearest reachable place is.
+        Raises
+        ------
+        PlanningFailure
+            It does not; says why, and what the nearest reachable place is.
         """
         self._ends(start, goal)
 
@@ -92,8 +105,10 @@ class GlobalPlanner:
         Every pose and every straight motion between poses keeps the radius and the clearance,
         except that a start inside the clearance is left without coming closer to anything.
 
-        Raises:
-            PlanningFailure: There is none.
+        Raises
+        ------
+        PlanningFailure
+            There is none.
         """
         x, y, yaw = (float(value) for value in np.asarray(start, dtype=np.float64))
         first, last = self._ends(start, goal[:2])
