@@ -239,7 +239,11 @@ class DriveManager(Component):
         if self._latch.is_set:
             self._queue.clear()
         given = GateInput(
-            wanted, self._queue.is_stale(now), obstacles, odometry_age, self._latch.is_set
+            wanted=wanted,
+            command_stale=self._queue.is_stale(now),
+            obstacles=obstacles,
+            odometry_age=odometry_age,
+            stopped=self._latch.is_set,
         )
         verdict = self._gate.judge(given, now)
         if verdict.twist is not None:
