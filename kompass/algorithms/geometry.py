@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
+Pose2D: TypeAlias = tuple[float, float, float]  # x, y, yaw [m, m, rad]
 
 
 @overload

@@ -50,8 +50,10 @@ class Grid:
     ) -> Grid:
         """From the flat ``data`` of a nav_msgs/OccupancyGrid.
 
-        Raises:
-            ValueError: ``data`` does not hold ``width * height`` cells.
+        Raises
+        ------
+        ValueError
+            ``data`` does not hold ``width * height`` cells.
         """
         flat = np.asarray(data, dtype=np.int8)
         if flat.size != width * height:

@@ -29,8 +29,10 @@ def load_map(path: Path) -> Grid:
     and optionally ``negate`` (0), ``occupied_thresh`` (0.65), ``free_thresh`` (0.196) and
     ``mode`` (trinary). The image's top row is the map's highest y.
 
-    Raises:
-        MapFileError: A file is missing or is no image, or a field is missing or unusable.
+    Raises
+    ------
+    MapFileError
+        A file is missing or is no image, or a field is missing or unusable.
     """
     path = Path(path)
     fields = _read_fields(path)
@@ -69,8 +71,10 @@ def save_map(grid: Grid, path: Path) -> None:
     The format has three values: cells of 65 and more are saved as occupied, 0 … 19 as free,
     the rest as unknown. A map of only -1, 0 and 100 is read back identical.
 
-    Raises:
-        MapFileError: ``path`` has no YAML ending, or its folder does not exist.
+    Raises
+    ------
+    MapFileError
+        ``path`` has no YAML ending, or its folder does not exist.
     """
     path = Path(path)
     if path.suffix not in (".yaml", ".yml"):

@@ -1,91 +1,69 @@
-"""Transforms between frames: a buffer with a short history, without ROS and without a clock.
+"""Transforms between frames: a tree of the newest ones, without ROS and without a clock.
 
-There is no tf2 among the ROS wheels. This holds what a planar navigation stack needs: a tree of
-edges, each with its own history, interpolation between two samples, and an error that names the
-missing link.
+There is no tf2 among the ROS wheels. This holds what a planar navigation stack asks for: where one
+frame is in another now, and an error that names the missing link.
 """
 
-import bisect
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from kompass.algorithms.geometry import Pose2D
 
 Matrix = NDArray[np.float64]
 
 
 class TransformError(LookupError):
-    """Two frames are not connected, or not at the time asked for."""
+    """Two frames are not connected."""
 
 
-@dataclass
-class _Edge:
+class _Edge(NamedTuple):
     parent: str
     static: bool
-    stamps: list[float] = field(default_factory=list)
-    matrices: list[Matrix] = field(default_factory=list)
-
-    def add(self, stamp: float, matrix: Matrix, history: float) -> None:
-        if self.static:
-            self.stamps, self.matrices = [stamp], [matrix]
-            return
-        index = bisect.bisect(self.stamps, stamp)
-        self.stamps.insert(index, stamp)
-        self.matrices.insert(index, matrix)
-        oldest = bisect.bisect_left(self.stamps, self.stamps[-1] - history)
-        del self.stamps[:oldest], self.matrices[:oldest]
-
-    def at(self, stamp: float | None) -> Matrix | None:
-        if self.static or stamp is None:
-            return self.matrices[-1]
-        index = bisect.bisect_left(self.stamps, stamp)
-        if index < len(self.stamps) and self.stamps[index] == stamp:
-            return self.matrices[index]
-        if index in (0, len(self.stamps)):
-            return None  # before the first or after the last: never extrapolated
-        earlier, later = self.stamps[index - 1], self.stamps[index]
-        share = (stamp - earlier) / (later - earlier)
-        return interpolate(self.matrices[index - 1], self.matrices[index], share)
+    stamp: float
+    matrix: Matrix
 
 
-class TransformBuffer:
-    """The newest ``history`` seconds of every edge of the transform tree."""
+class TransformTree:
+    """The newest transform of every frame to its parent."""
 
-    def __init__(self, history: float = 10.0) -> None:
-        self.history = history
+    def __init__(self) -> None:
         self._edges: dict[str, _Edge] = {}
 
     def add(
         self, parent: str, child: str, stamp: float, matrix: Matrix, *, static: bool = False
     ) -> None:
-        """Add one sample: ``matrix`` (4, 4) takes points of ``child`` to ``parent``."""
-        parent, child = parent.removeprefix("/"), child.removeprefix("/")
-        edge = self._edges.get(child)
-        if edge is None or edge.parent != parent or edge.static != static:
-            edge = self._edges[child] = _Edge(parent, static)
-        edge.add(stamp, matrix, self.history)
-
-    def lookup(self, target: str, source: str, stamp: float | None = None) -> Matrix:
-        """Matrix (4, 4) that takes points of ``source`` to ``target``.
+        """Take in ``matrix`` (4, 4), which takes points of ``child`` to ``parent``.
 
         Parameters
         ----------
-        target, source
-            Frame names.
         stamp
-            Time [s]; the newest of each edge when None.
+            Time of the measurement [s]; a moving frame keeps its newest, whenever it arrives.
+        static
+            Whether it holds for good; the last to arrive counts then.
+        """
+        parent, child = parent.removeprefix("/"), child.removeprefix("/")
+        known = self._edges.get(child)
+        same = known is not None and known.parent == parent and known.static == static
+        if known is not None and same and not static and stamp < known.stamp:
+            return
+        self._edges[child] = _Edge(parent, static, stamp, matrix)
+
+    def lookup(self, target: str, source: str) -> Matrix:
+        """Matrix (4, 4) that takes points of ``source`` to ``target``, by the newest of each edge.
 
         Raises
         ------
         TransformError
-            When there is no connection, or none at ``stamp``.
+            When there is no connection.
         """
         target, source = target.removeprefix("/"), source.removeprefix("/")
         if target == source:
             return np.eye(4)
-        to_target = dict(self._to_root(target, stamp))
-        for frame, matrix in self._to_root(source, stamp):
+        to_target = dict(self._to_root(target))
+        for frame, matrix in self._to_root(source):
             if frame in to_target:
                 return np.asarray(np.linalg.inv(to_target[frame]) @ matrix)
         raise TransformError(
@@ -93,35 +71,24 @@ class TransformBuffer:
             f"'{self._root(source)}', '{target}' to '{self._root(target)}'"
         )
 
-    def planar(self, target: str, source: str, stamp: float | None = None) -> tuple[float, ...]:
+    def planar(self, target: str, source: str) -> Pose2D:
         """As :meth:`lookup`, as a planar pose (x [m], y [m], yaw [rad])."""
-        m = self.lookup(target, source, stamp)
+        m = self.lookup(target, source)
         return float(m[0, 3]), float(m[1, 3]), float(np.arctan2(m[1, 0], m[0, 0]))
 
-    def _to_root(self, frame: str, stamp: float | None) -> Iterator[tuple[str, Matrix]]:
+    def _to_root(self, frame: str) -> Iterator[tuple[str, Matrix]]:
         matrix = np.eye(4)
         yield frame, matrix
         for _ in range(len(self._edges)):
             edge = self._edges.get(frame)
             if edge is None:
                 return
-            step = edge.at(stamp)
-            if step is None:
-                raise TransformError(
-                    f"the transform from '{frame}' to '{edge.parent}' is known from "
-                    f"{edge.stamps[0]:.3f} s to {edge.stamps[-1]:.3f} s, not at {stamp:.3f} s"
-                )
-            matrix = step @ matrix
+            matrix = edge.matrix @ matrix
             frame = edge.parent
             yield frame, matrix
 
     def _root(self, frame: str) -> str:
-        for _ in range(len(self._edges)):
-            edge = self._edges.get(frame)
-            if edge is None:
-                break
-            frame = edge.parent
-        return frame
+        return list(self._to_root(frame))[-1][0]
 
 
 def matrix_of(
@@ -137,34 +104,3 @@ def matrix_of(
     ]
     matrix[:3, 3] = translation
     return matrix
-
-
-def interpolate(first: Matrix, second: Matrix, share: float) -> Matrix:
-    """Between two poses: translation linearly, rotation about one axis (slerp)."""
-    relative = first[:3, :3].T @ second[:3, :3]
-    angle = np.arccos(np.clip((np.trace(relative) - 1) / 2, -1.0, 1.0))
-    result = np.eye(4)
-    result[:3, 3] = (1 - share) * first[:3, 3] + share * second[:3, 3]
-    if angle < 1e-9:
-        result[:3, :3] = first[:3, :3]
-        return result
-    values, vectors = np.linalg.eig(relative)
-    axis = np.real(vectors[:, int(np.argmin(np.abs(values - 1)))])
-    skew = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-    # The eigenvector's sign is arbitrary; the rotation tells which way it turns.
-    if np.dot(axis, _vee(relative)) < 0:
-        skew = -skew
-    turn = share * angle
-    rotation = np.eye(3) + np.sin(turn) * skew + (1 - np.cos(turn)) * (skew @ skew)
-    result[:3, :3] = first[:3, :3] @ rotation
-    return result
-
-
-def _vee(rotation: Matrix) -> Matrix:
-    return np.array(
-        [
-            rotation[2, 1] - rotation[1, 2],
-            rotation[0, 2] - rotation[2, 0],
-            rotation[1, 0] - rotation[0, 1],
-        ]
-    )

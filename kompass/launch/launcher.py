@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from kompass.components.base.component import Component
-from kompass.components.base.notice import notice_once
 from kompass.launch.companions import (
     add_companion,
     companions,
@@ -25,6 +24,7 @@ from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import recipe_rules
 from kompass.recorder.process import flight_recorder
 from kompass.robot import RobotConfig, RobotFrames
+from kompass.settings import notice_once
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.instance_lock import lock_instance
 from kompass.supervisor.liveness import LivenessLimits

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from kompass.algorithms.planning.failure import REASONS
 from kompass_console.link.goals import GoalTopic, Listeners
 from kompass_console.link.link import RosLink
 from kompass_console.link.services import NoAnswer
@@ -21,18 +22,6 @@ MAP_ONLY = "No planner checks goals here: only the map was looked at."
 
 _OCCUPIED_FROM = 65
 
-# kompass_interfaces/srv/CheckGoal, by number.
-_REASONS: tuple[GoalReason, ...] = (
-    "",
-    "no_map",
-    "outside_map",
-    "occupied",
-    "too_close",
-    "unreachable",
-    "no_pose",
-    "start_blocked",
-    "no_path",
-)
 _MESSAGES: dict[GoalReason, str] = {
     "": "The robot can go there.",
     "no_map": "There is no map yet, so no way can be planned.",
@@ -124,7 +113,8 @@ async def check_goal(link: RosLink, world: World, x: float, y: float, yaw: float
             answer = await link.check_goal(x, y, yaw if heading_used else None)
         except NoAnswer:
             return Checked(_refusal("no_planner", x, y, yaw), preview, topic)
-        reason = _REASONS[answer.reason] if answer.reason < len(_REASONS) else "no_path"
+        reason: GoalReason
+        reason = REASONS[answer.reason] if answer.reason < len(REASONS) else "no_path"
         check = GoalCheck(
             ok=answer.reachable,
             x=x,

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from kompass.algorithms.planning.failure import Reason
 from kompass_console.schema.roles import Role
 
 Theme = Literal["light", "dark"]
@@ -118,15 +119,7 @@ class GoalRequest(In):
 
 
 GoalReason = Literal[
-    "",
-    "no_map",
-    "outside_map",
-    "occupied",
-    "too_close",
-    "unreachable",
-    "no_pose",
-    "start_blocked",
-    "no_path",
+    Reason,
     "above_horizon",
     "no_planner",
     "nobody_listens",

@@ -3,7 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from kompass.algorithms.following import DWA, DWAParams, NoCommand
+from kompass.algorithms.following.dwa import DWA, DWAParams
+from kompass.algorithms.following.follower import NoCommand
 from kompass.algorithms.geometry import Floats, inverse, transform_points
 
 from .worlds import PATHS, STRAIGHT, distance_to_polyline, drive

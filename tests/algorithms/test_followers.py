@@ -4,13 +4,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kompass.algorithms.following import (
-    PathTracker,
-    PurePursuit,
-    PurePursuitParams,
-    Stanley,
-    StanleyParams,
-)
+from kompass.algorithms.following.path_tracker import PathTracker
+from kompass.algorithms.following.pure_pursuit import PurePursuit, PurePursuitParams
+from kompass.algorithms.following.stanley import Stanley, StanleyParams
 from kompass.algorithms.geometry import Floats
 
 from .worlds import HAIRPIN, PATHS, SINE, STRAIGHT, L, U, distance_to_polyline, drive, polyline

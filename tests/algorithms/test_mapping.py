@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from kompass.algorithms.mapping import LocalMapper, scan_to_points
+from kompass.algorithms.mapping.local_map import LocalMapBuilder
+from kompass.algorithms.mapping.scan_points import scan_to_points
 from tests.support.properties import property_test
 
 FULL_TURN = {"angle_min": 0.0, "angle_increment": 2 * math.pi / 360}
@@ -21,7 +22,7 @@ def room(half: float, n: int = 720) -> np.ndarray:
 def test_walls_at_the_same_distance_are_drawn_at_the_same_distance_on_all_sides(
     half: float,
 ) -> None:
-    mapper = LocalMapper(3.0, 3.0, 0.05)
+    mapper = LocalMapBuilder(3.0, 3.0, 0.05)
     occupied = mapper.update(room(half), 0.0, 2 * math.pi / 720, 0.1, 5.0, (0.0, 0.0, 0.0)) == 100
     assert (occupied == occupied[::-1]).all()
     assert (occupied == occupied[:, ::-1]).all()
@@ -33,7 +34,7 @@ def test_walls_at_the_same_distance_are_drawn_at_the_same_distance_on_all_sides(
 
 
 def test_the_room_is_free_inside_and_unknown_behind_its_walls() -> None:
-    mapper = LocalMapper(3.0, 3.0, 0.05)
+    mapper = LocalMapBuilder(3.0, 3.0, 0.05)
     cells = mapper.update(room(1.02), 0.0, 2 * math.pi / 720, 0.1, 5.0, (0.0, 0.0, 0.0))
     assert (cells[11:49, 11:49] == 0).all()
     assert (cells[:9] == -1).all()
@@ -42,7 +43,7 @@ def test_the_room_is_free_inside_and_unknown_behind_its_walls() -> None:
 
 @pytest.mark.parametrize("nothing", [math.inf, math.nan, 0.0, 3.5, 100.0])
 def test_no_return_leaves_no_obstacle_and_is_free_up_to_the_sensor_s_range(nothing: float) -> None:
-    mapper = LocalMapper(10.0, 10.0, 0.05)
+    mapper = LocalMapBuilder(10.0, 10.0, 0.05)
     cells = mapper.update(np.full(360, nothing), **LIDAR)
     assert (cells != 100).all()
     centre = (np.arange(200) + 0.5) * 0.05 - 5.0
@@ -53,7 +54,7 @@ def test_no_return_leaves_no_obstacle_and_is_free_up_to_the_sensor_s_range(nothi
 
 @pytest.mark.parametrize("too_close", [-math.inf, 0.05])
 def test_what_is_too_close_to_measure_says_nothing(too_close: float) -> None:
-    cells = LocalMapper(2.0, 2.0, 0.05).update(np.full(360, too_close), **LIDAR)
+    cells = LocalMapBuilder(2.0, 2.0, 0.05).update(np.full(360, too_close), **LIDAR)
     assert (cells == -1).all()
 
 
@@ -65,7 +66,7 @@ def test_a_lone_reading_marks_the_cell_it_ends_in(
 ) -> None:
     ranges = np.full(360, np.inf)
     ranges[ray] = reading
-    mapper = LocalMapper(5.0, 4.5, 0.05)
+    mapper = LocalMapBuilder(5.0, 4.5, 0.05)
     cells = mapper.update(ranges, **LIDAR, sensor_pose_in_base=(x, 0.1, yaw))
     angle = ray * math.pi / 180 + yaw
     px, py = x + reading * math.cos(angle), 0.1 + reading * math.sin(angle)
@@ -77,7 +78,7 @@ def test_a_lone_reading_marks_the_cell_it_ends_in(
 
 def test_outside_a_sensor_s_field_of_view_nothing_is_known() -> None:
     n = 181
-    mapper = LocalMapper(3.0, 3.0, 0.05)
+    mapper = LocalMapBuilder(3.0, 3.0, 0.05)
     cells = mapper.update(np.full(n, 1.0), -math.pi / 2, math.pi / (n - 1), 0.1, 5.0)
     assert (cells[:, :29] == -1).all()
     assert (cells[:, 31:45] != -1).any()
@@ -86,8 +87,8 @@ def test_outside_a_sensor_s_field_of_view_nothing_is_known() -> None:
 
 def test_a_sensor_that_sweeps_clockwise_gives_the_mirrored_map() -> None:
     ranges = 0.5 + 0.3 * np.linspace(0, 1, 360)
-    forward = LocalMapper(3.0, 3.0, 0.05).update(ranges, 0.0, math.pi / 180, 0.1, 5.0)
-    backward = LocalMapper(3.0, 3.0, 0.05).update(ranges, 0.0, -math.pi / 180, 0.1, 5.0)
+    forward = LocalMapBuilder(3.0, 3.0, 0.05).update(ranges, 0.0, math.pi / 180, 0.1, 5.0)
+    backward = LocalMapBuilder(3.0, 3.0, 0.05).update(ranges, 0.0, -math.pi / 180, 0.1, 5.0)
     assert (forward == 100).sum() == (backward == 100).sum()
     # Cells exactly between two rays may go to either.
     assert (forward != backward[::-1]).mean() < 0.01
@@ -95,21 +96,21 @@ def test_a_sensor_that_sweeps_clockwise_gives_the_mirrored_map() -> None:
 
 def test_a_turned_sensor_gives_the_map_of_the_turned_scan() -> None:
     ranges = 0.5 + 0.3 * np.sin(np.linspace(0, 6, 360))
-    straight = LocalMapper(3.0, 3.0, 0.05).update(ranges, **LIDAR)
-    turned = LocalMapper(3.0, 3.0, 0.05).update(
+    straight = LocalMapBuilder(3.0, 3.0, 0.05).update(ranges, **LIDAR)
+    turned = LocalMapBuilder(3.0, 3.0, 0.05).update(
         np.roll(ranges, 90), **LIDAR, sensor_pose_in_base=(0.0, 0.0, -math.pi / 2)
     )
     assert (straight != turned).mean() < 0.01
 
 
 def test_large_and_oblong_maps_are_accepted() -> None:
-    mapper = LocalMapper(50.0, 30.0, 0.05)
+    mapper = LocalMapBuilder(50.0, 30.0, 0.05)
     assert mapper.update(np.full(360, 2.0), **LIDAR).shape == (600, 1000)
     assert mapper.origin == (-25.0, -15.0, 0.0)
 
 
 def test_readings_end_where_the_mapper_is_told_to_believe_them() -> None:
-    cells = LocalMapper(5.0, 5.0, 0.05, range_max=1.0).update(np.full(360, 2.0), **LIDAR)
+    cells = LocalMapBuilder(5.0, 5.0, 0.05, range_max=1.0).update(np.full(360, 2.0), **LIDAR)
     assert (cells != 100).all()
     assert cells[50, 75] == -1
     assert cells[50, 65] == 0
@@ -120,14 +121,14 @@ def test_readings_end_where_the_mapper_is_told_to_believe_them() -> None:
 )
 def test_a_map_without_size_is_refused_by_name(bad: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(bad))):
-        LocalMapper(**{"width": 3.0, "height": 3.0, "resolution": 0.05, **bad})
+        LocalMapBuilder(**{"width": 3.0, "height": 3.0, "resolution": 0.05, **bad})
 
 
 def test_a_scan_without_rays_is_refused() -> None:
     with pytest.raises(ValueError, match="ranges"):
-        LocalMapper(3.0, 3.0, 0.05).update([], **LIDAR)
+        LocalMapBuilder(3.0, 3.0, 0.05).update([], **LIDAR)
     with pytest.raises(ValueError, match="angle_increment"):
-        LocalMapper(3.0, 3.0, 0.05).update([1.0], 0.0, 0.0, 0.1, 3.5)
+        LocalMapBuilder(3.0, 3.0, 0.05).update([1.0], 0.0, 0.0, 0.1, 3.5)
 
 
 def test_only_real_returns_become_points_in_the_base_frame() -> None:

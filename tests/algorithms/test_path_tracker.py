@@ -70,12 +70,9 @@ def test_a_robot_that_left_the_path_finds_it_again_further_on() -> None:
     assert tracker.progress == pytest.approx(3.0, abs=0.05)
 
 
-def test_curvature_is_one_over_the_radius_and_positive_to_the_left() -> None:
-    tracker = PathTracker(CIRCLE)
-    assert tracker.curvature_at(3.0) == pytest.approx(1.0, abs=0.02)
-    assert tracker.sharpest(1.0, 4.0) == pytest.approx(1.0, abs=0.02)
-    mirrored = PathTracker(CIRCLE * (1, -1, -1))
-    assert mirrored.curvature_at(3.0) == pytest.approx(-1.0, abs=0.02)
+def test_the_sharpest_curvature_is_one_over_the_radius_to_either_side() -> None:
+    for path in (CIRCLE, CIRCLE * (1, -1, -1)):
+        assert PathTracker(path).sharpest(1.0, 4.0) == pytest.approx(1.0, abs=0.02)
 
 
 def test_points_and_headings_follow_the_legs_and_go_straight_on_beyond_the_end() -> None:

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from kompass.algorithms.following.command import Command
 from kompass.algorithms.following.limits import Limits, stopping_distance, stopping_speed
-from kompass.algorithms.safety import StopZone, VelocityLimiter, VelocityLimits
+from kompass.algorithms.safety.stop_zone import StopZone
+from kompass.algorithms.safety.velocity_limiter import VelocityLimiter, VelocityLimits
 from tests.support.properties import property_test
 
 R = 0.1

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from automatika_ros_sugar.srv import ExecuteMethod
+from kompass_interfaces.srv import StopRobot
 
 from kompass.components import Component, DriveManager, Planner
 from kompass.components.base.actions import component_action
@@ -194,6 +195,8 @@ def test_a_broadcast_publishes_the_status_at_once(run: Run) -> None:
 def test_a_latched_stop_survives_a_restart_of_the_drive_manager(run: Run) -> None:
     driver = DriveManager()
     alive = run(driver)
-    driver._latch.set("ava", "")
+    assert alive.call(StopRobot, "stop", StopRobot.Request(operator_name="ava")).success
     assert alive.execute("restart").success
-    assert driver._latch.is_set
+    refused = alive.execute("move_forward", max_distance=0.1)
+    assert not refused.success
+    assert "ava pressed STOP" in refused.error_msg

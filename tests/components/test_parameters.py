@@ -11,6 +11,7 @@ from automatika_ros_sugar.srv import (
     ReplaceTopic,
 )
 from geometry_msgs.msg import Twist, TwistStamped
+from lifecycle_msgs.msg import TransitionEvent
 
 from kompass.components import DriveManager, DriveManagerConfig, LocalMapper, LocalMapperConfig
 from kompass.components.base.parameter import ParameterError, read_values, with_values
@@ -124,10 +125,19 @@ def test_of_several_changes_all_or_none_are_made(run: Run) -> None:
 def test_a_change_without_keep_alive_restarts_the_component(run: Run) -> None:
     driver = DriveManager()
     alive = run(driver)
-    since = driver._active_since
+    transitions = alive.hear(TransitionEvent, f"/{driver.node_name}/transition_event")
+    wait_until(
+        lambda: alive.node.count_subscribers("/drive_manager/transition_event") == 1,
+        5,
+        "a listener",
+    )
     assert set_one(alive, "scan_timeout", "0.7", keep_alive=False).success
     assert driver.is_active
-    assert driver._active_since != since
+    wait_until(
+        lambda: [event.goal_state.label for event in transitions].count("active") == 1,
+        5,
+        "a restart",
+    )
     assert driver.config.scan_timeout == 0.7
 
 
@@ -135,7 +145,7 @@ def test_a_change_of_the_loop_rate_changes_the_loop(run: Run) -> None:
     mapper = LocalMapper()
     alive = run(mapper)
     assert set_one(alive, "loop_rate", "50").success
-    assert [round(1e9 / timer.timer_period_ns) for timer in mapper._loop] == [50]
+    assert [round(1e9 / timer.timer_period_ns) for timer in mapper.node.timers] == [50]
 
 
 def test_a_file_reconfigures_a_running_component(run: Run, tmp_path: Path) -> None:

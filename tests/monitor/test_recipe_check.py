@@ -54,6 +54,10 @@ def test_what_fits_passes() -> None:
         (rule("r", compare("a", ">", 1), call("switch", on=True, size=1)), ("size",)),
         (rule("r", compare("a", ">", 1), change(loop_rat=5)), ("loop_rate",)),
         (rule("r", compare("a", ">", 1), change(loop_rate="fast")), ("loop_rate", "number")),
+        (
+            rule("r", compare("a", ">", 1), change(executor_spin_timeout=1.0)),
+            ("executor_spin_timeout", "would have no effect"),
+        ),
         (rule("r", compare("a", ">", 1), {"kind": "python", "name": "nobody"}), ("nobody",)),
     ],
 )

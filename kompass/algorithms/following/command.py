@@ -21,14 +21,21 @@ class Command:
 class FollowStep:
     """One control cycle of a follower.
 
-    Attributes:
-        command: What the robot should do now.
-        phase: ``turning`` on the spot towards the path, ``driving`` along it, ``aligning`` on
-            the spot to the goal's heading, or ``arrived`` (for good, until a new path is set).
-        progress: Arc length of the path that lies behind the robot [m].
-        remaining: Arc length that lies ahead [m].
-        cross_track_error: Distance from the path, positive left of it [m].
-        heading_error: Heading of the path (of the goal, when aligning) less the robot's [rad].
+    Attributes
+    ----------
+    command
+        What the robot should do now.
+    phase
+        ``turning`` on the spot towards the path, ``driving`` along it, ``aligning`` on the spot to
+        the goal's heading, or ``arrived`` (for good, until a new path is set).
+    progress
+        Arc length of the path that lies behind the robot [m].
+    remaining
+        Arc length that lies ahead [m].
+    cross_track_error
+        Distance from the path, positive left of it [m].
+    heading_error
+        Heading of the path (of the goal, when aligning) less the robot's [rad].
     """
 
     command: Command

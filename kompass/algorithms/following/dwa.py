@@ -14,11 +14,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from kompass.algorithms.following.command import FollowStep
-from kompass.algorithms.following.follower import FollowerParams, PathFollower, Situation
+from kompass.algorithms.following.follower import FollowerParams, NoCommand, PathFollower, Situation
 from kompass.algorithms.following.limits import stopping_distance, stopping_speed
 from kompass.algorithms.geometry import Floats, inverse, transform_points, wrap_angle
 
@@ -28,26 +27,34 @@ _BEYOND_BRAKING = 0.1
 _OPEN_AHEAD = 0.3
 
 
-class NoCommand(Exception):
-    """No direction is free of obstacles: the robot must stop, and wait or be freed."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class DWAParams(FollowerParams):
     """What is sampled and how it is judged.
 
-    Attributes:
-        prediction_time: How far the rollouts look ahead [s].
-        time_step: Between two looked-at places of a rollout [s].
-        linear_samples: Velocities tried.
-        angular_samples: Turning rates tried for each.
-        clearance: What rollouts keep between the body and obstacles [m].
-        resolution: Of the grid around the robot [m].
-        path_weight: On the mean distance from the path, per metre.
-        goal_weight: On the distance left to the point ahead on the path, per metre.
-        obstacle_weight: On nearness to obstacles, 0 from ``obstacle_range`` on, 1 at contact.
-        obstacle_range: [m]
-        smoothness_weight: On the change of command, as a share of the largest velocities.
+    Attributes
+    ----------
+    prediction_time
+        How far the rollouts look ahead [s].
+    time_step
+        Between two looked-at places of a rollout [s].
+    linear_samples
+        Velocities tried.
+    angular_samples
+        Turning rates tried for each.
+    clearance
+        What rollouts keep between the body and obstacles [m].
+    resolution
+        Of the grid around the robot [m].
+    path_weight
+        On the mean distance from the path, per metre.
+    goal_weight
+        On the distance left to the point ahead on the path, per metre.
+    obstacle_weight
+        On nearness to obstacles, 0 from ``obstacle_range`` on, 1 at contact.
+    obstacle_range
+        [m]
+    smoothness_weight
+        On the change of command, as a share of the largest velocities.
     """
 
     prediction_time: float = 1.6
@@ -72,55 +79,33 @@ class DWAParams(FollowerParams):
                 raise ValueError(f"{name}: {getattr(self, name)}; give 2 or more")
 
 
-class DWA(PathFollower):
+class DWA(PathFollower[DWAParams]):
     """Follows a path and goes round what stands beside or partly on it.
 
     It looks a second or two ahead and has no memory: before something that fills the way to both
     sides alike it stops without touching, and a new path from the planner is what helps.
 
-    Args:
-        config: See :class:`DWAParams`.
-        robot_radius: Of the circle around the footprint [m].
-        max_v, max_omega, acc, decel, omega_acc: As of every follower.
+    Parameters
+    ----------
+    config
+        See :class:`DWAParams`.
+    robot_radius
+        Of the circle around the footprint [m].
+    limits
+        ``max_v``, ``max_omega``, ``acc``, ``decel``, ``omega_acc``, as of every follower.
     """
 
+    params_class = DWAParams
+    needs_obstacles = True
+
     def __init__(
-        self,
-        config: DWAParams | None = None,
-        *,
-        robot_radius: float,
-        max_v: float,
-        max_omega: float,
-        acc: float,
-        decel: float,
-        omega_acc: float,
+        self, config: DWAParams | None = None, *, robot_radius: float, **limits: float
     ) -> None:
-        self.config = config or DWAParams()
-        super().__init__(
-            self.config,
-            max_v=max_v,
-            max_omega=max_omega,
-            acc=acc,
-            decel=decel,
-            omega_acc=omega_acc,
-        )
+        super().__init__(config, robot_radius=robot_radius, **limits)
         if not (math.isfinite(robot_radius) and robot_radius > 0):
             raise ValueError(f"robot_radius: {robot_radius} m; give a finite number above 0")
-        self.robot_radius = robot_radius
-        self._points: Floats = np.empty((0, 2))
-        reach = max_v * self.config.prediction_time + robot_radius + self.config.obstacle_range
-        self._half = math.ceil((reach + 0.2) / self.config.resolution)
-
-    def step(
-        self, pose: ArrayLike, v: float, omega: float, dt: float, points: ArrayLike = ()
-    ) -> FollowStep:
-        """As :meth:`PathFollower.step`, with obstacles ``points`` (N, 2) in the base frame [m].
-
-        Raises:
-            NoCommand: Every velocity within reach meets an obstacle.
-        """
-        self._points = np.asarray(points, dtype=np.float64).reshape(-1, 2)
-        return super().step(pose, v, omega, dt)
+        reach = self._linear.max_vel * self.config.prediction_time + robot_radius
+        self._half = math.ceil((reach + self.config.obstacle_range + 0.2) / self.config.resolution)
 
     def _curvature(self, situation: Situation) -> float:
         raise AssertionError("DWA chooses velocities, not a curvature")
@@ -252,7 +237,7 @@ class DWA(PathFollower):
         path = np.array([tracker.point_at(float(s)) for s in along])
         path = transform_points(inverse((situation.x, situation.y, situation.yaw)), path)
         out = []
-        for points in (self._points, path):
+        for points in (situation.obstacles, path):
             cells = np.ones((n, n), dtype=bool)
             near = points[(np.abs(points) < self._half * config.resolution).all(axis=1)]
             if not len(near):

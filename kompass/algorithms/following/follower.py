@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Generic, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,20 +16,34 @@ from kompass.algorithms.following.path_tracker import PathTracker
 from kompass.algorithms.geometry import Floats, wrap_angle
 
 
+class NoCommand(Exception):
+    """No direction is free of obstacles: the robot must stop, and wait or be freed."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class FollowerParams:
     """Common to all followers.
 
-    Attributes:
-        lookahead_distance: Arc ahead of the robot whose end tells which way to face [m].
-        goal_tolerance: Distance from the path's end that counts as there [m].
-        heading_tolerance: Difference from the goal's heading that counts as aligned [rad].
-        turn_in_place_angle: Facing farther than this from the path, the robot turns first [rad].
-        turn_done_angle: … until it faces it this closely [rad].
-        lateral_acceleration: Allowed in curves [m/s²].
-        approach_deceleration: Used to slow down towards the goal, if the robot can [m/s²].
-        min_speed: Least speed while the goal is not reached [m/s].
-        min_turn_rate: Least rate of turning on the spot [rad/s].
+    Attributes
+    ----------
+    lookahead_distance
+        Arc ahead of the robot whose end tells which way to face [m].
+    goal_tolerance
+        Distance from the path's end that counts as there [m].
+    heading_tolerance
+        Difference from the goal's heading that counts as aligned [rad].
+    turn_in_place_angle
+        Facing farther than this from the path, the robot turns first [rad].
+    turn_done_angle
+        … until it faces it this closely [rad].
+    lateral_acceleration
+        Allowed in curves [m/s²].
+    approach_deceleration
+        Used to slow down towards the goal, if the robot can [m/s²].
+    min_speed
+        Least speed while the goal is not reached [m/s].
+    min_turn_rate
+        Least rate of turning on the spot [rad/s].
     """
 
     lookahead_distance: float = 0.35
@@ -58,7 +73,25 @@ class FollowerParams:
 
 @dataclass(frozen=True)
 class Situation:
-    """What a steering law gets to see: pose, current velocity, the path, and the speed allowed."""
+    """What a steering law gets to see.
+
+    Attributes
+    ----------
+    x, y, yaw
+        Pose in the frame of the path [m, m, rad].
+    speed, turn_rate
+        Current velocity [m/s, rad/s].
+    tracker
+        The path, and the place on it.
+    homing
+        Whether only the straight way to the path's end is left.
+    allowed_speed
+        What the path ahead and its end allow [m/s].
+    dt
+        Control period [s].
+    obstacles
+        Points (N, 2) in the base frame [m]; none for a follower that does not need them.
+    """
 
     x: float
     y: float
@@ -69,31 +102,48 @@ class Situation:
     homing: bool
     allowed_speed: float
     dt: float
+    obstacles: Floats
 
 
-class PathFollower(ABC):
+P = TypeVar("P", bound=FollowerParams)
+
+
+class PathFollower(ABC, Generic[P]):
     """Follows one path after another; a subclass supplies the steering law.
 
-    Args:
-        params: See :class:`FollowerParams`.
-        max_v: [m/s]
-        max_omega: [rad/s]
-        acc: [m/s²]
-        decel: [m/s²]
-        omega_acc: Both ways [rad/s²].
+    Parameters
+    ----------
+    config
+        An instance of the subclass's ``params_class``; the default one when left out.
+    max_v
+        [m/s]
+    max_omega
+        [rad/s]
+    acc, decel
+        [m/s²]
+    omega_acc
+        Both ways [rad/s²].
+    robot_radius
+        Of the circle around the footprint [m]; only those look at it that need obstacles.
     """
+
+    params_class: ClassVar[type[FollowerParams]]
+    # Whether :meth:`step` is to be given the obstacles around the robot.
+    needs_obstacles: ClassVar[bool] = False
 
     def __init__(
         self,
-        params: FollowerParams,
+        config: P | None = None,
         *,
         max_v: float,
         max_omega: float,
         acc: float,
         decel: float,
         omega_acc: float,
+        robot_radius: float = 0.0,
     ) -> None:
-        self._params = params
+        self.config: P = cast(P, self.params_class()) if config is None else config
+        self.robot_radius = robot_radius
         self._linear = Limits(max_v, acc, decel)
         self._angular = Limits(max_omega, omega_acc, omega_acc)
         for name, value in (
@@ -121,8 +171,10 @@ class PathFollower(ABC):
         The path is joined where it first comes (almost) nearest to the robot, which keeps
         moving meanwhile. Setting the path that is being followed again changes nothing.
 
-        Raises:
-            ValueError: No poses, or one that is not finite.
+        Raises
+        ------
+        ValueError
+            No poses, or one that is not finite.
         """
         given = np.array(poses, dtype=np.float64)
         same = self._poses is not None and np.array_equal(self._poses, given)
@@ -132,7 +184,7 @@ class PathFollower(ABC):
         self._poses = given
         self._phase = "driving"
 
-    def take_over(self, other: PathFollower) -> None:
+    def take_over(self, other: PathFollower[Any]) -> None:
         """Go on where another follower is: same path, same place on it, same velocity."""
         self._poses, self._tracker = other._poses, other._tracker
         self._phase, self._last = other._phase, other._last
@@ -141,18 +193,30 @@ class PathFollower(ABC):
         """Forget the commanded velocity, after something else has driven or stopped the robot."""
         self._last = Command()
 
-    def step(self, pose: ArrayLike, v: float, omega: float, dt: float) -> FollowStep:
+    def step(
+        self, pose: ArrayLike, v: float, omega: float, dt: float, obstacles: ArrayLike = ()
+    ) -> FollowStep:
         """The command for the next ``dt`` [s].
 
-        Args:
-            pose: (x, y, yaw) of the robot in the frame of the path.
-            v: Its measured velocity ahead [m/s].
-            omega: And its turning rate [rad/s].
-            dt: Control period [s].
+        Parameters
+        ----------
+        pose
+            (x, y, yaw) of the robot in the frame of the path.
+        v, omega
+            Its measured velocity ahead [m/s] and turning rate [rad/s].
+        dt
+            Control period [s].
+        obstacles
+            Points (N, 2) in the base frame [m], for a follower that needs them.
 
-        Raises:
-            ValueError: An argument is not finite, or ``dt`` is not positive.
-            RuntimeError: No path has been set.
+        Raises
+        ------
+        ValueError
+            An argument is not finite, or ``dt`` is not positive.
+        RuntimeError
+            No path has been set.
+        NoCommand
+            Every motion within reach meets an obstacle.
         """
         x, y, yaw = (float(value) for value in np.asarray(pose, dtype=np.float64))
         if not all(map(math.isfinite, (x, y, yaw, v, omega))):
@@ -176,10 +240,11 @@ class PathFollower(ABC):
             heading_error = wrap_angle(tracker.goal_yaw - yaw)
             command = self._align(heading_error, speed, turn_rate, dt)
             at_rest = abs(v) <= 0.02 and abs(omega) <= 0.1 and command == Command()
-            if at_rest and abs(heading_error) <= self._params.heading_tolerance:
+            if at_rest and abs(heading_error) <= self.config.heading_tolerance:
                 self._phase = "arrived"
         else:
-            command = self._move(x, y, yaw, speed, turn_rate, distance, dt)
+            points = np.asarray(obstacles, dtype=np.float64).reshape(-1, 2)
+            command = self._move(x, y, yaw, speed, turn_rate, distance, dt, points)
         self._last = command
         return FollowStep(
             command=command,
@@ -206,7 +271,7 @@ class PathFollower(ABC):
     def _settle_phase(
         self, tracker: PathTracker, distance: float, ahead: float, speed: float, dt: float
     ) -> None:
-        tolerance = self._params.goal_tolerance
+        tolerance = self.config.goal_tolerance
         if self._phase == "aligning":
             if distance > tolerance:
                 self._phase = "driving"
@@ -227,8 +292,9 @@ class PathFollower(ABC):
         turn_rate: float,
         distance: float,
         dt: float,
+        obstacles: Floats,
     ) -> Command:
-        tracker, params = self._tracker, self._params
+        tracker, params = self._tracker, self.config
         assert tracker is not None
         # Past the end of the path or beside it, only the straight way to the goal is left.
         dx, dy = tracker.goal[0] - x, tracker.goal[1] - y
@@ -253,7 +319,7 @@ class PathFollower(ABC):
             return self._turn(bearing, speed, turn_rate, dt)
 
         allowed = self._allowed_speed(tracker, bearing, distance if homing else None, dt)
-        situation = Situation(x, y, yaw, speed, turn_rate, tracker, homing, allowed, dt)
+        situation = Situation(x, y, yaw, speed, turn_rate, tracker, homing, allowed, dt, obstacles)
         vx, omega = self._drive(situation)
         return Command(
             self._linear.approach(speed, vx, dt), 0.0, self._angular.approach(turn_rate, omega, dt)
@@ -263,7 +329,7 @@ class PathFollower(ABC):
         self, tracker: PathTracker, bearing: float, straight: float | None, dt: float
     ) -> float:
         """How fast the path ahead, its end and the robot's heading allow it to go [m/s]."""
-        params = self._params
+        params = self.config
         limits = [self._linear.max_vel * max(0.2, math.cos(bearing))]
         if straight is None:
             at = tracker.progress
@@ -279,7 +345,7 @@ class PathFollower(ABC):
     def _turn(self, angle: float, speed: float, turn_rate: float, dt: float) -> Command:
         """Turn on the spot by ``angle`` [rad], slowing down in time."""
         limit = stopping_speed(abs(angle), 0.5 * self._angular.max_decel, 1.5 * dt)
-        rate = min(self._angular.max_vel, max(limit, self._params.min_turn_rate))
+        rate = min(self._angular.max_vel, max(limit, self.config.min_turn_rate))
         return Command(
             self._linear.approach(speed, 0.0, dt),
             0.0,
@@ -287,7 +353,7 @@ class PathFollower(ABC):
         )
 
     def _align(self, error: float, speed: float, turn_rate: float, dt: float) -> Command:
-        if abs(error) > 0.5 * self._params.heading_tolerance:
+        if abs(error) > 0.5 * self.config.heading_tolerance:
             return self._turn(error, speed, turn_rate, dt)
         return Command(
             self._linear.approach(speed, 0.0, dt), 0.0, self._angular.approach(turn_rate, 0.0, dt)

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 class Limits:
     """Of one axis of motion, magnitudes: [m/s, m/s²], or [rad/s, rad/s²] for rotation.
 
-    Raises:
-        ValueError: A limit is negative or not finite.
+    Raises
+    ------
+    ValueError
+        A limit is negative or not finite.
     """
 
     max_vel: float

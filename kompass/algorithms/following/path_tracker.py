@@ -29,11 +29,15 @@ _CURVATURE_ARC = 0.1
 class PathTracker:
     """Progress along a path.
 
-    Args:
-        poses: (N, ≥ 2), N ≥ 1: x, y and optionally yaw; the last yaw is the goal's heading.
+    Parameters
+    ----------
+    poses
+        (N, ≥ 2), N ≥ 1: x, y and optionally yaw; the last yaw is the goal's heading.
 
-    Raises:
-        ValueError: No poses, or one that is not finite.
+    Raises
+    ------
+    ValueError
+        No poses, or one that is not finite.
     """
 
     def __init__(self, poses: ArrayLike) -> None:
@@ -102,13 +106,6 @@ class PathTracker:
     def heading_at(self, s: float) -> float:
         """The path's direction at arc length ``s`` [rad], turning gradually between its legs."""
         return float(wrap_angle(float(np.interp(s, self._middles, self._headings))))
-
-    def curvature_at(self, s: float) -> float:
-        """Change of heading per arc length around ``s`` [1/m], positive to the left."""
-        behind, before = np.interp(
-            (s - _CURVATURE_ARC, s + _CURVATURE_ARC), self._middles, self._headings
-        )
-        return float(before - behind) / (2.0 * _CURVATURE_ARC)
 
     def sharpest(self, start: float, end: float) -> float:
         """The largest |curvature| [1/m] between two arc lengths."""

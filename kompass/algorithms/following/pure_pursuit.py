@@ -19,7 +19,7 @@ class PurePursuitParams(FollowerParams):
     lookahead_gain: float = 0.8
 
 
-class PurePursuit(PathFollower):
+class PurePursuit(PathFollower[PurePursuitParams]):
     """Pure pursuit for a robot that can turn on the spot.
 
     The point ahead is found by arc length, not by intersecting a circle with the path, so it
@@ -27,25 +27,7 @@ class PurePursuit(PathFollower):
     end along the last direction, which keeps the arc gentle where the distance gets short.
     """
 
-    def __init__(
-        self,
-        config: PurePursuitParams | None = None,
-        *,
-        max_v: float,
-        max_omega: float,
-        acc: float,
-        decel: float,
-        omega_acc: float,
-    ) -> None:
-        self.config = config or PurePursuitParams()
-        super().__init__(
-            self.config,
-            max_v=max_v,
-            max_omega=max_omega,
-            acc=acc,
-            decel=decel,
-            omega_acc=omega_acc,
-        )
+    params_class = PurePursuitParams
 
     def _curvature(self, situation: Situation) -> float:
         tracker, config = situation.tracker, self.config

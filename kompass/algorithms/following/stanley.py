@@ -17,12 +17,18 @@ from kompass.algorithms.geometry import wrap_angle
 class StanleyParams(FollowerParams):
     """The law's own parameters.
 
-    Attributes:
-        heading_gain: On the heading error.
-        cross_track_gain: k in atan(k e / v) [1/s].
-        cross_track_min_linear_vel: Least v there, which keeps a slow robot from twitching [m/s].
-        wheel_base: From the axle that drives to the (virtual) one that steers [m].
-        max_steer: Of the (virtual) steering angle [rad].
+    Attributes
+    ----------
+    heading_gain
+        On the heading error.
+    cross_track_gain
+        k in atan(k e / v) [1/s].
+    cross_track_min_linear_vel
+        Least v there, which keeps a slow robot from twitching [m/s].
+    wheel_base
+        From the axle that drives to the (virtual) one that steers [m].
+    max_steer
+        Of the (virtual) steering angle [rad].
     """
 
     heading_gain: float = 1.0
@@ -39,28 +45,10 @@ class StanleyParams(FollowerParams):
             raise ValueError(f"max_steer: {self.max_steer} rad; give between 0 and π/2")
 
 
-class Stanley(PathFollower):
+class Stanley(PathFollower[StanleyParams]):
     """Stanley's law; a robot without a steered axle drives as if it had one ahead of it."""
 
-    def __init__(
-        self,
-        config: StanleyParams | None = None,
-        *,
-        max_v: float,
-        max_omega: float,
-        acc: float,
-        decel: float,
-        omega_acc: float,
-    ) -> None:
-        self.config = config or StanleyParams()
-        super().__init__(
-            self.config,
-            max_v=max_v,
-            max_omega=max_omega,
-            acc=acc,
-            decel=decel,
-            omega_acc=omega_acc,
-        )
+    params_class = StanleyParams
 
     def _curvature(self, situation: Situation) -> float:
         tracker, config = situation.tracker, self.config

@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kompass.algorithms.geometry import Floats, transform_points
+from kompass.algorithms.geometry import Floats
 from kompass.algorithms.grid import OCCUPIED
 
 
-class LocalMapper:
+class LocalMapBuilder:
     """Inverse sensor model per cell: every cell looks up the range measured in its direction.
 
     A cell nearer than that range is free (0); the cell that holds a reading's end is occupied
@@ -23,14 +23,21 @@ class LocalMapper:
     free up to that range and no obstacle. -inf and what is nearer than the minimum range are
     "too close to measure": they say nothing.
 
-    Args:
-        width: Of the map along the robot's x axis [m].
-        height: Along its y axis [m].
-        resolution: Cell size [m].
-        range_max: Readings are believed up to here [m], if the sensor does not stop earlier.
+    Parameters
+    ----------
+    width
+        Of the map along the robot's x axis [m].
+    height
+        Along its y axis [m].
+    resolution
+        Cell size [m].
+    range_max
+        Readings are believed up to here [m], if the sensor does not stop earlier.
 
-    Raises:
-        ValueError: An argument is out of range.
+    Raises
+    ------
+    ValueError
+        An argument is out of range.
     """
 
     def __init__(
@@ -75,16 +82,25 @@ class LocalMapper:
     ) -> NDArray[np.int8]:
         """The map (rows, cols) of one scan; row 0 is the lowest y, column 0 the lowest x.
 
-        Args:
-            ranges: (N,) [m], ray i at ``angle_min + i * angle_increment`` in the sensor's frame.
-            angle_min: [rad]
-            angle_increment: [rad], may be negative.
-            range_min: Nearest distance the sensor can measure [m].
-            range_max: Farthest [m].
-            sensor_pose_in_base: (x, y, yaw) of the sensor in the base frame.
+        Parameters
+        ----------
+        ranges
+            (N,) [m], ray i at ``angle_min + i * angle_increment`` in the sensor's frame.
+        angle_min
+            [rad]
+        angle_increment
+            [rad], may be negative.
+        range_min
+            Nearest distance the sensor can measure [m].
+        range_max
+            Farthest [m].
+        sensor_pose_in_base
+            (x, y, yaw) of the sensor in the base frame.
 
-        Raises:
-            ValueError: No rays, or an increment of 0.
+        Raises
+        ------
+        ValueError
+            No rays, or an increment of 0.
         """
         measured = np.asarray(ranges, dtype=np.float32)
         if measured.ndim != 1 or measured.size == 0:
@@ -141,10 +157,3 @@ class LocalMapper:
         self._ray_x: Floats = np.cos(angles)
         self._ray_y: Floats = np.sin(angles)
         self._geometry = geometry
-
-
-def corner_pose(mapper: LocalMapper, robot_pose: ArrayLike) -> Floats:
-    """The pose (3,) of the local map's corner in the frame that ``robot_pose`` is given in."""
-    pose = np.asarray(robot_pose, dtype=np.float64)
-    corner = transform_points(pose, [mapper.origin[:2]])[0]
-    return np.array([corner[0], corner[1], pose[2]])

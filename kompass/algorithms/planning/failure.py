@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
+from typing import Literal, TypeAlias, get_args
+
+# In the order of their numbers in kompass_interfaces/srv/CheckGoal; empty when there is a plan.
+Reason: TypeAlias = Literal[
+    "",
+    "no_map",
+    "outside_map",
+    "occupied",
+    "too_close",
+    "unreachable",
+    "no_pose",
+    "start_blocked",
+    "no_path",
+]
+REASONS: tuple[Reason, ...] = get_args(Reason)
 
 
-class Reason(IntEnum):
-    """The codes of kompass_interfaces/srv/CheckGoal."""
-
-    OK = 0
-    NO_MAP = 1
-    OUTSIDE_MAP = 2
-    OCCUPIED = 3
-    TOO_CLOSE = 4
-    UNREACHABLE = 5
-    NO_POSE = 6
-    START_BLOCKED = 7
-    NO_PATH = 8
+def code_of(reason: Reason) -> int:
+    """The number of a reason in CheckGoal's answer."""
+    return REASONS.index(reason)
 
 
 class PlanningFailure(Exception):
@@ -26,6 +31,6 @@ class PlanningFailure(Exception):
         self, reason: Reason, message: str, nearest: tuple[float, float] | None = None
     ) -> None:
         super().__init__(message)
-        self.reason = reason
+        self.reason: Reason = reason
         self.message = message
         self.nearest = nearest

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from kompass.algorithms.distance_field import TOLERANCE, DistanceField
 from kompass.algorithms.geometry import Floats
 from kompass.algorithms.grid import Grid
-from kompass.algorithms.planning.failure import PlanningFailure, Reason
+from kompass.algorithms.planning.failure import PlanningFailure
 from kompass.algorithms.planning.free_space import FreeSpace
 from kompass.algorithms.planning.sampling import resolve_planner, search
 from kompass.algorithms.planning.shorten import path_length, pull_tight, resample, smooth, spread
@@ -32,19 +32,30 @@ class Plan:
 class GlobalPlanner:
     """Plans for a round robot on one map. Building it is the expensive part; keep it per map.
 
-    Args:
-        grid: The map.
-        robot_radius: Of the circle around the robot's footprint [m].
-        clearance: What the path keeps between that circle and every obstacle [m]. A robot that
-            already stands closer is led out by the straightest way that comes no closer still.
-        unknown_is_obstacle: Whether unexplored cells are closed to the robot.
-        points_per_meter: Density of the returned poses [1/m].
-        planner_id: An OMPL geometric planner, ``"RRTConnect"`` or ``"ompl.geometric.RRTConnect"``.
-        timeout: For OMPL [s]. When it runs out a search over the grid's cells takes its place.
-        seed: For OMPL; the same input and seed give the same path.
+    Parameters
+    ----------
+    grid
+        The map.
+    robot_radius
+        Of the circle around the robot's footprint [m].
+    clearance
+        What the path keeps between that circle and every obstacle [m]. A robot that already stands
+        closer is led out by the straightest way that comes no closer still.
+    unknown_is_obstacle
+        Whether unexplored cells are closed to the robot.
+    points_per_meter
+        Density of the returned poses [1/m].
+    planner_id
+        An OMPL geometric planner, ``"RRTConnect"`` or ``"ompl.geometric.RRTConnect"``.
+    timeout
+        For OMPL [s]. When it runs out a search over the grid's cells takes its place.
+    seed
+        For OMPL; the same input and seed give the same path.
 
-    Raises:
-        ValueError: An argument is out of range, or OMPL has no such planner.
+    Raises
+    ------
+    ValueError
+        An argument is out of range, or OMPL has no such planner.
     """
 
     def __init__(
@@ -81,8 +92,10 @@ class GlobalPlanner:
     def check(self, start: ArrayLike, goal: ArrayLike) -> None:
         """Whether a plan from ``start`` (x, y, yaw) to ``goal`` (x, y) exists, without searching.
 
-        Raises:
-            PlanningFailure: It does not; says why, and what the nearest reachable place is.
+        Raises
+        ------
+        PlanningFailure
+            It does not; says why, and what the nearest reachable place is.
         """
         self._ends(start, goal)
 
@@ -92,8 +105,10 @@ class GlobalPlanner:
         Every pose and every straight motion between poses keeps the radius and the clearance,
         except that a start inside the clearance is left without coming closer to anything.
 
-        Raises:
-            PlanningFailure: There is none.
+        Raises
+        ------
+        PlanningFailure
+            There is none.
         """
         x, y, yaw = (float(value) for value in np.asarray(start, dtype=np.float64))
         first, last = self._ends(start, goal[:2])
@@ -134,7 +149,7 @@ class GlobalPlanner:
             if math.isfinite(gx) and math.isfinite(gy):
                 nearest = self._free.nearest(first, (gx, gy))
             raise PlanningFailure(
-                Reason.OUTSIDE_MAP, f"The goal ({gx:.2f}, {gy:.2f}) is outside the map.", nearest
+                "outside_map", f"The goal ({gx:.2f}, {gy:.2f}) is outside the map.", nearest
             )
         first = self._start_cell(sx, sy)
         clearance = field.at_xy(gx, gy)
@@ -144,7 +159,7 @@ class GlobalPlanner:
         last = self._free.entry((gx, gy), 3 * grid.resolution, self.required)
         if last is None or self._free.labels[last] != self._free.labels[first]:
             raise PlanningFailure(
-                Reason.UNREACHABLE,
+                "unreachable",
                 f"No way leads from ({sx:.2f}, {sy:.2f}) to the goal ({gx:.2f}, {gy:.2f}) for a "
                 f"robot that needs {self.required:.2f} m on every side.",
                 self._free.nearest(first, (gx, gy)),
@@ -154,19 +169,19 @@ class GlobalPlanner:
     def _start_cell(self, x: float, y: float) -> int:
         if not (math.isfinite(x) and math.isfinite(y) and self.grid.contains([(x, y)])[0]):
             raise PlanningFailure(
-                Reason.START_BLOCKED, f"The robot at ({x:.2f}, {y:.2f}) is outside the map."
+                "start_blocked", f"The robot at ({x:.2f}, {y:.2f}) is outside the map."
             )
         clearance = self.field.at_xy(x, y)
         if clearance <= self.robot_radius:
             raise PlanningFailure(
-                Reason.START_BLOCKED,
+                "start_blocked",
                 f"The robot at ({x:.2f}, {y:.2f}) is {clearance:.2f} m from an obstacle on the "
                 f"map, less than its radius of {self.robot_radius:.2f} m.",
             )
         cell = self._free.entry((x, y), max(_ESCAPE, 3 * self.grid.resolution), self.robot_radius)
         if cell is None:
             raise PlanningFailure(
-                Reason.START_BLOCKED,
+                "start_blocked",
                 f"The robot at ({x:.2f}, {y:.2f}) finds no place within {_ESCAPE:.0f} m that has "
                 f"{self.required:.2f} m on every side.",
             )
@@ -179,14 +194,14 @@ class GlobalPlanner:
         value = int(self.grid.cells[row, col])
         if self.grid.occupied()[row, col]:
             return PlanningFailure(
-                Reason.OCCUPIED, f"The goal ({x:.2f}, {y:.2f}) is inside an obstacle.", nearest
+                "occupied", f"The goal ({x:.2f}, {y:.2f}) is inside an obstacle.", nearest
             )
         if value < 0 and self.field.unknown_is_obstacle:
             return PlanningFailure(
-                Reason.OCCUPIED, f"The goal ({x:.2f}, {y:.2f}) is in unexplored space.", nearest
+                "occupied", f"The goal ({x:.2f}, {y:.2f}) is in unexplored space.", nearest
             )
         return PlanningFailure(
-            Reason.TOO_CLOSE,
+            "too_close",
             f"The goal ({x:.2f}, {y:.2f}) is {clearance:.2f} m from an obstacle; the robot needs "
             f"{self.required:.2f} m.",
             nearest,
@@ -222,7 +237,7 @@ class GlobalPlanner:
                     best = way
         if best is None:
             raise PlanningFailure(
-                Reason.NO_PATH,
+                "no_path",
                 f"No path from ({start[0]:.2f}, {start[1]:.2f}) to ({goal[0]:.2f}, {goal[1]:.2f}) "
                 "was found.",
             )

@@ -27,8 +27,10 @@ def planner_names() -> list[str]:
 def resolve_planner(planner_id: str) -> str:
     """The class name for ``"RRTConnect"`` or ``"ompl.geometric.RRTConnect"``.
 
-    Raises:
-        ValueError: The installed OMPL has no such planner.
+    Raises
+    ------
+    ValueError
+        The installed OMPL has no such planner.
     """
     name = planner_id.rsplit(".", 1)[-1]
     known = planner_names()

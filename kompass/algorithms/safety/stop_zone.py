@@ -22,15 +22,23 @@ class StopZone:
     that the motion moves away from are never in the way, so a robot that has come too close to
     something can always leave it.
 
-    Args:
-        robot_radius: [m]
-        critical_distance: What is left between body and obstacle after braking [m].
-        slowdown_distance: Where slowing begins [m].
-        max_decel: Of the robot, for its braking distance [m/s²].
-        reaction_time: From a reading to the moment the brakes act [s].
+    Parameters
+    ----------
+    robot_radius
+        [m]
+    critical_distance
+        What is left between body and obstacle after braking [m].
+    slowdown_distance
+        Where slowing begins [m].
+    max_decel
+        Of the robot, for its braking distance [m/s²].
+    reaction_time
+        From a reading to the moment the brakes act [s].
 
-    Raises:
-        ValueError: An argument is out of range.
+    Raises
+    ------
+    ValueError
+        An argument is out of range.
     """
 
     def __init__(
@@ -65,14 +73,21 @@ class StopZone:
     def factor(self, points_in_base: ArrayLike, v: float, vy: float, omega: float) -> float:
         """The share 0 … 1 of the commanded twist that is safe.
 
-        Args:
-            points_in_base: Obstacles (N, 2) in the base frame [m].
-            v: Commanded velocity ahead [m/s].
-            vy: To the left [m/s].
-            omega: Turning left [rad/s].
+        Parameters
+        ----------
+        points_in_base
+            Obstacles (N, 2) in the base frame [m].
+        v
+            Commanded velocity ahead [m/s].
+        vy
+            To the left [m/s].
+        omega
+            Turning left [rad/s].
 
-        Raises:
-            ValueError: The command is not finite.
+        Raises
+        ------
+        ValueError
+            The command is not finite.
         """
         if not (math.isfinite(v) and math.isfinite(vy) and math.isfinite(omega)):
             raise ValueError(f"command: ({v}, {vy}, {omega}); give finite velocities")

@@ -1,27 +1,39 @@
-"""The base of all components: declared, alive, and open to rules."""
+"""The base of all components: declared by the recipe, alive in a process, open to rules."""
 
 import inspect
-from collections.abc import Mapping
+import re
+import time
+import traceback
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
+
+from automatika_ros_sugar.msg import ComponentStatus
+from rclpy.task import Future
 
 from kompass.components.base.actions import ActionRefused, actions_of, check_call, component_action
-from kompass.components.base.component_config import ComponentConfig
-from kompass.components.base.input import Input
-from kompass.components.base.lifecycle import Lifecycle
+from kompass.components.base.component_config import ComponentConfig, ComponentRunType
+from kompass.components.base.config_file import ConfiguredTopics, settings_of_file
+from kompass.components.base.fallbacks import Fallbacks, make_fallback
+from kompass.components.base.health import Health, StatusPublisher
 from kompass.components.base.node import ComponentNode
 from kompass.components.base.parameter import ParameterError, with_values
+from kompass.components.base.ports import Input, InputPorts, OutputPorts
 from kompass.components.base.services import ComponentServices
-from kompass.rclpy_ext.topic import Topic
+from kompass.components.base.topics import DeclaredTopics
+from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
+from kompass.robot import RobotConfig, RobotFrames
+from kompass.settings import notice_once
 
 RATES = ("loop_rate", "status_rate")
 
 
-class Component(Lifecycle):
+class Component:
     """A lifecycle node with declared inputs and outputs, whose actions and settings rules reach.
 
     The object is made when the recipe is read; its ROS node comes to life in the process that
-    runs it (:meth:`create_node`).
+    runs it (:meth:`create_node`). Node, status and services last from there to :meth:`leave`;
+    outputs last while it is configured; inputs are open while it is active.
 
     Parameters
     ----------
@@ -40,11 +52,482 @@ class Component(Lifecycle):
         When a key, topic or setting is not allowed; the message names it and the remedy.
     """
 
+    config_class: ClassVar[type[ComponentConfig]] = ComponentConfig
+    allowed_inputs: ClassVar[Mapping[str, AllowedTopics]] = {}
+    allowed_outputs: ClassVar[Mapping[str, AllowedTopics]] = {}
+    default_inputs: ClassVar[Mapping[str, list[Topic]]] = {}
+    default_outputs: ClassVar[Mapping[str, list[Topic]]] = {}
+    allowed_run_types: ClassVar[tuple[ComponentRunType, ...]] = (ComponentRunType.TIMED,)
+    # Keys of files written for other stacks that mean nothing here, with the reason: accepted, and
+    # told once. What the config class ignores need not be named again.
+    ignored_settings: ClassVar[Mapping[str, str]] = {}
+    ignored_inputs: ClassVar[Mapping[str, str]] = {}
+    # Quality of service of keys whose message type alone does not tell it.
+    qos: ClassVar[Mapping[str, QoSConfig]] = {}
+    # Whether it must end before all others, because it is what halts the robot.
+    stops_robot: ClassVar[bool] = False
+    # The ROS action by which it is asked to do its work, when it has one.
+    main_action_type: ClassVar[type | None] = None
+    # Whether the main loop does its step in every run type, not only in the timed one.
+    steps_in_any_run_type: ClassVar[bool] = False
+
+    def __init__(
+        self,
+        component_name: str | None = None,
+        config: ComponentConfig | None = None,
+        config_file: str | None = None,
+        inputs: Mapping[str, Topic | list[Topic]] | None = None,
+        outputs: Mapping[str, Topic | list[Topic]] | None = None,
+        *,
+        node_name: str | None = None,
+        enable_health_broadcast: bool = True,
+    ) -> None:
+        if not enable_health_broadcast:
+            notice_once(f"{component_name or node_name}: the status is always published")
+        name = component_name or node_name
+        if not name:
+            raise ValueError(f"{type(self).__name__}: component_name is missing")
+        if config is not None and not isinstance(config, self.config_class):
+            raise TypeError(f"{name}: config = {config!r} is not a {self.config_class.__name__}")
+        self.node_name = name
+        self.config = config.model_copy(deep=True) if config else self.config_class()
+        self._run_type = self.allowed_run_types[0]
+        self._topics_in = DeclaredTopics(name, "input", self.allowed_inputs, self.default_inputs)
+        self._topics_out = DeclaredTopics(
+            name, "output", self.allowed_outputs, self.default_outputs
+        )
+        self.fallbacks = Fallbacks()
+        self.health = Health()
+        self._node: ComponentNode | None = None
+        self._status: StatusPublisher | None = None
+        self._inputs = InputPorts(self.qos)
+        self._outputs = OutputPorts(self.qos)
+        self._timers: list[Any] = []
+        self._loop: list[Any] = []
+        self._active_since: float | None = None
+        self._logged: dict[str, float] = {}
+        self.action_problem = ""
+        # Told whether the component is meant to be active, for its next life.
+        self.on_intent: Callable[[bool], None] | None = None
+        self._keeps_intent = False
+        if config_file:
+            self.apply_config_file(config_file)
+        self.inputs(**(inputs or {}))
+        self.outputs(**(outputs or {}))
+
+    # -- what a recipe says -------------------------------------------------------------------
+
+    def inputs(self, **topics: Topic | list[Topic]) -> None:
+        """Replace the topics of input keys."""
+        self._topics_in.replace(topics)
+
+    def outputs(self, **topics: Topic | list[Topic]) -> None:
+        """Replace the topics of output keys."""
+        self._topics_out.replace(topics)
+
+    def set_input(self, **topics: Topic | list[Topic]) -> bool:
+        """As :meth:`inputs`; False when the component has no such key."""
+        return self._topics_in.replace_known(topics)
+
+    def set_output(self, **topics: Topic | list[Topic]) -> bool:
+        """As :meth:`outputs`; False when the component has no such key."""
+        return self._topics_out.replace_known(topics)
+
+    @property
+    def inputs_keys(self) -> list[str]:
+        """Keys that take an input."""
+        return list(self.allowed_inputs)
+
+    @property
+    def outputs_keys(self) -> list[str]:
+        """Keys that give an output."""
+        return list(self.allowed_outputs)
+
+    def get_in_topic(self, key: str) -> Topic | list[Topic] | None:
+        """The topic of an input key; a list when there are several, None when there is none."""
+        return self._topics_in.topic(key)
+
+    def get_out_topic(self, key: str) -> Topic | list[Topic] | None:
+        """The topic of an output key; a list when there are several, None when there is none."""
+        return self._topics_out.topic(key)
+
+    def in_topic_name(self, key: str) -> str | list[str] | None:
+        """As :meth:`get_in_topic`, names only."""
+        return self._topics_in.topic_name(key)
+
+    def out_topic_name(self, key: str) -> str | list[str] | None:
+        """As :meth:`get_out_topic`, names only."""
+        return self._topics_out.topic_name(key)
+
+    @property
+    def run_type(self) -> ComponentRunType:
+        """What makes the component work."""
+        return self._run_type
+
+    @run_type.setter
+    def run_type(self, value: str | ComponentRunType) -> None:
+        run_type = ComponentRunType.read(value)
+        if run_type not in self.allowed_run_types:
+            names = ", ".join(allowed.value for allowed in self.allowed_run_types)
+            raise ValueError(
+                f"{self.node_name}: run_type = {run_type.value} is not possible for a "
+                f"{type(self).__name__}; possible are {names}"
+            )
+        self._run_type = run_type
+
+    @property
+    def robot(self) -> RobotConfig:
+        """The robot that the component assumes."""
+        return self.config.robot
+
+    @robot.setter
+    def robot(self, value: RobotConfig) -> None:
+        self.config.robot = value
+
+    @property
+    def frames(self) -> RobotFrames:
+        """Names of the coordinate frames."""
+        return self.config.frames
+
+    @frames.setter
+    def frames(self, value: RobotFrames) -> None:
+        self.config.frames = value
+
+    @property
+    def loop_rate(self) -> float:
+        """Rate of the main loop [Hz]."""
+        return self.config.loop_rate
+
+    @loop_rate.setter
+    def loop_rate(self, value: float) -> None:
+        self.config.loop_rate = value
+
+    @property
+    def status_topic(self) -> Topic:
+        """Where the component publishes its health."""
+        return Topic(name=f"{self.node_name}/status", msg_type=ComponentStatus)
+
+    @property
+    def main_action_name(self) -> str:
+        """Name of its main action, without the leading slash.
+
+        Raises
+        ------
+        TypeError
+            When it has none.
+        """
+        if self.main_action_type is None:
+            raise TypeError(f"{self.node_name}: a {type(self).__name__} has no action of its own")
+        snake = re.sub(r"(?<!^)(?=[A-Z])", "_", self.main_action_type.__name__).lower()
+        return f"{self.node_name}/{snake}"
+
+    @property
+    def ui_main_action_input(self) -> str:
+        """What older recipes hand to ``launcher.enable_ui``; see :attr:`main_action_name`."""
+        return self.main_action_name
+
+    @property
+    def available_actions(self) -> list[str]:
+        """Names of the methods that rules may call."""
+        return list(actions_of(type(self)))
+
+    # -- what it does about its own failures --------------------------------------------------
+
+    def on_fail(
+        self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
+    ) -> None:
+        """What to do on any failure that has no fallback of its own kind.
+
+        ``action`` is one action or a list, tried in its order, each ``max_retries`` times (None: no
+        limit); ``fallback`` is another name of it.
+
+        Raises
+        ------
+        ValueError, TypeError
+            When the action is missing, is none, or is one of another component.
+        """
+        self.fallbacks.on_fail = make_fallback(self, action or fallback, max_retries)
+
+    def on_algorithm_fail(
+        self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
+    ) -> None:
+        """What to do when the algorithm finds no answer; see :meth:`on_fail`."""
+        self.fallbacks.on_algorithm_fail = make_fallback(self, action or fallback, max_retries)
+
+    def on_component_fail(
+        self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
+    ) -> None:
+        """What to do about a defect of the component itself; see :meth:`on_fail`."""
+        self.fallbacks.on_component_fail = make_fallback(self, action or fallback, max_retries)
+
+    def on_system_fail(
+        self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
+    ) -> None:
+        """What to do when something outside is missing; see :meth:`on_fail`."""
+        self.fallbacks.on_system_fail = make_fallback(self, action or fallback, max_retries)
+
+    def on_giveup(
+        self, action: Any = None, max_retries: int | None = 1, *, fallback: Any = None
+    ) -> None:
+        """What to do when all other fallbacks were tried in vain; see :meth:`on_fail`."""
+        self.fallbacks.on_giveup = make_fallback(self, action or fallback, max_retries)
+
+    # -- configuration files ------------------------------------------------------------------
+
+    def apply_config_file(self, path: str) -> None:
+        """Lay the sections ``/**`` and ``<node_name>`` of a file over the settings.
+
+        Raises
+        ------
+        ConfigFileError
+            When the file or a setting in it cannot be used; nothing is changed then.
+        """
+        updated, topics = self.settings_of_file(path)
+        self.config = updated
+        self.inputs(**topics["inputs"])
+        self.outputs(**topics["outputs"])
+
+    def settings_of_file(self, path: str) -> tuple[ComponentConfig, ConfiguredTopics]:
+        """The settings and topics that :meth:`apply_config_file` would set; changes nothing."""
+        return settings_of_file(
+            path,
+            self.node_name,
+            self.config,
+            {"inputs": self.allowed_inputs, "outputs": self.allowed_outputs},
+            ignored_settings=self.ignored_settings,
+            ignored_inputs=self.ignored_inputs,
+        )
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}('{self.node_name}')"
+
+    # -- life --------------------------------------------------------------------------------
+
+    @property
+    def node(self) -> ComponentNode:
+        """The ROS node; only in the process that runs the component."""
+        if self._node is None:
+            raise RuntimeError(
+                f"{self.node_name} has no ROS node yet; it is made by Launcher.bringup()"
+            )
+        return self._node
+
+    @property
+    def is_active(self) -> bool:
+        """Whether the main loop runs."""
+        return self._active_since is not None
+
     def create_node(self, namespace: str = "") -> ComponentNode:
         """Make the ROS node and the services that everybody offers; rclpy must be initialised."""
-        node = super().create_node(namespace)
+        self._node = ComponentNode(self.node_name, self, namespace)
+        self._status = StatusPublisher(self._node, self.config.status_rate)
+        self.init_variables()
+        self.create_interfaces()
         ComponentServices(self)
-        return node
+        return self._node
+
+    def leave(self) -> None:
+        """Deactivate and give the node back, before the process ends."""
+        self._keeps_intent = True
+        if self._node is not None:
+            if self.is_active:
+                self._node.trigger_deactivate()
+            self._node.trigger_shutdown()
+            self._node.destroy_node()
+            self._node = None
+
+    # -- transitions --------------------------------------------------------------------------
+
+    def on_configure(self) -> None:
+        try:
+            self._outputs.make(self.node, self._topics_out)
+            self._inputs.make(self._topics_in)
+            self.init_variables()
+            self.custom_on_configure()
+        except Exception:
+            self._give_back()
+            raise
+
+    def on_activate(self) -> None:
+        try:
+            self._inputs.open(self.node, self.wants_input)
+            self.health.set_healthy()
+            self._active_since = time.monotonic()
+            self.custom_on_activate()
+            self._start_loop()
+        except Exception:
+            self._active_since = None
+            self._close()
+            raise
+        self._intend(True)
+        self.publish_status()
+
+    def on_deactivate(self) -> None:
+        try:
+            self.custom_on_deactivate()
+        finally:
+            self._active_since = None
+            self._close()
+            self._intend(False)
+
+    def _intend(self, active: bool) -> None:
+        if self.on_intent is not None and not self._keeps_intent:
+            self.on_intent(active)
+
+    def on_cleanup(self) -> None:
+        self.custom_on_cleanup()
+        self._give_back()
+
+    def on_shutdown(self) -> None:
+        self.custom_on_shutdown()
+
+    def on_transition_error(self, transition: str, error: Exception) -> None:
+        self.health.set_fail_component([self.node_name], f"{transition} failed: {error}")
+        self.node.get_logger().error(f"{transition} failed: {type(error).__name__}: {error}")
+        self.publish_status()
+
+    def on_callback_error(self, error: Exception) -> None:
+        """Something that ROS called here has raised: a failure that shows, and no more."""
+        text = f"{type(error).__name__}: {error}"
+        self.health.set_fail_component([self.node_name], text)
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        self.warn(f"a callback failed: {text} ({where.filename}:{where.lineno})")
+        self.publish_status()
+
+    def _close(self) -> None:
+        for timer in self._timers:
+            self.node.destroy_timer(timer)
+        self._timers, self._loop = [], []
+        self._inputs.close(self.node)
+
+    def _give_back(self) -> None:
+        self._outputs.destroy(self.node)
+        self._inputs.forget()
+
+    def _start_loop(self) -> None:
+        """Start the main loop, or start it again at another rate."""
+        for timer in self._loop:
+            self.destroy_timer(timer)
+        self._loop = [self.create_timer(1.0 / self.config.loop_rate, self._tick)]
+        # A slow loop must not make the component look silent.
+        if self.config.loop_rate < self.config.status_rate:
+            self._loop.append(self.create_timer(1.0 / self.config.status_rate, self.publish_status))
+
+    # -- what a component overrides -----------------------------------------------------------
+
+    def create_interfaces(self) -> None:
+        """Make the services and publishers that last as long as the node, active or not."""
+
+    def init_variables(self) -> None:
+        """Make what the component needs before it runs; with the node, and at each configure."""
+
+    def wants_input(self, key: str) -> bool:
+        """Whether an input is subscribed to when the component becomes active."""
+        return True
+
+    def custom_on_configure(self) -> None:
+        """After inputs and outputs are known."""
+
+    def custom_on_activate(self) -> None:
+        """Before the first step."""
+
+    def custom_on_deactivate(self) -> None:
+        """After the last step; timers and inputs are still there."""
+
+    def custom_on_cleanup(self) -> None:
+        """Give back what :meth:`custom_on_configure` took."""
+
+    def custom_on_shutdown(self) -> None:
+        """Before the process ends."""
+
+    @property
+    def longest_step(self) -> float:
+        """How long a step may take by design before its process counts as stuck [s].
+
+        What is shorter than the supervisor's own patience has no effect.
+        """
+        return 0.0
+
+    def _execution_step(self) -> None:
+        """One turn of the main loop. An exception becomes a component failure."""
+
+    # -- what a component uses ----------------------------------------------------------------
+
+    def input(self, key: str, index: int = 0) -> Input:
+        """An input of the running component."""
+        return self._inputs[key][index]
+
+    def awaits(self, *sources: Input) -> list[Input]:
+        """Those sources that have said nothing yet, while they still may: just after activation.
+
+        For ``topic_subscription_timeout`` a source that has never spoken is no failure; discovery
+        takes its time. One that has spoken and fell silent is.
+        """
+        return [source for source in sources if source.received is None and self.is_starting]
+
+    @property
+    def is_starting(self) -> bool:
+        """Whether it became active less than ``topic_subscription_timeout`` ago."""
+        since = self._active_since
+        limit = self.config.topic_subscription_timeout
+        return since is not None and time.monotonic() - since <= limit
+
+    def publish(self, key: str, message: Any, index: int = 0) -> None:
+        """Publish on an output; nothing happens when the recipe took the output away."""
+        self._outputs.publish(key, message, index)
+
+    def publish_status(self, *, always: bool = False) -> None:
+        """Publish the health when it changed or is due, or ``always``."""
+        if self._status is not None:
+            self._status.publish(self.health, always=always)
+
+    def warn(self, text: str, every: float = 5.0) -> None:
+        """Log a warning, the same one at most once in ``every`` seconds."""
+        now = time.monotonic()
+        if now - self._logged.get(text, -float("inf")) >= every:
+            self._logged[text] = now
+            self.node.get_logger().warning(text)
+
+    def fails(self, problem: str) -> bool:
+        """End a component action with False, and say why: ``return self.fails("…")``."""
+        self.action_problem = problem
+        self.warn(problem)
+        return False
+
+    def create_timer(self, period: float, callback: Callable[[], None]) -> Any:
+        """A timer [s] that ends with the component's activity."""
+        timer = self.node.create_timer(period, callback)
+        self._timers.append(timer)
+        return timer
+
+    def destroy_timer(self, timer: Any) -> None:
+        """End a timer of :meth:`create_timer` before that."""
+        self._timers.remove(timer)
+        self.node.destroy_timer(timer)
+
+    async def sleep(self, seconds: float) -> None:
+        """Wait in a component action; the loop and all services go on meanwhile."""
+        over = Future(executor=self.node.executor)
+
+        def ring() -> None:
+            timer.cancel()
+            over.set_result(None)
+
+        timer = self.node.create_timer(seconds, ring)
+        try:
+            await over
+        finally:
+            self.node.destroy_timer(timer)
+
+    def _tick(self) -> None:
+        if self.run_type is ComponentRunType.TIMED or self.steps_in_any_run_type:
+            try:
+                self._execution_step()
+            except Exception as error:  # noqa: BLE001 - becomes the component's status
+                text = f"{type(error).__name__}: {error}"
+                self.health.set_fail_component([self.node_name], text)
+                self.warn(f"step failed: {text}")
+        self.publish_status()
 
     # -- actions ------------------------------------------------------------------------------
 
@@ -125,7 +608,7 @@ class Component(Lifecycle):
         ParameterError, ConfigFileError
             When one of them is refused; nothing changes then.
         """
-        topics: dict[str, dict[str, Topic]] = {"inputs": {}, "outputs": {}}
+        topics: ConfiguredTopics = {"inputs": {}, "outputs": {}}
         if isinstance(new_config, str | Path):
             config, topics = self.settings_of_file(str(new_config))
         elif isinstance(new_config, ComponentConfig):
@@ -239,36 +722,16 @@ class Component(Lifecycle):
         ValueError, TypeError
             When no key uses ``old_name``, or the new one does not fit; nothing changes then.
         """
-        table = self._topics_in if direction == "input" else self._topics_out
-        wanted = old_name.strip().removeprefix("/")
-        for key, topics in table.items():
-            for index, used in enumerate(topics):
-                if used.name == wanted:
-                    self._change_topic(direction, key, index, topic)
-                    return
-        names = ", ".join(f"/{used.name}" for topics in table.values() for used in topics)
-        raise ValueError(
-            f"{self.node_name}: no {direction} uses '{old_name}'; those in use are {names}"
-        )
+        declared = self._topics_in if direction == "input" else self._topics_out
+        key, index = declared.place_of(old_name)
+        self._change_topic(direction, key, index, topic)
 
     def _change_topic(self, direction: str, key: str, index: int, topic: Topic) -> None:
-        table, allowed, replace = (
-            (self._topics_in, self.allowed_inputs, self.inputs)
-            if direction == "input"
-            else (self._topics_out, self.allowed_outputs, self.outputs)
-        )
-        topics = list(table.get(key, []))
-        topics[index : index + 1] = [topic]
-        allowed[key].check(self.node_name, key, topics)
-        replace(**{key: topics})
-        if direction == "output" and key in self._publishers:
-            publisher = self._make_publisher(key, topic)
-            self.node.destroy_publisher(self._publishers[key][index])
-            self._publishers[key][index] = publisher
-        elif direction == "input" and key in self._inputs:
-            old, new = self._inputs[key][index], Input(topic, self.qos.get(key))
-            new.on_message = old.on_message
-            if old.is_open:
-                new.open(self.node)
-                old.close(self.node)
-            self._inputs[key][index] = new
+        if direction == "input":
+            self._topics_in.replace_one(key, index, topic)
+            if self._node is not None:
+                self._inputs.change(self._node, key, index, topic)
+        else:
+            self._topics_out.replace_one(key, index, topic)
+            if self._node is not None:
+                self._outputs.change(self._node, key, index, topic)

@@ -1,6 +1,8 @@
 """What every component can be told."""
 
 import enum
+from collections.abc import Mapping
+from typing import ClassVar
 
 from pydantic import Field
 
@@ -41,6 +43,12 @@ class ComponentConfig(Settings):
     while idle.
     """
 
+    ignored_settings: ClassVar[Mapping[str, str]] = {
+        "topic_try_wait_timeout": "nobody waits for a topic; a component starts without it",
+        "executor_spin_timeout": "the executor sleeps until there is something to do",
+        "wait_for_restart_time": "the supervisor decides when a process is started again",
+    }
+
     loop_rate: float = Field(default=10.0, ge=1e-4, le=1e3, description="Hz")
     status_rate: float = Field(
         default=5.0, ge=0.1, le=100, description="Hz; a change is published at once besides"
@@ -50,12 +58,9 @@ class ComponentConfig(Settings):
     topic_subscription_timeout: float = Field(
         default=5.0, ge=1e-3, description="s to wait for the first message of an input"
     )
-    topic_try_wait_timeout: float = Field(default=0.05, gt=0, description="s; without effect")
     fallback_rate: float = Field(
         default=100.0, gt=0, description="Hz; fallbacks are tried no more often, nor than at 0.5 Hz"
     )
-    executor_spin_timeout: float = Field(default=0.01, gt=0, description="s; without effect")
-    wait_for_restart_time: float = Field(default=6000.0, gt=0, description="s; without effect")
     log_level: str = "info"
     core_log_level: str = "warn"
     rclpy_log_level: str = "warn"

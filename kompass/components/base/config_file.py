@@ -1,14 +1,22 @@
 """Read a component's section of a configuration file (yaml, toml or json)."""
 
+import copy
 import json
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
+from pydantic import ValidationError
+
+from kompass.rclpy_ext.topic import AllowedTopics, Topic
+from kompass.settings import Settings, explain, notice_once, without_ignored
 
 COMMON = "/**"
+C = TypeVar("C", bound=Settings)
+# By direction ("inputs", "outputs") and key.
+ConfiguredTopics = dict[str, dict[str, Topic]]
 
 
 class ConfigFileError(ValueError):
@@ -45,3 +53,90 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise ConfigFileError(f"{path}: expected sections by node name, found {content!r}")
     return content
+
+
+def settings_of_file(
+    path: str,
+    node_name: str,
+    config: C,
+    allowed: Mapping[str, Mapping[str, AllowedTopics]],
+    *,
+    ignored_settings: Mapping[str, str],
+    ignored_inputs: Mapping[str, str],
+) -> tuple[C, ConfiguredTopics]:
+    """The settings and topics of a component after a file was laid over them; changes nothing.
+
+    Parameters
+    ----------
+    node_name
+        Name of the component's own section; the section ``/**`` comes before it, and what in there
+        is unknown to the component is meant for others.
+    config
+        Settings before.
+    allowed
+        What keys of ``inputs`` and of ``outputs`` take.
+    ignored_settings, ignored_inputs
+        Keys that are told once and have no effect, with the reason.
+
+    Raises
+    ------
+    ConfigFileError
+        When the file or a setting in it cannot be used.
+    """
+    sections = read_config_file(path)
+    settings = config.model_dump()
+    topics: ConfiguredTopics = {"inputs": {}, "outputs": {}}
+    for name in (COMMON, node_name):
+        section = sections.get(name) or {}
+        where = f"{path}, section '{name}'"
+        if not isinstance(section, dict):
+            raise ConfigFileError(f"{where}: expected settings, found {section!r}")
+        for key, value in without_ignored(type(config), section, where).items():
+            if key in topics:
+                ignored = ignored_inputs if key == "inputs" else {}
+                at = f"{where}, {key}"
+                topics[key].update(
+                    _read_topics(node_name, value, allowed[key], ignored, at, name == COMMON)
+                )
+            elif key in ignored_settings:
+                notice_once(f"{where}: '{key}' is ignored: {ignored_settings[key]}")
+            elif key in settings or name != COMMON:
+                _lay_over(settings, key, value)
+    try:
+        updated = type(config).model_validate(settings)
+    except ValidationError as error:
+        raise ConfigFileError(explain(error, type(config), path)) from None
+    return updated, topics
+
+
+def _read_topics(
+    node_name: str,
+    given: Mapping[str, Any],
+    allowed: Mapping[str, AllowedTopics],
+    ignored: Mapping[str, str],
+    where: str,
+    common: bool,
+) -> dict[str, Topic]:
+    read = {}
+    for key, fields in given.items():
+        if common and key not in allowed:
+            continue
+        if key in ignored:
+            notice_once(f"{where}.{key} is ignored: {ignored[key]}")
+            continue
+        try:
+            if key not in allowed:
+                raise ValueError(f"no such key; known are {', '.join(allowed)}")
+            read[key] = Topic(**fields)
+            allowed[key].check(node_name, key, [read[key]])
+        except (TypeError, ValueError) as error:
+            raise ConfigFileError(f"{where}.{key}: {error}") from None
+    return read
+
+
+def _lay_over(config: dict[str, Any], key: str, value: Any) -> None:
+    if isinstance(value, dict) and isinstance(config.get(key), dict):
+        for inner, inner_value in value.items():
+            _lay_over(config[key], inner, inner_value)
+    else:
+        config[key] = copy.deepcopy(value)

@@ -8,15 +8,8 @@ from geometry_msgs.msg import Point, PoseStamped, Quaternion
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from numpy.typing import NDArray
 
-from kompass.algorithms.geometry import quaternion_from_yaw, yaw_from_quaternion
+from kompass.algorithms.geometry import Pose2D, quaternion_from_yaw, yaw_from_quaternion
 from kompass.algorithms.grid import Grid
-
-Pose2D = tuple[float, float, float]
-
-
-def stamp_of(header: Any) -> float:
-    """Seconds of a header's stamp."""
-    return float(header.stamp.sec + header.stamp.nanosec * 1e-9)
 
 
 def pose_of(message: Any) -> Pose2D:

@@ -4,9 +4,9 @@ import json
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
-from kompass.settings import Settings, explain
+from kompass.settings import Settings, explain, ignored_of, section_of
 
 C = TypeVar("C", bound=Settings)
 
@@ -82,8 +82,23 @@ def _refused(config: Settings, values: Mapping[str, Any], where: str) -> dict[st
 def _validate(config: C, values: Mapping[str, Any], where: str) -> C:
     plain = config.model_dump()
     for name, value in values.items():
+        _refuse_ignored(type(config), name, value, where)
         _set(plain, name, value, where)
     return type(config).model_validate(plain)
+
+
+def _refuse_ignored(model: type[BaseModel], name: str, value: Any, where: str) -> None:
+    """Who writes a file for several stacks is told; who changes one setting wants an effect."""
+    *path, last = name.split(".")
+    for part in path:
+        section = section_of(model, part)
+        if section is None:
+            return
+        model = section
+    why = ignored_of(model).get(last)
+    if why is not None:
+        prefix = f"{where}: " if where else ""
+        raise ParameterError(f"{prefix}{name!r} = {value!r} would have no effect: {why}")
 
 
 def _from_json(text: str) -> Any:

@@ -1,7 +1,8 @@
 """Settings of the controller."""
 
 import enum
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
@@ -40,6 +41,12 @@ def _by_value(kind: type[enum.Enum]) -> Any:
 class ControllerConfig(ComponentConfig):
     """How a path becomes commands."""
 
+    ignored_settings: ClassVar[Mapping[str, str]] = {
+        "DVZ": "the algorithm is not offered here",
+        "prediction_horizon": "it is a setting of the algorithm's section",
+        "debug": "what the controller does is on its topics and in its log",
+    }
+
     loop_rate: float = Field(default=20.0, ge=0.1, le=1e3, description="Hz")
     algorithm: Annotated[ControllersID, _by_value(ControllersID)] = ControllersID.DWA
     control_time_step: float = Field(default=0.1, gt=0, description="s that one command holds")
@@ -62,4 +69,3 @@ class ControllerConfig(ComponentConfig):
     DWA: DWAConfig = Field(default_factory=DWAConfig)
     Stanley: StanleyConfig = Field(default_factory=StanleyConfig)
     PurePursuit: PurePursuitConfig = Field(default_factory=PurePursuitConfig)
-    debug: bool = Field(default=False, description="without effect; accepted from older files")

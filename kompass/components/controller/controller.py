@@ -9,14 +9,14 @@ from kompass_interfaces.msg import TwistArray
 from numpy.typing import NDArray
 
 from kompass.algorithms.following.command import Command, FollowStep
-from kompass.algorithms.following.dwa import DWA, NoCommand
-from kompass.algorithms.following.follower import PathFollower
-from kompass.algorithms.geometry import inverse, transform_points
+from kompass.algorithms.following.follower import NoCommand, PathFollower
+from kompass.algorithms.geometry import Pose2D, inverse, transform_points
 from kompass.algorithms.mapping.scan_points import scan_to_points
 from kompass.components.base.actions import component_action
+from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
-from kompass.components.base.convert import Pose2D, grid_of, path_poses, quaternion_msg
-from kompass.components.base.located import Located
+from kompass.components.base.convert import grid_of, path_poses, quaternion_msg
+from kompass.components.base.location_source import LocationSource
 from kompass.components.controller.config import CmdPublishType, ControllerConfig
 from kompass.components.controller.controllers_id import ControllersID
 from kompass.components.controller.follower_settings import (
@@ -32,13 +32,14 @@ STILL = Command()
 SENSORS = ("sensor_data", "local_map")
 
 
-class Controller(Located):
+class Controller(Component):
     """Turns ``plan`` and ``location`` into commands; stops when its inputs stop.
 
     A path ends with its last pose, heading included. An empty path clears the old one.
 
-    DWA sees obstacles in ``local_map``, or, with ``use_direct_sensor``, in ``sensor_data``; only
-    the one in use is subscribed to. Stanley and pure pursuit need neither.
+    An algorithm that needs obstacles (DWA) sees them in ``local_map``, or, with
+    ``use_direct_sensor``, in ``sensor_data``; only the one in use is subscribed to. For the others
+    (Stanley, pure pursuit) neither is.
     """
 
     config: ControllerConfig
@@ -67,12 +68,8 @@ class Controller(Located):
         "tracked_point": [Topic(name="/tracked_point", msg_type="PoseStamped")],
     }
     qos: ClassVar = {"plan": LATCHED, "local_map": QoSConfig(queue_size=1)}
-    ignored_settings: ClassVar = {
-        "DVZ": "the algorithm is not offered here",
-        "prediction_horizon": "it is a setting of the algorithm's section",
-    }
 
-    def __init__(self, component_name: str = "controller", **kwargs: object) -> None:
+    def __init__(self, component_name: str = "controller", **kwargs: Any) -> None:
         super().__init__(component_name, **kwargs)
 
     # -- what a recipe says -------------------------------------------------------------------
@@ -125,7 +122,7 @@ class Controller(Located):
 
     def init_variables(self) -> None:
         self._follower = self._make_follower()
-        self._incoming: PathFollower | None = None
+        self._incoming: PathFollower[Any] | None = None
         self._incoming_since = 0.0
         self._has_path = False
         self._progress = Progress()
@@ -135,7 +132,7 @@ class Controller(Located):
         return key not in SENSORS
 
     def custom_on_activate(self) -> None:
-        super().custom_on_activate()
+        self._location = LocationSource(self)
         self.input("plan").on_message = self._on_plan
         self._obstacles = ObstacleSource(
             self.node, self.input, {"sensor_data": self._place_scan, "local_map": self._place_map}
@@ -144,27 +141,26 @@ class Controller(Located):
 
     def custom_on_deactivate(self) -> None:
         self._halt()
-        super().custom_on_deactivate()
+        self._location.close()
 
     def on_config_changed(self, names: set[str]) -> None:
         follower = self._make_follower()
         if self._obstacles is not None and self.is_active:
             self._obstacles.want(self._sensor)
-        if isinstance(follower, DWA) and not isinstance(self._follower, DWA) and self._has_path:
+        sees = self._follower.needs_obstacles
+        if follower.needs_obstacles and not sees and self._has_path:
             # The old one drives on until the new one can see.
             self._incoming, self._incoming_since = follower, time.monotonic()
             return
         self._change_to(follower)
 
-    def _change_to(self, follower: PathFollower) -> None:
+    def _change_to(self, follower: PathFollower[Any]) -> None:
         follower.take_over(self._follower)
         self._follower, self._incoming = follower, None
 
-    def _make_follower(self) -> PathFollower:
-        algorithm = self.config.algorithm
+    def _make_follower(self) -> PathFollower[Any]:
         return make_follower(
-            algorithm,
-            self._section(algorithm),
+            self._section(self.config.algorithm),
             self.config.robot,
             goal_tolerance=self.config.goal_dist_tolerance,
             heading_tolerance=self.config.goal_orientation_tolerance,
@@ -173,7 +169,7 @@ class Controller(Located):
     @property
     def _sensor(self) -> str | None:
         """Key of the input that the algorithm sees obstacles in; None when it needs none."""
-        if self.config.algorithm is not ControllersID.DWA:
+        if not self._section(self.config.algorithm).follower.needs_obstacles:
             return None
         return "sensor_data" if self.config.use_direct_sensor else "local_map"
 
@@ -197,9 +193,9 @@ class Controller(Located):
             scan.angle_increment,
             scan.range_min,
             scan.range_max,
-            self.sensor_pose(scan.header.frame_id),
+            self._location.of_sensor(scan.header.frame_id),
         )
-        pose = self.pose()
+        pose = self._location.pose()
         if pose is None:
             raise LookupError("the robot does not know where it is")
         return transform_points(pose, points)
@@ -222,7 +218,7 @@ class Controller(Located):
         pose = self._located()
         seen = self._seen() if pose is not None else None
         if pose is None or seen is None:
-            # Inputs that have never spoken get their time; the robot stands meanwhile.
+            # InputPorts that have never spoken get their time; the robot stands meanwhile.
             if self._has_path:
                 self._halt()
                 self._follower.reset()
@@ -232,14 +228,11 @@ class Controller(Located):
             self._progress.reset()
             self.health.set_healthy()
             return
-        vx, _, omega = self.speed()
+        vx, _, omega = self._location.speed()
         period = 1.0 / self.config.loop_rate
         try:
-            if isinstance(self._follower, DWA):
-                points = transform_points(inverse(pose), seen)
-                step = self._follower.step(pose, vx, omega, period, points)
-            else:
-                step = self._follower.step(pose, vx, omega, period)
+            points = transform_points(inverse(pose), seen)
+            step = self._follower.step(pose, vx, omega, period, points)
         except NoCommand as error:
             self.health.set_fail_algorithm([self.config.algorithm.value], str(error))
             self._halt()
@@ -265,7 +258,7 @@ class Controller(Located):
     def _located(self) -> Pose2D | None:
         """The pose, or None with the reason in the health."""
         source = self.input("location")
-        pose = self.pose()
+        pose = self._location.pose()
         if pose is not None and source.age() <= self.config.location_timeout:
             return pose
         topic = f"/{source.topic.name}"
@@ -280,7 +273,7 @@ class Controller(Located):
     def _seen(self) -> NDArray[np.float64] | None:
         """Obstacles (N, 2) in the world's frame, or None with the reason in the health."""
         source = self._obstacles.input if self._obstacles is not None else None
-        if self._obstacles is None or source is None or not isinstance(self._follower, DWA):
+        if self._obstacles is None or source is None or not self._follower.needs_obstacles:
             return np.empty((0, 2))
         points = self._obstacles.points(self.config.sensor_timeout)
         if points is not None:

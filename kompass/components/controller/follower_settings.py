@@ -6,11 +6,10 @@ from typing import Any, ClassVar, Self, get_type_hints
 
 from pydantic import Field, create_model, model_validator
 
-from kompass.algorithms.following.dwa import DWA, DWAParams
-from kompass.algorithms.following.follower import FollowerParams, PathFollower
-from kompass.algorithms.following.pure_pursuit import PurePursuit, PurePursuitParams
-from kompass.algorithms.following.stanley import Stanley, StanleyParams
-from kompass.components.base.notice import notice_once
+from kompass.algorithms.following.dwa import DWA
+from kompass.algorithms.following.follower import PathFollower
+from kompass.algorithms.following.pure_pursuit import PurePursuit
+from kompass.algorithms.following.stanley import Stanley
 from kompass.components.base.robot_limits import velocity_limits
 from kompass.components.controller.controllers_id import ControllersID
 from kompass.robot import RobotConfig
@@ -27,40 +26,41 @@ COMMON_NAMES = {
     "goal_dist_tolerance": "goal_tolerance",
     "goal_orientation_tolerance": "heading_tolerance",
 }
-COMMON_UNUSED = (
-    "control_time_step",
-    "max_point_interpolation_distance",
-    "path_segment_length",
-    "loosing_goal_distance",
-    "speed_regulation_curvature",
-    "speed_regulation_angular",
-    "min_speed_regulation_factor",
-    "curvature_horizon_tolerance",
-)
+ELSEWHERE = "it has no meaning for the algorithm here"
 
 
 class FollowerSettings(Settings):
     """What a section may hold. A field left out (None) has the algorithm's own default."""
 
-    params_class: ClassVar[type[FollowerParams]] = FollowerParams
+    ignored_settings: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        (
+            "control_time_step",
+            "max_point_interpolation_distance",
+            "path_segment_length",
+            "loosing_goal_distance",
+            "speed_regulation_curvature",
+            "speed_regulation_angular",
+            "min_speed_regulation_factor",
+            "curvature_horizon_tolerance",
+        ),
+        ELSEWHERE,
+    )
+    follower: ClassVar[type[PathFollower[Any]]]
     section: ClassVar[str] = ""
     # Names of other releases for the same thing.
     synonyms: ClassVar[Mapping[str, str]] = {}
-    # Known elsewhere, without meaning here: accepted, and said once.
-    unused: ClassVar[tuple[str, ...]] = ()
+    # Of the parameters, where the stack needs others than the algorithm alone would have.
+    defaults: ClassVar[Mapping[str, Any]] = {}
 
     @model_validator(mode="before")
     @classmethod
     def _translate(cls, given: Any) -> Any:
         if not isinstance(given, dict):
             return given
-        taken = {}
-        for key, value in given.items():
-            if key in cls.unused or key in COMMON_UNUSED:
-                notice_once(f"{cls.section}: '{key}' has no effect here")
-                continue
-            taken[cls.synonyms.get(key) or COMMON_NAMES.get(key, key)] = value
-        return taken
+        return {
+            cls.synonyms.get(key) or COMMON_NAMES.get(key, key): value
+            for key, value in given.items()
+        }
 
     @model_validator(mode="after")
     def _is_possible(self) -> Self:
@@ -70,16 +70,19 @@ class FollowerSettings(Settings):
     def params(self, **defaults: Any) -> Any:
         """The algorithm's parameters; ``defaults`` where the section says nothing."""
         stated = {name: value for name, value in self if value is not None}
-        return self.params_class(**{**defaults, **stated})
+        return self.follower.params_class(**{**defaults, **stated})
 
 
 def _section(
     algorithm: ControllersID,
-    params: type[FollowerParams],
+    follower: type[PathFollower[Any]],
+    *,
     synonyms: Mapping[str, str] | None = None,
-    unused: tuple[str, ...] = (),
+    ignored: Mapping[str, str] | None = None,
+    defaults: Mapping[str, Any] | None = None,
 ) -> Any:
     """A settings model with the fields of a parameter class, each of which may be left out."""
+    params = follower.params_class
     kinds = get_type_hints(params)
     fields: dict[str, Any] = {
         item.name: (
@@ -95,35 +98,41 @@ def _section(
         __module__=__name__,
         **fields,
     )
-    model.params_class = params
+    model.follower = follower
     model.section = algorithm.value
     model.synonyms = synonyms or {}
-    model.unused = unused
+    model.ignored_settings = ignored or {}
+    model.defaults = {"turn_in_place_angle": TURN_IN_PLACE, **(defaults or {})}
     return model
 
 
-StanleyConfig: Any = _section(ControllersID.STANLEY, StanleyParams, unused=("min_angular_vel",))
+StanleyConfig: Any = _section(
+    ControllersID.STANLEY,
+    Stanley,
+    ignored={"min_angular_vel": ELSEWHERE},
+)
 PurePursuitConfig: Any = _section(
     ControllersID.PURE_PURSUIT,
-    PurePursuitParams,
-    {"lookahead_gain_forward": "lookahead_gain"},
-    ("wheel_base", "prediction_horizon", "path_search_step", "max_search_candidates"),
+    PurePursuit,
+    synonyms={"lookahead_gain_forward": "lookahead_gain"},
+    ignored=dict.fromkeys(
+        ("wheel_base", "prediction_horizon", "path_search_step", "max_search_candidates"), ELSEWHERE
+    ),
 )
 DWAConfig: Any = _section(
     ControllersID.DWA,
-    DWAParams,
-    {"max_linear_samples": "linear_samples", "max_angular_samples": "angular_samples"},
-    # Horizons were counted in steps of a length that is set elsewhere, and the weights belong to
-    # other costs: taking the numbers over would say something else than was meant.
-    (
-        "control_horizon",
-        "prediction_horizon",
-        "octree_resolution",
-        "costs_weights",
-        "max_num_threads",
-        "drop_samples",
-        "allow_reverse",
-    ),
+    DWA,
+    synonyms={"max_linear_samples": "linear_samples", "max_angular_samples": "angular_samples"},
+    ignored={
+        # Taking these numbers over would say something else than was meant.
+        "control_horizon": "it is counted in steps of another length; give prediction_time",
+        "prediction_horizon": "it is counted in steps of another length; give prediction_time",
+        "costs_weights": "they belong to other costs; give path_weight, goal_weight, …",
+        **dict.fromkeys(
+            ("octree_resolution", "max_num_threads", "drop_samples", "allow_reverse"), ELSEWHERE
+        ),
+    },
+    defaults={"clearance": DWA_CLEARANCE},
 )
 SECTIONS = {
     ControllersID.STANLEY: StanleyConfig,
@@ -133,28 +142,22 @@ SECTIONS = {
 
 
 def make_follower(
-    algorithm: ControllersID, settings: FollowerSettings, robot: RobotConfig, **defaults: Any
-) -> PathFollower:
-    """The algorithm, set up for a robot.
+    settings: FollowerSettings, robot: RobotConfig, **defaults: Any
+) -> PathFollower[Any]:
+    """The algorithm of a section, set up for a robot.
 
     Parameters
     ----------
-    settings
-        The algorithm's section.
     defaults
         Parameters for what the section leaves out.
     """
     limits = velocity_limits(robot)
-    speeds = {
-        "max_v": limits.vx.max_vel,
-        "max_omega": limits.omega.max_vel,
-        "acc": limits.vx.max_acc,
-        "decel": limits.vx.max_decel,
-        "omega_acc": limits.omega.max_acc,
-    }
-    defaults = {"turn_in_place_angle": TURN_IN_PLACE, **defaults}
-    if algorithm is ControllersID.DWA:
-        params = settings.params(clearance=DWA_CLEARANCE, **defaults)
-        return DWA(params, robot_radius=robot.radius, **speeds)
-    kind = Stanley if algorithm is ControllersID.STANLEY else PurePursuit
-    return kind(settings.params(**defaults), **speeds)
+    return settings.follower(
+        settings.params(**{**settings.defaults, **defaults}),
+        robot_radius=robot.radius,
+        max_v=limits.vx.max_vel,
+        max_omega=limits.omega.max_vel,
+        acc=limits.vx.max_acc,
+        decel=limits.vx.max_decel,
+        omega_acc=limits.omega.max_acc,
+    )

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.lifecycle import LifecycleNode
 
-from kompass.components.base.input import Input
+from kompass.components.base.ports import Input
 
 Points = NDArray[np.float64]
 HANDOVER = 1.0  # s that the old source may still be used for while the new one is silent

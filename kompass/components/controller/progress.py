@@ -5,8 +5,7 @@ No ROS and no clock: time is an argument [s].
 
 import math
 
-from kompass.algorithms.geometry import wrap_angle
-from kompass.components.base.convert import Pose2D
+from kompass.algorithms.geometry import Pose2D, wrap_angle
 
 NEAR = 0.05  # m; who stays within this of a place has not left it
 TURNED = 0.2  # rad; on the spot, a turn by this is progress

@@ -1,20 +1,40 @@
-"""The drive manager: the gate before the wheels, and short motions that free the robot."""
+"""The drive manager: the last gate before the wheels, and short motions that free the robot."""
 
 import math
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any, ClassVar
 
 import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point32, PolygonStamped, Twist, TwistStamped
+from kompass_interfaces.msg import DriveState, TwistArray
+from kompass_interfaces.srv import ReleaseStop, StopRobot
 from numpy.typing import NDArray
+from rclpy.duration import Duration
 from rclpy.task import Future
+from std_msgs.msg import Bool
 
+from kompass.algorithms.mapping.scan_points import scan_to_points
+from kompass.algorithms.safety.standstill import Standstill
+from kompass.algorithms.transforms import TransformError
 from kompass.components.base.actions import ActionRefused, component_action
-from kompass.components.drive.command_queue import Twist2D
-from kompass.components.drive.drive_gate import DriveGate
+from kompass.components.base.component import Component
+from kompass.components.base.component_config import ComponentRunType
+from kompass.components.base.location_source import LocationSource
+from kompass.components.base.ports import Input
+from kompass.components.base.robot_limits import velocity_limits
+from kompass.components.drive.command_queue import STILL, CommandQueue, Twist2D
+from kompass.components.drive.config import DriveManagerConfig
+from kompass.components.drive.drive_gate import DriveGate, GateInput, GateLimits
 from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
+from kompass.components.drive.stop_latch import StopLatch
+from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 from kompass.robot import RobotType
 
+EMERGENCY_PERIOD = 0.5  # s between repetitions of an unchanged emergency flag
+STATE_PERIOD = 0.2  # s
 SHARE_OF_TOP_SPEED = 0.5
 MARGIN = 0.03  # m to stay outside the critical zone, so that the way out does not end in it
 USEFUL = 0.05  # m; a shorter way frees nothing
@@ -22,23 +42,302 @@ HELD = 0.7  # s of being held back after which it is given up; a late scan passe
 REST = 1.0  # s at most for the robot to come to rest
 
 
-class DriveManager(DriveGate):
-    """The gate, with actions for rules: measured by odometry, bounded in time, within the limits.
+class DriveManager(Component):
+    """Takes commands, gives the wheels only what is safe now, and says what held it back.
 
+    Its loop runs whether or not commands flow. STOP is a service of its own; it is latched, no rule
+    or component can reset it, and it survives the death of this process.
+
+    ``emergency_stop`` is a level: true while a wanted motion is fully blocked by the stop zone, or,
+    with none wanted, something is inside the critical zone the way that the robot went last; false
+    again by itself.
+
+    Its actions are motions for rules: measured by odometry, bounded in time, within the limits.
     While one runs, commands of others are ignored. STOP ends it, and refuses the next one. The
     stop zone counts as for any motion: what leads away from an obstacle is allowed.
     """
 
+    config: DriveManagerConfig
+    config_class = DriveManagerConfig
+    stops_robot = True
+    steps_in_any_run_type = True
+    allowed_run_types = (ComponentRunType.TIMED, ComponentRunType.EVENT)
+    allowed_inputs: ClassVar = {
+        "command": AllowedTopics(["Twist"]),
+        "multi_command": AllowedTopics(["TwistArray"]),
+        "sensor_data": AllowedTopics(["LaserScan"]),
+        "location": AllowedTopics(["Odometry"]),
+    }
+    allowed_outputs: ClassVar = {
+        "robot_command": AllowedTopics(["Twist", "TwistStamped"]),
+        "emergency_stop": AllowedTopics(["Bool"]),
+    }
+    default_inputs: ClassVar = {
+        "command": [Topic(name="/control", msg_type=Twist)],
+        "multi_command": [Topic(name="/control_list", msg_type=TwistArray)],
+        "sensor_data": [Topic(name="/scan", msg_type="LaserScan")],
+        "location": [Topic(name="/odom", msg_type="Odometry")],
+    }
+    default_outputs: ClassVar = {
+        "robot_command": [Topic(name="/cmd_vel", msg_type=Twist)],
+        "emergency_stop": [Topic(name="/emergency_stop", msg_type=Bool)],
+    }
+
+    def __init__(self, component_name: str = "drive_manager", **kwargs: Any) -> None:
+        super().__init__(component_name, **kwargs)
+        self._latch = StopLatch()
+
     def init_variables(self) -> None:
-        super().init_variables()
+        self._queue = CommandQueue(self.config.command_timeout)
+        self._gate = DriveGate(self._gate_limits())
+        self._standstill = Standstill()
+        self._points: NDArray[np.float64] = np.empty((0, 2))
+        self._points_of: object = None
+        self._emergency = False
+        self._emergency_sent = -float("inf")
+        self._state = DriveState(speed_factor=1.0)
+        self._state_sent = -float("inf")
         self._busy = ""
         self._held_since: float | None = None
         self._manoeuvre: Manoeuvre | None = None
         self._ended: Future | None = None
 
+    def _gate_limits(self) -> GateLimits:
+        config = self.config
+        return GateLimits(
+            velocity=velocity_limits(config.robot),
+            radius=config.robot.radius,
+            critical_distance=config.critical_zone_distance,
+            slowdown_distance=config.slowdown_zone_distance,
+            odometry_timeout=config.odometry_timeout,
+            period=1.0 / config.loop_rate,
+            safety_stop=not config.disable_safety_stop,
+            needs_scan=not config.use_without_scan_sensor,
+        )
+
+    def on_config_changed(self, names: set[str]) -> None:
+        self._gate.set_limits(self._gate_limits())
+        self._queue.timeout = self.config.command_timeout
+
+    def create_interfaces(self) -> None:
+        self._state_publisher = self.node.create_publisher(
+            DriveState, "drive_state", LATCHED.to_ros()
+        )
+        self._footprint_publisher = self.node.create_publisher(
+            PolygonStamped, "footprint", LATCHED.to_ros()
+        )
+        name = self.node_name
+        self.node.create_service(StopRobot, f"{name}/stop", self._on_stop)
+        self.node.create_service(ReleaseStop, f"{name}/release_stop", self._on_release)
+
+    def custom_on_activate(self) -> None:
+        self._location = LocationSource(self)
+        self.input("command").on_message = self._on_command
+        self.input("multi_command").on_message = self._on_commands
+        self.input("location").on_message = self._on_location
+        footprint = PolygonStamped()
+        footprint.header.frame_id = self.frames.robot_base
+        footprint.polygon.points = [
+            Point32(x=float(x), y=float(y)) for x, y in self.config.robot.footprint
+        ]
+        self._footprint_publisher.publish(footprint)
+
     def custom_on_deactivate(self) -> None:
         self._finish("the drive manager was deactivated")
-        super().custom_on_deactivate()
+        # The robot halts with the gate: this may be the last word that the wheels get.
+        self._send_halt()
+        for publisher in self._outputs["robot_command"]:
+            publisher.wait_for_all_acked(Duration(seconds=0.2))
+        self._location.close()
+
+    # -- STOP ---------------------------------------------------------------------------------
+
+    def _on_stop(
+        self, request: StopRobot.Request, response: StopRobot.Response
+    ) -> StopRobot.Response:
+        operator = request.operator_name or "somebody"
+        self._latch.set(operator, request.reason)
+        self._halt()
+        self._publish_state(time.monotonic(), "stop", 0.0)
+        self.node.get_logger().warning(f"STOP by {operator}: {request.reason or 'no reason given'}")
+        response.success = True
+        response.message = "stopped; a person must release it"
+        return response
+
+    def _on_release(
+        self, request: ReleaseStop.Request, response: ReleaseStop.Response
+    ) -> ReleaseStop.Response:
+        response.success = True
+        response.message = "released" if self._latch.is_set else "it was not stopped"
+        # Commands from before the release are not carried out after it.
+        self._queue.clear()
+        self._latch.release()
+        self._publish_state(time.monotonic(), "", 1.0)
+        self.node.get_logger().warning(f"STOP released by {request.operator_name or 'somebody'}")
+        return response
+
+    def _halt(self) -> None:
+        self._queue.clear()
+        self._send_halt()
+
+    def _send_halt(self) -> None:
+        self._gate.halted()
+        self._send(STILL)
+
+    # -- inputs -------------------------------------------------------------------------------
+
+    def _on_command(self, message: Twist) -> None:
+        if self._busy:
+            return
+        command = (message.linear.x, message.linear.y, message.angular.z)
+        self._queue.put([command], 0.0, time.monotonic())
+
+    def _on_commands(self, message: TwistArray) -> None:
+        if not self._busy:
+            self._queue.put_array(message, time.monotonic())
+
+    def _on_location(self, _message: object) -> None:
+        self._standstill.update(self._location.speed(), time.monotonic())
+
+    def _obstacles(self) -> NDArray[np.float64] | None:
+        """Points of the newest scan in the robot's frame, shape (N, 2); None when unknown."""
+        source = self.input("sensor_data")
+        scan = source.message
+        if scan is None or source.age() > self.config.scan_timeout:
+            return None
+        if scan is not self._points_of:
+            try:
+                mounted = self._location.of_sensor(scan.header.frame_id)
+            except TransformError as error:
+                self.warn(f"the scan cannot be placed on the robot: {error}")
+                return None
+            self._points = scan_to_points(
+                np.asarray(scan.ranges, dtype=np.float64),
+                scan.angle_min,
+                scan.angle_increment,
+                scan.range_min,
+                scan.range_max,
+                mounted,
+            )
+            self._points_of = scan
+        return self._points
+
+    # -- the loop -----------------------------------------------------------------------------
+
+    def _execution_step(self) -> None:
+        try:
+            self._turn(time.monotonic())
+        except Exception:
+            self._halt()
+            raise
+
+    def _turn(self, now: float) -> None:
+        wanted = self._wanted(now)
+        obstacles = self._obstacles()
+        odometry_age = self.input("location").age()
+        self._judge_health(obstacles is not None, odometry_age <= self.config.odometry_timeout)
+        if self._latch.is_set:
+            self._queue.clear()
+        given = GateInput(
+            wanted=wanted,
+            command_stale=self._queue.is_stale(now),
+            obstacles=obstacles,
+            odometry_age=odometry_age,
+            stopped=self._latch.is_set,
+        )
+        verdict = self._gate.judge(given, now)
+        if verdict.twist is not None:
+            self._send(verdict.twist)
+        self._publish_emergency(now, verdict.emergency)
+        self._judge_manoeuvre(verdict.factor, verdict.limited_by)
+        self._publish_state(now, verdict.limited_by, verdict.factor)
+
+    def _wanted(self, now: float) -> Twist2D | None:
+        """The twist asked for at this moment, by others or by the motion under way."""
+        if not self._busy:
+            return self._queue.current(now)
+        if self._manoeuvre is None:
+            return None
+        pose = self._location.pose()
+        if pose is None:
+            self._finish("the robot does not know where it is")
+            return None
+        twist = self._manoeuvre.step(pose, now)
+        if twist is None:
+            self._finish("")
+        elif self._manoeuvre.overdue(now):
+            self._finish(f"it did not get there in time, {self._manoeuvre.done:.2f} done")
+            return None
+        return twist
+
+    def _judge_manoeuvre(self, factor: float, limited_by: str) -> None:
+        """Give up a motion that is held back for long, or by STOP."""
+        if self._manoeuvre is None or factor > 0.0:
+            self._held_since = None
+            return
+        now = time.monotonic()
+        self._held_since = now if self._held_since is None else self._held_since
+        if limited_by == "stop":
+            self._finish("STOP is pressed")
+        elif now - self._held_since >= HELD:
+            self._finish(f"held back: {limited_by}")
+
+    def _send(self, command: Twist2D) -> None:
+        twist = Twist()
+        twist.linear.x, twist.linear.y, twist.angular.z = (float(value) for value in command)
+        for index, topic in enumerate(self._topics_out["robot_command"]):
+            if topic.ros_msg_type is TwistStamped:
+                message = TwistStamped(twist=twist)
+                message.header.stamp = self._stamp()
+                message.header.frame_id = self.frames.robot_base
+                self.publish("robot_command", message, index)
+            else:
+                self.publish("robot_command", twist, index)
+
+    def _judge_health(self, scan_known: bool, odometry_known: bool) -> None:
+        scan, odometry = self.input("sensor_data"), self.input("location")
+        missing = {}
+        needs_scan = not (self.config.disable_safety_stop or self.config.use_without_scan_sensor)
+        if needs_scan and not scan_known:
+            missing[scan] = f"no scan {_for(scan.age())}"
+        if not odometry_known:
+            missing[odometry] = f"no odometry {_for(odometry.age())}"
+        topics = [f"/{source.topic.name}" for source in missing]
+        if not missing:
+            self.health.set_healthy()
+        elif self.is_starting and not any(self._has_served(source) for source in missing):
+            self.health.set_healthy(f"waiting for {', '.join(topics)}")
+        else:
+            self.health.set_fail_system(topics=topics, message="; ".join(missing.values()))
+
+    def _has_served(self, source: Input) -> bool:
+        """Whether an input has been of use since the activation; a scan needs its transform."""
+        used = source.received is not None
+        return used and (source is not self.input("sensor_data") or self._points_of is not None)
+
+    def _publish_emergency(self, now: float, emergency: bool) -> None:
+        if emergency != self._emergency or now - self._emergency_sent >= EMERGENCY_PERIOD:
+            self._emergency, self._emergency_sent = emergency, now
+            self.publish("emergency_stop", Bool(data=emergency))
+
+    def _publish_state(self, now: float, limited_by: str, factor: float) -> None:
+        state = DriveState(
+            stopped=self._latch.is_set,
+            standstill=self._standstill.reached(now, self.config.odometry_timeout),
+            stopped_by=self._latch.operator if self._latch.is_set else "",
+            reason=self._latch.reason if self._latch.is_set else "",
+            speed_factor=round(factor, 2),
+            limited_by=limited_by,
+        )
+        state.header.frame_id = self.frames.robot_base
+        state.header.stamp = self._state.header.stamp
+        if state != self._state or now - self._state_sent >= STATE_PERIOD:
+            state.header.stamp = self._stamp()
+            self._state, self._state_sent = state, now
+            self._state_publisher.publish(state)
+
+    def _stamp(self) -> Time:
+        return self.node.get_clock().now().to_msg()
 
     # -- actions ------------------------------------------------------------------------------
 
@@ -122,7 +421,7 @@ class DriveManager(DriveGate):
                 return self.fails("boxed in: no way is free ahead, back, or after a turn")
             return await self._rotate(turn, points, rotation_safety_margin)
 
-    # -- carrying out -------------------------------------------------------------------------
+    # -- carrying actions out ----------------------------------------------------------------
 
     @contextmanager
     def _manoeuvring(self, name: str) -> Iterator[None]:
@@ -184,36 +483,7 @@ class DriveManager(DriveGate):
             ended, self._ended = self._ended, None
             ended.set_result(problem)
 
-    # -- in the loop --------------------------------------------------------------------------
 
-    @property
-    def _takes_commands(self) -> bool:
-        return not self._busy
-
-    def _wanted(self, now: float) -> Twist2D | None:
-        if not self._busy:
-            return super()._wanted(now)
-        if self._manoeuvre is None:
-            return None
-        pose = self.pose()
-        if pose is None:
-            self._finish("the robot does not know where it is")
-            return None
-        twist = self._manoeuvre.step(pose, now)
-        if twist is None:
-            self._finish("")
-        elif self._manoeuvre.overdue(now):
-            self._finish(f"it did not get there in time, {self._manoeuvre.done:.2f} done")
-            return None
-        return twist
-
-    def _judged(self, factor: float, limited_by: str) -> None:
-        if self._manoeuvre is None or factor > 0.0:
-            self._held_since = None
-            return
-        now = time.monotonic()
-        self._held_since = now if self._held_since is None else self._held_since
-        if limited_by == "stop":
-            self._finish("STOP is pressed")
-        elif now - self._held_since >= HELD:
-            self._finish(f"held back: {limited_by}")
+def _for(age: float) -> str:
+    # Coarse on purpose: a sentence that changes ten times a second cannot be read.
+    return "yet" if age == float("inf") else f"for {age:.0f} s" if age >= 1 else "any more"

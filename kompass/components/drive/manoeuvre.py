@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kompass.algorithms.following.limits import stopping_speed
-from kompass.algorithms.geometry import wrap_angle
+from kompass.algorithms.geometry import Pose2D, wrap_angle
 from kompass.components.drive.command_queue import Twist2D
-
-Pose2D = tuple[float, float, float]
 
 BRAKING_SHARE = 0.5  # of the robot's deceleration, to come to rest gently
 SLOWEST = 0.2  # of the manoeuvre's speed, until it is there

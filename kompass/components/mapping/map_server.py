@@ -1,7 +1,7 @@
 """Serves a map from a file, latched, and loads another when asked."""
 
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 from urllib.parse import unquote, urlparse
 
 from nav2_msgs.srv import LoadMap
@@ -34,7 +34,7 @@ class MapServer(Component):
     default_outputs: ClassVar = {"map": [Topic(name="/map", msg_type="OccupancyGrid")]}
     qos: ClassVar = {"map": LATCHED}
 
-    def __init__(self, component_name: str = "map_server", **kwargs: object) -> None:
+    def __init__(self, component_name: str = "map_server", **kwargs: Any) -> None:
         super().__init__(component_name, **kwargs)
 
     def create_interfaces(self) -> None:

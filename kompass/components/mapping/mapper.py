@@ -1,17 +1,19 @@
 """The local map: what the scan shows around the robot, as a grid that turns with it."""
 
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
-from pydantic import AliasChoices, Field
+from pydantic import Field
 
 from kompass.algorithms.geometry import compose
 from kompass.algorithms.grid import Grid
-from kompass.algorithms.mapping.local_map import LocalMapper as ScanMapper
+from kompass.algorithms.mapping.local_map import LocalMapBuilder
 from kompass.algorithms.transforms import TransformError
+from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentConfig
 from kompass.components.base.convert import grid_msg
-from kompass.components.base.located import Located
+from kompass.components.base.location_source import LocationSource
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.settings import Settings
 
@@ -19,22 +21,24 @@ from kompass.settings import Settings
 class MapConfig(Settings):
     """Size of the local map."""
 
+    ignored_settings: ClassVar[Mapping[str, str]] = {
+        "padding": "the map is as large as it is said to be",
+        "filter_limit": "readings beyond the map are left out anyway",
+        "max_points_per_line": "no lines are drawn; every cell looks its reading up",
+        "max_num_threads": "a map is made in one piece",
+        "bayesian_update": "each map is of one scan",
+        "baysian_update": "each map is of one scan",
+    }
+
     width: float = Field(default=3.0, ge=0.1, le=100, description="m, ahead and behind")
     height: float = Field(default=3.0, ge=0.1, le=100, description="m, to the sides")
     resolution: float = Field(default=0.05, gt=0, le=10, description="m")
-    padding: float = Field(default=0.0, ge=0, description="m; without effect")
-    filter_limit: float | None = Field(default=None, gt=0, description="m; without effect")
-    max_points_per_line: int | None = Field(default=None, ge=1, description="without effect")
-    max_num_threads: int = Field(default=1, ge=1, description="without effect")
-    bayesian_update: bool = Field(
-        default=False,
-        description="without effect: each map is of one scan",
-        validation_alias=AliasChoices("bayesian_update", "baysian_update"),
-    )
 
 
 class LocalMapperConfig(ComponentConfig):
     """Settings of the local mapper."""
+
+    ignored_settings: ClassVar[Mapping[str, str]] = {"scan_model": "rays are taken as they are"}
 
     loop_rate: float = Field(default=10.0, ge=0.1, le=1e3, description="Hz")
     map_params: MapConfig = Field(default_factory=MapConfig)
@@ -42,7 +46,7 @@ class LocalMapperConfig(ComponentConfig):
     location_timeout: float = Field(default=0.5, gt=0, description="s")
 
 
-class LocalMapper(Located):
+class LocalMapper(Component):
     """Publishes a robot-centred occupancy grid of each new scan, with the scan's stamp."""
 
     config: LocalMapperConfig
@@ -61,21 +65,25 @@ class LocalMapper(Located):
     }
     qos: ClassVar = {"local_map": QoSConfig(queue_size=1)}
 
-    def __init__(self, component_name: str = "mapper", **kwargs: object) -> None:
+    def __init__(self, component_name: str = "mapper", **kwargs: Any) -> None:
         super().__init__(component_name, **kwargs)
-
-    ignored_settings: ClassVar = {"scan_model": "rays are taken as they are"}
 
     def init_variables(self) -> None:
         self._mapped: object = None
         self._set_up()
+
+    def custom_on_activate(self) -> None:
+        self._location = LocationSource(self)
+
+    def custom_on_deactivate(self) -> None:
+        self._location.close()
 
     def on_config_changed(self, names: set[str]) -> None:
         self._set_up()
 
     def _set_up(self) -> None:
         size = self.config.map_params
-        self._mapper = ScanMapper(size.width, size.height, size.resolution)
+        self._builder = LocalMapBuilder(size.width, size.height, size.resolution)
 
     def _execution_step(self) -> None:
         source, location = self.input("sensor_data"), self.input("location")
@@ -96,9 +104,9 @@ class LocalMapper(Located):
         scan = source.message
         if scan is self._mapped:
             return
-        pose = self.pose()
+        pose = self._location.pose()
         try:
-            mounted = self.sensor_pose(scan.header.frame_id)
+            mounted = self._location.of_sensor(scan.header.frame_id)
         except TransformError as error:
             if self._mapped is None and self.is_starting:
                 self.health.set_healthy("waiting for /tf_static")
@@ -108,7 +116,7 @@ class LocalMapper(Located):
         if pose is None:
             self.health.set_fail_system(topics=["/tf"], message="the location cannot be placed")
             return
-        cells = self._mapper.update(
+        cells = self._builder.update(
             np.asarray(scan.ranges, dtype=np.float64),
             scan.angle_min,
             scan.angle_increment,
@@ -116,8 +124,8 @@ class LocalMapper(Located):
             scan.range_max,
             mounted,
         )
-        x, y, yaw = (float(value) for value in compose(pose, self._mapper.origin))
-        grid = Grid(cells, self._mapper.resolution, (x, y, yaw))
+        x, y, yaw = (float(value) for value in compose(pose, self._builder.origin))
+        grid = Grid(cells, self._builder.resolution, (x, y, yaw))
         self._mapped = scan
         self.publish("local_map", grid_msg(grid, self.frames.world, scan.header.stamp))
         self.health.set_healthy()

@@ -1,14 +1,14 @@
 """Settings of the planner."""
 
 import difflib
-from typing import Any
+from collections.abc import Mapping
+from typing import ClassVar
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from kompass.algorithms.planning.sampling import planner_names
 from kompass.components.base.component_config import ComponentConfig
-from kompass.components.base.notice import notice_once
-from kompass.settings import Settings
+from kompass.settings import Settings, notice_once
 
 STAND_IN = "RRTConnect"
 # Geometric planners of OMPL that other builds of it offer.
@@ -41,27 +41,18 @@ def usable_planner(planner_id: str) -> str:
 class OmplConfig(Settings):
     """The section ``<node>.ompl``. A field left out (None) leaves the planner's own setting."""
 
+    ignored_settings: ClassVar[Mapping[str, str]] = {
+        "log_level": "OMPL says nothing of its own",
+        "simplification_timeout": "a path is simplified until it is short",
+        "goal_tolerance": "paths end exactly at the goal",
+        "optimization_objective": "the planner looks for the shortest path",
+        "optimization_objective_threshold": "the planner looks for the shortest path",
+        "map_resolution": "the map tells it",
+        **dict.fromkeys([*ELSEWHERE, *planner_names()], "planners keep their own settings"),
+    }
+
     planning_timeout: float | None = Field(default=None, gt=0, le=60, description="s")
     planner_id: str | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _drop_unused(cls, given: Any) -> Any:
-        if not isinstance(given, dict):
-            return given
-        unused = {
-            "log_level",
-            "simplification_timeout",
-            "goal_tolerance",
-            "optimization_objective",
-            "optimization_objective_threshold",
-            "map_resolution",
-            *ELSEWHERE,
-            *planner_names(),
-        }
-        for key in set(given) & unused:
-            notice_once(f"ompl: '{key}' has no effect here")
-        return {key: value for key, value in given.items() if key not in unused}
 
     @field_validator("planner_id")
     @classmethod
@@ -73,6 +64,12 @@ class OmplConfig(Settings):
 
 class PlannerConfig(ComponentConfig):
     """How paths are found, and how long a goal is pursued."""
+
+    ignored_settings: ClassVar[Mapping[str, str]] = {
+        "algorithm": "the planner is always one of OMPL",
+        "depth_conversion_factor": "the planner takes no depth images",
+        "depth_range": "the planner takes no depth images",
+    }
 
     loop_rate: float = Field(default=1.0, ge=0.01, le=100, description="Hz; replanning checks")
     points_per_meter: float = Field(default=10, ge=1, le=1000)
@@ -98,10 +95,6 @@ class PlannerConfig(ComponentConfig):
     location_timeout: float = Field(default=0.5, gt=0, description="s")
     ompl: OmplConfig = Field(
         default_factory=OmplConfig, description="from older files; comes before the fields above"
-    )
-    depth_conversion_factor: float = Field(default=1e-3, gt=0, description="without effect")
-    depth_range: list[float] = Field(
-        default_factory=lambda: [0.1, 10.0], description="m; without effect"
     )
 
     @field_validator("planner_id")

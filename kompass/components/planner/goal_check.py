@@ -8,10 +8,10 @@ from geometry_msgs.msg import Point
 from kompass_interfaces.srv import CheckGoal
 from nav_msgs.msg import Path
 
-from kompass.algorithms.geometry import wrap_angle
-from kompass.algorithms.planning.failure import PlanningFailure, Reason
+from kompass.algorithms.geometry import Pose2D, wrap_angle
+from kompass.algorithms.planning.failure import PlanningFailure, code_of
 from kompass.algorithms.planning.planner import GlobalPlanner
-from kompass.components.base.convert import Pose2D, pose_of
+from kompass.components.base.convert import pose_of
 from kompass.robot import RobotConfig
 
 SHARE_OF_TOP_SPEED = 0.85  # what a robot keeps on average that slows for curves and the end
@@ -41,14 +41,14 @@ def check_goal(
         plan = planner.plan(pose, (x, y, yaw if request.use_heading else None))
     except PlanningFailure as failure:
         response.reachable = False
-        response.reason = int(failure.reason)
+        response.reason = code_of(failure.reason)
         response.message = failure.message
         if failure.nearest is not None:
             response.has_nearest = True
             response.nearest = Point(x=float(failure.nearest[0]), y=float(failure.nearest[1]))
         return response
     response.reachable = True
-    response.reason = int(Reason.OK)
+    response.reason = code_of("")
     response.message = "The way is clear."
     response.preview = to_path(plan.poses)
     response.length = plan.length

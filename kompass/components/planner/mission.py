@@ -10,13 +10,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from kompass.algorithms.geometry import wrap_angle
+from kompass.algorithms.geometry import Pose2D, wrap_angle
 
-Pose2D = tuple[float, float, float]
 FREE_HEADING = math.pi  # rad; a tolerance from here on asks for no heading
 
 
-class Outcome(enum.IntEnum):
+class GoalOutcome(enum.IntEnum):
     """How a mission ended; the numbers are those of PlanPath's result."""
 
     ARRIVED = 0

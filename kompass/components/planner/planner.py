@@ -15,16 +15,18 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 from std_msgs.msg import Bool
 
-from kompass.algorithms.planning.failure import PlanningFailure, Reason
+from kompass.algorithms.geometry import Pose2D
+from kompass.algorithms.planning.failure import PlanningFailure, Reason, code_of
 from kompass.algorithms.planning.planner import GlobalPlanner
 from kompass.algorithms.safety.standstill import Standstill
 from kompass.components.base.actions import component_action
+from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
-from kompass.components.base.convert import Pose2D, grid_of, path_msg, pose_of, quaternion_msg
-from kompass.components.base.located import Located
+from kompass.components.base.convert import grid_of, path_msg, pose_of, quaternion_msg
+from kompass.components.base.location_source import LocationSource
 from kompass.components.planner.config import PlannerConfig, usable_planner
 from kompass.components.planner.goal_check import check_goal
-from kompass.components.planner.mission import FREE_HEADING, Mission, Outcome, Tolerance
+from kompass.components.planner.mission import FREE_HEADING, GoalOutcome, Mission, Tolerance
 from kompass.rclpy_ext.goal_expiry import expire_goals
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 
@@ -32,12 +34,12 @@ PROGRESS_RATE = 10.0  # Hz, only while a goal is pursued
 FEEDBACK_EVERY = 2  # turns of the progress timer
 STRAYED = 0.5  # m
 # The algorithm was given all it needs and has no answer. A goal in a wall is not that.
-ALGORITHM_FAILURES = (Reason.START_BLOCKED, Reason.NO_PATH, Reason.UNREACHABLE)
+ALGORITHM_FAILURES: tuple[Reason, ...] = ("start_blocked", "no_path", "unreachable")
 # May pass by itself or by somebody's recovery; worth waiting for.
-MAY_PASS = (Reason.NO_MAP, Reason.NO_POSE, Reason.START_BLOCKED, Reason.NO_PATH)
+MAY_PASS: tuple[Reason, ...] = ("no_map", "no_pose", "start_blocked", "no_path")
 
 
-class Planner(Located):
+class Planner(Component):
     """Plans on the map, replans when the map closes the way, and says how each goal ended.
 
     As ``ActionServer`` it serves ``<node>/plan_path``; as ``Timed`` or ``Event`` it takes goals
@@ -72,10 +74,9 @@ class Planner(Located):
     }
     qos: ClassVar = {"map": LATCHED, "plan": LATCHED}
     main_action_type = PlanPath
-    ignored_settings: ClassVar = {"algorithm": "the planner is always one of OMPL"}
     ignored_inputs: ClassVar = {"map_layer": "the key is 'map'"}
 
-    def __init__(self, component_name: str = "planner", **kwargs: object) -> None:
+    def __init__(self, component_name: str = "planner", **kwargs: Any) -> None:
         super().__init__(component_name, **kwargs)
 
     @property
@@ -115,7 +116,7 @@ class Planner(Located):
             self._client = ActionClient(self.node, PlanPath, self.main_action_name)
 
     def custom_on_activate(self) -> None:
-        super().custom_on_activate()
+        self._location = LocationSource(self)
         self.input("map").on_message = self._on_map
         self.input("location").on_message = self._on_location
         if not self._serves_action or self.config.goals_from_topics:
@@ -125,8 +126,8 @@ class Planner(Located):
         self._progress.cancel()
 
     def custom_on_deactivate(self) -> None:
-        self._end(Outcome.ERROR, "The planner was deactivated.")
-        super().custom_on_deactivate()
+        self._end(GoalOutcome.ERROR, "The planner was deactivated.")
+        self._location.close()
 
     # -- inputs -------------------------------------------------------------------------------
 
@@ -152,12 +153,12 @@ class Planner(Located):
         )
 
     def _on_location(self, _message: Any) -> None:
-        self._standstill.update(self.speed(), time.monotonic())
+        self._standstill.update(self._location.speed(), time.monotonic())
 
     def _on_drive_state(self, state: DriveState) -> None:
         self._stopped = f"{state.stopped_by} pressed STOP" if state.stopped else ""
         if self._stopped:
-            self._end(Outcome.STOPPED, f"Stopped: {self._stopped}.")
+            self._end(GoalOutcome.STOPPED, f"Stopped: {self._stopped}.")
 
     def _on_goal_message(self, message: Any) -> None:
         """A goal on a topic: pursued here, or sent to our own action, where all can follow it."""
@@ -218,19 +219,19 @@ class Planner(Located):
 
     async def _execute(self, handle: ServerGoalHandle) -> PlanPath.Result:
         self.node.executor.create_task(expire_goals, self._server)
-        self._end(Outcome.PREEMPTED, "A newer goal took over.")
+        self._end(GoalOutcome.PREEMPTED, "A newer goal took over.")
         self._handle, self._ended = handle, Future(executor=self.node.executor)
         ended = self._ended
         self._begin(handle.request)
         outcome, message, displacement = await ended
         result = PlanPath.Result(
-            reached_end=outcome is Outcome.ARRIVED, outcome=int(outcome), message=message
+            reached_end=outcome is GoalOutcome.ARRIVED, outcome=int(outcome), message=message
         )
         result.end_displacement.lateral_distance_error = displacement[0]
         result.end_displacement.orientation_error = displacement[1]
-        if outcome is Outcome.ARRIVED:
+        if outcome is GoalOutcome.ARRIVED:
             handle.succeed()
-        elif outcome is Outcome.CANCELED:
+        elif outcome is GoalOutcome.CANCELED:
             handle.canceled()
         else:
             handle.abort()
@@ -245,22 +246,22 @@ class Planner(Located):
         self._mission = Mission(pose_of(goal.goal), tolerance, self.config.patience)
         if self._stopped:
             self._end(
-                Outcome.STOPPED, f"{self._stopped}; a person must release it before a new goal."
+                GoalOutcome.STOPPED, f"{self._stopped}; a person must release it before a new goal."
             )
             return
         self._plan(time.monotonic())
         if self._mission is not None:
             self._progress.reset()
 
-    def _end(self, outcome: Outcome, message: str) -> None:
+    def _end(self, outcome: GoalOutcome, message: str) -> None:
         mission, self._mission = self._mission, None
         if mission is None:
             return
         self._progress.cancel()
-        pose = self.pose()
+        pose = self._location.pose()
         displacement = mission.errors(pose) if pose is not None else (math.inf, math.inf)
         self.publish("plan", self._path_msg(np.empty((0, 3))))
-        self.publish("reached_end", Bool(data=outcome is Outcome.ARRIVED))
+        self.publish("reached_end", Bool(data=outcome is GoalOutcome.ARRIVED))
         self.node.get_logger().info(f"goal ended: {outcome.name}: {message}")
         self._handle = None
         if self._ended is not None:
@@ -281,7 +282,7 @@ class Planner(Located):
             self.publish("plan", self._path_msg(np.empty((0, 3))))
             # On the way, even a goal that is now out of reach may come back: a door, a person.
             if over or not (mission.under_way or failure.reason in MAY_PASS):
-                outcome = Outcome.BLOCKED if mission.under_way else Outcome.REFUSED
+                outcome = GoalOutcome.BLOCKED if mission.under_way else GoalOutcome.REFUSED
                 self._end(outcome, failure.message)
             return
         self.health.set_healthy()
@@ -296,17 +297,17 @@ class Planner(Located):
 
     def _ready(self) -> tuple[GlobalPlanner, Pose2D]:
         if self._planner is None:
-            raise PlanningFailure(Reason.NO_MAP, "There is no map yet.")
-        pose = self.pose()
+            raise PlanningFailure("no_map", "There is no map yet.")
+        pose = self._location.pose()
         if pose is None or self.input("location").age() > self.config.location_timeout:
-            raise PlanningFailure(Reason.NO_POSE, "The robot does not know where it is.")
+            raise PlanningFailure("no_pose", "The robot does not know where it is.")
         return self._planner, pose
 
     def _judge(self, failure: PlanningFailure) -> None:
-        if failure.reason is Reason.NO_MAP:
+        if failure.reason == "no_map":
             topic = self._topics_in["map"][0].name
             self.health.set_fail_system(topics=[f"/{topic}"], message=failure.message)
-        elif failure.reason is Reason.NO_POSE:
+        elif failure.reason == "no_pose":
             topic = self._topics_in["location"][0].name
             self.health.set_fail_system(topics=[f"/{topic}"], message=failure.message)
         elif failure.reason in ALGORITHM_FAILURES:
@@ -323,7 +324,7 @@ class Planner(Located):
         if mission.path is None:
             self._plan(now)
             return
-        pose = self.pose()
+        pose = self._location.pose()
         if pose is None or self._planner is None:
             return
         ahead = mission.path[int(np.argmin(np.hypot(*(mission.path[:, :2] - pose[:2]).T))) :]
@@ -344,20 +345,20 @@ class Planner(Located):
         if mission is None:
             return
         if self._handle is not None and self._handle.is_cancel_requested:
-            self._end(Outcome.CANCELED, "Canceled.")
+            self._end(GoalOutcome.CANCELED, "Canceled.")
             return
-        pose, now = self.pose(), time.monotonic()
+        pose, now = self._location.pose(), time.monotonic()
         if pose is None:
             return
         standing = self._standstill.reached(now, self.config.location_timeout)
         if mission.arrived(pose, standing, now):
             distance, _ = mission.errors(pose)
-            self._end(Outcome.ARRIVED, f"Arrived, {100 * distance:.0f} cm off.")
+            self._end(GoalOutcome.ARRIVED, f"Arrived, {100 * distance:.0f} cm off.")
             return
         if mission.stuck(pose, now):
             text = f"No progress for {self.config.patience:.0f} s."
             self.health.set_fail_algorithm([self.config.chosen_planner], text)
-            self._end(Outcome.STUCK, text)
+            self._end(GoalOutcome.STUCK, text)
             return
         self._turn += 1
         if self._handle is not None and self._turn % FEEDBACK_EVERY == 0:
@@ -377,7 +378,7 @@ class Planner(Located):
         self, request: CheckGoal.Request, response: CheckGoal.Response
     ) -> CheckGoal.Response:
         if not self.is_active:
-            response.reason = int(Reason.NO_POSE)
+            response.reason = code_of("no_pose")
             response.message = "The planner is not active; start it first."
             return response
         return check_goal(self._ready, self.config.robot, self._path_msg, request, response)

@@ -22,6 +22,7 @@ from kompass.rules.checks.catalog import (
     ParameterSpec,
     ValueKind,
 )
+from kompass.settings import ignored_of
 
 _KINDS: dict[Any, ValueKind] = {
     bool: "bool",
@@ -44,6 +45,7 @@ def component_spec(component: Component) -> ComponentSpec:
         kind=kind.__name__,
         methods={name: _method(kind, spec) for name, spec in actions_of(kind).items()},
         parameters={spec.name: spec for spec in _parameters(component.config, "")},
+        ignored=dict(_ignored(component.config, "")),
     )
 
 
@@ -90,6 +92,15 @@ def _parameters(settings: BaseModel, prefix: str) -> Iterator[ParameterSpec]:
             maximum=high,
             optional=optional,
         )
+
+
+def _ignored(settings: BaseModel, prefix: str) -> Iterator[tuple[str, str]]:
+    for name, why in ignored_of(type(settings)).items():
+        yield f"{prefix}{name}", why
+    for name in type(settings).model_fields:
+        value = getattr(settings, name)
+        if isinstance(value, BaseModel):
+            yield from _ignored(value, f"{prefix}{name}.")
 
 
 def _kind(annotation: Any) -> tuple[ValueKind, bool]:

@@ -88,12 +88,19 @@ class ParameterSpec(NamedTuple):
 
 
 class ComponentSpec(NamedTuple):
-    """A component of the stack: what rules may call, and what they may change."""
+    """A component of the stack: what rules may call, and what they may change.
+
+    Attributes
+    ----------
+    ignored
+        Names of parameters that only older files may give a value, and why it has no effect.
+    """
 
     name: str
     kind: str = ""
     methods: Mapping[str, MethodSpec] = {}
     parameters: Mapping[str, ParameterSpec] = {}
+    ignored: Mapping[str, str] = {}
 
 
 class Catalog(Protocol):

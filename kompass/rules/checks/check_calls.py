@@ -118,6 +118,10 @@ def _parameters(
         if parameter is not None:
             yield from _value(rule, at, value, parameter, f"'{name}' of {component.name}")
             continue
+        if name in component.ignored:
+            text = f"'{name}' of {component.name} would have no effect: {component.ignored[name]}"
+            yield Problem(rule.id, at, value, text, "leave it out", "ignored-parameter")
+            continue
         # A part of a parameter whose parts are not listed, or a whole whose parts are.
         parents = _parents(name)
         inner = any(known.startswith(f"{name}.") for known in component.parameters)

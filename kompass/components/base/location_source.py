@@ -1,0 +1,132 @@
+"""Where the robot is and where its sensors are mounted, for the components that move it."""
+
+import math
+from typing import Protocol
+
+from geometry_msgs.msg import TransformStamped
+from rclpy.lifecycle import LifecycleNode
+from tf2_msgs.msg import TFMessage
+
+from kompass.algorithms.geometry import Pose2D, compose
+from kompass.algorithms.transforms import TransformError, TransformTree, matrix_of
+from kompass.components.base.convert import pose_of, speed_of
+from kompass.components.base.ports import Input
+from kompass.rclpy_ext.topic import LATCHED, QoSConfig
+from kompass.robot import RobotFrames
+
+
+class TransformListener:
+    """Listens to static transforms always; to moving ones only once somebody asks for them.
+
+    /tf carries hundreds of messages a second on a real robot, and most components only need to
+    know where their sensor is mounted.
+    """
+
+    def __init__(self, node: LifecycleNode) -> None:
+        self.tree = TransformTree()
+        self._node = node
+        # Several nodes may publish latched static transforms: keep all of theirs.
+        static = LATCHED.model_copy(update={"queue_size": 100})
+        self._subscriptions = [
+            node.create_subscription(TFMessage, "/tf_static", self._static, static.to_ros())
+        ]
+        self._moving_wanted = False
+
+    def want_moving(self) -> None:
+        """Listen to /tf from now on."""
+        if not self._moving_wanted:
+            self._moving_wanted = True
+            qos = QoSConfig(queue_size=100).to_ros()
+            self._subscriptions.append(
+                self._node.create_subscription(TFMessage, "/tf", self._moving, qos)
+            )
+
+    def close(self) -> None:
+        """Stop listening."""
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+        self._subscriptions = []
+
+    def _static(self, message: TFMessage) -> None:
+        for transform in message.transforms:
+            self._add(transform, static=True)
+
+    def _moving(self, message: TFMessage) -> None:
+        for transform in message.transforms:
+            self._add(transform, static=False)
+
+    def _add(self, transform: TransformStamped, *, static: bool) -> None:
+        t, q = transform.transform.translation, transform.transform.rotation
+        stamp = transform.header.stamp
+        self.tree.add(
+            transform.header.frame_id,
+            transform.child_frame_id,
+            stamp.sec + stamp.nanosec * 1e-9,
+            matrix_of((t.x, t.y, t.z), (q.x, q.y, q.z, q.w)),
+            static=static,
+        )
+
+
+class Located(Protocol):
+    """What a location source needs of the component that holds it."""
+
+    @property
+    def node(self) -> LifecycleNode: ...
+    @property
+    def frames(self) -> RobotFrames: ...
+    def input(self, key: str, index: int = 0) -> Input: ...
+    def warn(self, text: str, every: float = 5.0) -> None: ...
+
+
+class LocationSource:
+    """The robot's pose and speed by the input ``location`` of a component, while it is active.
+
+    The frame is the one that the message names, whatever the configuration says: a localiser that
+    publishes in the world's frame needs no transform.
+    """
+
+    def __init__(self, component: Located) -> None:
+        self._component = component
+        self._transforms = TransformListener(component.node)
+
+    def close(self) -> None:
+        """Stop listening to transforms."""
+        self._transforms.close()
+
+    def pose(self) -> Pose2D | None:
+        """(x, y, yaw) in the world's frame, or None before it is known [m, m, rad]."""
+        message, frames = self._component.input("location").message, self._component.frames
+        if message is None:
+            return None
+        pose = pose_of(message)
+        if not all(math.isfinite(value) for value in pose):
+            return None
+        frame = getattr(getattr(message, "header", None), "frame_id", "") or frames.odom
+        if frame == frames.world:
+            return pose
+        self._transforms.want_moving()
+        try:
+            to_world = self._transforms.tree.planar(frames.world, frame)
+        except TransformError as error:
+            self._component.warn(f"location is in '{frame}': {error}")
+            return None
+        x, y, yaw = compose(to_world, pose)
+        return float(x), float(y), float(yaw)
+
+    def speed(self) -> tuple[float, float, float]:
+        """(vx, vy, omega) of the robot; zero when the location does not tell [m/s, rad/s]."""
+        message = self._component.input("location").message
+        return speed_of(message) if hasattr(message, "twist") else (0.0, 0.0, 0.0)
+
+    def of_sensor(self, frame: str) -> Pose2D:
+        """Where a sensor is mounted, in the robot's frame.
+
+        Raises
+        ------
+        TransformError
+            When nothing has told yet.
+        """
+        base = self._component.frames.robot_base
+        if not frame or frame == base:
+            return 0.0, 0.0, 0.0
+        return self._transforms.tree.planar(base, frame)

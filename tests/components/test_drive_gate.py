@@ -1,0 +1,203 @@
+"""The gate before the wheels, without ROS: what is sent, how much of it, and why not all."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kompass.algorithms.following.limits import Limits
+from kompass.algorithms.safety.velocity_limiter import VelocityLimits
+from kompass.components.drive.command_queue import STILL, Twist2D
+from kompass.components.drive.drive_gate import SETTLE, DriveGate, GateInput, GateLimits, Verdict
+
+AHEAD: Twist2D = (0.2, 0.0, 0.0)
+NOTHING = np.empty((0, 2))
+WALL = np.array([[0.13, y] for y in np.linspace(-0.3, 0.3, 61)])
+FARTHER = WALL + np.array([0.16, 0.0])
+PERIOD = 0.05
+SLUGGISH = VelocityLimits(vx=Limits(0.5, 1.0, 1.0), omega=Limits(1.0, 1.0, 1.0))
+
+
+def limits(**changed: Any) -> GateLimits:
+    axes = VelocityLimits(vx=Limits(0.5, 5.0, 5.0), omega=Limits(1.5, 10.0, 10.0))
+    given: dict[str, Any] = {
+        "velocity": axes,
+        "radius": 0.1,
+        "critical_distance": 0.05,
+        "slowdown_distance": 0.2,
+        "odometry_timeout": 0.5,
+        "period": PERIOD,
+    }
+    return GateLimits(**{**given, **changed})
+
+
+def known(wanted: Twist2D | None = AHEAD, **changed: Any) -> GateInput:
+    given: dict[str, Any] = {
+        "command_stale": False,
+        "obstacles": NOTHING,
+        "odometry_age": 0.0,
+        "stopped": False,
+    }
+    return GateInput(wanted, **{**given, **changed})
+
+
+def after(gate: DriveGate, given: GateInput, turns: int = 20, begin: float = 0.0) -> Verdict:
+    for turn in range(turns):
+        verdict = gate.judge(given, begin + turn * PERIOD)
+    return verdict
+
+
+def test_a_free_way_gives_the_whole_command() -> None:
+    verdict = after(DriveGate(limits()), known())
+    assert (verdict.factor, verdict.limited_by, verdict.emergency) == (1.0, "", False)
+    assert verdict.twist == pytest.approx(AHEAD)
+
+
+def test_a_command_is_approached_within_the_acceleration() -> None:
+    gate = DriveGate(
+        limits(velocity=VelocityLimits(vx=Limits(0.5, 1.0, 1.0), omega=Limits(1, 1, 1)))
+    )
+    speeds = [
+        verdict.twist[0] for n in range(4) if (verdict := gate.judge(known(), n * PERIOD)).twist
+    ]
+    assert speeds == pytest.approx([0.05, 0.1, 0.15, 0.2])
+
+
+@pytest.mark.parametrize(
+    ("changed", "why"),
+    [
+        ({"stopped": True}, "stop"),
+        ({"odometry_age": 0.51}, "odometry stale"),
+        ({"obstacles": None}, "scan stale"),
+        ({"obstacles": WALL}, "obstacle"),
+        # STOP is named first: a person must know that it is what holds the robot.
+        ({"stopped": True, "odometry_age": math.inf, "obstacles": None}, "stop"),
+        ({"odometry_age": math.inf, "obstacles": None}, "odometry stale"),
+        ({"obstacles": WALL, "command_stale": True}, "obstacle"),
+    ],
+)
+def test_what_holds_the_robot_stops_it_at_once_and_is_named(
+    changed: dict[str, Any], why: str
+) -> None:
+    gate = DriveGate(limits())
+    after(gate, known())
+    verdict = gate.judge(known(**changed), 1.0)
+    assert (verdict.twist, verdict.factor, verdict.limited_by) == (STILL, 0.0, why)
+
+
+def test_an_odometry_as_old_as_allowed_still_counts() -> None:
+    assert DriveGate(limits()).judge(known(odometry_age=0.5), 0.0).limited_by == ""
+
+
+def test_nearer_means_slower_and_the_curve_is_kept() -> None:
+    wanted = (0.2, 0.0, 0.4)
+    verdict = after(DriveGate(limits()), known(wanted, obstacles=FARTHER))
+    assert 0.0 < verdict.factor < 1.0
+    assert verdict.limited_by == "obstacle"
+    assert verdict.twist is not None
+    assert verdict.twist[2] / verdict.twist[0] == pytest.approx(2.0)
+
+
+def test_a_blocked_way_still_allows_the_turn_that_leads_out_of_it() -> None:
+    gate = DriveGate(limits())
+    turning = after(gate, known((0.2, 0.0, 0.5), obstacles=WALL))
+    assert turning.twist == pytest.approx((0.0, 0.0, 0.5))
+    assert (turning.factor, turning.limited_by, turning.emergency) == (0.0, "obstacle", False)
+    straight = gate.judge(known((0.2, 0.0, 0.05), obstacles=WALL), 2.0)
+    assert (straight.twist, straight.emergency) == (STILL, True)
+
+
+def test_the_emergency_is_a_level_that_ends_by_itself() -> None:
+    gate = DriveGate(limits())
+    assert gate.judge(known(obstacles=WALL), 0.0).emergency
+    assert not gate.judge(known(), PERIOD).emergency
+
+
+def test_with_nothing_wanted_the_way_that_the_robot_went_last_counts() -> None:
+    gate = DriveGate(limits())
+    assert not gate.judge(known(None, obstacles=WALL), 0.0).emergency
+    after(gate, known((-0.2, 0.0, 0.0)), begin=1.0)
+    assert not gate.judge(known(None, obstacles=WALL), 3.0).emergency
+    assert gate.judge(known(None, obstacles=-WALL), 3.1).emergency
+    after(gate, known(AHEAD), begin=4.0)
+    assert gate.judge(known(None, obstacles=WALL), 6.0).emergency
+
+
+def test_a_stale_command_is_named() -> None:
+    verdict = DriveGate(limits()).judge(known(None, command_stale=True), 0.0)
+    assert (verdict.factor, verdict.limited_by) == (1.0, "command stale")
+
+
+def test_the_gate_falls_silent_when_nothing_moves_for_long() -> None:
+    gate = DriveGate(limits())
+    assert gate.judge(known(None), 0.0).twist is None
+    after(gate, known(), begin=1.0)
+    ended = 1.0 + 19 * PERIOD
+    assert gate.judge(known(None), ended + SETTLE).twist is not None
+    after(gate, known(None), begin=ended + SETTLE)
+    assert gate.judge(known(None), 10.0).twist is None
+
+
+def test_stop_is_repeated_however_long_it_lasts() -> None:
+    gate = DriveGate(limits())
+    assert all(gate.judge(known(None, stopped=True), t).twist == STILL for t in (0.0, 100.0))
+
+
+def test_after_a_halt_of_somebody_else_the_robot_sets_out_from_rest() -> None:
+    gate = DriveGate(
+        limits(velocity=VelocityLimits(vx=Limits(0.5, 1.0, 1.0), omega=Limits(1, 1, 1)))
+    )
+    after(gate, known())
+    gate.halted()
+    assert gate.judge(known(), 2.0).twist == pytest.approx((0.05, 0.0, 0.0))
+
+
+def test_without_a_safety_stop_obstacles_do_not_count() -> None:
+    gate = DriveGate(limits(safety_stop=False))
+    for obstacles in (WALL, None):
+        verdict = gate.judge(known(obstacles=obstacles), 0.0)
+        assert (verdict.factor, verdict.limited_by, verdict.emergency) == (1.0, "", False)
+
+
+def test_without_need_of_a_scan_one_that_is_there_still_counts() -> None:
+    gate = DriveGate(limits(needs_scan=False))
+    assert gate.judge(known(obstacles=None), 0.0).limited_by == ""
+    assert gate.judge(known(obstacles=WALL), PERIOD).limited_by == "obstacle"
+
+
+def test_other_limits_count_from_the_next_turn_on() -> None:
+    gate = DriveGate(limits())
+    assert gate.judge(known(obstacles=FARTHER), 0.0).factor < 1.0
+    gate.set_limits(limits(critical_distance=0.01, slowdown_distance=0.02))
+    assert gate.judge(known(obstacles=FARTHER), PERIOD).factor == 1.0
+
+
+def test_a_command_that_is_not_finite_is_refused() -> None:
+    with pytest.raises(ValueError, match="finite"):
+        DriveGate(limits()).judge(known((math.nan, 0.0, 0.0)), 0.0)
+
+
+speeds = st.floats(-2.0, 2.0)
+places = st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)), max_size=8)
+
+
+@given(st.lists(st.tuples(speeds, speeds, places, st.booleans()), min_size=1, max_size=12))
+def test_no_command_is_ever_beyond_the_limits_or_through_a_stop(
+    turns: list[tuple[float, float, list[tuple[float, float]], bool]],
+) -> None:
+    gate = DriveGate(limits())
+    for n, (v, omega, points, stopped) in enumerate(turns):
+        obstacles = np.array(points).reshape(-1, 2)
+        verdict = gate.judge(
+            known((v, 0.0, omega), obstacles=obstacles, stopped=stopped), n * PERIOD
+        )
+        assert verdict.twist is not None
+        assert abs(verdict.twist[0]) <= 0.5 + 1e-9
+        assert abs(verdict.twist[2]) <= 1.5 + 1e-9
+        if verdict.factor == 0.0:
+            assert verdict.twist[:2] == (0.0, 0.0)
+        if stopped:
+            assert verdict.twist == STILL

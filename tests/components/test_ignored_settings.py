@@ -1,0 +1,167 @@
+"""A setting without effect: read from older recipes and files, told once, closed to rules."""
+
+import logging
+from pathlib import Path
+from typing import Any, ClassVar
+
+import pytest
+from automatika_ros_sugar.srv import ChangeParameter
+
+from kompass.actions import update_parameter
+from kompass.components import (
+    Component,
+    ComponentConfig,
+    Controller,
+    ControllerConfig,
+    DriveManager,
+    DriveManagerConfig,
+    LocalMapper,
+    MapConfig,
+    MapServer,
+    Planner,
+    PlannerConfig,
+)
+from kompass.components.base.parameter import ParameterError
+from kompass.control import DWAConfig
+from kompass.monitor.introspection.component_specs import component_spec
+from kompass.settings import Settings
+from tests.components.alive import Alive
+
+# Every name that older recipes may give a value, by the component that takes it.
+NAMES = {
+    "drive_manager": {
+        *("cmd_rate", "closed_loop", "closed_loop_span", "cmd_tolerance", "smooth_commands"),
+        *("critical_zone_angle", "use_gpu", "pointcloud_angle_resolution"),
+    },
+    "planner": {"algorithm", "depth_conversion_factor", "depth_range", "ompl.log_level"},
+    "controller": {"DVZ", "prediction_horizon", "debug", "DWA.costs_weights"},
+    "mapper": {
+        "scan_model",
+        *(
+            f"map_params.{name}"
+            for name in ("padding", "filter_limit", "max_points_per_line", "max_num_threads")
+        ),
+        "map_params.bayesian_update",
+        "map_params.baysian_update",
+    },
+    "map_server": set[str](),
+}
+OF_ALL = {"topic_try_wait_timeout", "executor_spin_timeout", "wait_for_restart_time"}
+
+
+def all_components() -> list[Component]:
+    return [DriveManager(), Planner(), Controller(), LocalMapper(), MapServer()]
+
+
+def told(caplog: pytest.LogCaptureFixture, name: str) -> list[str]:
+    return [text for record in caplog.records if f"'{name}'" in (text := record.getMessage())]
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: DriveManagerConfig(use_gpu=True), "use_gpu"),  # type: ignore[call-arg]
+        (lambda: PlannerConfig(depth_range=[0.1, 1.0]), "depth_range"),  # type: ignore[call-arg]
+        (lambda: ControllerConfig(debug=True), "debug"),  # type: ignore[call-arg]
+        (lambda: MapConfig(baysian_update=True), "baysian_update"),  # type: ignore[call-arg]
+        (lambda: DWAConfig(octree_resolution=0.1), "octree_resolution"),
+        (lambda: ComponentConfig(wait_for_restart_time=1.0), "wait_for_restart_time"),  # type: ignore[call-arg]
+    ],
+)
+def test_a_recipe_may_still_give_it(make: Any, name: str) -> None:
+    made = make()
+    assert name not in made.model_dump()
+    assert made.model_dump() == type(made)().model_dump()
+
+
+def test_it_is_told_once_with_the_place_and_the_reason(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = tmp_path / "told_once.yaml"
+    path.write_text(
+        "drive_manager: {closed_loop: false, scan_timeout: 0.7}\n"
+        "controller: {DWA: {drop_samples: true}}\n"
+    )
+    with caplog.at_level(logging.WARNING):
+        drivers = [DriveManager(config_file=str(path)) for _ in range(2)]
+        Controller(config_file=str(path))
+    assert [driver.config.scan_timeout for driver in drivers] == [0.7, 0.7]
+    (text,) = told(caplog, "closed_loop")
+    assert f"{path}, section 'drive_manager'" in text
+    assert "the base holds the commanded speed" in text
+    (text,) = told(caplog, "drop_samples")
+    assert "section 'controller', DWA" in text
+
+
+def test_assigning_it_changes_nothing_and_is_told(caplog: pytest.LogCaptureFixture) -> None:
+    config = DriveManagerConfig()
+    with caplog.at_level(logging.WARNING):
+        for _ in range(2):
+            config.smooth_commands = False  # type: ignore[attr-defined]
+    assert config.model_dump() == DriveManagerConfig().model_dump()
+    assert len(told(caplog, "smooth_commands")) == 1
+
+
+def test_a_mistyped_setting_is_still_an_error() -> None:
+    with pytest.raises(ValueError, match="use_gpus"):
+        DriveManagerConfig(use_gpus=True)  # type: ignore[call-arg]
+
+
+def test_rule_editors_are_not_offered_it() -> None:
+    for component in all_components():
+        spec = component_spec(component)
+        ignored = NAMES[component.node_name] | OF_ALL
+        assert ignored <= set(spec.ignored)
+        assert not set(spec.ignored) & set(spec.parameters)
+        assert not [name for name, each in spec.parameters.items() if "effect" in each.text]
+
+
+def test_a_recipe_that_lets_a_rule_set_it_is_refused_with_the_reason() -> None:
+    for name, value, why in (
+        ("use_gpu", True, "needs no GPU"),
+        ("closed_loop", False, "the base holds the commanded speed"),
+    ):
+        with pytest.raises(ParameterError, match=f"'{name}'.* would have no effect: .*{why}"):
+            update_parameter(component=DriveManager(), param_name=name, new_value=value)
+    with pytest.raises(ParameterError, match=r"'map_params\.padding'.* would have no effect"):
+        update_parameter(component=LocalMapper(), param_name="map_params.padding", new_value=0.1)
+
+
+def test_a_service_call_that_sets_it_is_refused_with_the_reason(run: Any) -> None:
+    alive: Alive = run(DriveManager())
+    request = ChangeParameter.Request(name="use_gpu", value="true", keep_alive=True)
+    answer = alive.call(ChangeParameter, "update_config_parameter", request)
+    assert not answer.success
+    assert "drive_manager: 'use_gpu' = True would have no effect" in answer.error_msg
+
+
+def test_a_component_of_ones_own_may_name_such_settings_too(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    class LampConfig(ComponentConfig):
+        ignored_settings: ClassVar = {"colour": "it is always white"}
+        # A name that the base ignores may mean something here.
+        wait_for_restart_time: float = 1.0
+
+    class Lamp(Component):
+        config_class = LampConfig
+        ignored_settings: ClassVar = {"shape": "it is always round"}
+
+    path = tmp_path / "lamp.yaml"
+    path.write_text("lamp: {colour: red, shape: oval, loop_rate: 3.0, wait_for_restart_time: 2.0}")
+    with caplog.at_level(logging.WARNING):
+        lamp = Lamp("lamp", config_file=str(path))
+    assert lamp.config.loop_rate == 3.0
+    assert isinstance(lamp.config, LampConfig)
+    assert lamp.config.wait_for_restart_time == 2.0
+    assert told(caplog, "colour")
+    assert told(caplog, "shape")
+    assert "wait_for_restart_time" in component_spec(lamp).parameters
+
+
+def test_plain_settings_ignore_nothing() -> None:
+    class Plain(Settings):
+        number: int = 0
+
+    with pytest.raises(ValueError, match="colour"):
+        Plain(colour="red")  # type: ignore[call-arg]

@@ -1,0 +1,50 @@
+"""What recipes and components of one's own may use: these names, and no fewer."""
+
+import pytest
+
+from kompass.components import (
+    Component,
+    Controller,
+    DriveManager,
+    LocalMapper,
+    MapServer,
+    Planner,
+)
+
+OF_ALL = """
+allowed_inputs allowed_outputs allowed_run_types apply_config_file available_actions awaits
+broadcast_status call_action config_class create_interfaces create_node create_timer
+custom_on_activate custom_on_cleanup custom_on_configure custom_on_deactivate custom_on_shutdown
+default_inputs default_outputs destroy_timer fails frames get_in_topic get_out_topic ignored_inputs
+ignored_settings in_topic_name init_variables input inputs inputs_keys is_active is_starting leave
+longest_step loop_rate main_action_name main_action_type node on_activate on_algorithm_fail
+on_callback_error on_cleanup on_component_fail on_config_changed on_configure on_deactivate on_fail
+on_giveup on_shutdown on_system_fail on_transition_error out_topic_name outputs outputs_keys publish
+publish_status qos reconfigure replace_topic restart robot run_type set_input set_output set_param
+set_params settings_of_file sleep start status_topic steps_in_any_run_type stop stops_robot
+ui_main_action_input wants_input warn
+"""
+OF_AN_OBJECT = "action_problem config fallbacks health node_name on_intent"
+OWN = {
+    Component: "",
+    Planner: "trigger_main_action_server",
+    Controller: "algorithm algorithms_config direct_sensor set_algorithm",
+    LocalMapper: "",
+    DriveManager: "move_backward move_forward move_to_unblock rotate_in_place",
+    MapServer: "",
+}
+
+
+def public(names: object) -> set[str]:
+    return {name for name in dir(names) if not name.startswith("_")}
+
+
+@pytest.mark.parametrize("kind", OWN, ids=lambda kind: kind.__name__)
+def test_a_component_has_these_public_names(kind: type[Component]) -> None:
+    of_class = set(OF_ALL.split()) | set(OWN[kind].split())
+    assert public(kind) == of_class
+    assert public(kind("some_name")) == of_class | set(OF_AN_OBJECT.split())
+
+
+def test_the_step_of_the_main_loop_is_overridden_under_its_known_name() -> None:
+    assert all(hasattr(kind, "_execution_step") for kind in OWN)
