@@ -53,18 +53,18 @@ def message(topic: str, at: float) -> bytes:
 def record(recordings: Path, table: Table, seconds: float) -> None:
     """Write a recording as the monitor and the recorder do."""
     lane = ShmQueue()
-    event_log = RecorderEventLog(lane)
+    tape = RecorderEventLog(lane)
     recorder = Recorder(lane, recordings, lambda name: f"/{name}", lambda names: None)
     began = time.monotonic_ns()
     now, wall = began * 1e-9, (began + lane.offset_ns) * 1e-9
     kind, data = to_data(Began(now, wall, "made-up", 1, table))
-    event_log.event(kind, data, began)
+    tape.event(kind, data, began)
     highest = max(RATES.values())
     for count in range(int(seconds * highest)):
         at = count / highest
         for topic, rate in RATES.items():
             if count % (highest // rate) == 0:
-                event_log.message(topic, TYPES[topic], message(topic, at), began + int(at * 1e9))
+                tape.message(topic, TYPES[topic], message(topic, at), began + int(at * 1e9))
         if count % highest == 0:
             recorder.tick()
             recorder.flush()

@@ -77,12 +77,12 @@ def level(value: float) -> bytes:
 
 
 class Life:
-    """A stack's life: a monitor that writes its event log, and a recorder that takes it."""
+    """A stack's life: a monitor that writes its tape, and a recorder that takes it."""
 
     def __init__(self, recordings: Path) -> None:
         self.recordings = recordings
         self.lane = ShmQueue()
-        self.event_log = RecorderEventLog(self.lane)
+        self.tape = RecorderEventLog(self.lane)
         self.now_ns = 100 * NS
         self.left_out: set[str] = set()
         self.recorder = self.start()
@@ -96,7 +96,7 @@ class Life:
 
     def event(self, event: LoggedEvent) -> None:
         kind, data = to_data(event)
-        self.event_log.event(kind, data, self.now_ns)
+        self.tape.event(kind, data, self.now_ns)
 
     def begin(self, first: Table, epoch: str = "first") -> None:
         now = self.now_ns * 1e-9
@@ -105,7 +105,7 @@ class Life:
 
     def hear(self, value: float, topic: str = "level") -> None:
         self.now_ns += NS // 10 + 7
-        self.event_log.message(topic, FLOAT, level(value), self.now_ns)
+        self.tape.message(topic, FLOAT, level(value), self.now_ns)
 
     def fire(self, rule: Any, run: int) -> None:
         now = self.now_ns * 1e-9
@@ -211,7 +211,7 @@ def test_what_did_not_fit_is_told(life: Life) -> None:
     life.begin(table(5.0))
     life.recorder.tick()
     for _ in range(3):
-        life.event_log.message("level", FLOAT, bytes(5 << 20), life.now_ns)
+        life.tape.message("level", FLOAT, bytes(5 << 20), life.now_ns)
     life.hear(1.0)
     life.recorder.close()
 
@@ -343,7 +343,7 @@ def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_befor
         "first",
         handle=lambda outputs, *_: due.extend(o for o in outputs if isinstance(o, Firing)),
         wake=lambda _: None,
-        event_log=life.event_log,
+        event_log=life.tape,
         clock=lambda: life.now_ns,
         wall=lambda: (life.now_ns + life.lane.offset_ns) * 1e-9,
     )
