@@ -32,7 +32,7 @@ class Inside(NamedTuple):
     problem: str
 
 
-class Kept(NamedTuple):
+class KeptRecording(NamedTuple):
     """A recording that was kept.
 
     Attributes
@@ -80,7 +80,7 @@ class Recordings:
         self._seen: dict[str, _Seen] = {}
         self._lock = threading.Lock()
 
-    def kept(self) -> list[Kept]:
+    def kept(self) -> list[KeptRecording]:
         """All that was kept, the newest first.
 
         Raises
@@ -88,7 +88,7 @@ class Recordings:
         OSError
             When the folder cannot be read.
         """
-        found: list[Kept] = []
+        found: list[KeptRecording] = []
         for entry in self._entries():
             try:
                 status = entry.stat(follow_symlinks=False)
@@ -97,7 +97,9 @@ class Recordings:
             name = entry.name.removesuffix(SUFFIX)
             inside = self._inside(Path(entry.path), status)
             found.append(
-                Kept(name, status.st_mtime, status.st_size, name.startswith(PREFIX), inside)
+                KeptRecording(
+                    name, status.st_mtime, status.st_size, name.startswith(PREFIX), inside
+                )
             )
         with self._lock:
             there = {kept.name for kept in found}

@@ -19,7 +19,7 @@ from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
 from kompass_console.recordings import Recordings
 from kompass_console.scene.scene import Scene
-from kompass_console.schema.world import World
+from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 from kompass_console.web.audit import AuditTrail
 from kompass_console.web.auth import Authenticator, LoginLimiter
@@ -56,7 +56,7 @@ def run_console(
 @contextlib.contextmanager
 def running_console(settings: ConsoleSettings) -> Iterator[Console]:
     """A console's ROS link and scene, without its web server."""
-    world = World()
+    world = WorldModel()
     feed = StateFeed()
     rules_feed = RulesFeed()
     views = ViewRegistry(settings.theme)

@@ -72,7 +72,7 @@ class ConsoleListener:
     def announce(self) -> None:
         """Print the addresses."""
         typer.echo(
-            f"\n  ConsoleListener:    {self.url()}"
+            f"\n  Console:    {self.url()}"
             f"\n  To watch:   {self.url('viewer')}"
             f"\n  Engineer:   {self.url('engineer')}\n"
         )

@@ -9,12 +9,12 @@ from collections.abc import Callable
 import viser
 
 from kompass_console.scene.drawings import Converter, Drawings
+from kompass_console.scene.layers.preview import Preview
 from kompass_console.scene.page_scene import Memory, PageScene
 from kompass_console.scene.picking import floor_point
-from kompass_console.scene.preview_layer import Preview
 from kompass_console.scene.viser_hub import ViserHub
 from kompass_console.schema.models import View
-from kompass_console.schema.world import World
+from kompass_console.schema.world import WorldModel
 
 _PERIOD = 0.05  # s between two rounds while somebody watches
 _IDLE_PERIOD = 0.2
@@ -30,7 +30,7 @@ class PageNotConnected(LookupError):
 class Scene:
     """Draws the world on every connected page. `find_view` maps a view's id to its settings."""
 
-    def __init__(self, world: World, find_view: Callable[[str], View | None]) -> None:
+    def __init__(self, world: WorldModel, find_view: Callable[[str], View | None]) -> None:
         self._find_view = find_view
         self._drawings = Drawings()
         self._converter = Converter(world, self._drawings)

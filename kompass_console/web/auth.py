@@ -27,7 +27,7 @@ _REVOKED_MAX = 10_000
 
 
 @dataclass(frozen=True, slots=True)
-class Session:
+class LoginSession:
     """Who is logged in: display name, role, and the id and time (epoch s) of the log-in."""
 
     user: str
@@ -46,7 +46,7 @@ class Authenticator:
         self._now = now
         self._revoked: OrderedDict[str, None] = OrderedDict()
 
-    def log_in(self, token: str, user: str | None) -> Session | None:
+    def log_in(self, token: str, user: str | None) -> LoginSession | None:
         """Session for a right token, None for a wrong one. Compares every token, always."""
         found: Role | None = None
         for role, expected in self._tokens.items():
@@ -54,14 +54,16 @@ class Authenticator:
                 found = role
         if found is None:
             return None
-        return Session(_clean_name(user) or str(found), found, secrets.token_hex(8), self._now())
+        return LoginSession(
+            _clean_name(user) or str(found), found, secrets.token_hex(8), self._now()
+        )
 
-    def cookie(self, session: Session) -> str:
+    def cookie(self, session: LoginSession) -> str:
         """Signed cookie value of a session."""
         body = json.dumps([session.user, session.role, session.id, session.issued]).encode()
         return f"{_encode(body)}.{_encode(self._sign(session.role, body))}"
 
-    def session(self, cookie: str | None) -> Session | None:
+    def session(self, cookie: str | None) -> LoginSession | None:
         """Session of a cookie, or None when it is missing, forged, expired or logged out."""
         if not cookie:
             return None
@@ -77,9 +79,9 @@ class Authenticator:
             return None
         if session_id in self._revoked or self._now() - issued > SESSION_LIFETIME:
             return None
-        return Session(user, role, session_id, issued)
+        return LoginSession(user, role, session_id, issued)
 
-    def log_out(self, session: Session) -> None:
+    def log_out(self, session: LoginSession) -> None:
         """Refuse this session's cookie from now on, wherever a copy of it may be."""
         self._revoked[session.id] = None
         while len(self._revoked) > _REVOKED_MAX:

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from pydantic import JsonValue
+from pydantic import BaseModel, JsonValue
 
 from kompass.rulebook.schema.status import LeafReading
 from kompass.rules.schema.model import Model
@@ -68,3 +68,20 @@ class Journal(Model):
 
     firings: tuple[FiringRecord, ...]
     more: bool
+
+
+class FiringStep(BaseModel):
+    """One step in the life of a rule's run, as the monitor published it.
+
+    `details` has the leaves when it fired, and the action and its seconds when one ended.
+    """
+
+    time: float
+    rule_id: str
+    rule_hash: str
+    revision: int
+    run_id: int
+    phase: str
+    ok: bool
+    text: str
+    details: JsonValue

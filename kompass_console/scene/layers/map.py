@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import io
 import math
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 import viser
+from PIL import Image
 
-from kompass_console.scene.cells import OCCUPIED_FROM, blocks, rectangles
-from kompass_console.scene.palette import palette
-from kompass_console.scene.png import encode_palette
+from kompass.algorithms.geometry import transform_points
+from kompass.algorithms.grid import Grid
+from kompass_console.scene.layers.cells import OCCUPIED_FROM, blocks, rectangles
+from kompass_console.scene.layers.palette import palette
 from kompass_console.schema.models import Theme
-from kompass_console.schema.world import Grid, Pose
 
 _UNKNOWN, _HATCH, _FREE, _OCCUPIED = 0, 1, 2, 3
 
@@ -42,7 +44,7 @@ class Tile:
 class MapDrawing:
     """A map ready to be drawn. `bounds` (x0, y0, x1, y1) holds what is known, in the map frame."""
 
-    origin: Pose
+    origin: tuple[float, float, float]
     tiles: tuple[Tile, ...]
     wall_vertices: npt.NDArray[np.float32]
     wall_faces: npt.NDArray[np.uint32]
@@ -50,7 +52,7 @@ class MapDrawing:
     images: dict[Theme, tuple[bytes, ...]]
 
 
-def convert(grid: Grid) -> MapDrawing:
+def map_drawing(grid: Grid) -> MapDrawing:
     """Drawing of a map, its tiles encoded for both themes."""
     classes = classify(grid.cells)
     height, width = classes.shape
@@ -99,13 +101,10 @@ def known_bounds(grid: Grid, classes: _Bytes) -> tuple[float, float, float, floa
     height, width = classes.shape
     r0, r1 = (int(rows[0]), int(rows[-1]) + 1) if rows.size else (0, height)
     c0, c1 = (int(columns[0]), int(columns[-1]) + 1) if columns.size else (0, width)
-    corners = [
-        grid.origin.compose(Pose(c * grid.resolution, r * grid.resolution, 0.0))
-        for r in (r0, r1)
-        for c in (c0, c1)
-    ]
-    xs, ys = [p.x for p in corners], [p.y for p in corners]
-    return min(xs), min(ys), max(xs), max(ys)
+    corners = np.array([(column, row) for row in (r0, r1) for column in (c0, c1)], np.float64)
+    seen = transform_points(grid.origin, corners * grid.resolution)
+    (x0, y0), (x1, y1) = seen.min(axis=0), seen.max(axis=0)
+    return float(x0), float(y0), float(x1), float(y1)
 
 
 def _hatched(classes: _Bytes, row: int, column: int) -> _Bytes:
@@ -117,10 +116,14 @@ def _hatched(classes: _Bytes, row: int, column: int) -> _Bytes:
 
 
 def _encoded(classes: _Bytes, theme: Theme) -> bytes:
+    """PNG of the few colours of a theme: kilobytes in milliseconds, where viser's own encoder takes
+    RGBA and, at the size of a building, tens of milliseconds."""
     colours = palette(theme)
-    return encode_palette(
-        classes, (colours.unknown, colours.unknown_line, colours.free, colours.occupied)
-    )
+    picture = Image.fromarray(classes)
+    picture.putpalette([*colours.unknown, *colours.unknown_line, *colours.free, *colours.occupied])
+    encoded = io.BytesIO()
+    picture.save(encoded, "PNG", compress_level=1)
+    return encoded.getvalue()
 
 
 class MapNodes:
@@ -135,8 +138,9 @@ class MapNodes:
         self._walls: viser.MeshHandle | None = None
 
     def draw(self, drawing: MapDrawing) -> None:
-        self._frame.position = (drawing.origin.x, drawing.origin.y, 0.0)
-        half = drawing.origin.yaw / 2.0
+        x, y, yaw = drawing.origin
+        self._frame.position = (x, y, 0.0)
+        half = yaw / 2.0
         self._frame.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
         for surplus in self._tiles[len(drawing.tiles) :]:
             surplus.remove()

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
-from kompass_console.scene.goal_layer import GoalNodes
-from kompass_console.scene.palette import palette
-from kompass_console.scene.path_layer import PathNodes, convert
+from kompass_console.scene.layers.goal import GoalNodes
+from kompass_console.scene.layers.palette import palette
+from kompass_console.scene.layers.path import PathNodes, path_segments
 from kompass_console.schema.models import Theme
 from kompass_console.schema.world import GoalMark
 
@@ -34,4 +34,4 @@ class PreviewNodes:
 
     def draw(self, preview: Preview | None) -> None:
         self._goal.draw(None if preview is None else preview.mark)
-        self._path.draw(convert(np.zeros((0, 2)) if preview is None else preview.path))
+        self._path.draw(path_segments(np.zeros((0, 2)) if preview is None else preview.path))

@@ -6,14 +6,14 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
-from kompass_console.scene.palette import Rgb
-from kompass_console.scene.shapes import Vertices, open_segments
+from kompass_console.scene.layers.palette import Rgb
+from kompass_console.scene.layers.shapes import Vertices, open_segments
 
 _HEIGHT = 0.03  # m above the floor
 _MOST_POINTS = 600  # a path is redrawn whole; more points than this cannot be told apart
 
 
-def convert(points: npt.NDArray[np.float64]) -> Vertices:
+def path_segments(points: npt.NDArray[np.float64]) -> Vertices:
     """Segments (N, 2, 3) of a path (M, 2); none when it has fewer than two points."""
     if len(points) < 2:
         return np.zeros((0, 2, 3), np.float32)

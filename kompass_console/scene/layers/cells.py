@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from kompass_console.scene.shapes import Faces, Vertices
+from kompass_console.scene.layers.shapes import Faces, Vertices
 
 OCCUPIED_FROM = 65  # of 100, as map_server and RViz draw it
 

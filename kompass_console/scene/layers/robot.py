@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
-from kompass_console.scene.palette import palette
-from kompass_console.scene.shapes import circle, closed_segments, prism
+from kompass_console.scene.layers.palette import palette
+from kompass_console.scene.layers.shapes import circle, closed_segments, prism
 from kompass_console.schema.models import Theme
 from kompass_console.schema.world import Pose
 

@@ -16,12 +16,14 @@ from kompass_interfaces.action import PlanPath
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from kompass_console.link.convert import seconds, yaw_of
-from kompass_console.link.discovery import Graph, action_names
-from kompass_console.link.follower import ActionStatus, Ending, GoalFollower
-from kompass_console.link.reader import Reader
-from kompass_console.link.services import NoAnswer, ServicePool
-from kompass_console.schema.world import World
+from kompass.algorithms.geometry import quaternion_from_yaw
+from kompass.rclpy_ext.reply import NoAnswer
+from kompass_console.link.goals.follower import ActionStatus, Ending, GoalFollower
+from kompass_console.link.graph.convert import seconds, yaw_of
+from kompass_console.link.graph.discovery import Graph, action_names
+from kompass_console.link.graph.reader import Reader
+from kompass_console.link.graph.services import ServicePool
+from kompass_console.schema.world import WorldModel
 
 GoalTopic = Literal["/goal_pose", "/clicked_point"]
 POSE_TOPIC: GoalTopic = "/goal_pose"
@@ -52,7 +54,7 @@ class Listeners:
 class Goals:
     """The goal topics and every PlanPath action on the graph."""
 
-    def __init__(self, node: Node, world: World, changed: Callable[[], None]) -> None:
+    def __init__(self, node: Node, world: WorldModel, changed: Callable[[], None]) -> None:
         self._node = node
         self._world = world
         self.follower = GoalFollower(world, changed)
@@ -211,7 +213,7 @@ def pose_message(x: float, y: float, yaw: float) -> Any:
     """geometry_msgs/Pose of a planar pose."""
     pose = PoseStamped().pose
     pose.position.x, pose.position.y = float(x), float(y)
-    pose.orientation.z, pose.orientation.w = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
+    _, _, pose.orientation.z, pose.orientation.w = quaternion_from_yaw(yaw)
     return pose
 
 

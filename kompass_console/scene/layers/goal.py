@@ -7,8 +7,8 @@ import math
 import numpy as np
 import viser
 
-from kompass_console.scene.palette import Rgb
-from kompass_console.scene.shapes import circle, closed_segments, flat_arrow
+from kompass_console.scene.layers.palette import Rgb
+from kompass_console.scene.layers.shapes import circle, closed_segments, flat_arrow
 from kompass_console.schema.world import GoalMark
 
 _RADIUS = 0.14  # m

@@ -20,7 +20,7 @@ from kompass.rules.schema.actions import Log
 from kompass.rules.schema.conditions import Condition, leaves
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.table import Rule, Table
-from kompass_console.link.topic_watch import CannotOpen, TopicWatch
+from kompass_console.link.rules.topic_watch import CannotOpen, TopicWatch
 from kompass_console.schema.rule_models import ProbeReading
 
 MOST_LEAVES = 100  # of a condition and its clear condition
@@ -28,17 +28,17 @@ MOST_LEAVES = 100  # of a condition and its clear condition
 _RULE = "probe"
 
 
-class Probe:
+class ConditionProbe:
     """One condition, hearing its topics from its making to `close`.
 
     The rule that carries it is switched off: its leaves are judged, and nothing ever fires.
     """
 
     def __init__(
-        self, probe_id: str, condition: Condition, clear: Condition | None, taps: TopicWatch
+        self, probe_id: str, condition: Condition, clear: Condition | None, topics: TopicWatch
     ) -> None:
         self._id = probe_id
-        self._taps = taps
+        self._topics = topics
         self._lock = threading.Lock()
         self._error = ""
         self._running: tuple[CompiledTable, State] | None = None
@@ -55,7 +55,7 @@ class Probe:
 
     def close(self) -> None:
         """Hear nothing any more."""
-        self._taps.close(self)
+        self._topics.close(self)
 
     def reading(self) -> ProbeReading:
         """How it is judged now; any thread."""
@@ -87,7 +87,7 @@ class Probe:
                 raise CannotOpen(f"/{name} is given two types: {', '.join(sorted(kinds))}.")
             topics[name] = next(iter(kinds), None)
         with self._lock:
-            heard = self._taps.open(self, topics)
+            heard = self._topics.open(self, topics)
             state = initial_state(
                 table, min((e.at for e in heard.values()), default=time.monotonic())
             )

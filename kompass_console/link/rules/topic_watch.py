@@ -10,8 +10,8 @@ from typing import Any, NamedTuple, Protocol
 from rclpy.node import Node
 
 from kompass.rclpy_ext.messages import ros_class
-from kompass_console.link.discovery import Graph
-from kompass_console.link.reader import Reader
+from kompass_console.link.graph.discovery import Graph
+from kompass_console.link.graph.reader import Reader
 
 MOST_TOPICS = 48  # of all pages together
 
@@ -23,26 +23,26 @@ class CannotOpen(Exception):
     """A topic cannot be looked into; the message is a sentence."""
 
 
-class Heard(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """A message and when it came (monotonic s)."""
 
     message: Any
     at: float
 
 
-class Listener(Protocol):
+class TopicListener(Protocol):
     """Who looks into topics."""
 
     def hear(self, topic: str, message: Any, at: float) -> None:
         """A message has come. On the link's thread."""
 
 
-class _Tap:
+class _WatchedTopic:
     def __init__(self, node: Node, topic: str, kind: str) -> None:
         self.topic = topic
         self.kind = kind
-        self.listeners: tuple[Listener, ...] = ()
-        self.newest: Heard | None = None
+        self.listeners: tuple[TopicListener, ...] = ()
+        self.newest: ReceivedMessage | None = None
         self.left_at = 0.0
         self._reader: Reader[Any] = Reader(
             node, ros_class(kind), lambda message: message, self._store, latched=True, depth=_DEPTH
@@ -56,7 +56,7 @@ class _Tap:
         self._reader.close()
 
     def _store(self, message: Any) -> None:
-        heard = Heard(message, time.monotonic())
+        heard = ReceivedMessage(message, time.monotonic())
         self.newest = heard
         for listener in self.listeners:
             listener.hear(self.topic, heard.message, heard.at)
@@ -72,7 +72,7 @@ class TopicWatch:
     def __init__(self, node: Node, run: Callable[[Callable[[], None]], None]) -> None:
         self._node = node
         self._run = run
-        self._taps: dict[str, _Tap] = {}
+        self._watched: dict[str, _WatchedTopic] = {}
         self._graph: Graph = {}
         self._lock = threading.Lock()
 
@@ -81,16 +81,20 @@ class TopicWatch:
         self._graph = published
         now = time.monotonic()
         with self._lock:
-            idle = [t for t in self._taps.values() if not t.listeners and now - t.left_at > _LINGER]
-            for tap in idle:
-                del self._taps[tap.topic]
-            open_ones = list(self._taps.values())
-        for tap in idle:
-            tap.close()
-        for tap in open_ones:
-            tap.fit()
+            idle = [
+                t for t in self._watched.values() if not t.listeners and now - t.left_at > _LINGER
+            ]
+            for watched in idle:
+                del self._watched[watched.topic]
+            still_open = list(self._watched.values())
+        for watched in idle:
+            watched.close()
+        for watched in still_open:
+            watched.fit()
 
-    def open(self, listener: Listener, wanted: dict[str, str | None]) -> dict[str, Heard]:
+    def open(
+        self, listener: TopicListener, wanted: dict[str, str | None]
+    ) -> dict[str, ReceivedMessage]:
         """Let somebody hear topics; what they said last. Any thread.
 
         Parameters
@@ -105,36 +109,37 @@ class TopicWatch:
         """
         topics = {topic: self._checked(topic, kind) for topic, kind in wanted.items()}
         with self._lock:
-            new = {topic: kind for topic, kind in topics.items() if topic not in self._taps}
+            new = {topic: kind for topic, kind in topics.items() if topic not in self._watched}
             for topic, kind in topics.items():
-                if topic not in new and self._taps[topic].kind != kind:
-                    raise CannotOpen(
-                        f"/{topic} is being looked at as {self._taps[topic].kind}, not as {kind}."
-                    )
-            if len(self._taps) + len(new) > MOST_TOPICS:
+                known = kind if topic in new else self._watched[topic].kind
+                if known != kind:
+                    raise CannotOpen(f"/{topic} is being looked at as {known}, not as {kind}.")
+            if len(self._watched) + len(new) > MOST_TOPICS:
                 raise CannotOpen(
                     f"More than {MOST_TOPICS} topics are being looked at; close another editor."
                 )
             for topic, kind in new.items():
-                self._taps[topic] = _Tap(self._node, topic, kind)
+                self._watched[topic] = _WatchedTopic(self._node, topic, kind)
             for topic in topics:
-                self._taps[topic].listeners += (listener,)
-            taps = [self._taps[topic] for topic in new]
+                self._watched[topic].listeners += (listener,)
+            new_ones = [self._watched[topic] for topic in new]
 
         def fit() -> None:
-            for tap in taps:
-                tap.fit()
+            for watched in new_ones:
+                watched.fit()
 
         self._run(fit)
-        return {topic: heard for topic in topics if (heard := self._taps[topic].newest)}
+        return {topic: heard for topic in topics if (heard := self._watched[topic].newest)}
 
-    def close(self, listener: Listener) -> None:
+    def close(self, listener: TopicListener) -> None:
         """Let somebody hear nothing any more. Any thread."""
         with self._lock:
-            for tap in self._taps.values():
-                if listener in tap.listeners:
-                    tap.listeners = tuple(each for each in tap.listeners if each is not listener)
-                    tap.left_at = time.monotonic()
+            for watched in self._watched.values():
+                if listener in watched.listeners:
+                    watched.listeners = tuple(
+                        each for each in watched.listeners if each is not listener
+                    )
+                    watched.left_at = time.monotonic()
 
     def _checked(self, topic: str, kind: str | None) -> str:
         there = self._graph.get(f"/{topic}")

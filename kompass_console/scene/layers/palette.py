@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from kompass_console.schema.models import Theme
 
 Rgb = tuple[int, int, int]
-Rgba = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,10 +17,10 @@ class Palette:
     """One theme's colours; `floor` is the colour behind everything."""
 
     floor: Rgb
-    free: Rgba
-    occupied: Rgba
-    unknown: Rgba
-    unknown_line: Rgba
+    free: Rgb
+    occupied: Rgb
+    unknown: Rgb
+    unknown_line: Rgb
     wall: Rgb
     obstacle: Rgb
     path: Rgb
@@ -36,10 +35,10 @@ class Palette:
 
 _LIGHT = Palette(
     floor=(236, 238, 240),
-    free=(250, 251, 252, 255),
-    occupied=(74, 82, 92, 255),
-    unknown=(222, 226, 230, 255),
-    unknown_line=(212, 217, 222, 255),
+    free=(250, 251, 252),
+    occupied=(74, 82, 92),
+    unknown=(222, 226, 230),
+    unknown_line=(212, 217, 222),
     wall=(112, 121, 132),
     obstacle=(226, 122, 36),
     path=(28, 110, 220),
@@ -54,10 +53,10 @@ _LIGHT = Palette(
 
 _DARK = Palette(
     floor=(23, 27, 32),
-    free=(43, 49, 57, 255),
-    occupied=(150, 160, 172, 255),
-    unknown=(30, 35, 41, 255),
-    unknown_line=(37, 43, 50, 255),
+    free=(43, 49, 57),
+    occupied=(150, 160, 172),
+    unknown=(30, 35, 41),
+    unknown_line=(37, 43, 50),
     wall=(128, 138, 150),
     obstacle=(240, 156, 72),
     path=(96, 165, 250),

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import viser
 
-from kompass_console.scene.map_layer import WALL_HEIGHT
-from kompass_console.scene.palette import palette
-from kompass_console.scene.shapes import Vertices, placed
+from kompass_console.scene.layers.map import WALL_HEIGHT
+from kompass_console.scene.layers.palette import palette
+from kompass_console.scene.layers.shapes import Vertices, placed
 from kompass_console.schema.models import Theme
 from kompass_console.schema.world import Pose, Scan
 
@@ -16,7 +16,7 @@ _POINT = 0.013  # m
 _MOST_POINTS = 2000
 
 
-def convert(scan: Scan, sensor: Pose) -> Vertices:
+def scan_points(scan: Scan, sensor: Pose) -> Vertices:
     """Points (N, 3) where the beams ended, in the map frame, of a scan taken with the sensor at
     `sensor`; beams without a return are left out."""
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kompass_console.schema.models import GoalInfo, GoalPhase
-from kompass_console.schema.world import GoalMark, Motion, World
+from kompass_console.schema.world import GoalMark, RobotMotion, WorldModel
 
 ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)  # action_msgs/GoalStatus
 
@@ -94,7 +94,7 @@ class GoalFollower:
 
     def __init__(
         self,
-        world: World,
+        world: WorldModel,
         changed: Callable[[], None],
         *,
         now: Callable[[], float] = time.monotonic,
@@ -339,5 +339,5 @@ def length_left(path: npt.NDArray[np.float64], position: tuple[float, float]) ->
     return float(lengths[nearest:].sum() - share[nearest] * lengths[nearest])
 
 
-def _distance(motion: Motion, goal: _Goal) -> float:
+def _distance(motion: RobotMotion, goal: _Goal) -> float:
     return math.hypot(motion.pose.x - goal.x, motion.pose.y - goal.y)

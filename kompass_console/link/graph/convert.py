@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from kompass_console.schema.world import Grid, Motion, Pose, Scan
+from kompass.algorithms.geometry import yaw_from_quaternion
+from kompass.algorithms.grid import Grid
+from kompass_console.schema.world import Pose, RobotMotion, Scan
 
 
 def seconds(stamp: Any) -> float:
@@ -21,7 +23,7 @@ def seconds(stamp: Any) -> float:
 
 def yaw_of(q: Any) -> float:
     """Heading (rad) of a quaternion message."""
-    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+    return yaw_from_quaternion(q.x, q.y, q.z, q.w)
 
 
 def planar(pose: Any) -> Pose:
@@ -32,10 +34,10 @@ def planar(pose: Any) -> Pose:
     return Pose(float(pose.position.x), float(pose.position.y), yaw)
 
 
-def motion(message: Any) -> Motion:
+def motion(message: Any) -> RobotMotion:
     """nav_msgs/Odometry."""
     twist = message.twist.twist
-    return Motion(
+    return RobotMotion(
         planar(message.pose.pose),
         float(twist.linear.x),
         float(twist.angular.z),
@@ -59,16 +61,8 @@ def scan(message: Any) -> Scan:
 def grid(message: Any) -> Grid:
     """nav_msgs/OccupancyGrid."""
     info = message.info
-    cells = np.frombuffer(message.data, dtype=np.int8)
-    if info.width == 0 or info.height == 0 or len(cells) != info.width * info.height:
-        raise ValueError(
-            f"data has {len(cells)} cells, and info.width x info.height is "
-            f"{info.width} x {info.height}"
-        )
-    if not info.resolution > 0.0:
-        raise ValueError(f"info.resolution is {info.resolution} m; it must be positive")
-    cells = cells.reshape(info.height, info.width).copy()
-    return Grid(cells, float(info.resolution), planar(info.origin))
+    origin = planar(info.origin)
+    return Grid.from_row_major(message.data, info.width, info.height, info.resolution, origin)
 
 
 def path(message: Any) -> npt.NDArray[np.float64]:

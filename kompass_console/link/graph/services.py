@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
-import concurrent.futures
 from typing import Any
 
 from rclpy.node import Node
 
-from kompass_console.link.discovery import Graph, of_type
-
-
-class NoAnswer(Exception):
-    """Nobody offers the service, or it did not answer in time."""
-
-    def __init__(self, why: str) -> None:
-        super().__init__(why)
-        self.why = why
+from kompass.rclpy_ext.reply import NoAnswer, Reply
+from kompass_console.link.graph.discovery import Graph, of_type
 
 
 class ServicePool:
@@ -59,21 +50,5 @@ class ServicePool:
         client = None if name is None else clients.get(name)
         if client is None:
             raise NoAnswer(f"no service of type {self._type_name} is there")
-        asked = client.call_async(request)
-        answer: concurrent.futures.Future[Any] = concurrent.futures.Future()
-        answer.set_running_or_notify_cancel()
-        asked.add_done_callback(lambda done: _pass_on(done, answer))
-        try:
-            return await asyncio.wait_for(asyncio.shield(asyncio.wrap_future(answer)), timeout)
-        except TimeoutError:
-            client.remove_pending_request(asked)
-            raise NoAnswer(f"{name} did not answer within {timeout:g} s") from None
-
-
-def _pass_on(done: Any, answer: concurrent.futures.Future[Any]) -> None:
-    if done.cancelled():
-        answer.set_exception(NoAnswer("the call was cancelled"))
-    elif (error := done.exception()) is not None:
-        answer.set_exception(error)
-    else:
-        answer.set_result(done.result())
+        answer: Reply[Any] = Reply.of_service(client, request, timeout)
+        return await answer.answer()

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
-from kompass_console.scene.cells import OCCUPIED_FROM, blocks, rectangles
-from kompass_console.scene.map_layer import WALL_HEIGHT
-from kompass_console.scene.palette import palette
-from kompass_console.scene.shapes import Faces, Vertices, placed
+from kompass.algorithms.grid import Grid
+from kompass_console.scene.layers.cells import OCCUPIED_FROM, blocks, rectangles
+from kompass_console.scene.layers.map import WALL_HEIGHT
+from kompass_console.scene.layers.palette import palette
+from kompass_console.scene.layers.shapes import Faces, Vertices, placed
 from kompass_console.schema.models import Theme
-from kompass_console.schema.world import Grid
+from kompass_console.schema.world import Pose
 
 _HEIGHT = WALL_HEIGHT + 0.006  # m; just above the walls, so that the two never flicker
 _OPACITY = 0.6
@@ -33,11 +34,11 @@ class LocalMapDrawing:
     faces: Faces
 
 
-def convert(grid: Grid) -> LocalMapDrawing:
+def local_map_drawing(grid: Grid) -> LocalMapDrawing:
     """Drawing of a local occupancy grid."""
     areas = rectangles(grid.cells >= OCCUPIED_FROM)[:_MOST_AREAS]
     vertices, faces = blocks(areas * grid.resolution, 0.0, _HEIGHT, sides=False)
-    return LocalMapDrawing(placed(vertices, grid.origin), faces)
+    return LocalMapDrawing(placed(vertices, Pose(*grid.origin)), faces)
 
 
 class LocalMapNodes:
