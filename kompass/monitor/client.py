@@ -267,16 +267,16 @@ class MonitorClient:
     def __init__(self, node: Node, name: str, *, limit: float | None = None) -> None:
         self.name = name
         self._node, self._limit = node, limit
-        self._clients = {
-            kind.Request: (node.create_client(kind, f"{name}/{service}"), usual)
-            for kind, (service, usual) in _SERVICES.items()
-        }
+        self._clients: dict[type, tuple[Any, str, float]] = {}
+        for kind, (service, usual) in _SERVICES.items():
+            full = f"{name}/{service}"
+            self._clients[kind.Request] = (node.create_client(kind, full), full, usual)
         self._backtests = ActionClient(node, BacktestRules, f"{name}/backtest_rules")
         self._subscriptions: list[Any] = []
 
     def close(self) -> None:
         """Ask and hear nothing any more."""
-        for client, _ in self._clients.values():
+        for client, *_ in self._clients.values():
             self._node.destroy_client(client)
         self._backtests.destroy()
         for subscription in self._subscriptions:
@@ -487,8 +487,8 @@ class MonitorClient:
         read
             Makes something else of the answer.
         """
-        client, usual = self._clients[type(request)]
-        return Reply.of_service(client, request, self._limit or usual, read)
+        client, service, usual = self._clients[type(request)]
+        return Reply.of_service(client, service, request, self._limit or usual, read)
 
     def _look(self, request: Any, model: type[T]) -> Reply[Json[T]]:
         def read(answer: Any) -> Json[T]:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import math
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, InvalidStateError, wait
 from typing import Any, Self, TypeVar
+
+from rclpy.exceptions import InvalidHandle
 
 SEARCH_PERIOD = 0.02  # s between two looks for a server that is not there yet
 
@@ -57,6 +60,7 @@ class Reply(Future[T]):
         self._server, self._limit = server, limit
         self._ready, self._send, self._read = ready, send, read
         self._forget: Callable[[], object] | None = None
+        self._sending = threading.Lock()
         self.set_running_or_notify_cancel()
         self.begin()
 
@@ -64,25 +68,36 @@ class Reply(Future[T]):
     def of_service(
         cls,
         client: Any,
+        name: str,
         request: Any,
         limit: float | None,
         read: Callable[[Any], T] = lambda answer: answer,
     ) -> Self:
-        """Call a service by a client of rclpy."""
+        """Call a service by its name and a client of rclpy."""
 
         def send(answered: Callable[[Any], None]) -> Callable[[], object]:
             asked = client.call_async(request)
             asked.add_done_callback(answered)
             return lambda: client.remove_pending_request(asked)
 
-        ready = client.service_is_ready
-        return cls(client.service_name, limit, ready=ready, send=send, read=read)
+        return cls(name, limit, ready=client.service_is_ready, send=send, read=read)
 
     def begin(self) -> bool:
-        """Send the request if it was not sent and its server is connected; whether it is sent."""
-        if self._forget is None and self._ready():
-            self._forget = self._send(self._answered)
-        return self._forget is not None
+        """Send the request if it was not sent and its server is connected.
+
+        Returns
+        -------
+        bool
+            Whether there is no more to be sent.
+        """
+        with self._sending:
+            if self._forget is None and not self.done():
+                try:
+                    if self._ready():
+                        self._forget = self._send(self._answered)
+                except InvalidHandle:
+                    self.set_exception(NoAnswer(f"{self._server} has just gone"))
+            return self._forget is not None or self.done()
 
     async def answer(self) -> T:
         """Wait in asyncio; the result.

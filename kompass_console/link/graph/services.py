@@ -48,7 +48,7 @@ class ServicePool:
         clients = self._clients
         name = min(clients, default=None) if name is None else name
         client = None if name is None else clients.get(name)
-        if client is None:
+        if client is None or name is None:
             raise NoAnswer(f"no service of type {self._type_name} is there")
-        answer: Reply[Any] = Reply.of_service(client, request, timeout)
+        answer: Reply[Any] = Reply.of_service(client, name, request, timeout)
         return await answer.answer()
