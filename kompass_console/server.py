@@ -43,7 +43,10 @@ def run_console(
     Call it in a process of its own (forked before rclpy.init) or in the main process. It returns
     within a second of being told to; nobody is waited for who still has the page open.
 
-    Raises RuntimeError when the installed viser is another version than the one it drives.
+    Raises
+    ------
+    RuntimeError
+        When the installed viser is another version than the one it drives.
     """
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _NOT_SENT_LOW_WATER)
     # asyncio does so itself only for sockets that were made with their protocol named. Without it

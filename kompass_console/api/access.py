@@ -25,7 +25,13 @@ def session_cookie(connection: HTTPConnection) -> str:
 
 
 def session_of(connection: HTTPConnection) -> LoginSession:
-    """Who is asking. Raises ConsoleError 401 when nobody is logged in."""
+    """Who is asking.
+
+    Raises
+    ------
+    ConsoleError
+        401 when nobody is logged in.
+    """
     session = console_of(connection).auth.session(
         connection.cookies.get(session_cookie(connection))
     )

@@ -70,7 +70,10 @@ class DriveLink:
     async def stop(self, operator: str, reason: str) -> DriveAnswer:
         """Latch STOP in every drive manager; accepted when all have said so.
 
-        Raises NoAnswer when there is none or one does not answer within `STOP_TIMEOUT`.
+        Raises
+        ------
+        NoAnswer
+            When there is none or one does not answer within `STOP_TIMEOUT`.
         """
         request = StopRobot.Request(operator_name=operator, reason=reason)
         return await _ask_all(self._stops, request)

@@ -56,9 +56,16 @@ class CheckAnswer:
 
 
 class RosLink:
-    """One rclpy context, node and thread. `changed` is called on any thread when the goal, the
-    drive manager's word or a component's status has changed, `rules_said` when the monitor has
-    spoken of the rules."""
+    """One rclpy context, node and thread.
+
+    Parameters
+    ----------
+    changed
+        Called on any thread when the goal, the drive manager's state or a component's status has
+        changed.
+    rules_said
+        Called when the monitor has said something of the rules.
+    """
 
     def __init__(
         self,
@@ -118,7 +125,10 @@ class RosLink:
     async def check_goal(self, x: float, y: float, yaw: float | None) -> CheckAnswer:
         """Ask the planner about a goal (m, rad, map frame).
 
-        Raises NoAnswer when no planner answers within `CHECK_TIMEOUT`.
+        Raises
+        ------
+        NoAnswer
+            When no planner answers within `CHECK_TIMEOUT`.
         """
         request = CheckGoal.Request(
             goal=pose_message(x, y, yaw or 0.0), use_heading=yaw is not None

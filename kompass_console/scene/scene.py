@@ -28,7 +28,13 @@ class PageNotConnected(LookupError):
 
 
 class Scene:
-    """Draws the world on every connected page. `find_view` maps a view's id to its settings."""
+    """Draws the world on every connected page.
+
+    Parameters
+    ----------
+    find_view
+        Maps a view's id to its settings; None for one that is not known.
+    """
 
     def __init__(self, world: WorldModel, find_view: Callable[[str], View | None]) -> None:
         self._find_view = find_view
@@ -42,11 +48,6 @@ class Scene:
         self.hub = ViserHub(self._connected, self._disconnected)
         self._thread = threading.Thread(target=self._work, name="scene", daemon=True)
         self._thread.start()
-
-    @property
-    def pages(self) -> int:
-        """Number of connected scenes."""
-        return len(self._pages)
 
     def stop(self) -> None:
         """End the scene's thread and viser's."""
@@ -81,7 +82,10 @@ class Scene:
         """Floor points (map frame, m) under points (u, v) of a page's picture; None above the
         horizon.
 
-        Raises PageNotConnected when that page's scene is not connected.
+        Raises
+        ------
+        PageNotConnected
+            When that page's scene is not connected.
         """
 
         def find() -> list[tuple[float, float] | None]:

@@ -93,18 +93,28 @@ class Authenticator:
 
 
 class LoginLimiter:
-    """At most `limit` failed log-ins per address and `window` seconds."""
+    """Refuses addresses that fail too often.
+
+    Parameters
+    ----------
+    limit
+        Failed log-ins that an address may have within a period.
+    period
+        Seconds.
+    addresses
+        Number of addresses that are remembered.
+    """
 
     def __init__(
         self,
         limit: int = 10,
-        window: float = 60.0,
+        period: float = 60.0,
         *,
         now: Callable[[], float] = time.monotonic,
         addresses: int = 1000,
     ) -> None:
         self._limit = limit
-        self._window = window
+        self._period = period
         self._now = now
         self._addresses = addresses
         self._failures: OrderedDict[str, deque[float]] = OrderedDict()
@@ -114,11 +124,11 @@ class LoginLimiter:
         failures = self._failures.get(address)
         if failures is None:
             return 0.0
-        while failures and self._now() - failures[0] > self._window:
+        while failures and self._now() - failures[0] > self._period:
             failures.popleft()
         if len(failures) < self._limit:
             return 0.0
-        return self._window - (self._now() - failures[0])
+        return self._period - (self._now() - failures[0])
 
     def failed(self, address: str) -> None:
         """Count one failed log-in."""

@@ -89,8 +89,15 @@ class _Heard:
 
 
 class GoalFollower:
-    """Follows one goal at a time, the newest. Events come from the link's thread and from the
-    web's; `changed` is called after each that matters."""
+    """Follows one goal at a time, the newest; told of events by the link's thread and the web's.
+
+    Parameters
+    ----------
+    changed
+        Called after each event that matters.
+    now
+        The time in s.
+    """
 
     def __init__(
         self,

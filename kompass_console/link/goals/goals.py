@@ -128,7 +128,10 @@ class Goals:
     async def cancel(self, timeout: float) -> bool:
         """Cancel the goal that runs; False when none does.
 
-        Raises NoAnswer when its action server does not answer.
+        Raises
+        ------
+        NoAnswer
+            When its action server does not answer.
         """
         target = self.follower.target()
         if target is None:

@@ -14,10 +14,19 @@ _logger = logging.getLogger(__name__)
 
 
 class Reader(Generic[T]):
-    """Converts each message of one topic and hands it to `store`.
+    """Converts each message of one topic and hands it on.
 
-    `latched` asks for the last message published before we came, when the publishers keep one;
-    otherwise delivery is best effort, which every publisher can serve.
+    Parameters
+    ----------
+    convert
+        Makes a value of a message; a message for which it raises ValueError is left out.
+    store
+        Takes the value, on the link's thread.
+    latched
+        Ask for the last message published before, when the publishers keep one; otherwise delivery
+        is best effort, which every publisher can serve.
+    depth
+        Messages that may wait.
     """
 
     def __init__(

@@ -43,7 +43,10 @@ class ServicePool:
     async def call(self, request: Any, timeout: float, name: str | None = None) -> Any:
         """The answer of the named (None: the first) service of the pool.
 
-        Raises NoAnswer when there is none, or after `timeout` seconds.
+        Raises
+        ------
+        NoAnswer
+            When there is none, or after `timeout` seconds.
         """
         clients = self._clients
         name = min(clients, default=None) if name is None else name

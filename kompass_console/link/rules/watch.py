@@ -19,13 +19,17 @@ _STEPS_KEPT = 200
 class RulesWatch:
     """The newest of each, and the last steps of firings.
 
-    `changed` is called when the top bar has something new to say, `lively` with each message.
-    Both on the link's thread.
+    Parameters
+    ----------
+    changed
+        Called when the top bar has something new to show; on the link's thread.
+    heard
+        Called with each message; on the link's thread.
     """
 
-    def __init__(self, changed: Callable[[], None], lively: Callable[[], None]) -> None:
+    def __init__(self, changed: Callable[[], None], heard: Callable[[], None]) -> None:
         self._changed = changed
-        self._lively = lively
+        self._heard = heard
         self._said: Latest[TableState] = Latest()
         self._alarms: Latest[tuple[Alarm, ...]] = Latest()
         self._steps: deque[tuple[int, FiringStep]] = deque(maxlen=_STEPS_KEPT)
@@ -77,17 +81,17 @@ class RulesWatch:
         self._said.set(said)
         if before is None or _what_matters(before.value) != _what_matters(said):
             self._changed()
-        self._lively()
+        self._heard()
 
     def _store_alarms(self, alarms: tuple[Alarm, ...]) -> None:
         self._alarms.set(alarms)
         self._changed()
-        self._lively()
+        self._heard()
 
     def _stepped(self, step: FiringStep) -> None:
         self._steps.append((self._count + 1, step))
         self._count += 1
-        self._lively()
+        self._heard()
 
 
 def _left(said: TableState, age: float) -> float:
