@@ -54,7 +54,7 @@ class KeptRecording(NamedTuple):
     inside: Inside
 
 
-class RingState(NamedTuple):
+class RotatingRecordingState(NamedTuple):
     """What the flight recorder has on disk: since when (seconds since the epoch), and bytes."""
 
     begin: float
@@ -106,16 +106,16 @@ class Recordings:
             self._seen = {name: seen for name, seen in self._seen.items() if name in there}
         return sorted(found, key=lambda kept: (kept.saved, kept.name), reverse=True)
 
-    def ring(self) -> RingState | None:
+    def rotating(self) -> RotatingRecordingState | None:
         """What the flight recorder has; None when it has nothing."""
         begin, size = 0.0, 0
         for path in rotation_files(ring_folder(self.folder)):
             try:
                 size += path.stat().st_size
                 begin = begin or self._read(path).begin
-            except FileNotFoundError:  # the ring went over it
+            except FileNotFoundError:  # it was just gone over
                 continue
-        return RingState(begin, size) if begin else None
+        return RotatingRecordingState(begin, size) if begin else None
 
     def free(self) -> int:
         """Bytes that are free on the disk of the recordings."""

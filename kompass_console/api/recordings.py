@@ -113,11 +113,11 @@ def _here(console: Console) -> Recordings:
 
 
 def _listed(found: Recordings) -> RecordingList:
-    ring = found.ring()
+    rotating = found.rotating()
     return RecordingList(
         here=True,
         recordings=[_info(kept) for kept in found.kept()],
-        ring=None if ring is None else RingInfo(begin=ring.begin, size=ring.size),
+        ring=None if rotating is None else RingInfo(begin=rotating.begin, size=rotating.size),
         free=found.free(),
     )
 

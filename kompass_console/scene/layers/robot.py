@@ -1,4 +1,4 @@
-"""The robot: a body with a clear front, inside the ring of its footprint."""
+"""The robot: a body with a clear front, inside the outline of its footprint."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from kompass_console.schema.models import Theme
 from kompass_console.schema.world import Pose
 
 _DEFAULT_RADIUS = 0.11  # m, until the footprint is known
-_RING_HEIGHT = 0.02
+_OUTLINE_HEIGHT = 0.02
 
 
 def outline(footprint: npt.NDArray[np.float64] | None) -> npt.NDArray[np.float64]:
@@ -38,8 +38,8 @@ class RobotNodes:
 
     def draw_body(self, footprint: npt.NDArray[np.float64] | None) -> None:
         """Build the body to the size of the footprint."""
-        ring = outline(footprint)
-        size = float(np.linalg.norm(ring, axis=1).max())
+        drawn = outline(footprint)
+        size = float(np.linalg.norm(drawn, axis=1).max())
         colours = self._palette
         body = circle(size * 0.86, 48)
         arrow = size * np.array([[0.78, 0.0], [-0.5, 0.58], [-0.24, 0.0], [-0.5, -0.58]])
@@ -50,7 +50,7 @@ class RobotNodes:
             self._mesh(f"front_{side}", *solid, colours.front)
         self._scene.add_line_segments(
             f"{self._name}/footprint",
-            closed_segments(ring, _RING_HEIGHT),
+            closed_segments(drawn, _OUTLINE_HEIGHT),
             colours.footprint,
             thickness=2.0,
             thickness_units="screen",

@@ -16,14 +16,14 @@ Faces = npt.NDArray[np.uint32]
 def prism(outline: npt.NDArray[np.float64], low: float, high: float) -> tuple[Vertices, Faces]:
     """Solid over a convex outline (N, 2), counter-clockwise, from z `low` to `high`; no bottom."""
     n = len(outline)
-    ring = np.arange(n)
-    following = (ring + 1) % n
+    corner = np.arange(n)
+    following = (corner + 1) % n
     top = np.column_stack([outline, np.full(n, high)])
     side_low = np.column_stack([outline, np.full(n, low)])
     vertices = np.concatenate([top, top, side_low])
     cap = np.column_stack([np.zeros(n - 2, int), np.arange(1, n - 1), np.arange(2, n)])
-    sides_a = np.column_stack([2 * n + ring, 2 * n + following, n + following])
-    sides_b = np.column_stack([2 * n + ring, n + following, n + ring])
+    sides_a = np.column_stack([2 * n + corner, 2 * n + following, n + following])
+    sides_b = np.column_stack([2 * n + corner, n + following, n + corner])
     return vertices.astype(np.float32), np.concatenate([cap, sides_a, sides_b]).astype(np.uint32)
 
 
