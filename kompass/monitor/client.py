@@ -115,7 +115,7 @@ class BacktestCanceled(Refused):
 
 
 class NotApplied(Refused):
-    """A change of the table was not made; another error stands behind it where it is this one.
+    """A change of the table was not made. Raised as itself when the table could not be stored.
 
     Attributes
     ----------

@@ -67,7 +67,7 @@ def no_monitor(error: NoAnswer) -> ConsoleError:
 
 
 def sentence(message: str) -> str:
-    """A message as a sentence; one that says nothing is said to."""
+    """A message as a sentence; an empty one is replaced by one that says so."""
     message = " ".join(message.split()) or "the monitor refused it and gave no reason"
     return message[0].upper() + message[1:] + ("" if message[-1] in ".!?" else ".")
 

@@ -59,7 +59,7 @@ class MonitorConnection:
     Attributes
     ----------
     monitor
-        To be asked; `wait` or `get` wait for what it answers.
+        Client of the monitor; `wait` and `get` wait for its replies.
 
     Raises
     ------
