@@ -164,8 +164,7 @@ def in_force(rules: Rules, asked: dict[int, float]) -> list[float]:
     first: dict[int, float] = {}
     for firing in rules.firings:
         if firing.rule_id == "swapped" and firing.phase == "fired":
-            at = firing.stamp.sec + firing.stamp.nanosec * 1e-9
-            first.setdefault(firing.table_revision, at)
+            first.setdefault(firing.revision, firing.time)
     wait = [first[number] - when for number, when in asked.items() if number in first]
     # The last may have been followed by no message any more.
     assert len(wait) >= len(asked) - 1, f"{len(asked) - len(wait)} swaps had no effect"

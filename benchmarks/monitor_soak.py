@@ -191,7 +191,7 @@ class Soak:
             self.rules.explain(each.id)
         self.rules.history()
         self.rules.journal()
-        self.rules.call(DescribeGraph, "describe_graph")
+        self.rules.call(DescribeGraph.Request())
 
     def save(self) -> None:
         """Keep a stretch, and throw it away."""
@@ -297,11 +297,11 @@ def ask(domain: int) -> None:
     text = reality_table(0.4).model_dump_json()
     print("begun", flush=True)
     while True:
-        rules.begin(GetRules, "get_rules")
-        rules.begin(CheckRules, "check_rules", table=text, role="operator")
-        rules.begin(DescribeGraph, "describe_graph")
-        rules.begin(GetFirings, "get_firings", count=1000)
-        rules.begin(GetHistory, "get_history", count=1000)
+        rules.begin(GetRules.Request())
+        rules.begin(CheckRules.Request(table=text, role="operator"))
+        rules.begin(DescribeGraph.Request())
+        rules.begin(GetFirings.Request(count=1000))
+        rules.begin(GetHistory.Request(count=1000))
         time.sleep(0.1)
 
 

@@ -4,8 +4,11 @@
 class CliError(Exception):
     """Something to tell in one line.
 
-    ``code`` is 1 when the stack could not start or run, 2 when something in the command is
-    wrong, 3 when the recipe has an error.
+    Attributes
+    ----------
+    code
+        Exit code: 1 when the stack could not start or run, 2 when something in the command is
+        wrong, 3 when the recipe has an error.
     """
 
     def __init__(self, code: int, text: str) -> None:

@@ -32,7 +32,7 @@ class Inside(NamedTuple):
     problem: str
 
 
-class Kept(NamedTuple):
+class KeptRecording(NamedTuple):
     """A recording that was kept.
 
     Attributes
@@ -54,7 +54,7 @@ class Kept(NamedTuple):
     inside: Inside
 
 
-class RingState(NamedTuple):
+class RotatingRecordingState(NamedTuple):
     """What the flight recorder has on disk: since when (seconds since the epoch), and bytes."""
 
     begin: float
@@ -80,7 +80,7 @@ class Recordings:
         self._seen: dict[str, _Seen] = {}
         self._lock = threading.Lock()
 
-    def kept(self) -> list[Kept]:
+    def kept(self) -> list[KeptRecording]:
         """All that was kept, the newest first.
 
         Raises
@@ -88,7 +88,7 @@ class Recordings:
         OSError
             When the folder cannot be read.
         """
-        found: list[Kept] = []
+        found: list[KeptRecording] = []
         for entry in self._entries():
             try:
                 status = entry.stat(follow_symlinks=False)
@@ -97,23 +97,25 @@ class Recordings:
             name = entry.name.removesuffix(SUFFIX)
             inside = self._inside(Path(entry.path), status)
             found.append(
-                Kept(name, status.st_mtime, status.st_size, name.startswith(PREFIX), inside)
+                KeptRecording(
+                    name, status.st_mtime, status.st_size, name.startswith(PREFIX), inside
+                )
             )
         with self._lock:
             there = {kept.name for kept in found}
             self._seen = {name: seen for name, seen in self._seen.items() if name in there}
         return sorted(found, key=lambda kept: (kept.saved, kept.name), reverse=True)
 
-    def ring(self) -> RingState | None:
+    def rotating(self) -> RotatingRecordingState | None:
         """What the flight recorder has; None when it has nothing."""
         begin, size = 0.0, 0
         for path in rotation_files(rotation_folder(self.folder)):
             try:
                 size += path.stat().st_size
                 begin = begin or self._read(path).begin
-            except FileNotFoundError:  # the ring went over it
+            except FileNotFoundError:  # it was just gone over
                 continue
-        return RingState(begin, size) if begin else None
+        return RotatingRecordingState(begin, size) if begin else None
 
     def free(self) -> int:
         """Bytes that are free on the disk of the recordings."""

@@ -19,7 +19,7 @@ from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
 from kompass_console.recordings import Recordings
 from kompass_console.scene.scene import Scene
-from kompass_console.schema.world import World
+from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 from kompass_console.web.audit import AuditTrail
 from kompass_console.web.auth import Authenticator, LoginLimiter
@@ -43,7 +43,10 @@ def run_console(
     Call it in a process of its own (forked before rclpy.init) or in the main process. It returns
     within a second of being told to; nobody is waited for who still has the page open.
 
-    Raises RuntimeError when the installed viser is another version than the one it drives.
+    Raises
+    ------
+    RuntimeError
+        When the installed viser is another version than the one it drives.
     """
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _NOT_SENT_LOW_WATER)
     # asyncio does so itself only for sockets that were made with their protocol named. Without it
@@ -56,7 +59,7 @@ def run_console(
 @contextlib.contextmanager
 def running_console(settings: ConsoleSettings) -> Iterator[Console]:
     """A console's ROS link and scene, without its web server."""
-    world = World()
+    world = WorldModel()
     feed = StateFeed()
     rules_feed = RulesFeed()
     views = ViewRegistry(settings.theme)

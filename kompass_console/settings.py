@@ -27,10 +27,19 @@ class TopicOverrides(BaseModel):
 class ConsoleSettings(BaseModel):
     """Settings of one console; unknown names are errors.
 
-    `access_tokens` maps each role that may log in to its secret. `allow_hosts` adds names a
-    browser may use in the address bar besides loopback names and literal addresses. `audit_file`
-    receives one line of JSON per write. `recordings` is the folder of the robot's recordings, None
-    where it is not on this machine. `domain_id` None means the environment's ROS_DOMAIN_ID.
+    Attributes
+    ----------
+    access_tokens
+        The secret of each role that may log in.
+    allow_hosts
+        Names that a browser may use in the address bar besides loopback names and literal
+        addresses.
+    audit_file
+        Receives one line of JSON per write.
+    recordings
+        Folder of the robot's recordings; None where it is not on this machine.
+    domain_id
+        None for the environment's ROS_DOMAIN_ID.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

@@ -37,7 +37,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     ),
     "kompass.components": (("base", "topics_keys"), ("controller", "drive", "mapping", "planner")),
     "kompass_console": (
-        ("cli_error", "recordings", "rules_text", "schema"),
+        ("cli_error", "recordings", "schema"),
         ("domain", "settings"),
         ("link", "scene"),
         ("web",),

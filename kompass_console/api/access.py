@@ -9,7 +9,7 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 from kompass_console.schema.roles import Role
-from kompass_console.web.auth import Session
+from kompass_console.web.auth import LoginSession
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
 
@@ -24,8 +24,14 @@ def session_cookie(connection: HTTPConnection) -> str:
     return f"kompass_session_{connection.url.port or connection.url.scheme}"
 
 
-def session_of(connection: HTTPConnection) -> Session:
-    """Who is asking. Raises ConsoleError 401 when nobody is logged in."""
+def session_of(connection: HTTPConnection) -> LoginSession:
+    """Who is asking.
+
+    Raises
+    ------
+    ConsoleError
+        401 when nobody is logged in.
+    """
     session = console_of(connection).auth.session(
         connection.cookies.get(session_cookie(connection))
     )
@@ -38,10 +44,10 @@ def session_of(connection: HTTPConnection) -> Session:
     return session
 
 
-def at_least(role: Role) -> Callable[[HTTPConnection], Session]:
+def at_least(role: Role) -> Callable[[HTTPConnection], LoginSession]:
     """A dependency: the session, when its role may do what `role` may; else 403."""
 
-    def check(connection: HTTPConnection) -> Session:
+    def check(connection: HTTPConnection) -> LoginSession:
         session = session_of(connection)
         if not session.role.covers(role):
             what = f"{connection.scope.get('method', '')} {connection.url.path}"
@@ -62,6 +68,6 @@ def _article(role: Role) -> str:
 
 
 CurrentConsole = Annotated[Console, Depends(console_of)]
-LoggedIn = Annotated[Session, Depends(session_of)]
-Operator = Annotated[Session, Depends(at_least(Role.OPERATOR))]
-Engineer = Annotated[Session, Depends(at_least(Role.ENGINEER))]
+LoggedIn = Annotated[LoginSession, Depends(session_of)]
+Operator = Annotated[LoginSession, Depends(at_least(Role.OPERATOR))]
+Engineer = Annotated[LoginSession, Depends(at_least(Role.ENGINEER))]

@@ -19,16 +19,14 @@ from kompass_console.api import (
     backtests,
     goals,
     insight,
+    live,
     page,
     probe,
     recordings,
     rules,
-    rules_live,
     scene,
     session,
-    state,
     stop,
-    views,
 )
 from kompass_console.api.access import LoggedIn
 from kompass_console.link.state import build_state
@@ -89,21 +87,20 @@ def create_app(console: Console | None) -> FastAPI:
         },
     )
     app.state.console = console
-    for part in (
-        session,
-        views,
-        goals,
-        stop,
-        state,
-        rules_live,
-        probe,
-        rules,
-        insight,
-        backtests,
-        recordings,
-        scene,
+    for router in (
+        session.router,
+        scene.views,
+        goals.router,
+        stop.router,
+        live.router,
+        probe.router,
+        rules.router,
+        insight.router,
+        backtests.router,
+        recordings.router,
+        scene.router,
     ):
-        app.include_router(part.router)
+        app.include_router(router)
 
     @app.get("/api/openapi.json", include_in_schema=False)
     def schema(_: LoggedIn) -> dict[str, Any]:

@@ -6,11 +6,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Request
 
+from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
-from kompass_console.api.monitor_answers import no_monitor
-from kompass_console.api.payload import body_of, read_table
-from kompass_console.link.backtests import TooMany
-from kompass_console.link.services import NoAnswer
+from kompass_console.api.monitor import body_of, no_monitor, read_table
+from kompass_console.link.rules.backtests import TooMany
 from kompass_console.schema.rule_models import (
     BacktestOptions,
     BacktestProgress,

@@ -6,12 +6,12 @@ import math
 
 from fastapi import APIRouter
 
+from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
-from kompass_console.api.views import unknown_view
+from kompass_console.api.scene import unknown_view
 from kompass_console.link.goal_check import STOPPED, Checked, above_horizon
 from kompass_console.link.link import CANCEL_TIMEOUT
-from kompass_console.link.services import NoAnswer
-from kompass_console.scene.preview_layer import Preview
+from kompass_console.scene.layers.preview import Preview
 from kompass_console.scene.scene import PageNotConnected
 from kompass_console.schema.models import GestureCheck, GoalCheck, GoalRequest, GoalSent
 from kompass_console.schema.world import GoalMark

@@ -7,30 +7,24 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import PlainTextResponse
-from kompass_interfaces.srv import (
-    DescribeGraph,
-    ExplainRule,
-    GetFirings,
-    GetHistory,
-    GetRules,
-)
 
-from kompass.recipe.export import Format
+from kompass.monitor.client import Json
+from kompass.recipe.export import Format, export
 from kompass.rulebook.schema.diff_models import TableDiff
 from kompass.rulebook.schema.explanation import ExplanationView
 from kompass.rulebook.schema.graph_view import GraphView
 from kompass.rulebook.schema.journal import Journal
 from kompass.rulebook.schema.revision import History
+from kompass.rulebook.schema.table_view import TableView
 from kompass.rules.schema.table import Table
 from kompass_console.api.access import CurrentConsole, LoggedIn
-from kompass_console.api.monitor_answers import asked
-from kompass_console.api.payload import passed_on
+from kompass_console.api.monitor import asked, passed_on
 from kompass_console.api.rules import RuleName
-from kompass_console.rules_text import SUFFIX, table_text
 from kompass_console.schema.rule_models import Revision
 
 router = APIRouter(prefix="/api", tags=["rules"])
 
+_SUFFIXES: dict[Format, str] = {"json": "json", "yaml": "yaml", "python": "py"}
 _RELOAD = "Load the rules again and look at what is in force."
 Count = Annotated[int, Query(ge=1, le=1000)]
 Number = Annotated[int, Query(ge=0, le=2**63 - 1)]
@@ -45,8 +39,9 @@ async def explain_rule(
     epoch: Annotated[str, Query(max_length=200)] = "",
 ) -> Response:
     """Why a rule fires or does not: now, or at the firing `run_id` of a life of the monitor."""
-    wanted = ExplainRule.Request(rule_id=rule_id, run_id=run_id, epoch=epoch)
-    return passed_on((await asked(console, wanted, 404, _RELOAD)).answer)
+    return passed_on(
+        await asked(console, lambda m: m.explain(rule_id, run_id, epoch), 404, _RELOAD)
+    )
 
 
 @router.get("/rules/history", response_model=History)
@@ -57,8 +52,7 @@ async def rules_history(
     count: Count = 50,
 ) -> Response:
     """Revisions below `before` (0: from the newest), newest first."""
-    wanted = GetHistory.Request(before=before, count=count)
-    return passed_on((await asked(console, wanted, 404, _RELOAD)).answer)
+    return passed_on(await asked(console, lambda m: m.history(before, count), 404, _RELOAD))
 
 
 @router.get("/rules/diff", response_model=TableDiff)
@@ -69,8 +63,7 @@ async def rules_diff(
     after: Annotated[int, Query(alias="to", ge=1, le=2**32 - 1)],
 ) -> Response:
     """What differs between two revisions."""
-    wanted = GetHistory.Request(diff_from=before, diff_to=after)
-    return passed_on((await asked(console, wanted, 404, _RELOAD)).answer)
+    return passed_on(await asked(console, lambda m: m.diff(before, after), 404, _RELOAD))
 
 
 @router.get("/rules/export", response_class=PlainTextResponse)
@@ -81,9 +74,9 @@ async def export_rules(
     revision: Annotated[Revision, Query()] = 0,
 ) -> Response:
     """A revision of the table (0: in force) as a file."""
-    answer = await asked(console, GetRules.Request(revision=revision), 404, _RELOAD)
-    text, number = await asyncio.to_thread(table_text, answer.answer, as_format)
-    name = f"rules-{number}.{SUFFIX[as_format]}"
+    answer = await asked(console, lambda m: m.table(revision), 404, _RELOAD)
+    text, number = await asyncio.to_thread(_table_text, answer, as_format)
+    name = f"rules-{number}.{_SUFFIXES[as_format]}"
     headers = {"Content-Disposition": f'attachment; filename="{name}"'}
     return PlainTextResponse(text, headers=headers)
 
@@ -103,12 +96,20 @@ async def firings(
     rule_id: Annotated[str, Query(max_length=100)] = "",
 ) -> Response:
     """Entries of the journal below `before` (0: from the newest), newest first."""
-    wanted = GetFirings.Request(before=before, count=count, rule_id=rule_id)
-    return passed_on((await asked(console, wanted, 404, _RELOAD)).answer)
+    return passed_on(
+        await asked(console, lambda m: m.firings(before, count, rule_id), 404, _RELOAD)
+    )
 
 
 @router.get("/graph", response_model=GraphView)
 async def graph(_: LoggedIn, console: CurrentConsole) -> Response:
     """What rules can be made of on this robot, now."""
     remedy = "Wait a moment and try again."
-    return passed_on((await asked(console, DescribeGraph.Request(), 503, remedy)).answer)
+    return passed_on(await asked(console, lambda m: m.graph(), 503, remedy))
+
+
+def _table_text(answer: Json[TableView], as_format: Format) -> tuple[str, int]:
+    """A table as a file's text, and the number of its revision."""
+    view = answer.parsed()
+    title = f"{view.robot}, revision {view.revision}"
+    return export(view.table, as_format, title=title), view.revision

@@ -10,8 +10,8 @@ from pydantic import ValidationError
 
 from kompass_console.api.access import console_of
 from kompass_console.api.sockets import admitted, telling, texts
-from kompass_console.link.probes import Probe
-from kompass_console.link.topic_watch import TopicWatch
+from kompass_console.link.rules.probes import ConditionProbe
+from kompass_console.link.rules.topic_watch import TopicWatch
 from kompass_console.schema.roles import Role
 from kompass_console.schema.rule_models import ProbeReading, ProbeRequest
 
@@ -25,9 +25,9 @@ _LARGEST = 100_000  # characters of one request
 class PageProbes:
     """The probes of one page."""
 
-    def __init__(self, taps: TopicWatch) -> None:
-        self._taps = taps
-        self._probes: dict[str, Probe] = {}
+    def __init__(self, topics: TopicWatch) -> None:
+        self._topics = topics
+        self._probes: dict[str, ConditionProbe] = {}
         self._errors: dict[str, str] = {}
         self.any = asyncio.Event()
 
@@ -50,7 +50,9 @@ class PageProbes:
         if len(self._probes) >= _MOST_PROBES:
             self._fail(request.id, f"At most {_MOST_PROBES} conditions can be looked at; end one.")
             return
-        self._probes[request.id] = Probe(request.id, request.condition, request.clear, self._taps)
+        self._probes[request.id] = ConditionProbe(
+            request.id, request.condition, request.clear, self._topics
+        )
         self.any.set()
 
     def readings(self) -> list[ProbeReading]:
@@ -83,7 +85,7 @@ async def probe(websocket: WebSocket) -> None:
     listen to whatever topic is named."""
     if await admitted(websocket, Role.OPERATOR) is None:
         return
-    probes = PageProbes(console_of(websocket).link.taps)
+    probes = PageProbes(console_of(websocket).link.topics)
     try:
         async with telling(_tell(websocket, probes)):
             async for text in texts(websocket):

@@ -8,12 +8,11 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path
 from fastapi.responses import FileResponse
-from kompass_interfaces.srv import SaveRecording
 
 from kompass.recorder.places import SUFFIX
 from kompass_console.api.access import CurrentConsole, Engineer, LoggedIn, Operator
-from kompass_console.api.monitor_answers import asked
-from kompass_console.recordings import Kept, Recordings
+from kompass_console.api.monitor import asked
+from kompass_console.recordings import KeptRecording, Recordings
 from kompass_console.schema.recording_models import (
     RecordingInfo,
     RecordingList,
@@ -50,10 +49,11 @@ async def save_recording(
     body: RecordingRequest, session: Operator, console: CurrentConsole
 ) -> RecordingSaved:
     """Keep a stretch of the flight recorder, before its ring goes over it."""
-    wanted = SaveRecording.Request(seconds=body.seconds, name=body.name)
-    what = body.model_dump()
+    what, remedy = body.model_dump(), "Choose another name, or look at the disk."
     try:
-        answer = await asked(console, wanted, 409, "Choose another name, or look at the disk.")
+        answer = await asked(
+            console, lambda m: m.save_recording(body.seconds, body.name), 409, remedy
+        )
     except ConsoleError as error:
         console.audit.record(session.user, session.role, "save recording", error.title, **what)
         raise
@@ -113,16 +113,16 @@ def _here(console: Console) -> Recordings:
 
 
 def _listed(found: Recordings) -> RecordingList:
-    ring = found.ring()
+    rotating = found.rotating()
     return RecordingList(
         here=True,
         recordings=[_info(kept) for kept in found.kept()],
-        ring=None if ring is None else RingInfo(begin=ring.begin, size=ring.size),
+        ring=None if rotating is None else RingInfo(begin=rotating.begin, size=rotating.size),
         free=found.free(),
     )
 
 
-def _info(kept: Kept) -> RecordingInfo:
+def _info(kept: KeptRecording) -> RecordingInfo:
     return RecordingInfo(
         name=kept.name,
         saved=kept.saved,

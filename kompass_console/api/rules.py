@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Query, Request, Response
-from kompass_interfaces.srv import (
-    ApplyRules,
-    CheckRules,
-    ConfirmRules,
-    GetRules,
-    ResetRule,
-    RollbackRules,
-)
 
+from kompass.monitor.client import (
+    DEFAULT_PROBATION,
+    Applied,
+    Conflicting,
+    MonitorClient,
+    NotApplied,
+    TableRefused,
+)
+from kompass.rclpy_ext.reply import Reply
 from kompass.rulebook.schema.report import ApplyReport, CheckReport
 from kompass.rulebook.schema.table_view import TableView
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
-from kompass_console.api.monitor_answers import ask, asked, sentence
-from kompass_console.api.payload import body_of, passed_on, read_table, refusal
+from kompass_console.api.monitor import (
+    ask,
+    asked,
+    body_of,
+    passed_on,
+    read_table,
+    refusal,
+    sentence,
+)
 from kompass_console.schema.rule_models import (
     ApplyOptions,
     ApplyRequest,
@@ -31,7 +40,7 @@ from kompass_console.schema.rule_models import (
     Revision,
     RollbackRequest,
 )
-from kompass_console.web.auth import Session
+from kompass_console.web.auth import LoginSession
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
 
@@ -39,7 +48,6 @@ router = APIRouter(prefix="/api/rules", tags=["rules"])
 
 RuleName = Annotated[str, Path(max_length=100)]
 
-_DEFAULT_PROBATION = -1.0  # as in ApplyRules
 _RELOAD = "Load the rules again and look at what is in force."
 _CHANGES: dict[int | str, dict[str, Any]] = {
     409: {"model": ConflictAnswer, "description": "Somebody else was faster"},
@@ -52,18 +60,15 @@ async def rules(
     _: LoggedIn, console: CurrentConsole, revision: Annotated[Revision, Query()] = 0
 ) -> Response:
     """A revision of the table; 0 for the one in force."""
-    answer = await asked(console, GetRules.Request(revision=revision), 404, _RELOAD)
-    return passed_on(answer.answer)
+    return passed_on(await asked(console, lambda m: m.table(revision), 404, _RELOAD))
 
 
 @router.post("/check", response_model=CheckReport, openapi_extra=body_of(CheckRequest))
 async def check_rules(request: Request, session: LoggedIn, console: CurrentConsole) -> Response:
     """What is wrong with a table, and what applying it would do. Changes nothing."""
     table, _ = await read_table(request, NoOptions)
-    answer = await ask(console, CheckRules.Request(table=table, role=session.role))
-    if not answer.answer:
-        raise ConsoleError(422, sentence(answer.message), "Correct the table and check it again.")
-    return passed_on(answer.answer)
+    remedy = "Correct the table and check it again."
+    return passed_on(await asked(console, lambda m: m.check(table, session.role), 422, remedy))
 
 
 @router.post(
@@ -75,19 +80,22 @@ async def check_rules(request: Request, session: LoggedIn, console: CurrentConso
 async def apply_rules(request: Request, session: Operator, console: CurrentConsole) -> Response:
     """Put a table in force: all of it between two messages, or nothing."""
     table, options = await read_table(request, ApplyOptions)
-    probation = _DEFAULT_PROBATION if options.probation is None else options.probation
-    wanted = ApplyRules.Request(
-        table=table,
-        expected_revision=options.expected_revision,
-        author=session.user,
-        role=session.role,
-        reason=options.reason,
-        probation=probation,
-        cancel_running=options.cancel_running,
-        reset=options.reset,
-    )
+    probation = DEFAULT_PROBATION if options.probation is None else options.probation
+
+    def change(monitor: MonitorClient) -> Reply[Applied]:
+        return monitor.apply(
+            table,
+            expected=options.expected_revision,
+            author=session.user,
+            role=session.role,
+            reason=options.reason,
+            probation=probation,
+            cancel_running=options.cancel_running,
+            reset=options.reset,
+        )
+
     what = options.model_dump(exclude={"reset"})
-    return await _change(console, session, "apply rules", wanted, what)
+    return await _change(console, session, "apply rules", change, what)
 
 
 @router.post("/rollback", response_model=ApplyReport, responses=_CHANGES)
@@ -95,71 +103,87 @@ async def rollback_rules(
     body: RollbackRequest, session: Operator, console: CurrentConsole
 ) -> Response:
     """Put the table of an earlier revision in force again, as a new revision."""
-    wanted = RollbackRules.Request(
-        revision=body.revision or 0,
-        expected_revision=body.expected_revision,
-        author=session.user,
-        role=session.role,
-        reason=body.reason,
-        cancel_running=body.cancel_running,
-    )
-    return await _change(console, session, "roll back rules", wanted, body.model_dump())
+
+    def change(monitor: MonitorClient) -> Reply[Applied]:
+        return monitor.roll_back(
+            body.revision or 0,
+            expected=body.expected_revision,
+            author=session.user,
+            role=session.role,
+            reason=body.reason,
+            cancel_running=body.cancel_running,
+        )
+
+    return await _change(console, session, "roll back rules", change, body.model_dump())
 
 
 @router.post("/confirm")
 async def confirm_rules(body: ConfirmRequest, session: Operator, console: CurrentConsole) -> Done:
     """Keep the revision that is on probation."""
-    wanted = ConfirmRules.Request(revision=body.revision, author=session.user, role=session.role)
+
+    def change(monitor: MonitorClient) -> Reply[str]:
+        return monitor.confirm(body.revision, author=session.user, role=session.role)
+
     what = body.model_dump()
-    return await _small_change(console, session, "confirm rules", wanted, what, 409)
+    return await _small_change(console, session, "confirm rules", change, what, 409)
 
 
 @router.post("/{rule_id}/reset")
 async def reset_rule(rule_id: RuleName, session: Operator, console: CurrentConsole) -> Done:
     """Let a rule start afresh: its once, its cooldown and its rate latch."""
-    wanted = ResetRule.Request(rule_id=rule_id, author=session.user, role=session.role)
-    return await _small_change(console, session, "reset rule", wanted, {"rule": rule_id}, 404)
+
+    def change(monitor: MonitorClient) -> Reply[str]:
+        return monitor.reset(rule_id, author=session.user, role=session.role)
+
+    return await _small_change(console, session, "reset rule", change, {"rule": rule_id}, 404)
 
 
 async def _change(
-    console: Console, session: Session, what: str, wanted: Any, details: dict[str, Any]
+    console: Console,
+    session: LoginSession,
+    what: str,
+    change: Callable[[MonitorClient], Reply[Applied]],
+    details: dict[str, Any],
 ) -> Response:
+    def record(outcome: str, **more: Any) -> None:
+        console.audit.record(session.user, session.role, what, outcome, **more, **details)
+
     try:
-        answer = await ask(console, wanted)
+        applied = await ask(console, change)
     except ConsoleError as error:
-        console.audit.record(session.user, session.role, what, error.title, **details)
+        record(error.title)
         raise
-    outcome = sentence(answer.message) if answer.message or answer.outcome else "done"
-    console.audit.record(
-        session.user, session.role, what, outcome, in_force=int(answer.revision), **details
-    )
-    if answer.outcome == ApplyRules.Request.APPLIED:
-        return passed_on(answer.answer)
-    if answer.outcome == ApplyRules.Request.CONFLICT:
-        remedy = "Look at both changes, choose what to keep, and apply again."
-        return refusal(409, outcome, remedy, "conflict", answer.answer)
-    if answer.outcome == ApplyRules.Request.REFUSED:
-        remedy = "Correct what the findings name, and apply again."
-        return refusal(422, outcome, remedy, "report", answer.answer)
-    raise ConsoleError(
-        507,
-        outcome,
-        "The old rules stay in force. Make room on the robot's disk, or look at the monitor's log.",
-    )
+    except NotApplied as error:
+        why = sentence(str(error))
+        record(why, in_force=error.in_force)
+        if isinstance(error, Conflicting):
+            remedy = "Look at both changes, choose what to keep, and apply again."
+            return refusal(409, why, remedy, "conflict", error.conflict)
+        if isinstance(error, TableRefused):
+            remedy = "Correct what the findings name, and apply again."
+            return refusal(422, why, remedy, "report", error.report)
+        raise ConsoleError(
+            507,
+            why,
+            "The old rules stay in force. Make room on the robot's disk, or look at the monitor's "
+            "log.",
+        ) from error
+    record(sentence(applied.message) if applied.message else "done", in_force=applied.revision)
+    return passed_on(applied.report)
 
 
 async def _small_change(
     console: Console,
-    session: Session,
+    session: LoginSession,
     what: str,
-    wanted: Any,
+    change: Callable[[MonitorClient], Reply[str]],
     details: dict[str, Any],
     status: int,
 ) -> Done:
     try:
-        answer = await asked(console, wanted, status, _RELOAD)
+        said = await asked(console, change, status, _RELOAD)
     except ConsoleError as error:
         console.audit.record(session.user, session.role, what, error.title, **details)
         raise
     console.audit.record(session.user, session.role, what, "done", **details)
-    return Done(message=sentence(answer.message or "done"))
+    return Done(message=sentence(said or "done"))

@@ -11,14 +11,14 @@ from fastapi import WebSocket, WebSocketDisconnect
 
 from kompass_console.api.access import session_of
 from kompass_console.schema.roles import Role
-from kompass_console.web.auth import Session
+from kompass_console.web.auth import LoginSession
 from kompass_console.web.errors import ConsoleError
 
 NOT_LOGGED_IN = 4401  # close codes
 NOT_ALLOWED = 4403
 
 
-async def admitted(websocket: WebSocket, role: Role = Role.VIEWER) -> Session | None:
+async def admitted(websocket: WebSocket, role: Role = Role.VIEWER) -> LoginSession | None:
     """Accept the socket of somebody who may do what `role` may; None when it was closed."""
     try:
         session = session_of(websocket)

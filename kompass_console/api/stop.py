@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
+from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
-from kompass_console.link.services import NoAnswer
 from kompass_console.schema.models import StopAnswer, StopRequest
 from kompass_console.web.errors import ConsoleError
 

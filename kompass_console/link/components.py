@@ -10,8 +10,8 @@ from typing import Any
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.node import Node
 
-from kompass_console.link.discovery import Graph, status_topics
-from kompass_console.link.reader import Reader
+from kompass_console.link.graph.discovery import Graph, status_topics
+from kompass_console.link.graph.reader import Reader
 from kompass_console.schema.models import ComponentInfo, ComponentState, InputInfo, ProcessInfo
 from kompass_console.schema.world import Latest
 

@@ -11,9 +11,10 @@ from kompass_interfaces.msg import DriveState
 from kompass_interfaces.srv import ReleaseStop, StopRobot
 from rclpy.node import Node
 
-from kompass_console.link.discovery import Graph, of_type
-from kompass_console.link.reader import Reader
-from kompass_console.link.services import NoAnswer, ServicePool
+from kompass.rclpy_ext.reply import NoAnswer
+from kompass_console.link.graph.discovery import Graph, of_type
+from kompass_console.link.graph.reader import Reader
+from kompass_console.link.graph.services import ServicePool
 from kompass_console.schema.models import DriveInfo
 from kompass_console.schema.world import Latest
 
@@ -24,14 +25,14 @@ _Said = tuple[bool, bool, str, str, str, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class DriveAnswer:
     """What the drive manager answered to STOP or release."""
 
     accepted: bool
     message: str
 
 
-class Drive:
+class DriveLink:
     """State and STOP of every drive manager on the graph (there should be one)."""
 
     def __init__(self, node: Node, changed: Callable[[], None]) -> None:
@@ -66,15 +67,18 @@ class Drive:
             age=age,
         )
 
-    async def stop(self, operator: str, reason: str) -> Answer:
+    async def stop(self, operator: str, reason: str) -> DriveAnswer:
         """Latch STOP in every drive manager; accepted when all have said so.
 
-        Raises NoAnswer when there is none or one does not answer within `STOP_TIMEOUT`.
+        Raises
+        ------
+        NoAnswer
+            When there is none or one does not answer within `STOP_TIMEOUT`.
         """
         request = StopRobot.Request(operator_name=operator, reason=reason)
         return await _ask_all(self._stops, request)
 
-    async def release(self, operator: str) -> Answer:
+    async def release(self, operator: str) -> DriveAnswer:
         """Let the robot move again; as `stop`."""
         return await _ask_all(self._releases, ReleaseStop.Request(operator_name=operator))
 
@@ -85,13 +89,13 @@ class Drive:
             self._changed()
 
 
-async def _ask_all(pool: ServicePool, request: Any) -> Answer:
+async def _ask_all(pool: ServicePool, request: Any) -> DriveAnswer:
     names = pool.names
     if not names:
         raise NoAnswer("no drive manager is there")
     answers = await asyncio.gather(*(pool.call(request, STOP_TIMEOUT, name) for name in names))
     refused = [a for a in answers if not a.success]
-    return Answer(not refused, str((refused or answers)[0].message))
+    return DriveAnswer(not refused, str((refused or answers)[0].message))
 
 
 def _said_of(message: Any) -> _Said:

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from kompass.algorithms.grid import Grid
 from kompass.algorithms.planning.failure import REASONS
-from kompass_console.link.goals import GoalTopic, Listeners
+from kompass.rclpy_ext.reply import NoAnswer
+from kompass_console.link.goals.goals import GoalTopic, Listeners
 from kompass_console.link.link import RosLink
-from kompass_console.link.services import NoAnswer
 from kompass_console.schema.models import GoalCheck, GoalReason, PointXY
-from kompass_console.schema.world import Grid, Pose, World
+from kompass_console.schema.world import WorldModel
 
 POINT_ONLY = "The robot's program takes points only, so the heading is not used."
 STOPPED = "The robot is stopped: release STOP before it can drive there."
@@ -65,7 +66,7 @@ class GoalChecker:
     pointer and the press on Go nothing is asked twice, and the planner looks again on its own
     when the goal reaches it."""
 
-    def __init__(self, link: RosLink, world: World) -> None:
+    def __init__(self, link: RosLink, world: WorldModel) -> None:
         self._link = link
         self._world = world
         self._passed: OrderedDict[_Goal, _Passed] = OrderedDict()
@@ -102,7 +103,9 @@ def above_horizon() -> GoalCheck:
     return _refusal("above_horizon", 0.0, 0.0, None)
 
 
-async def check_goal(link: RosLink, world: World, x: float, y: float, yaw: float | None) -> Checked:
+async def check_goal(
+    link: RosLink, world: WorldModel, x: float, y: float, yaw: float | None
+) -> Checked:
     """Check a goal (m, rad, map frame) the way it would be sent."""
     listeners: Listeners = link.goals.listeners()
     topic = listeners.topic_for(yaw)
@@ -141,7 +144,7 @@ async def check_goal(link: RosLink, world: World, x: float, y: float, yaw: float
     return Checked(check, preview, topic)
 
 
-def look_at_map(world: World, x: float, y: float) -> GoalReason:
+def look_at_map(world: WorldModel, x: float, y: float) -> GoalReason:
     """Why a point cannot be driven to, as far as the map alone tells; "" when it can."""
     stamped = world.map.get()
     if stamped is None:
@@ -154,12 +157,9 @@ def look_at_map(world: World, x: float, y: float) -> GoalReason:
 
 def cell_at(grid: Grid, x: float, y: float) -> int | None:
     """Value of the cell under a point of the map frame, or None outside the grid."""
-    origin = grid.origin
-    back = Pose(0.0, 0.0, -origin.yaw).compose(Pose(x - origin.x, y - origin.y, 0.0))
-    column, row = int(back.x // grid.resolution), int(back.y // grid.resolution)
-    height, width = grid.cells.shape
-    if not (0 <= row < height and 0 <= column < width):
+    if not grid.contains((x, y))[0]:
         return None
+    column, row = grid.world_to_cell((x, y))[0]
     return int(grid.cells[row, column])
 
 

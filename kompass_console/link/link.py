@@ -17,19 +17,19 @@ from rclpy.utilities import get_rmw_implementation_identifier
 
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.rclpy_ext.node import PlainNode
-from kompass_console.link import convert
-from kompass_console.link.backtests import Backtests
 from kompass_console.link.components import Components
-from kompass_console.link.drive import Drive
-from kompass_console.link.goals import Goals, pose_message
+from kompass_console.link.drive import DriveLink
+from kompass_console.link.goals.goals import Goals, pose_message
+from kompass_console.link.graph import convert
+from kompass_console.link.graph.services import ServicePool
 from kompass_console.link.inputs import Inputs
-from kompass_console.link.monitor import Monitor
 from kompass_console.link.processes import Processes
-from kompass_console.link.rules import Rules
-from kompass_console.link.services import ServicePool
+from kompass_console.link.rules.backtests import Backtests
+from kompass_console.link.rules.monitor import MonitorLink
+from kompass_console.link.rules.topic_watch import TopicWatch
+from kompass_console.link.rules.watch import RulesWatch
 from kompass_console.link.streams import Streams
-from kompass_console.link.topic_watch import TopicWatch
-from kompass_console.schema.world import World
+from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 
 NODE_NAME = "kompass_console"
@@ -56,14 +56,21 @@ class CheckAnswer:
 
 
 class RosLink:
-    """One rclpy context, node and thread. `changed` is called on any thread when the goal, the
-    drive manager's word or a component's status has changed, `rules_said` when the monitor has
-    spoken of the rules."""
+    """One rclpy context, node and thread.
+
+    Parameters
+    ----------
+    changed
+        Called on any thread when the goal, the drive manager's state or a component's status has
+        changed.
+    rules_said
+        Called when the monitor has said something of the rules.
+    """
 
     def __init__(
         self,
         settings: ConsoleSettings,
-        world: World,
+        world: WorldModel,
         changed: Callable[[], None],
         rules_said: Callable[[], None],
     ) -> None:
@@ -89,12 +96,12 @@ class RosLink:
         self.processes = Processes(self._node, changed)
         self.components = Components(self._node, changed)
         self.inputs = Inputs(self._node)
-        self.drive = Drive(self._node, changed)
+        self.drive = DriveLink(self._node, changed)
         self.goals = Goals(self._node, world, changed)
-        self.monitor = Monitor(self._node)
-        self.rules = Rules(self._node, changed, rules_said)
-        self.backtests = Backtests(self._node, self._run)
-        self.taps = TopicWatch(self._node, self._run)
+        self.rules = RulesWatch(changed, rules_said)
+        self.monitor = MonitorLink(self._node, self.rules.follow)
+        self.backtests = Backtests(self.monitor)
+        self.topics = TopicWatch(self._node, self._run)
         self._checks = ServicePool(self._node, CheckGoal, "kompass_interfaces/srv/CheckGoal")
         self._node.create_timer(_LOOK_AROUND, self._look_around)
         self._node.create_timer(_TICK, self.goals.tick)
@@ -118,7 +125,10 @@ class RosLink:
     async def check_goal(self, x: float, y: float, yaw: float | None) -> CheckAnswer:
         """Ask the planner about a goal (m, rad, map frame).
 
-        Raises NoAnswer when no planner answers within `CHECK_TIMEOUT`.
+        Raises
+        ------
+        NoAnswer
+            When no planner answers within `CHECK_TIMEOUT`.
         """
         request = CheckGoal.Request(
             goal=pose_message(x, y, yaw or 0.0), use_heading=yaw is not None
@@ -169,7 +179,6 @@ class RosLink:
         self.goals.refresh(published, services)
         self._checks.refresh(services)
         self.processes.refresh(published)
-        self.rules.refresh(published)
         self.monitor.refresh(services)
-        self.backtests.refresh(published)
-        self.taps.refresh(published)
+        self.backtests.refresh()
+        self.topics.refresh(published)

@@ -9,8 +9,8 @@ from typing import Any, get_args
 from kompass_interfaces.msg import StackState
 from rclpy.node import Node
 
-from kompass_console.link.discovery import Graph, of_type
-from kompass_console.link.reader import Reader
+from kompass_console.link.graph.discovery import Graph, of_type
+from kompass_console.link.graph.reader import Reader
 from kompass_console.schema.models import ProcessInfo, ProcessPhase
 from kompass_console.schema.world import Latest
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from kompass_console.link.link import RosLink
 from kompass_console.schema.models import PoseInfo, RobotInfo, RosInfo, SimulationInfo, State
-from kompass_console.schema.world import World
+from kompass_console.schema.world import WorldModel
 
 
-def robot_radius(world: World) -> float | None:
+def robot_radius(world: WorldModel) -> float | None:
     """Radius (m) of the circle around the robot's footprint; None until that is known."""
     footprint = world.footprint.get()
     if footprint is None:
@@ -19,7 +19,7 @@ def robot_radius(world: World) -> float | None:
     return float(np.linalg.norm(footprint.value, axis=1).max())
 
 
-def build_state(seq: int, robot_name: str, world: World, link: RosLink, viewers: int) -> State:
+def build_state(seq: int, robot_name: str, world: WorldModel, link: RosLink, viewers: int) -> State:
     """One snapshot; ages are measured from when each value was received."""
     motion = world.motion.get()
     pose = None

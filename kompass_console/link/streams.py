@@ -12,11 +12,11 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float32
 from tf2_msgs.msg import TFMessage
 
-from kompass_console.link import convert
-from kompass_console.link.discovery import Graph, of_type, stream_topic
-from kompass_console.link.reader import Reader
+from kompass_console.link.graph import convert
+from kompass_console.link.graph.discovery import Graph, of_type, stream_topic
+from kompass_console.link.graph.reader import Reader
 from kompass_console.schema.models import StreamInfo, StreamKey
-from kompass_console.schema.world import Latest, Motion, Pose, Stamped, World
+from kompass_console.schema.world import Latest, Pose, RobotMotion, Stamped, WorldModel
 from kompass_console.settings import TopicOverrides
 
 _BASE_FRAMES = ("base_link", "base_footprint")
@@ -42,7 +42,7 @@ _KINDS: dict[StreamKey, _Kind] = {
 class Streams:
     """Readers for everything in the world but the goal."""
 
-    def __init__(self, node: Node, world: World, overrides: TopicOverrides) -> None:
+    def __init__(self, node: Node, world: WorldModel, overrides: TopicOverrides) -> None:
         self._world = world
         self._overrides: dict[StreamKey, str | None] = {
             "odometry": overrides.odometry,
@@ -111,7 +111,7 @@ class Streams:
             )
         return infos
 
-    def _moved(self, motion: Motion) -> None:
+    def _moved(self, motion: RobotMotion) -> None:
         self._world.history.add(motion.stamp, motion.pose)
         self._world.motion.set(motion)
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from kompass_console.rules_cli.options import Robot, command
+from kompass_console.rules_cli.options import RobotOptions, command
 
 
 def add_to(app: typer.Typer) -> None:
@@ -16,7 +16,7 @@ def add_to(app: typer.Typer) -> None:
 
 
 def backtest(
-    robot: Robot,
+    robot: RobotOptions,
     file: Annotated[
         Path | None,
         typer.Argument(help="A table in JSON or YAML; else the one in force."),
@@ -49,7 +49,7 @@ def backtest(
             bar.update(task, completed=progress, description=text or "back-test")
 
         answer = client.backtest(
-            client.table().table if table is None else table,
+            (table or client.get(client.monitor.table()).table).model_dump_json(),
             recording=recording,
             seconds=seconds,
             progress=show,

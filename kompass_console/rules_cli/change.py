@@ -12,7 +12,7 @@ from kompass_console.rules_cli.options import (
     Author,
     Probation,
     Reason,
-    Robot,
+    RobotOptions,
     Yes,
     author_of,
     command,
@@ -37,7 +37,7 @@ def add_to(app: typer.Typer) -> None:
 
 
 def apply(
-    robot: Robot,
+    robot: RobotOptions,
     file: Annotated[Path, typer.Argument(help="A table in JSON or YAML.")],
     reason: Reason = "",
     yes: Yes = False,
@@ -54,11 +54,11 @@ def apply(
     author: Author = None,
 ) -> None:
     """Put a table in force: all of it between two messages, or nothing."""
-    from kompass_console.rules_cli.hand_in import Request, hand_in
+    from kompass_console.rules_cli.hand_in import ChangeRequest, hand_in
     from kompass_console.rules_cli.table_file import TableFile
 
     source = TableFile(file)
-    request = Request(
+    request = ChangeRequest(
         author_of(author),
         reason,
         yes,
@@ -72,19 +72,20 @@ def apply(
 
 
 def confirm(
-    robot: Robot,
+    robot: RobotOptions,
     revision: Annotated[int, typer.Argument(min=0, help="It; else the one in force.")] = 0,
     author: Author = None,
 ) -> None:
     """Keep the revision that is on probation."""
     who = author_of(author)
     with robot.connect() as client:
-        said = client.confirm(revision or client.table().active, author=who, role=ROLE)
+        number = revision or client.get(client.monitor.table()).active
+        said = client.wait(client.monitor.confirm(number, author=who, role=ROLE))
     typer.echo(said)
 
 
 def rollback(
-    robot: Robot,
+    robot: RobotOptions,
     revision: Annotated[
         int, typer.Argument(min=0, help="Whose table to take; else the one before.")
     ] = 0,
@@ -102,14 +103,15 @@ def rollback(
 
     who = author_of(author)
     with robot.connect() as client:
-        active = client.table().active
+        active = client.get(client.monitor.table()).active
         if revision and not robot.json:
-            change = client.diff(active, revision)
+            change = client.get(client.monitor.diff(active, revision))
             printing.show_diff(change, title=f"from revision {active} back to {revision}")
         agree(robot, yes, f"go back to {f'revision {revision}' if revision else 'the one before'}?")
         applied = or_say_why_not(
             robot,
-            lambda: client.rollback(
+            client,
+            lambda: client.monitor.roll_back(
                 revision,
                 expected=expected_revision or active,
                 author=who,
@@ -122,14 +124,14 @@ def rollback(
 
 
 def reset(
-    robot: Robot,
+    robot: RobotOptions,
     rule: Annotated[str, typer.Argument(help="Id of a rule.")],
     author: Author = None,
 ) -> None:
     """Let a rule start afresh: its once, its cooldown and its rate limit."""
     who = author_of(author)
     with robot.connect() as client:
-        typer.echo(client.reset(rule, author=who, role=ROLE))
+        typer.echo(client.wait(client.monitor.reset(rule, author=who, role=ROLE)))
 
 
 def _show_rolled_back(applied: Any) -> None:

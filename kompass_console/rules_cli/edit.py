@@ -20,7 +20,7 @@ from kompass_console.rules_cli.options import (
     Author,
     Probation,
     Reason,
-    Robot,
+    RobotOptions,
     Yes,
     author_of,
     command,
@@ -44,7 +44,7 @@ def add_to(app: typer.Typer) -> None:
 
 
 def set_(
-    robot: Robot,
+    robot: RobotOptions,
     rule: Annotated[str, typer.Argument(help="Id of a rule.")],
     fields: Annotated[
         list[str],
@@ -64,7 +64,7 @@ def set_(
 
 
 def enable(
-    robot: Robot,
+    robot: RobotOptions,
     rules: RuleIds,
     reason: Reason = "",
     yes: Yes = False,
@@ -76,7 +76,7 @@ def enable(
 
 
 def disable(
-    robot: Robot,
+    robot: RobotOptions,
     rules: RuleIds,
     reason: Reason = "",
     yes: Yes = False,
@@ -88,7 +88,7 @@ def disable(
 
 
 def edit(
-    robot: Robot,
+    robot: RobotOptions,
     reason: Reason = "",
     yes: Yes = False,
     probation: Probation = "default",
@@ -96,11 +96,11 @@ def edit(
 ) -> None:
     """Open the rules in an editor (VISUAL, EDITOR, else vi), and apply what was saved."""
     from kompass.recipe.export import export
-    from kompass_console.rules_cli.hand_in import Request, hand_in
+    from kompass_console.rules_cli.hand_in import ChangeRequest, hand_in
 
     wait, who = probation_seconds(probation), author_of(author)
     with robot.connect() as client:
-        view = client.table()
+        view = client.get(client.monitor.table())
         text = export(view.table, "yaml")
         handle, name = tempfile.mkstemp(prefix="rules-", suffix=".yaml", text=True)
         path, head = (
@@ -114,7 +114,7 @@ def edit(
             path.unlink()
             typer.echo("nothing was changed")
             return
-        request = Request(who, reason, yes, view.revision, wait)
+        request = ChangeRequest(who, reason, yes, view.revision, wait)
         try:
             hand_in(robot, client, source.table, request, source.locate)
         except CliError as problem:
@@ -124,10 +124,10 @@ def edit(
 
 def _kept(problem: CliError, path: Path) -> tuple[Any, ...]:
     """Arguments of the same problem that also says where the text is: nothing typed is lost."""
-    from kompass_console.rules_cli.client import Refused
+    from kompass_console.rules_cli.connection import RobotRefused
 
     text = f"{problem}; what you wrote is in {path}"
-    if isinstance(problem, Refused):
+    if isinstance(problem, RobotRefused):
         return text, problem.body, problem.code
     return problem.code, text
 
@@ -153,7 +153,7 @@ def _edited(path: Path) -> TableFile:
 
 
 def _change(
-    robot: Robot,
+    robot: RobotOptions,
     rule_ids: list[str],
     fields: list[str],
     reason: str,
@@ -161,14 +161,14 @@ def _change(
     probation: str,
     author: str | None,
 ) -> None:
-    from kompass_console.rules_cli.hand_in import Request, hand_in
+    from kompass_console.rules_cli.hand_in import ChangeRequest, hand_in
 
     wait, who = probation_seconds(probation), author_of(author)
     changes = [_assignment(field) for field in fields]
     with robot.connect() as client:
-        view = client.table()
+        view = client.get(client.monitor.table())
         table = changed(view.table, rule_ids, changes)
-        hand_in(robot, client, table, Request(who, reason, yes, view.revision, wait))
+        hand_in(robot, client, table, ChangeRequest(who, reason, yes, view.revision, wait))
 
 
 def changed(table: Table, rule_ids: list[str], changes: list[tuple[str, Any]]) -> Table:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
@@ -12,10 +12,16 @@ from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, F
 from kompass.rules.schema.model import Model
 from kompass.rules.schema.table import Table
 from kompass_console.cli_error import CliError
-from kompass_console.rules_cli.options import ROLE, Robot
+from kompass_console.rules_cli.options import ROLE, RobotOptions
+
+# ROS is imported when a command runs: help answers at once.
+if TYPE_CHECKING:
+    from kompass.monitor.client import Applied
+    from kompass.rclpy_ext.reply import Reply
+    from kompass_console.rules_cli.connection import MonitorConnection
 
 
-class Request(NamedTuple):
+class ChangeRequest(NamedTuple):
     """What goes with a table.
 
     Attributes
@@ -38,10 +44,10 @@ class Request(NamedTuple):
 
 
 def hand_in(
-    robot: Robot,
-    client: Any,
+    robot: RobotOptions,
+    client: MonitorConnection,
     table: Table,
-    request: Request,
+    request: ChangeRequest,
     locate: Callable[[Finding], str] | None = None,
 ) -> None:
     """Put a table in force, and tell of it.
@@ -53,21 +59,22 @@ def hand_in(
 
     Raises
     ------
-    Refused
+    RobotRefused
         When the robot does not take it; nothing was changed.
     CliError
         When nobody agreed.
     """
     from kompass_console.rules_cli import printing
-    from kompass_console.rules_cli.client import Refused
+    from kompass_console.rules_cli.connection import RobotRefused
 
-    report = client.check(table, ROLE)
+    text = table.model_dump_json()
+    report = client.get(client.monitor.check(text, ROLE))
     if not robot.json:
         printing.show_diff(report.diff, title=f"against revision {report.revision}")
         printing.show_findings(report.findings, map(locate, report.findings) if locate else None)
     if not report.ok:
         tell_json(robot, report)
-        raise Refused("this table cannot be applied; nothing was changed")
+        raise RobotRefused("this table cannot be applied; nothing was changed")
     expected = request.expected or report.revision
     if expected == report.revision and not report.diff.changes and not request.reset:
         tell_json(robot, report)
@@ -77,34 +84,37 @@ def hand_in(
     agree(robot, request.yes, f"apply this to revision {expected}?")
     applied = or_say_why_not(
         robot,
-        lambda: client.apply(
-            table,
+        client,
+        lambda: client.monitor.apply(
+            text,
             expected=expected,
             author=request.author,
             role=ROLE,
             reason=request.reason,
             probation=request.probation,
             cancel_running=request.cancel_running,
-            reset=list(request.reset),
+            reset=request.reset,
         ),
     )
     robot.tell(applied, lambda: printing.show_applied(applied))
 
 
-def or_say_why_not(robot: Robot, change: Callable[[], ApplyReport]) -> ApplyReport:
+def or_say_why_not(
+    robot: RobotOptions, client: MonitorConnection, change: Callable[[], Reply[Applied]]
+) -> ApplyReport:
     """Make a change; print why in full when it was not made.
 
     Raises
     ------
-    Refused
+    RobotRefused
         When it was not made.
     """
     from kompass_console.rules_cli import printing
-    from kompass_console.rules_cli.client import Refused
+    from kompass_console.rules_cli.connection import RobotRefused
 
     try:
-        return change()
-    except Refused as refused:
+        return client.wait(change()).report.parsed()
+    except RobotRefused as refused:
         body = refused.body
         if robot.json and body is not None:
             tell_json(robot, body)
@@ -115,7 +125,7 @@ def or_say_why_not(robot: Robot, change: Callable[[], ApplyReport]) -> ApplyRepo
         raise
 
 
-def agree(robot: Robot, yes: bool, question: str) -> None:
+def agree(robot: RobotOptions, yes: bool, question: str) -> None:
     """Ask a person; a script has to say so beforehand.
 
     Raises
@@ -131,7 +141,7 @@ def agree(robot: Robot, yes: bool, question: str) -> None:
         raise CliError(1, "nothing was changed")
 
 
-def tell_json(robot: Robot, body: Model) -> None:
+def tell_json(robot: RobotOptions, body: Model) -> None:
     """Print a model where JSON was asked for."""
     if robot.json:
         typer.echo(body.model_dump_json(indent=2))

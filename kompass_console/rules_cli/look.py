@@ -5,12 +5,16 @@ from __future__ import annotations
 import json
 import time
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn
+from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 
 import typer
 
 from kompass_console.cli_error import CliError
-from kompass_console.rules_cli.options import ROLE, Robot, command
+from kompass_console.rules_cli.options import ROLE, RobotOptions, command
+
+# ROS is imported when a command runs: help answers at once.
+if TYPE_CHECKING:
+    from kompass_console.rules_cli.connection import MonitorConnection
 
 FOLLOW_PERIOD = 0.5  # s between two looks at the journal
 PAGE = 200  # entries that a look goes back
@@ -33,29 +37,29 @@ def add_to(app: typer.Typer) -> None:
     app.command("schema")(schema)
 
 
-def show(robot: Robot, revision: RevisionOption = 0) -> None:
+def show(robot: RobotOptions, revision: RevisionOption = 0) -> None:
     """Show the rules, and how each is doing."""
     from kompass_console.rules_cli import printing
 
     with robot.connect() as client:
-        view = client.table(revision)
+        view = client.get(client.monitor.table(revision))
         current = view.revision == view.active
         statuses = client.statuses() if current and not robot.json else {}
     robot.tell(view, lambda: printing.show_table(view, statuses))
 
 
 def check(
-    robot: Robot,
+    robot: RobotOptions,
     file: Annotated[Path, typer.Argument(help="A table in JSON or YAML.")],
 ) -> None:
     """Say what is wrong with a table, and what applying it would do; changes nothing."""
     from kompass_console.rules_cli import printing
-    from kompass_console.rules_cli.client import Refused
+    from kompass_console.rules_cli.connection import RobotRefused
     from kompass_console.rules_cli.table_file import TableFile
 
     source = TableFile(file)
     with robot.connect() as client:
-        report = client.check(source.table, ROLE)
+        report = client.get(client.monitor.check(source.table.model_dump_json(), ROLE))
 
     def tell() -> None:
         printing.show_findings(report.findings, map(source.locate, report.findings))
@@ -64,11 +68,11 @@ def check(
 
     robot.tell(report, tell)
     if not report.ok:
-        raise Refused(f"{file} cannot be applied; nothing was changed")
+        raise RobotRefused(f"{file} cannot be applied; nothing was changed")
 
 
 def history(
-    robot: Robot,
+    robot: RobotOptions,
     count: Annotated[int, typer.Option(min=1, max=1000, help="At most so many.")] = 20,
     before: Before = 0,
 ) -> None:
@@ -76,12 +80,12 @@ def history(
     from kompass_console.rules_cli import printing
 
     with robot.connect() as client:
-        answer = client.history(before, count)
+        answer = client.get(client.monitor.history(before, count))
     robot.tell(answer, lambda: printing.show_history(answer))
 
 
 def diff(
-    robot: Robot,
+    robot: RobotOptions,
     before: Annotated[int, typer.Argument(metavar="A", min=1, help="A revision.")],
     after: Annotated[
         int, typer.Argument(metavar="[B]", min=0, help="Another; else the one in force.")
@@ -91,13 +95,14 @@ def diff(
     from kompass_console.rules_cli import printing
 
     with robot.connect() as client:
-        answer = client.diff(before, after or client.table().active)
+        after = after or client.get(client.monitor.table()).active
+        answer = client.get(client.monitor.diff(before, after))
     title = f"from revision {answer.before} to {answer.after}"
     robot.tell(answer, lambda: printing.show_diff(answer, title=title))
 
 
 def explain(
-    robot: Robot,
+    robot: RobotOptions,
     rule: Annotated[str, typer.Argument(help="Id of a rule.")],
     run: Annotated[
         int, typer.Option(min=0, help="A firing (column 'run' of 'firings'); 0 for now.")
@@ -110,12 +115,12 @@ def explain(
     from kompass_console.rules_cli import printing
 
     with robot.connect() as client:
-        answer = client.explain(rule, run, epoch)
+        answer = client.get(client.monitor.explain(rule, run, epoch))
     robot.tell(answer, lambda: printing.show_explanation(answer))
 
 
 def firings(
-    robot: Robot,
+    robot: RobotOptions,
     rule: Annotated[str, typer.Option(help="Of this rule only.")] = "",
     count: Annotated[int, typer.Option(min=1, max=1000, help="At most so many.")] = 30,
     before: Before = 0,
@@ -129,17 +134,19 @@ def firings(
     with robot.connect() as client:
         if follow:
             _follow(robot, client, rule, count)
-        answer = client.firings(before, count, rule)
+        answer = client.get(client.monitor.firings(before, count, rule))
     robot.tell(answer, lambda: printing.show_firings(answer))
 
 
-def _follow(robot: Robot, client: Any, rule: str, count: int) -> NoReturn:
+def _follow(robot: RobotOptions, client: MonitorConnection, rule: str, count: int) -> NoReturn:
     """Print entries as they come, oldest first, and once more when their actions have ended."""
     from kompass_console.rules_cli import printing
 
     told: dict[int, float | None] = {}
     while True:
-        for entry in reversed(client.firings(0, max(count, PAGE) if told else count, rule).firings):
+        wanted = max(count, PAGE) if told else count
+        journal = client.get(client.monitor.firings(0, wanted, rule))
+        for entry in reversed(journal.firings):
             if entry.number in told and told[entry.number] == entry.ended:
                 continue
             told[entry.number] = entry.ended
@@ -151,7 +158,7 @@ def _follow(robot: Robot, client: Any, rule: str, count: int) -> NoReturn:
 
 
 def export(
-    robot: Robot,
+    robot: RobotOptions,
     format_: Annotated[
         Format, typer.Option("--format", help="JSON, YAML, or a fragment of a recipe.")
     ] = "yaml",
@@ -167,7 +174,7 @@ def export(
     from kompass.recipe.export import export as as_text
 
     with robot.connect() as client:
-        view = client.table(revision)
+        view = client.get(client.monitor.table(revision))
     if merge and view.merge is None:
         raise CliError(1, "no edits wait to be merged")
     table = view.merge.table if merge and view.merge is not None else view.table

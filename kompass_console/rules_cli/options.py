@@ -14,6 +14,7 @@ from kompass_console.cli_error import CliError
 # Models and ROS are imported when a command runs: help answers at once.
 if TYPE_CHECKING:
     from kompass.rules.schema.model import Model
+    from kompass_console.rules_cli.connection import MonitorConnection
 
 ROLE = "engineer"  # whoever has the network of the robot is one
 DomainId = Annotated[
@@ -40,7 +41,7 @@ Probation = Annotated[
 ]
 
 
-class Robot(NamedTuple):
+class RobotOptions(NamedTuple):
     """The robot that a command is for, and how to print what it says."""
 
     domain_id: int | None
@@ -48,7 +49,7 @@ class Robot(NamedTuple):
     timeout: float
     json: bool
 
-    def connect(self) -> Any:
+    def connect(self) -> MonitorConnection:
         """Find its monitor.
 
         Raises
@@ -59,9 +60,9 @@ class Robot(NamedTuple):
         from kompass_console.domain import choose_domain
 
         choose_domain(self.domain_id, alone=False)
-        from kompass_console.rules_cli.client import RulesClient
+        from kompass_console.rules_cli.connection import MonitorConnection
 
-        return RulesClient(self.namespace, self.timeout)
+        return MonitorConnection(self.namespace, self.timeout)
 
     def tell(self, answer: Model, show: Callable[[], None]) -> None:
         """Print an answer as JSON, or as ``show`` does."""
@@ -72,14 +73,14 @@ class Robot(NamedTuple):
 
 
 def command(app: typer.Typer, name: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Add a command whose first parameter is the :class:`Robot`, from options of its own."""
+    """Add a command whose first parameter is the :class:`RobotOptions`, from options of its own."""
 
     def add(function: Callable[..., None]) -> Callable[..., None]:
         signature = inspect.signature(function, eval_str=True)
-        own = [p for p in signature.parameters.values() if p.annotation is not Robot]
+        own = [p for p in signature.parameters.values() if p.annotation is not RobotOptions]
 
         def run(**given: Any) -> None:
-            robot = Robot(*(given.pop(field) for field in Robot._fields))
+            robot = RobotOptions(*(given.pop(field) for field in RobotOptions._fields))
             function(robot, **given)
 
         run.__signature__ = inspect.Signature([*own, *_COMMON])  # type: ignore[attr-defined]

@@ -7,14 +7,14 @@ import time
 from collections.abc import Iterable, Mapping
 
 from rich.console import Console
-from rich.table import Table as Grid
+from rich.table import Table as TextTable
 from rich.text import Text
 
 from kompass.backtest.report import BacktestReport
 from kompass.rulebook.schema.diff_models import TableDiff
 from kompass.rulebook.schema.explanation import ExplanationView
 from kompass.rulebook.schema.journal import FiringRecord, Journal
-from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Effect, Finding
+from kompass.rulebook.schema.report import ApplyReport, Conflict, Effect, Finding
 from kompass.rulebook.schema.revision import History, Revision
 from kompass.rulebook.schema.status import LeafReading, RuleStatus
 from kompass.rulebook.schema.table_view import TableView
@@ -62,7 +62,7 @@ def show_table(view: TableView, statuses: Mapping[str, RuleStatus]) -> None:
         )
         for line in view.merge.conflicts:
             out.print(f"    {line}")
-    grid = Grid(box=None, pad_edge=False, header_style="bold")
+    grid = TextTable(box=None, pad_edge=False, header_style="bold")
     for name in ("", "rule", "when", "then", "state", "fired", "last"):
         grid.add_column(name, overflow="fold", justify="right" if name == "fired" else "left")
     for rule in view.table.rules:
@@ -84,7 +84,7 @@ def show_table(view: TableView, statuses: Mapping[str, RuleStatus]) -> None:
 
 def show_history(history: History) -> None:
     """Revisions, newest first."""
-    grid = Grid(box=None, pad_edge=False, header_style="bold")
+    grid = TextTable(box=None, pad_edge=False, header_style="bold")
     for name in ("rev", "", "outcome", "when", "who", "why", "what"):
         grid.add_column(name, overflow="fold")
     for revision in history.revisions:
@@ -165,11 +165,6 @@ def show_applied(report: ApplyReport) -> None:
         out.print("  it stays; to go back: kompass-console rules rollback")
 
 
-def show_refusal(report: CheckReport, places: Iterable[str] | None = None) -> None:
-    """Why a table cannot be applied."""
-    show_findings(report.findings, places)
-
-
 def show_conflict(conflict: Conflict) -> None:
     """Somebody else was faster."""
     out = console()
@@ -209,7 +204,7 @@ def show_explanation(view: ExplanationView) -> None:
 def show_firings(journal: Journal) -> None:
     """Entries of the journal, newest first."""
     out = console()
-    grid = Grid(box=None, pad_edge=False, header_style="bold")
+    grid = TextTable(box=None, pad_edge=False, header_style="bold")
     for name in ("no", "when", "rule", "what", "rev", "run", "came of it"):
         grid.add_column(name, overflow="fold", justify="right" if name == "no" else "left")
     for entry in journal.firings:

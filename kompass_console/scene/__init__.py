@@ -1,6 +1,1 @@
-"""The 3D scene: one file per layer, drawn separately for every page that looks.
-
-A layer converts what the robot said into a drawing once, on the scene's own thread; each page's
-nodes are then updated from it on viser's loop. Nodes belong to one page, so a layer that is
-hidden costs nothing, each page has its own theme, and nothing accumulates on the server.
-"""
+"""The 3D scene, drawn separately for every page that looks."""

@@ -61,7 +61,10 @@ Document.prototype.hasFocus = function () { return true; };
 def scene_page() -> bytes:
     """The page served at /scene/{id}/.
 
-    Raises RuntimeError when the installed viser's client page has another form.
+    Raises
+    ------
+    RuntimeError
+        When the installed viser's client page has another form.
     """
     file = Path(viser.__file__).parent / "client" / "build" / "index.html"
     html = file.read_text(encoding="utf-8")

@@ -8,12 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from kompass_console.scene import local_map_layer, map_layer, path_layer, scan_layer
-from kompass_console.scene.local_map_layer import LocalMapDrawing
-from kompass_console.scene.map_layer import MapDrawing
-from kompass_console.scene.shapes import Vertices
-from kompass_console.scene.trail_layer import Trail
-from kompass_console.schema.world import GoalMark, Pose, Scan, World
+from kompass.algorithms.geometry import compose
+from kompass_console.scene.layers.local_map import LocalMapDrawing, local_map_drawing
+from kompass_console.scene.layers.map import MapDrawing, map_drawing
+from kompass_console.scene.layers.path import path_segments
+from kompass_console.scene.layers.scan import scan_points
+from kompass_console.scene.layers.shapes import Vertices
+from kompass_console.scene.layers.trail import Trail
+from kompass_console.schema.world import GoalMark, Pose, Scan, WorldModel
 
 LayerKey = str
 
@@ -51,7 +53,7 @@ class Drawings:
 class Converter:
     """Turns what the robot said into drawings, layer by layer, when it changed and is due."""
 
-    def __init__(self, world: World, drawings: Drawings) -> None:
+    def __init__(self, world: WorldModel, drawings: Drawings) -> None:
         self._world = world
         self._drawings = drawings
         self._trail = Trail()
@@ -78,17 +80,17 @@ class Converter:
         if (goal := world.goal.get()) is not None and self._is_new("goal", goal.version):
             drawings.goal = goal.value
         if (scan := world.scan.get()) is not None and self._is_new("scan", scan.version):
-            drawings.scan = scan_layer.convert(scan.value, self._sensor_pose(scan.value))
+            drawings.scan = scan_points(scan.value, self._sensor_pose(scan.value))
         if (path := world.path.get()) is not None and self._is_new("path", path.version):
-            drawings.path = path_layer.convert(path.value)
+            drawings.path = path_segments(path.value)
         local = world.local_map.get()
         if local is not None and self._is_new("local_map", local.version):
-            drawings.local_map = local_map_layer.convert(local.value)
-        ring = world.footprint.get()
-        if ring is not None and self._is_new("footprint", ring.version):
-            drawings.footprint = ring.value
+            drawings.local_map = local_map_drawing(local.value)
+        footprint = world.footprint.get()
+        if footprint is not None and self._is_new("footprint", footprint.version):
+            drawings.footprint = footprint.value
         if (grid := world.map.get()) is not None and self._is_new("map", grid.version):
-            drawings.map = map_layer.convert(grid.value)
+            drawings.map = map_drawing(grid.value)
 
     def _is_new(self, layer: LayerKey, version: int) -> bool:
         if self._seen.get(layer) == version or not self._is_due(layer):
@@ -107,4 +109,5 @@ class Converter:
     def _sensor_pose(self, scan: Scan) -> Pose:
         """Where the sensor was when the scan was taken, in the map frame."""
         robot = self._world.history.at(scan.stamp) or Pose(0.0, 0.0, 0.0)
-        return robot.compose(self._world.scan_mount.get(scan.frame, Pose(0.0, 0.0, 0.0)))
+        mount = self._world.scan_mount.get(scan.frame, Pose(0.0, 0.0, 0.0))
+        return Pose(*compose(robot, mount).tolist())

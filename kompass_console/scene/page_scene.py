@@ -12,16 +12,16 @@ import viser
 
 from kompass_console.scene import camera as cameras
 from kompass_console.scene.drawings import Drawings, LayerKey
-from kompass_console.scene.goal_layer import GoalNodes
-from kompass_console.scene.local_map_layer import LocalMapNodes
-from kompass_console.scene.map_layer import MapNodes
-from kompass_console.scene.palette import palette
-from kompass_console.scene.path_layer import PathNodes
+from kompass_console.scene.layers.goal import GoalNodes
+from kompass_console.scene.layers.local_map import LocalMapNodes
+from kompass_console.scene.layers.map import MapNodes
+from kompass_console.scene.layers.palette import palette
+from kompass_console.scene.layers.path import PathNodes
+from kompass_console.scene.layers.preview import Preview, PreviewNodes
+from kompass_console.scene.layers.robot import RobotNodes
+from kompass_console.scene.layers.scan import ScanNodes
+from kompass_console.scene.layers.trail import TrailNodes
 from kompass_console.scene.picking import Camera
-from kompass_console.scene.preview_layer import Preview, PreviewNodes
-from kompass_console.scene.robot_layer import RobotNodes
-from kompass_console.scene.scan_layer import ScanNodes
-from kompass_console.scene.trail_layer import TrailNodes
 from kompass_console.schema.models import View
 
 _WORLD = "/world"

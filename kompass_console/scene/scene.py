@@ -9,12 +9,12 @@ from collections.abc import Callable
 import viser
 
 from kompass_console.scene.drawings import Converter, Drawings
+from kompass_console.scene.layers.preview import Preview
 from kompass_console.scene.page_scene import Memory, PageScene
 from kompass_console.scene.picking import floor_point
-from kompass_console.scene.preview_layer import Preview
 from kompass_console.scene.viser_hub import ViserHub
 from kompass_console.schema.models import View
-from kompass_console.schema.world import World
+from kompass_console.schema.world import WorldModel
 
 _PERIOD = 0.05  # s between two rounds while somebody watches
 _IDLE_PERIOD = 0.2
@@ -28,9 +28,15 @@ class PageNotConnected(LookupError):
 
 
 class Scene:
-    """Draws the world on every connected page. `find_view` maps a view's id to its settings."""
+    """Draws the world on every connected page.
 
-    def __init__(self, world: World, find_view: Callable[[str], View | None]) -> None:
+    Parameters
+    ----------
+    find_view
+        Maps a view's id to its settings; None for one that is not known.
+    """
+
+    def __init__(self, world: WorldModel, find_view: Callable[[str], View | None]) -> None:
         self._find_view = find_view
         self._drawings = Drawings()
         self._converter = Converter(world, self._drawings)
@@ -42,11 +48,6 @@ class Scene:
         self.hub = ViserHub(self._connected, self._disconnected)
         self._thread = threading.Thread(target=self._work, name="scene", daemon=True)
         self._thread.start()
-
-    @property
-    def pages(self) -> int:
-        """Number of connected scenes."""
-        return len(self._pages)
 
     def stop(self) -> None:
         """End the scene's thread and viser's."""
@@ -81,7 +82,10 @@ class Scene:
         """Floor points (map frame, m) under points (u, v) of a page's picture; None above the
         horizon.
 
-        Raises PageNotConnected when that page's scene is not connected.
+        Raises
+        ------
+        PageNotConnected
+            When that page's scene is not connected.
         """
 
         def find() -> list[tuple[float, float] | None]:

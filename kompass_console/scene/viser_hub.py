@@ -89,8 +89,13 @@ class _Connection:
 
 
 class ViserHub:
-    """One viser server without a port. `on_connect(view_id, client)` and
-    `on_disconnect(view_id, client)` are called on viser's loop."""
+    """One viser server without a port.
+
+    Parameters
+    ----------
+    on_connect, on_disconnect
+        Take a view's id and its page's client; called on viser's loop.
+    """
 
     def __init__(
         self,
@@ -160,10 +165,6 @@ class ViserHub:
             return change()
 
         return await asyncio.wrap_future(asyncio.run_coroutine_threadsafe(on_loop(), self._loop))
-
-    def drop_all(self) -> None:
-        """Close every scene connection; pages connect again by themselves."""
-        self.server._websock_server.disconnect_all_clients()
 
     def stop(self) -> None:
         """End viser's thread."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, Field, JsonValue
+from pydantic import BaseModel, Field
 
 from kompass.backtest.report import BacktestReport
 from kompass.rulebook.schema.alarm import Alarm
+from kompass.rulebook.schema.journal import FiringStep
 from kompass.rulebook.schema.report import CheckReport, Conflict
 from kompass.rulebook.schema.status import LeafReading, RuleStatus
 from kompass.rules.schema.conditions import Condition
@@ -117,23 +118,6 @@ class BacktestProgress(BaseModel):
     text: str
     report: BacktestReport | None
     error: str | None
-
-
-class FiringStep(BaseModel):
-    """One step in the life of a rule's run, as the monitor published it.
-
-    `details` has the leaves when it fired, and the action and its seconds when one ended.
-    """
-
-    time: float
-    rule_id: str
-    rule_hash: str
-    revision: int
-    run_id: int
-    phase: str
-    ok: bool
-    text: str
-    details: JsonValue
 
 
 class RulesLive(BaseModel):

@@ -6,7 +6,6 @@ Nothing here queues. A reader that comes late finds the newest value and how old
 from __future__ import annotations
 
 import itertools
-import math
 import time
 from collections import deque
 from collections.abc import Callable
@@ -15,6 +14,9 @@ from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
+
+from kompass.algorithms.geometry import wrap_angle
+from kompass.algorithms.grid import Grid
 
 T = TypeVar("T")
 
@@ -54,50 +56,22 @@ class Latest(Generic[T]):
         return self._stamped
 
 
-@dataclass(frozen=True, slots=True)
-class Pose:
-    """Planar pose: m, m, rad."""
+class Pose(NamedTuple):
+    """Planar pose (m, m, rad): what :mod:`kompass.algorithms` takes, with names."""
 
     x: float
     y: float
     yaw: float
 
-    def compose(self, local: Pose) -> Pose:
-        """The pose, in this pose's parent frame, of something at `local` in this frame."""
-        c, s = math.cos(self.yaw), math.sin(self.yaw)
-        return Pose(
-            self.x + c * local.x - s * local.y,
-            self.y + s * local.x + c * local.y,
-            wrap(self.yaw + local.yaw),
-        )
-
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class RobotMotion:
     """Odometry: pose in the map frame, twist in the robot's (m/s, rad/s), stamp (ROS s)."""
 
     pose: Pose
     v: float
     w: float
     stamp: float
-
-
-@dataclass(frozen=True, slots=True)
-class Grid:
-    """Occupancy grid: cells int8 (H, W), -1 unknown, 0..100 occupied; row 0 at the origin's y.
-
-    `resolution` in m per cell, `origin` the pose of the corner of cell (0, 0) in the map frame.
-    """
-
-    cells: npt.NDArray[np.int8]
-    resolution: float
-    origin: Pose
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height in m."""
-        height, width = self.cells.shape
-        return width * self.resolution, height * self.resolution
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,16 +120,16 @@ class PoseHistory:
                 return Pose(
                     before.x + f * (after.x - before.x),
                     before.y + f * (after.y - before.y),
-                    wrap(before.yaw + f * wrap(after.yaw - before.yaw)),
+                    wrap_angle(before.yaw + f * wrap_angle(after.yaw - before.yaw)),
                 )
         return samples[0][1] if stamp < samples[0][0] else samples[-1][1]
 
 
-class World:
+class WorldModel:
     """One slot per thing the console reads."""
 
     def __init__(self) -> None:
-        self.motion: Latest[Motion] = Latest()
+        self.motion: Latest[RobotMotion] = Latest()
         self.history = PoseHistory()
         self.scan: Latest[Scan] = Latest()
         self.scan_mount: dict[str, Pose] = {}
@@ -164,8 +138,3 @@ class World:
         self.path: Latest[npt.NDArray[np.float64]] = Latest()
         self.footprint: Latest[npt.NDArray[np.float64]] = Latest()
         self.goal: Latest[GoalMark | None] = Latest()
-
-
-def wrap(angle: float) -> float:
-    """Angle in rad brought into (-pi, pi]."""
-    return math.pi - (math.pi - angle) % (2.0 * math.pi)

@@ -27,7 +27,7 @@ _REVOKED_MAX = 10_000
 
 
 @dataclass(frozen=True, slots=True)
-class Session:
+class LoginSession:
     """Who is logged in: display name, role, and the id and time (epoch s) of the log-in."""
 
     user: str
@@ -46,7 +46,7 @@ class Authenticator:
         self._now = now
         self._revoked: OrderedDict[str, None] = OrderedDict()
 
-    def log_in(self, token: str, user: str | None) -> Session | None:
+    def log_in(self, token: str, user: str | None) -> LoginSession | None:
         """Session for a right token, None for a wrong one. Compares every token, always."""
         found: Role | None = None
         for role, expected in self._tokens.items():
@@ -54,14 +54,16 @@ class Authenticator:
                 found = role
         if found is None:
             return None
-        return Session(_clean_name(user) or str(found), found, secrets.token_hex(8), self._now())
+        return LoginSession(
+            _clean_name(user) or str(found), found, secrets.token_hex(8), self._now()
+        )
 
-    def cookie(self, session: Session) -> str:
+    def cookie(self, session: LoginSession) -> str:
         """Signed cookie value of a session."""
         body = json.dumps([session.user, session.role, session.id, session.issued]).encode()
         return f"{_encode(body)}.{_encode(self._sign(session.role, body))}"
 
-    def session(self, cookie: str | None) -> Session | None:
+    def session(self, cookie: str | None) -> LoginSession | None:
         """Session of a cookie, or None when it is missing, forged, expired or logged out."""
         if not cookie:
             return None
@@ -77,9 +79,9 @@ class Authenticator:
             return None
         if session_id in self._revoked or self._now() - issued > SESSION_LIFETIME:
             return None
-        return Session(user, role, session_id, issued)
+        return LoginSession(user, role, session_id, issued)
 
-    def log_out(self, session: Session) -> None:
+    def log_out(self, session: LoginSession) -> None:
         """Refuse this session's cookie from now on, wherever a copy of it may be."""
         self._revoked[session.id] = None
         while len(self._revoked) > _REVOKED_MAX:
@@ -91,18 +93,28 @@ class Authenticator:
 
 
 class LoginLimiter:
-    """At most `limit` failed log-ins per address and `window` seconds."""
+    """Refuses addresses that fail too often.
+
+    Parameters
+    ----------
+    limit
+        Failed log-ins that an address may have within a period.
+    period
+        Seconds.
+    addresses
+        Number of addresses that are remembered.
+    """
 
     def __init__(
         self,
         limit: int = 10,
-        window: float = 60.0,
+        period: float = 60.0,
         *,
         now: Callable[[], float] = time.monotonic,
         addresses: int = 1000,
     ) -> None:
         self._limit = limit
-        self._window = window
+        self._period = period
         self._now = now
         self._addresses = addresses
         self._failures: OrderedDict[str, deque[float]] = OrderedDict()
@@ -112,11 +124,11 @@ class LoginLimiter:
         failures = self._failures.get(address)
         if failures is None:
             return 0.0
-        while failures and self._now() - failures[0] > self._window:
+        while failures and self._now() - failures[0] > self._period:
             failures.popleft()
         if len(failures) < self._limit:
             return 0.0
-        return self._window - (self._now() - failures[0])
+        return self._period - (self._now() - failures[0])
 
     def failed(self, address: str) -> None:
         """Count one failed log-in."""

@@ -8,7 +8,7 @@ from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
 from kompass_console.recordings import Recordings
 from kompass_console.scene.scene import Scene
-from kompass_console.schema.world import World
+from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 from kompass_console.web.audit import AuditTrail
 from kompass_console.web.auth import Authenticator, LoginLimiter
@@ -28,7 +28,7 @@ class Console:
     auth: Authenticator
     limiter: LoginLimiter
     audit: AuditTrail
-    world: World
+    world: WorldModel
     link: RosLink
     checker: GoalChecker
     views: ViewRegistry

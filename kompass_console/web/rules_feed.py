@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pydantic import TypeAdapter
 
 from kompass.rulebook.schema.status import RuleStatus
-from kompass_console.link.rules import Rules
+from kompass_console.link.rules.watch import RulesWatch
 from kompass_console.schema.rule_models import RulesLive
 
 _PERIOD = 0.2  # s between two messages
@@ -50,7 +50,7 @@ class RulesFeed:
         self._listeners: set[RulesListener] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._spoken = asyncio.Event()
-        self._rules: Rules | None = None
+        self._rules: RulesWatch | None = None
         self._robot = ""
         self._seen = ("", "[]")
 
@@ -75,7 +75,7 @@ class RulesFeed:
         finally:
             self._listeners.discard(listener)
 
-    async def run(self, rules: Rules, robot: str) -> None:
+    async def run(self, rules: RulesWatch, robot: str) -> None:
         """Wake the pages, until cancelled."""
         self._rules, self._robot = rules, robot
         self._loop = asyncio.get_running_loop()

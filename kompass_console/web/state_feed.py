@@ -12,7 +12,7 @@ _PERIOD = 0.1  # s between two states, unless something that matters has changed
 _BURST = 0.02  # s between two states in any case
 
 
-class Listener:
+class StateListener:
     """One page's newest state, as JSON; a page that reads slowly skips the ones between."""
 
     def __init__(self) -> None:
@@ -35,7 +35,7 @@ class StateFeed:
     """Builds states while anybody listens, and hands each to every listener."""
 
     def __init__(self) -> None:
-        self._listeners: set[Listener] = set()
+        self._listeners: set[StateListener] = set()
         self._urgent = asyncio.Event()
         self._someone = asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -53,9 +53,9 @@ class StateFeed:
                 loop.call_soon_threadsafe(self._urgent.set)
 
     @contextlib.contextmanager
-    def listen(self) -> Iterator[Listener]:
+    def listen(self) -> Iterator[StateListener]:
         """A listener for as long as the block lasts; it gets a state at once."""
-        listener = Listener()
+        listener = StateListener()
         self._listeners.add(listener)
         self._someone.set()
         self._urgent.set()

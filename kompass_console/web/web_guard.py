@@ -25,7 +25,13 @@ _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 class WebGuard:
-    """ASGI middleware. `allow_hosts` are names accepted in Host besides the machine's own."""
+    """ASGI middleware.
+
+    Parameters
+    ----------
+    allow_hosts
+        Names accepted in Host besides the machine's own.
+    """
 
     def __init__(self, app: ASGIApp, *, allow_hosts: Iterable[str] = ()) -> None:
         self._app = app

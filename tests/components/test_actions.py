@@ -1,5 +1,6 @@
 """Rules reach a component through its services, and through nothing that is not marked."""
 
+import json
 import time
 from collections.abc import Callable
 from typing import Any
@@ -83,7 +84,7 @@ def test_an_override_of_an_action_is_an_action() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "kwargs", "success", "json"),
+    ("name", "kwargs", "success", "told"),
     [
         ("add", {"a": 2}, True, "3"),
         ("nothing", {}, True, ""),
@@ -91,10 +92,10 @@ def test_an_override_of_an_action_is_an_action() -> None:
     ],
 )
 def test_results_travel_as_json(
-    run: Run, name: str, kwargs: dict[str, Any], success: bool, json: str
+    run: Run, name: str, kwargs: dict[str, Any], success: bool, told: str
 ) -> None:
     answer = run(Worker()).execute(name, **kwargs)
-    assert (answer.success, answer.response_json, answer.error_msg) == (success, json, "")
+    assert (answer.success, answer.response_json, answer.error_msg) == (success, told, "")
 
 
 @pytest.mark.parametrize(
@@ -114,6 +115,18 @@ def test_what_goes_wrong_is_the_answer(
     answer = run(Worker()).execute(name, **kwargs)
     assert not answer.success
     assert message in answer.error_msg
+
+
+def test_why_an_action_failed_is_also_told_without_its_name(run: Run) -> None:
+    class Blocked(Worker):
+        @component_action
+        def fail(self) -> bool:
+            """Says why it does not succeed."""
+            return self.fails("the way is blocked")
+
+    answer = run(Blocked()).execute("fail")
+    assert answer.error_msg == "worker.fail did not succeed: the way is blocked"
+    assert json.loads(answer.response_json) == {"problem": "the way is blocked"}
 
 
 def test_a_result_that_is_no_json_is_still_a_success_that_says_so(run: Run) -> None:

@@ -31,8 +31,12 @@ TOKENS = {
 class Served:
     """A running console: its address, and clients that talk to it as a page would."""
 
-    port: int
+    listening: socket.socket
     audit_file: Path
+
+    @property
+    def port(self) -> int:
+        return int(self.listening.getsockname()[1])
 
     @property
     def origin(self) -> str:
@@ -68,7 +72,7 @@ def serving(audit_file: Path, domain_id: int, recordings: Path | None = None) ->
     stop = threading.Event()
     thread = threading.Thread(target=run_console, args=(listening, settings), kwargs={"stop": stop})
     thread.start()
-    served = Served(listening.getsockname()[1], audit_file)
+    served = Served(listening, audit_file)
     try:
         with served.client() as client:
             wait_until(lambda: _answers(client), 20.0, "the console answers")

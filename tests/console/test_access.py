@@ -1,6 +1,7 @@
 """Who may reach what over HTTP, from where, and what a refusal says."""
 
 import json
+import socket
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,11 @@ WRITES = [
     ("DELETE", "/api/views/x/preview"),
     ("POST", "/api/logout"),
 ]
+
+
+def test_no_answer_waits_for_the_acknowledgement_of_its_first_half(console: Served) -> None:
+    """What it would cost is measured in benchmarks/small_answers.py."""
+    assert console.listening.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY) == 1
 
 
 @pytest.mark.parametrize(

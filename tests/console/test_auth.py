@@ -62,7 +62,7 @@ def test_names_are_short_and_printable() -> None:
 
 def test_wrong_tokens_lock_their_own_address_for_a_while() -> None:
     now = [0.0]
-    limiter = LoginLimiter(limit=3, window=60.0, now=lambda: now[0])
+    limiter = LoginLimiter(limit=3, period=60.0, now=lambda: now[0])
     for _ in range(3):
         assert limiter.wait("10.0.0.9") == 0.0
         limiter.failed("10.0.0.9")

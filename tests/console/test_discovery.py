@@ -1,7 +1,7 @@
 """Of all topics on the graph, the right ones are read."""
 
 from kompass_console.link.components import label_of
-from kompass_console.link.discovery import STATUS_TYPE, status_topics, stream_topic
+from kompass_console.link.graph.discovery import STATUS_TYPE, status_topics, stream_topic
 
 ODOMETRY = ["nav_msgs/msg/Odometry"]
 GRID = ["nav_msgs/msg/OccupancyGrid"]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from kompass_console.link.follower import (
+from kompass_console.link.goals.follower import (
     ABORTED,
     CANCELED,
     EXECUTING,
@@ -16,7 +16,7 @@ from kompass_console.link.follower import (
     length_left,
 )
 from kompass_console.schema.models import GoalInfo
-from kompass_console.schema.world import Motion, Pose, World
+from kompass_console.schema.world import Pose, RobotMotion, WorldModel
 
 ACTION = "/planner/plan_path"
 
@@ -36,9 +36,9 @@ class Clock:
 
 
 @pytest.fixture
-def world() -> World:
-    world = World()
-    world.motion.set(Motion(Pose(0.0, 0.0, 0.0), 0.0, 0.0, 0.0))
+def world() -> WorldModel:
+    world = WorldModel()
+    world.motion.set(RobotMotion(Pose(0.0, 0.0, 0.0), 0.0, 0.0, 0.0))
     return world
 
 
@@ -48,7 +48,7 @@ def clock() -> Clock:
 
 
 @pytest.fixture
-def follower(world: World, clock: Clock) -> GoalFollower:
+def follower(world: WorldModel, clock: Clock) -> GoalFollower:
     return GoalFollower(world, lambda: None, now=clock)
 
 
@@ -62,11 +62,11 @@ def send(follower: GoalFollower, x: float = 2.0, y: float = 0.0) -> None:
     follower.sent("mine", x, y, None, by="ava", speed=0.5, stamp=SENT)
 
 
-def line_to(world: World, x: float, y: float = 0.0) -> None:
+def line_to(world: WorldModel, x: float, y: float = 0.0) -> None:
     world.path.set(np.column_stack([np.linspace(0.0, x, 21), np.linspace(0.0, y, 21)]))
 
 
-def test_a_goal_goes_from_sent_to_arrived(follower: GoalFollower, world: World) -> None:
+def test_a_goal_goes_from_sent_to_arrived(follower: GoalFollower, world: WorldModel) -> None:
     send(follower)
     assert info(follower).phase == "sent"
     assert follower.statuses(ACTION, {"a1": at(EXECUTING)}) == ["a1"]
@@ -76,7 +76,7 @@ def test_a_goal_goes_from_sent_to_arrived(follower: GoalFollower, world: World) 
     assert info(follower).phase == "driving"
     assert info(follower).distance_left == pytest.approx(2.0)
     assert info(follower).eta == pytest.approx(4.0)
-    world.motion.set(Motion(Pose(1.96, 0.0, 0.0), 0.0, 0.0, 1.0))
+    world.motion.set(RobotMotion(Pose(1.96, 0.0, 0.0), 0.0, 0.0, 1.0))
     follower.result("a1", Ending(SUCCEEDED, "Arrived."))
     ended = info(follower)
     assert (ended.phase, ended.message, ended.id) == ("arrived", "Arrived.", "mine")
@@ -125,7 +125,7 @@ def test_goals_of_the_past_are_not_taken_for_ours(follower: GoalFollower) -> Non
 
 
 def test_another_programs_goal_is_followed_with_its_place(
-    follower: GoalFollower, world: World
+    follower: GoalFollower, world: WorldModel
 ) -> None:
     follower.heard(3.0, 1.0, 0.5)
     follower.statuses(ACTION, {"b2": at(EXECUTING)})
@@ -137,7 +137,7 @@ def test_another_programs_goal_is_followed_with_its_place(
 
 
 def test_a_goal_sent_straight_to_the_action_gets_its_place_from_the_path(
-    follower: GoalFollower, world: World
+    follower: GoalFollower, world: WorldModel
 ) -> None:
     follower.statuses(ACTION, {"b2": at(EXECUTING)})
     line_to(world, 4.0)
@@ -156,14 +156,14 @@ def test_a_newer_goal_takes_over(follower: GoalFollower) -> None:
 
 
 def test_without_an_action_path_and_pose_tell(
-    follower: GoalFollower, world: World, clock: Clock
+    follower: GoalFollower, world: WorldModel, clock: Clock
 ) -> None:
     send(follower)
     line_to(world, 2.0)
     follower.tick(action_there=False)
     assert info(follower).phase == "driving"
     clock.now += 60.0
-    world.motion.set(Motion(Pose(1.95, 0.0, 0.0), 0.0, 0.0, 1.0))
+    world.motion.set(RobotMotion(Pose(1.95, 0.0, 0.0), 0.0, 0.0, 1.0))
     follower.tick(action_there=False)
     assert info(follower).phase == "arrived"
 
@@ -180,7 +180,7 @@ def test_a_goal_that_was_over_before_its_action_was_found_is_ended(
 
 
 def test_an_action_found_while_driving_is_taken_for_ours(
-    follower: GoalFollower, world: World
+    follower: GoalFollower, world: WorldModel
 ) -> None:
     send(follower)
     line_to(world, 2.0)
@@ -191,7 +191,7 @@ def test_an_action_found_while_driving_is_taken_for_ours(
 
 
 def test_without_an_action_a_path_taken_back_is_a_failure(
-    follower: GoalFollower, world: World
+    follower: GoalFollower, world: WorldModel
 ) -> None:
     send(follower)
     line_to(world, 2.0)

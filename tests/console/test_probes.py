@@ -13,28 +13,30 @@ from sensor_msgs.msg import LaserScan
 from kompass.rules.schema.conditions import AnyOf, Compare, Condition, Not, Rate
 from kompass.rules.schema.signals import Signal
 from kompass_console.api.probe import PageProbes
-from kompass_console.link.probes import Probe
-from kompass_console.link.topic_watch import Heard, Listener, TopicWatch
+from kompass_console.link.rules.probes import ConditionProbe
+from kompass_console.link.rules.topic_watch import ReceivedMessage, TopicListener, TopicWatch
 from kompass_console.schema.rule_models import ProbeReading
 from tests.support.patience import patient
 
 
 class Topics:
-    """In the place of the taps: what was said last, and who listens."""
+    """In the place of the topic watch: what was said last, and who listens."""
 
-    def __init__(self, said: dict[str, Heard] | None = None) -> None:
+    def __init__(self, said: dict[str, ReceivedMessage] | None = None) -> None:
         self.said = said or {}
-        self.listeners: list[Listener] = []
+        self.listeners: list[TopicListener] = []
 
-    def open(self, listener: Listener, wanted: dict[str, str | None]) -> dict[str, Heard]:
+    def open(
+        self, listener: TopicListener, wanted: dict[str, str | None]
+    ) -> dict[str, ReceivedMessage]:
         self.listeners.append(listener)
         return {topic: self.said[topic] for topic in wanted if topic in self.said}
 
-    def close(self, listener: Listener) -> None:
+    def close(self, listener: TopicListener) -> None:
         self.listeners.remove(listener)
 
 
-def taps(topics: Topics) -> TopicWatch:
+def watch(topics: Topics) -> TopicWatch:
     return cast(TopicWatch, topics)
 
 
@@ -57,11 +59,11 @@ def scan(*ranges: float) -> LaserScan:
 
 
 def reading(condition: Condition, topics: Topics) -> ProbeReading:
-    return Probe("a", condition, None, taps(topics)).reading()
+    return ConditionProbe("a", condition, None, watch(topics)).reading()
 
 
 def test_what_a_topic_said_last_is_judged_at_once_with_its_age() -> None:
-    topics = Topics({"scan": Heard(scan(0.5, 0.2), time.monotonic() - 0.4)})
+    topics = Topics({"scan": ReceivedMessage(scan(0.5, 0.2), time.monotonic() - 0.4)})
     told = reading(nearest("<", 0.3), topics)
     assert told.verdict is True
     assert round(cast(float, told.leaves[0].value), 3) == 0.2
@@ -69,7 +71,7 @@ def test_what_a_topic_said_last_is_judged_at_once_with_its_age() -> None:
 
 
 def test_a_value_that_is_too_old_is_unknown() -> None:
-    topics = Topics({"scan": Heard(scan(0.2), time.monotonic() - 3.0)})
+    topics = Topics({"scan": ReceivedMessage(scan(0.2), time.monotonic() - 3.0)})
     assert reading(nearest("<", 0.3), topics).verdict is None
     assert reading(Not(condition=nearest("<", 0.3)), topics).verdict is None
     assert reading(nearest("<", 0.3, timeout=None), topics).verdict is True
@@ -80,7 +82,7 @@ def test_each_message_counts_and_the_newest_is_shown() -> None:
     either = AnyOf(
         conditions=(nearest("<", 0.3), Rate(topic="scan", above=100.0, window=0.1, type=None))
     )
-    probe = Probe("a", either, nearest(">", 1.0), taps(topics))
+    probe = ConditionProbe("a", either, nearest(">", 1.0), watch(topics))
     assert probe.reading().verdict is None
     for distance in (0.1, 2.0):
         probe.hear("scan", scan(distance), time.monotonic())
@@ -93,7 +95,7 @@ def test_each_message_counts_and_the_newest_is_shown() -> None:
 
 def test_a_page_that_looks_elsewhere_leaves_its_topics() -> None:
     topics = Topics()
-    page = PageProbes(taps(topics))
+    page = PageProbes(watch(topics))
     for value in (0.1, 0.2, 0.3):
         page.take(json.dumps({"condition": nearest("<", value).model_dump(mode="json")}))
     assert len(topics.listeners) == 1
@@ -118,7 +120,7 @@ anything = st.recursive(
 @settings(max_examples=100, deadline=None)
 @given(condition=anything.filter(lambda each: each is not None))
 def test_what_is_no_condition_is_refused_in_a_sentence(condition: Any) -> None:
-    page = PageProbes(taps(Topics()))
+    page = PageProbes(watch(Topics()))
     page.take(json.dumps({"id": "x", "condition": condition}))
     told = page.readings()
     assert [(each.id, bool(each.error)) for each in told] == [("x", True)]
@@ -127,6 +129,6 @@ def test_what_is_no_condition_is_refused_in_a_sentence(condition: Any) -> None:
 @settings(max_examples=100, deadline=None)
 @given(text=st.text() | st.binary().map(lambda raw: raw.decode(errors="replace")))
 def test_no_text_brings_the_probe_down(text: str) -> None:
-    page = PageProbes(taps(Topics()))
+    page = PageProbes(watch(Topics()))
     page.take(text)
     page.readings()

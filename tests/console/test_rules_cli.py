@@ -19,8 +19,8 @@ from kompass.rulebook.schema.revision import History
 from kompass.rules.schema.table import Table
 from kompass_console.cli import app
 from kompass_console.cli_error import CliError
-from kompass_console.rules_cli.client import RulesClient
-from kompass_console.rules_cli.options import Robot as CommandRobot
+from kompass_console.rules_cli.connection import MonitorConnection
+from kompass_console.rules_cli.options import RobotOptions
 from kompass_console.rules_cli.table_file import TableFile
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
@@ -84,21 +84,23 @@ def stack(folder: Path) -> Iterator[Stack]:
 
 
 @pytest.fixture(scope="module")
-def connection(stack: Stack) -> Iterator[RulesClient]:
+def connection(stack: Stack) -> Iterator[MonitorConnection]:
     """One for all tests: to find a robot takes longer than to ask it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(stack.domain))
-        client = RulesClient(None, timeout=30.0)
+        client = MonitorConnection(None, timeout=30.0)
     with client:
         yield client
 
 
 @pytest.fixture
 def run(
-    connection: RulesClient, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    connection: MonitorConnection,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> Run:
     """Run a command in this process, as the entry point does."""
-    monkeypatch.setattr(CommandRobot, "connect", lambda robot: nullcontext(connection))
+    monkeypatch.setattr(RobotOptions, "connect", lambda robot: nullcontext(connection))
     return lambda *arguments: in_this_process(capsys, *arguments)
 
 
@@ -330,7 +332,7 @@ def test_without_a_monitor_it_says_what_to_do(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setenv("ROS_DOMAIN_ID", str(stack.domain))
-    monkeypatch.setattr("kompass_console.rules_cli.client.SEARCH", 1.0)
+    monkeypatch.setattr("kompass_console.rules_cli.connection.SEARCH", 1.0)
     found = in_this_process(capsys, "show", *arguments)
     assert found.code == 1
     assert "no monitor was found on ROS domain" in found.error

@@ -9,27 +9,16 @@ from hypothesis import given, settings
 from hypothesis.extra import numpy as hnp
 from PIL import Image
 
-from kompass_console.scene import local_map_layer, map_layer, path_layer, scan_layer
-from kompass_console.scene.cells import rectangles
-from kompass_console.scene.palette import palette
-from kompass_console.scene.png import encode_palette
-from kompass_console.scene.trail_layer import Trail
-from kompass_console.schema.world import Grid, Pose, PoseHistory, Scan
-
-
-@pytest.mark.parametrize("colours", [1, 2, 3, 4, 5, 16, 17, 256])
-def test_a_palette_picture_is_the_same_after_decoding(colours: int) -> None:
-    table = [(i, 255 - i, i // 2, 255 if i % 3 else 40) for i in range(colours)]
-    indices = np.random.default_rng(1).integers(0, colours, (13, 7)).astype(np.uint8)
-    decoded = np.array(Image.open(io.BytesIO(encode_palette(indices, table))).convert("RGBA"))
-    assert np.array_equal(decoded, np.array(table, np.uint8)[indices])
-
-
-def test_a_palette_picture_refuses_what_it_cannot_hold() -> None:
-    with pytest.raises(ValueError, match="index 1 has no colour"):
-        encode_palette(np.ones((2, 2), np.uint8), [(0, 0, 0, 255)])
-    with pytest.raises(ValueError, match="a palette holds 1 to 256"):
-        encode_palette(np.zeros((2, 2), np.uint8), [(0, 0, 0, 255)] * 257)
+from kompass.algorithms.geometry import compose
+from kompass.algorithms.grid import Grid
+from kompass_console.scene.layers.cells import rectangles
+from kompass_console.scene.layers.local_map import local_map_drawing
+from kompass_console.scene.layers.map import map_drawing
+from kompass_console.scene.layers.palette import palette
+from kompass_console.scene.layers.path import path_segments
+from kompass_console.scene.layers.scan import scan_points
+from kompass_console.scene.layers.trail import Trail
+from kompass_console.schema.world import Pose, PoseHistory, Scan
 
 
 @settings(deadline=None)
@@ -52,29 +41,43 @@ def room() -> Grid:
 def test_the_map_is_drawn_the_right_way_up_in_its_theme() -> None:
     grid = room()
     grid.cells[6:10, 11:15] = 100  # something in the south-west corner
-    drawing = map_layer.convert(grid)
+    drawing = map_drawing(grid)
     assert len(drawing.tiles) == 1
-    picture = np.array(Image.open(io.BytesIO(drawing.images["dark"][0])).convert("RGBA"))
+    picture = np.array(Image.open(io.BytesIO(drawing.images["dark"][0])).convert("RGB"))
     scale = picture.shape[0] // 40
     # viser puts a picture's first row at its lowest y, as a grid has it: nothing is turned over.
     assert tuple(picture[8 * scale, 12 * scale]) == palette("dark").occupied
     assert tuple(picture[30 * scale, 12 * scale]) == palette("dark").free
 
 
+def test_every_cell_of_the_map_has_its_colour_in_its_theme() -> None:
+    cells = np.random.default_rng(1).choice([-1, 0, 40, 64, 65, 100], (37, 53)).astype(np.int8)
+    drawing = map_drawing(Grid(cells, 0.05))
+    for theme, images in drawing.images.items():
+        picture = np.array(Image.open(io.BytesIO(images[0])).convert("RGB"))
+        scale = picture.shape[0] // 37
+        middles = picture[scale // 2 :: scale, scale // 2 :: scale]
+        colours = palette(theme)
+        assert (middles[cells >= 65] == colours.occupied).all()
+        assert (middles[(cells >= 0) & (cells < 65)] == colours.free).all()
+        unknown = {tuple(colour) for colour in middles[cells < 0].tolist()}
+        assert unknown <= {colours.unknown, colours.unknown_line}
+
+
 def test_the_first_view_is_of_what_is_known() -> None:
-    assert map_layer.convert(room()).bounds == pytest.approx((-0.5, 2.25, 1.5, 3.75))
+    assert map_drawing(room()).bounds == pytest.approx((-0.5, 2.25, 1.5, 3.75))
 
 
 def test_a_large_map_is_cut_into_tiles_that_meet() -> None:
     grid = Grid(np.zeros((1500, 2500), np.int8), 0.1, Pose(0.0, 0.0, 0.0))
-    drawing = map_layer.convert(grid)
+    drawing = map_drawing(grid)
     assert sum(t.width * t.height for t in drawing.tiles) == pytest.approx(250.0 * 150.0)
     assert max(t.x + t.width / 2 for t in drawing.tiles) == pytest.approx(250.0)
     assert all(max(t.classes.shape) <= 1024 for t in drawing.tiles)
 
 
 def test_walls_stand_on_the_occupied_cells() -> None:
-    vertices = map_layer.convert(room()).wall_vertices
+    vertices = map_drawing(room()).wall_vertices
     assert vertices[:, :2].min(axis=0) == pytest.approx((0.5, 0.25))
     assert vertices[:, :2].max(axis=0) == pytest.approx((2.5, 1.75))
 
@@ -83,15 +86,15 @@ def test_the_local_map_turns_with_the_robot() -> None:
     cells = np.zeros((20, 20), np.int8)
     cells[9:11, 19] = 100  # straight ahead, at the far edge
     half = 0.5
-    corner = Pose(3.0, 4.0, math.pi / 2).compose(Pose(-half, -half, 0.0))
-    drawing = local_map_layer.convert(Grid(cells, 0.05, corner))
+    corner = compose((3.0, 4.0, math.pi / 2), (-half, -half, 0.0))
+    drawing = local_map_drawing(Grid(cells, 0.05, Pose(*corner)))
     assert drawing.vertices[:, :2].mean(axis=0) == pytest.approx((3.0, 4.475), abs=1e-5)
 
 
 def test_scan_points_lie_where_the_beams_ended() -> None:
     ranges = np.array([1.0, np.inf, 2.0, 0.01, np.nan], np.float32)
     scan = Scan(ranges, 0.0, math.pi / 2, 0.1, 5.0, 0.0, "laser")
-    points = scan_layer.convert(scan, Pose(10.0, 0.0, math.pi / 2))
+    points = scan_points(scan, Pose(10.0, 0.0, math.pi / 2))
     assert points[:, :2] == pytest.approx(np.array([[10.0, 1.0], [10.0, -2.0]]), abs=1e-5)
 
 
@@ -108,10 +111,10 @@ def test_a_scan_is_drawn_from_where_it_was_taken() -> None:
 
 def test_a_path_of_any_length_is_a_bounded_line() -> None:
     long = np.column_stack([np.linspace(0.0, 100.0, 50_000), np.zeros(50_000)])
-    segments = path_layer.convert(long)
+    segments = path_segments(long)
     assert len(segments) < 1000
     assert segments[-1, 1, 0] == 100.0
-    assert len(path_layer.convert(np.zeros((1, 2)))) == 0
+    assert len(path_segments(np.zeros((1, 2)))) == 0
 
 
 def test_the_trail_is_bounded_and_forgets_a_jump() -> None:

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import BrowserContext, Page, sync_playwright
 
-from kompass_console.scene.palette import palette
+from kompass_console.scene.layers.palette import palette
 from kompass_console.schema.roles import Role
 from tests.console.conftest import TOKENS, Served, running_stack
 from tests.console.fake_stack import ROOM

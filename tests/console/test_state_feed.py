@@ -8,7 +8,7 @@ import time
 import pytest
 
 from kompass_console.schema.models import RobotInfo, RosInfo, RulesInfo, State
-from kompass_console.web.state_feed import Listener, StateFeed
+from kompass_console.web.state_feed import StateFeed, StateListener
 
 
 def build(seq: int, viewers: int) -> State:
@@ -35,7 +35,7 @@ def seq_of(text: str) -> int:
 
 def test_a_slow_page_gets_the_newest_and_not_the_next() -> None:
     async def read() -> str:
-        listener = Listener()
+        listener = StateListener()
         for text in ("one", "two", "three"):
             listener.put(text)
         newest = await listener.get()

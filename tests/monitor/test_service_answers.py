@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from automatika_ros_sugar.srv import ChangeParameters
+from automatika_ros_sugar.srv import ChangeParameters, ExecuteMethod
 from nav2_msgs.srv import ClearEntireCostmap, LoadMap
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
@@ -16,7 +16,7 @@ from kompass.monitor.reporting.alarms import Alarms
 from kompass.monitor.reporting.entries import ActionOutcome
 from kompass.rclpy_ext.timers import Timers
 from kompass.rules.engine.firing import Firing
-from kompass.rules.schema.actions import Action, CallService, Log
+from kompass.rules.schema.actions import Action, CallService, Log, Method
 from kompass.rules.schema.table import Severity
 from tests.support.spinning import Spinning
 
@@ -106,3 +106,18 @@ def test_who_does_not_care_goes_on_and_it_is_recorded_all_the_same(robot: Robot)
     (ok, error), told = robot.run(call, Log(text="dark"))
     assert (ok, [each.ok for each in told]) == (False, [False, True])
     assert "the lamp is broken" in error
+
+
+def test_why_a_component_failed_is_told_beside_what_it_said(robot: Robot) -> None:
+    def fail(response: Any) -> Any:
+        response.error_msg = "lamp.shine did not succeed: the bulb is gone"
+        response.response_json = '{"problem": "the bulb is gone"}'
+        return response
+
+    robot.offer(ExecuteMethod, "lamp/execute_method", fail)
+    robot.offer(ExecuteMethod, "stranger/execute_method", lambda response: response)
+    _, (known,) = robot.run(Method(component="lamp", method="shine", timeout=15.0))
+    assert known.text == "lamp.shine did not succeed: the bulb is gone"
+    assert known.problem == "the bulb is gone"
+    _, (other,) = robot.run(Method(component="stranger", method="shine", timeout=15.0))
+    assert other.problem == other.text == "stranger.shine failed"

@@ -79,9 +79,9 @@ def test_a_monstrous_table_is_refused_while_others_are_answered(
     before, monitor = rules.view(), stack.pid_of("monitor")
 
     refusal = rules.begin(
-        ApplyRules, "apply_rules", table=text, role="operator", expected_revision=before.revision
+        ApplyRules.Request(table=text, role="operator", expected_revision=before.revision)
     )
-    others = [rules.begin(GetRules, "get_rules"), rules.begin(GetFirings, "get_firings")]
+    others = [rules.begin(GetRules.Request()), rules.begin(GetFirings.Request())]
 
     for other in others:
         assert rules.robot.await_future(other, 15, "the answer of another service").success

@@ -389,7 +389,7 @@ WRONG = (
 def test_what_is_no_table_is_refused_with_a_reason(rules: Rules, text: str, word: str) -> None:
     before = in_force(rules)
     request = {"role": "operator", "author": "tester", "expected_revision": before[0]}
-    answer = rules.call(ApplyRules, "apply_rules", table=text, **request)
+    answer = rules.call(ApplyRules.Request(table=text, **request))
     assert answer.outcome == Request.REFUSED
     assert word in answer.message
     report = json.loads(answer.answer)
@@ -432,22 +432,18 @@ def test_the_services_answer_whatever_they_are_sent(
     text = text.encode(errors="replace").decode().replace("\0", "")
     names = [name.encode(errors="replace").decode().replace("\0", "") for name in names]
     answer = rules.call(
-        ApplyRules,
-        "apply_rules",
-        table=text,
-        role=role,
-        probation=probation,
-        expected_revision=expected,
-        reset=names,
+        ApplyRules.Request(
+            table=text, role=role, probation=probation, expected_revision=expected, reset=names
+        )
     )
     assert answer.outcome in (Request.REFUSED, Request.CONFLICT)
     assert answer.message
     assert not rules.check(text, role).success or data == {}
     for name in names:
-        assert not rules.call(ExplainRule, "explain_rule", rule_id=name).success
+        assert not rules.call(ExplainRule.Request(rule_id=name)).success
         assert not rules.reset(name).success
     assert not rules.confirm(expected, role).success or expected == before[0]
-    assert not rules.call(GetRules, "get_rules", revision=2**31 + expected % 1000).success
+    assert not rules.call(GetRules.Request(revision=2**31 + expected % 1000)).success
     assert in_force(rules) == before
 
 
@@ -457,7 +453,7 @@ def await_another_monitor(stack: Stack, rules: Rules, pid: int) -> None:
     futures: list[Any] = []
 
     def answered() -> bool:
-        futures.append(rules.begin(GetRules, "get_rules"))
+        futures.append(rules.begin(GetRules.Request()))
         time.sleep(0.2)
         return any(future.done() for future in futures)
 

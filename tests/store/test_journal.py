@@ -29,6 +29,13 @@ def test_a_firing_is_found_with_how_it_ended(robot: Robot) -> None:
     assert robot.store.firing("life 1", 8) is None
 
 
+def test_of_an_entry_of_before_the_problem_is_what_the_action_said() -> None:
+    before = {"action": "a.b", "ok": False, "text": "a.b did not succeed: no way", "seconds": 1.0}
+    assert ActionRecord.model_validate(before).problem == before["text"]
+    assert ActionRecord.model_validate({**before, "ok": True}).problem == ""
+    assert ActionRecord.model_validate({**before, "problem": "no way"}).problem == "no way"
+
+
 def test_entries_come_in_pages_newest_first_and_by_rule(robot: Robot) -> None:
     robot.start()
     for number in range(10):

@@ -1,11 +1,10 @@
 """What rules did, as anybody can read it on the monitor's topic."""
 
-import json
 import time
 from typing import Any, NamedTuple
 
-from kompass_interfaces.msg import RuleFiring
-
+from kompass.monitor.client import MonitorClient
+from kompass.rulebook.schema.journal import FiringStep
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
 
@@ -28,26 +27,23 @@ class Journal:
 
     def __init__(self, robot: Robot) -> None:
         self.steps: list[Step] = []
-        self._subscription = robot.node.create_subscription(
-            RuleFiring, "/monitor/firings", self._note, 1000
-        )
+        MonitorClient(robot.node, "/monitor").watch_firings(self._note)
         wait_until(
             lambda: robot.node.count_publishers("/monitor/firings") > 0, 10, "the monitor's firings"
         )
 
-    def _note(self, message: RuleFiring) -> None:
-        self.steps.append(
-            Step(
-                time.monotonic(),
-                message.stamp.sec + 1e-9 * message.stamp.nanosec,
-                message.rule_id,
-                message.run_id,
-                message.phase,
-                message.ok,
-                message.text,
-                json.loads(message.details or "{}"),
-            )
+    def _note(self, told: FiringStep) -> None:
+        step = Step(
+            time.monotonic(),
+            told.time,
+            told.rule_id,
+            told.run_id,
+            told.phase,
+            told.ok,
+            told.text,
+            told.details or {},
         )
+        self.steps.append(step)
 
     def of(self, rule: str, phase: str, since: int = 0) -> list[Step]:
         """Steps of one phase of the rules whose id holds ``rule``."""

@@ -4,26 +4,23 @@ import json
 import time
 from typing import Any
 
-from kompass_interfaces.msg import RuleFiring, RulesState
 from kompass_interfaces.srv import (
     ApplyRules,
     CheckRules,
     ConfirmRules,
-    ExplainRule,
-    GetFirings,
-    GetHistory,
-    GetRules,
     ResetRule,
     RollbackRules,
 )
 
+from kompass.monitor.client import MonitorClient, TableState
+from kompass.rclpy_ext.reply import Reply
 from kompass.rulebook.schema.explanation import ExplanationView
-from kompass.rulebook.schema.journal import FiringRecord, Journal
+from kompass.rulebook.schema.journal import FiringRecord, FiringStep
 from kompass.rulebook.schema.revision import History
 from kompass.rulebook.schema.status import RuleStatus
 from kompass.rulebook.schema.table_view import TableView
 from tests.support.processes import wait_until
-from tests.support.robot import LATCHED, Robot
+from tests.support.robot import Robot
 
 LONGEST = 15.0  # s for an answer, on a busy machine
 Rule = dict[str, Any]
@@ -34,35 +31,30 @@ class Rules:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        self.firings: list[RuleFiring] = []
+        self.firings: list[FiringStep] = []
         self.arrived: list[float] = []
-        robot.node.create_subscription(RuleFiring, "/monitor/firings", self._hear, 1000)
-        robot.subscribe(RulesState, "/monitor/rules_state", LATCHED)
-        self._clients: dict[str, Any] = {}
+        self._states: list[TableState] = []
+        self.monitor = MonitorClient(robot.node, "/monitor", limit=LONGEST)
+        self.monitor.watch_firings(self._hear)
+        self.monitor.watch_state(self._states.append)
 
-    def _hear(self, message: RuleFiring) -> None:
+    def _hear(self, step: FiringStep) -> None:
         self.arrived.append(time.monotonic())
-        self.firings.append(message)
+        self.firings.append(step)
 
-    def begin(self, kind: Any, name: str, **request: Any) -> Any:
-        """Send a request; the future of its answer."""
-        client = self._clients.get(name)
-        if client is None:
-            client = self.robot.node.create_client(kind, f"/monitor/{name}")
-            self._clients[name] = client
-        wait_until(client.service_is_ready, 10, f"the service {name}")
-        return client.call_async(kind.Request(**request))
+    def begin(self, request: Any) -> Reply[Any]:
+        """Send a request of a service, whatever is in it."""
+        reply = self.monitor.request(request)
+        wait_until(reply.begin, 10, f"the service for {type(request).__name__}")
+        return reply
 
-    def call(self, kind: Any, name: str, **request: Any) -> Any:
-        """Send a request; its answer."""
-        future = self.begin(kind, name, **request)
-        return self.robot.await_future(future, LONGEST, f"the answer of {name}")
+    def call(self, request: Any) -> Any:
+        """Send a request of a service; its answer as it came."""
+        return self.monitor.request(request).wait()
 
     def view(self, revision: int = 0) -> TableView:
         """The table in force, or another."""
-        answer = self.call(GetRules, "get_rules", revision=revision)
-        assert answer.success, answer.message
-        return TableView.model_validate_json(answer.answer)
+        return self.monitor.table(revision).wait().parsed()
 
     def rules(self) -> list[Rule]:
         """The rules in force as data, to be changed."""
@@ -71,21 +63,17 @@ class Rules:
 
     def check(self, text: str, role: str = "operator") -> CheckRules.Response:
         """Have a table checked."""
-        return self.call(CheckRules, "check_rules", table=text, role=role)
+        return self.call(CheckRules.Request(table=text, role=role))
 
-    def begin_apply(self, rules: list[Rule], expected: int, **more: Any) -> Any:
-        """Hand in a table; the future of the answer."""
-        request = {"author": "tester", "role": "operator", "probation": 0.0} | more
+    def begin_apply(self, rules: list[Rule], expected: int, **more: Any) -> Reply[Any]:
+        """Hand in a table; the answer as it will come."""
+        fields = {"author": "tester", "role": "operator", "probation": 0.0} | more
         text = json.dumps({"rules": rules})
-        return self.begin(
-            ApplyRules, "apply_rules", table=text, expected_revision=expected, **request
-        )
+        return self.begin(ApplyRules.Request(table=text, expected_revision=expected, **fields))
 
     def apply(self, rules: list[Rule], expected: int = 0, **more: Any) -> ApplyRules.Response:
         """Hand in a table, based on the revision in force unless told otherwise."""
-        future = self.begin_apply(rules, expected or self.view().revision, **more)
-        answer: ApplyRules.Response = self.robot.await_future(future, LONGEST, "the answer")
-        return answer
+        return self.begin_apply(rules, expected or self.view().revision, **more).wait()
 
     def must_apply(self, rules: list[Rule], **more: Any) -> int:
         """Put a table in force; its revision."""
@@ -105,35 +93,28 @@ class Rules:
 
     def confirm(self, revision: int, role: str = "operator") -> ConfirmRules.Response:
         """Keep a revision."""
-        request = {"revision": revision, "author": "tester", "role": role}
-        return self.call(ConfirmRules, "confirm_rules", **request)
+        return self.call(ConfirmRules.Request(revision=revision, author="tester", role=role))
 
     def roll_back(self, revision: int = 0, **more: Any) -> RollbackRules.Response:
         """Go back."""
-        request = {"author": "tester", "role": "operator"} | more
-        return self.call(RollbackRules, "rollback_rules", revision=revision, **request)
+        fields = {"author": "tester", "role": "operator"} | more
+        return self.call(RollbackRules.Request(revision=revision, **fields))
 
     def reset(self, rule_id: str, role: str = "operator") -> ResetRule.Response:
         """Let a rule start afresh."""
-        request = {"rule_id": rule_id, "author": "tester", "role": role}
-        return self.call(ResetRule, "reset_rule", **request)
+        return self.call(ResetRule.Request(rule_id=rule_id, author="tester", role=role))
 
     def history(self) -> History:
         """All revisions."""
-        answer = self.call(GetHistory, "get_history", count=1000)
-        return History.model_validate_json(answer.answer)
+        return self.monitor.history(count=1000).wait().parsed()
 
     def journal(self, rule_id: str = "") -> tuple[FiringRecord, ...]:
         """The newest entries."""
-        answer = self.call(GetFirings, "get_firings", rule_id=rule_id)
-        return Journal.model_validate_json(answer.answer).firings
+        return self.monitor.firings(rule_id=rule_id).wait().parsed().firings
 
     def explain(self, rule_id: str, run_id: int = 0, epoch: str = "") -> ExplanationView:
         """Why."""
-        request = {"rule_id": rule_id, "run_id": run_id, "epoch": epoch}
-        answer = self.call(ExplainRule, "explain_rule", **request)
-        assert answer.success, answer.message
-        return ExplanationView.model_validate_json(answer.answer)
+        return self.monitor.explain(rule_id, run_id, epoch).wait().parsed()
 
     def status(self, rule_id: str) -> RuleStatus:
         """How a rule is doing, right now."""
@@ -142,10 +123,10 @@ class Rules:
         return status
 
     @property
-    def state(self) -> RulesState:
+    def state(self) -> TableState:
         """What the monitor last said of itself."""
-        wait_until(lambda: "/monitor/rules_state" in self.robot.newest, 10, "the rules' state")
-        return self.robot.newest["/monitor/rules_state"]
+        wait_until(lambda: self._states, 10, "the rules' state")
+        return self._states[-1]
 
 
 def rule(rule_id: str, condition: Rule, *actions: Rule, **more: Any) -> Rule:

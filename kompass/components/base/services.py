@@ -116,7 +116,9 @@ class ComponentServices:
             return response
         response.success = result is not False
         if result is False:
-            response.error_msg = self._why_not(request.name)
+            problem = self._take_problem()
+            response.error_msg = self._did_not_succeed(request.name, problem)
+            response.response_json = json.dumps({"problem": problem})
         elif result is not None:
             try:
                 response.response_json = json.dumps(result)
@@ -144,7 +146,13 @@ class ComponentServices:
         return response
 
     def _why_not(self, name: str) -> str:
+        return self._did_not_succeed(name, self._take_problem())
+
+    def _take_problem(self) -> str:
         component = self._component
         problem, component.action_problem = component.action_problem, ""
-        problem = problem or ("" if component.health.is_healthy else component.health.message)
-        return f"{component.node_name}.{name} did not succeed" + (f": {problem}" if problem else "")
+        return problem or ("" if component.health.is_healthy else component.health.message)
+
+    def _did_not_succeed(self, name: str, problem: str) -> str:
+        text = f"{self._component.node_name}.{name} did not succeed"
+        return f"{text}: {problem}" if problem else text

@@ -36,7 +36,14 @@ THREADS = 64  # functions of the recipe at a time, in each lane
 
 
 class Failed(Exception):
-    """An action did not do what it should; the message says why."""
+    """An action did not do what it should; the message says why.
+
+    ``problem`` says so too, without the name of the action; empty where the message has no name.
+    """
+
+    def __init__(self, text: str, problem: str = "") -> None:
+        super().__init__(text)
+        self.problem = problem
 
 
 class ActionRunner:
@@ -105,7 +112,8 @@ class ActionRunner:
                 outcome = ActionOutcome(_name(action), True, text, time.monotonic() - began)
             except Exception as problem:  # noqa: BLE001 - becomes the outcome, which is reported
                 text = str(problem) or type(problem).__name__
-                outcome = ActionOutcome(_name(action), False, text, time.monotonic() - began)
+                why = (problem.problem if isinstance(problem, Failed) else "") or text
+                outcome = ActionOutcome(_name(action), False, text, time.monotonic() - began, why)
                 error = error or f"{outcome.action}: {text}"
             tell(outcome)
             if not outcome.ok and action.on_error == "abort":
@@ -224,7 +232,8 @@ class ActionRunner:
         request = ExecuteMethod.Request(name=method, kwargs_json=json.dumps(dict(kwargs)))
         answer = await self._call(ExecuteMethod, f"{component}/execute_method", request, timeout)
         if not answer.success:
-            raise Failed(answer.error_msg or f"{component}.{method} failed")
+            text = answer.error_msg or f"{component}.{method} failed"
+            raise Failed(text, _problem_in(answer.response_json))
         return str(answer.response_json)
 
     async def _parameters(
@@ -318,6 +327,16 @@ def _name(action: Any) -> str:
             component = getattr(action, "component", "")
             return f"{component}.{value}" if component else f"{action.kind} {value}"
     return str(action.kind)
+
+
+def _problem_in(response: str) -> str:
+    """Why a component's method failed, as the component tells beside its message."""
+    try:
+        told = json.loads(response or "null")
+    except json.JSONDecodeError:  # another's component
+        return ""
+    problem = told.get("problem") if isinstance(told, dict) else None
+    return problem if isinstance(problem, str) else ""
 
 
 def _short(answer: Any) -> str:

@@ -22,12 +22,15 @@ class ActionOutcome(NamedTuple):
         What it said.
     seconds
         How long it took.
+    problem
+        Why it failed, without the name of the action; empty when it did not.
     """
 
     action: str
     ok: bool
     text: str
     seconds: float
+    problem: str = ""
 
 
 class RunEntry(NamedTuple):

@@ -79,7 +79,13 @@ class Firings:
         self._log_outcome(entry, outcome)
         seconds = round(outcome.seconds, 3)
         self._actions.setdefault(number, []).append(
-            ActionRecord(action=outcome.action, ok=outcome.ok, text=outcome.text, seconds=seconds)
+            ActionRecord(
+                action=outcome.action,
+                ok=outcome.ok,
+                text=outcome.text,
+                seconds=seconds,
+                problem=outcome.problem,
+            )
         )
         details = {"action": outcome.action, "seconds": seconds}
         self._say(entry, "action", outcome.ok, outcome.text, details)

@@ -1,20 +1,35 @@
 """The journal of firings."""
 
-from typing import Literal
+from typing import Any, Literal
 
-from pydantic import JsonValue
+from pydantic import BaseModel, JsonValue, model_validator
 
 from kompass.rulebook.schema.status import LeafReading
 from kompass.rules.schema.model import Model
 
 
 class ActionRecord(Model):
-    """How one action of a run ended."""
+    """How one action of a run ended.
+
+    Attributes
+    ----------
+    problem
+        Why it failed, to be read beside the name of the action; empty when it did not. Entries of
+        before it was told apart have their text.
+    """
 
     action: str
     ok: bool
     text: str
     seconds: float
+    problem: str = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_before(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "problem" not in data and not data.get("ok", True):
+            return {**data, "problem": data.get("text", "")}
+        return data
 
 
 class FiringRecord(Model):
@@ -68,3 +83,20 @@ class Journal(Model):
 
     firings: tuple[FiringRecord, ...]
     more: bool
+
+
+class FiringStep(BaseModel):
+    """One step in the life of a rule's run, as the monitor published it.
+
+    `details` has the leaves when it fired, and the action and its seconds when one ended.
+    """
+
+    time: float
+    rule_id: str
+    rule_hash: str
+    revision: int
+    run_id: int
+    phase: str
+    ok: bool
+    text: str
+    details: JsonValue

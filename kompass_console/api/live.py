@@ -1,0 +1,58 @@
+"""What pages are told for as long as they are there: the robot's state, and what its rules do."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, WebSocket
+from pydantic import ValidationError
+
+from kompass_console import __version__
+from kompass_console.api.access import console_of
+from kompass_console.api.sockets import admitted, telling, texts
+from kompass_console.schema.models import Hello, Ping, Pong, SessionInfo
+from kompass_console.web.rules_feed import RulesListener
+from kompass_console.web.state_feed import StateListener
+
+router = APIRouter()
+
+
+@router.websocket("/api/state")
+async def state(websocket: WebSocket) -> None:
+    """Hello, then the newest state; see `StateMessage` in the schema."""
+    session = await admitted(websocket)
+    if session is None:
+        return
+    hello = Hello(session=SessionInfo(user=session.user, role=session.role), version=__version__)
+    with console_of(websocket).feed.listen() as listener:
+        async with telling(_push_state(websocket, hello, listener)):
+            async for text in texts(websocket):
+                await _answer(websocket, text)
+
+
+@router.websocket("/api/rules/live")
+async def rules_live(websocket: WebSocket) -> None:
+    """See `RulesLive` in the schema. What the page says is not listened to."""
+    if await admitted(websocket) is None:
+        return
+    with console_of(websocket).rules_feed.listen() as listener:
+        async with telling(_push_rules(websocket, listener)):
+            async for _ in texts(websocket):
+                pass
+
+
+async def _push_state(websocket: WebSocket, hello: Hello, listener: StateListener) -> None:
+    await websocket.send_text(hello.model_dump_json())
+    while True:
+        await websocket.send_text(await listener.get())
+
+
+async def _push_rules(websocket: WebSocket, listener: RulesListener) -> None:
+    while True:
+        await websocket.send_text(await listener.get())
+
+
+async def _answer(websocket: WebSocket, text: str) -> None:
+    try:
+        ping = Ping.model_validate_json(text)
+    except ValidationError:
+        return  # the socket is for reading; what else it says is not for us
+    await websocket.send_text(Pong(t=ping.t).model_dump_json())

@@ -1,0 +1,1 @@
+"""Goals: sent, followed to their end, cancelled."""

@@ -1,0 +1,1 @@
+"""What all reading from the graph stands on: who is there, subscriptions, calls, conversions."""

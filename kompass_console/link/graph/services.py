@@ -1,0 +1,57 @@
+"""Calls to services that are found by type, from any thread, each with a deadline."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rclpy.node import Node
+
+from kompass.rclpy_ext.reply import NoAnswer, Reply
+from kompass_console.link.graph.discovery import Graph, of_type
+
+
+class ServicePool:
+    """Clients for every service of one type on the graph, kept connected so that a call is one
+    message there and one back.
+
+    `refresh` runs on the link's thread; `call` on any. Nothing here waits for a lock that is
+    held while something else is being done.
+    """
+
+    def __init__(self, node: Node, service_type: type[Any], type_name: str) -> None:
+        self._node = node
+        self._service_type = service_type
+        self._type_name = type_name
+        self._clients: dict[str, Any] = {}
+
+    @property
+    def names(self) -> list[str]:
+        return sorted(self._clients)
+
+    def refresh(self, services: Graph) -> None:
+        """Make clients for the services that are there now, and drop those of vanished ones."""
+        found = of_type(services, self._type_name)
+        clients = dict(self._clients)
+        gone = [clients.pop(name) for name in list(clients) if name not in found]
+        for name in found:
+            if name not in clients:
+                clients[name] = self._node.create_client(self._service_type, name)
+        self._clients = clients
+        for client in gone:
+            self._node.destroy_client(client)
+
+    async def call(self, request: Any, timeout: float, name: str | None = None) -> Any:
+        """The answer of the named (None: the first) service of the pool.
+
+        Raises
+        ------
+        NoAnswer
+            When there is none, or after `timeout` seconds.
+        """
+        clients = self._clients
+        name = min(clients, default=None) if name is None else name
+        client = None if name is None else clients.get(name)
+        if client is None or name is None:
+            raise NoAnswer(f"no service of type {self._type_name} is there")
+        answer: Reply[Any] = Reply.of_service(client, name, request, timeout)
+        return await answer.answer()

@@ -1,0 +1,221 @@
+"""The command line's way to a robot: a node of its own, and one question at a time."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Self, TypeVar
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from kompass.backtest.report import BacktestReport
+from kompass.monitor.client import (
+    Conflicting,
+    Json,
+    MonitorClient,
+    Refused,
+    TableRefused,
+    TableState,
+    find_monitors,
+)
+from kompass.rclpy_ext.reply import NoAnswer, Reply
+from kompass.rulebook.schema.report import CheckReport, Conflict
+from kompass.rulebook.schema.status import RuleStatus
+from kompass_console.cli_error import CliError
+
+SEARCH = 5.0  # s for a monitor to be found
+SETTLE = 0.3  # s for a second one to be found too
+SPIN = 0.02  # s
+REFUSED = 1  # exit codes, as the help tells them
+CONFLICT = 4
+
+T = TypeVar("T")
+
+
+class RobotRefused(CliError):
+    """The robot did not do it; ``body`` says why in full."""
+
+    def __init__(
+        self, text: str, body: CheckReport | Conflict | None = None, code: int = REFUSED
+    ) -> None:
+        super().__init__(code, text)
+        self.body = body
+
+
+class MonitorConnection:
+    """Speaks with the monitor of one robot.
+
+    Parameters
+    ----------
+    namespace
+        Of the robot; None for the only one there is.
+    timeout
+        Seconds that the monitor may take for an answer.
+
+    Attributes
+    ----------
+    monitor
+        Client of the monitor; `wait` and `get` wait for its replies.
+
+    Raises
+    ------
+    CliError
+        When there is no monitor, or more than one to choose from.
+    """
+
+    def __init__(self, namespace: str | None, timeout: float) -> None:
+        self._timeout = timeout
+        self._context = rclpy.Context()
+        rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        self._node = rclpy.create_node(
+            f"rules_cli_{os.getpid()}",
+            context=self._context,
+            start_parameter_services=False,
+            enable_rosout=False,
+        )
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        try:
+            self.monitor = MonitorClient(self._node, self._find(namespace), limit=timeout)
+        except BaseException:
+            self._leave()
+            raise
+
+    def close(self) -> None:
+        """Leave the domain."""
+        self.monitor.close()
+        self._leave()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def get(self, reply: Reply[Json[T]]) -> T:
+        """Wait for a model. Raises as `wait` does."""
+        return self.wait(reply).parsed()
+
+    def wait(self, reply: Reply[T]) -> T:
+        """Wait for an answer.
+
+        Raises
+        ------
+        CliError
+            When there is none in time.
+        RobotRefused
+            When the robot does not do it.
+        """
+        try:
+            return reply.wait(self._spin_once)
+        except NoAnswer as error:
+            raise CliError(
+                REFUSED,
+                f"{error.why}; the monitor may have ended or be busy: try again, or give it more "
+                "with --timeout",
+            ) from None
+        except Conflicting as error:
+            raise RobotRefused(str(error), error.conflict.parsed(), CONFLICT) from None
+        except TableRefused as error:
+            report = None if error.report is None else error.report.parsed()
+            raise RobotRefused(str(error), report) from None
+        except Refused as error:
+            raise RobotRefused(str(error)) from None
+
+    def statuses(self, timeout: float = 2.0) -> dict[str, RuleStatus]:
+        """How the rules are doing, by id; empty when the monitor does not tell in time."""
+        heard: list[TableState] = []
+        self.monitor.watch_state(heard.append)
+        self._spin(lambda: bool(heard), timeout)
+        statuses = heard[-1].statuses.parsed() if heard else ()
+        return {status.rule_id: status for status in statuses}
+
+    def backtest(
+        self,
+        table: str,
+        *,
+        recording: str,
+        seconds: float,
+        progress: Callable[[float, str], None],
+    ) -> BacktestReport:
+        """Try a table (JSON) on a recording; ``progress`` takes 0 to 1 and a text.
+
+        Raises
+        ------
+        RobotRefused
+            When it cannot be done.
+        KeyboardInterrupt
+            After the back-test was cancelled.
+        """
+        monitor = self.monitor
+        if not self._spin(lambda: monitor.runs_backtests, self._timeout):
+            raise RobotRefused(
+                f"{monitor.name} offers no back-tests; its flight recorder is off (--no-record), "
+                "or it is of an older release"
+            )
+        backtest = monitor.backtest(table, recording=recording, seconds=seconds, progress=progress)
+        self.wait(backtest.accepted)
+        try:
+            return self.wait(backtest.ended).report.parsed()
+        except KeyboardInterrupt:
+            backtest.cancel()
+            self._spin(backtest.ended.done, self._timeout)
+            raise
+
+    def _find(self, namespace: str | None) -> str:
+        """Name of the monitor."""
+        wanted = None if namespace is None else "/" + namespace.strip("/")
+        found: list[str] = []
+
+        def look() -> bool:
+            found[:] = [
+                name
+                for name in find_monitors(self._node)
+                if wanted is None or (name.rpartition("/")[0] or "/") == wanted
+            ]
+            return bool(found)
+
+        if self._spin(look, SEARCH):
+            self._spin(lambda: False, SETTLE)
+            look()
+        domain = os.environ.get("ROS_DOMAIN_ID") or "0"
+        if not found:
+            where = "" if wanted is None else f" in the namespace {wanted}"
+            raise CliError(
+                REFUSED,
+                f"no monitor was found on ROS domain {domain}{where} within {SEARCH:g} s; start a "
+                "stack with 'kompass-console run', or give its --domain-id and --namespace",
+            )
+        if len(found) > 1:
+            raise CliError(
+                2,
+                f"there are {len(found)} monitors on ROS domain {domain}: {', '.join(found)}; "
+                "choose one with --namespace",
+            )
+        return found[0]
+
+    def _spin(self, done: Callable[[], bool], timeout: float) -> bool:
+        """Let the node work until ``done``; whether it was in time."""
+        deadline = time.monotonic() + timeout
+        while not done():
+            if time.monotonic() >= deadline:
+                return False
+            self._spin_once()
+        return True
+
+    def _spin_once(self) -> None:
+        self._executor.spin_once(timeout_sec=SPIN)
+
+    def _leave(self) -> None:
+        self._executor.shutdown()
+        self._node.destroy_node()
+        self._context.try_shutdown()

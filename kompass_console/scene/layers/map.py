@@ -1,0 +1,181 @@
+"""The map: quiet floor tiles, and low walls where it is occupied."""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import viser
+from PIL import Image
+
+from kompass.algorithms.geometry import transform_points
+from kompass.algorithms.grid import Grid
+from kompass_console.scene.layers.cells import OCCUPIED_FROM, blocks, rectangles
+from kompass_console.scene.layers.palette import palette
+from kompass_console.schema.models import Theme
+
+_UNKNOWN, _HATCH, _FREE, _OCCUPIED = 0, 1, 2, 3
+
+_TILE = 1024  # px; the smallest texture limit still met on tablets is 4096
+_SHARP = 2048  # px; small maps are magnified up to this, or their cells blur into each other
+_HATCH_PITCH = 12  # px between the hatching lines of unknown space
+
+WALL_HEIGHT = 0.08  # m; low, so that a point on a wall's top is near the point on the floor
+_MOST_WALLS = 30_000  # boxes; a map with more keeps its floor only
+
+_Bytes = npt.NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True)
+class Tile:
+    """A piece of the floor: centre (x, y) in the grid's frame and size, m; classes (h, w)."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    classes: _Bytes
+
+
+@dataclass(frozen=True, slots=True)
+class MapDrawing:
+    """A map ready to be drawn. `bounds` (x0, y0, x1, y1) holds what is known, in the map frame."""
+
+    origin: tuple[float, float, float]
+    tiles: tuple[Tile, ...]
+    wall_vertices: npt.NDArray[np.float32]
+    wall_faces: npt.NDArray[np.uint32]
+    bounds: tuple[float, float, float, float]
+    images: dict[Theme, tuple[bytes, ...]]
+
+
+def map_drawing(grid: Grid) -> MapDrawing:
+    """Drawing of a map, its tiles encoded for both themes."""
+    classes = classify(grid.cells)
+    height, width = classes.shape
+    factor = max(1, min(8, _SHARP // max(height, width)))
+    tiles = []
+    step = max(1, _TILE // factor)
+    for row in range(0, height, step):
+        for column in range(0, width, step):
+            part = classes[row : row + step, column : column + step]
+            h, w = part.shape
+            magnified = part.repeat(factor, axis=0).repeat(factor, axis=1)
+            tiles.append(
+                Tile(
+                    x=(column + w / 2.0) * grid.resolution,
+                    y=(row + h / 2.0) * grid.resolution,
+                    width=w * grid.resolution,
+                    height=h * grid.resolution,
+                    classes=_hatched(magnified, row * factor, column * factor),
+                )
+            )
+    boxes = rectangles(classes == _OCCUPIED)
+    if len(boxes) > _MOST_WALLS:
+        boxes = boxes[:0]
+    vertices, faces = blocks(boxes * grid.resolution, 0.0, WALL_HEIGHT)
+    images = {theme: tuple(_encoded(t.classes, theme) for t in tiles) for theme in _THEMES}
+    return MapDrawing(
+        grid.origin, tuple(tiles), vertices, faces, known_bounds(grid, classes), images
+    )
+
+
+_THEMES: tuple[Theme, Theme] = ("light", "dark")
+
+
+def classify(cells: npt.NDArray[np.int8]) -> _Bytes:
+    """Class of every cell: unknown, free or occupied (what is in between counts as free)."""
+    classes = np.full(cells.shape, _FREE, dtype=np.uint8)
+    classes[cells < 0] = _UNKNOWN
+    classes[cells >= OCCUPIED_FROM] = _OCCUPIED
+    return classes
+
+
+def known_bounds(grid: Grid, classes: _Bytes) -> tuple[float, float, float, float]:
+    """Box (x0, y0, x1, y1) in the map frame around the known cells (the whole grid if none)."""
+    known = classes != _UNKNOWN
+    rows, columns = np.nonzero(known.any(axis=1))[0], np.nonzero(known.any(axis=0))[0]
+    height, width = classes.shape
+    r0, r1 = (int(rows[0]), int(rows[-1]) + 1) if rows.size else (0, height)
+    c0, c1 = (int(columns[0]), int(columns[-1]) + 1) if columns.size else (0, width)
+    corners = np.array([(column, row) for row in (r0, r1) for column in (c0, c1)], np.float64)
+    seen = transform_points(grid.origin, corners * grid.resolution)
+    (x0, y0), (x1, y1) = seen.min(axis=0), seen.max(axis=0)
+    return float(x0), float(y0), float(x1), float(y1)
+
+
+def _hatched(classes: _Bytes, row: int, column: int) -> _Bytes:
+    """Unknown space gets thin diagonal lines that run on across tiles."""
+    rows = np.arange(row, row + classes.shape[0])[:, None]
+    columns = np.arange(column, column + classes.shape[1])[None, :]
+    lines = (rows + columns) % _HATCH_PITCH < 1
+    return np.where(lines & (classes == _UNKNOWN), np.uint8(_HATCH), classes)
+
+
+def _encoded(classes: _Bytes, theme: Theme) -> bytes:
+    """PNG of the few colours of a theme: kilobytes in milliseconds, where viser's own encoder takes
+    RGBA and, at the size of a building, tens of milliseconds."""
+    colours = palette(theme)
+    picture = Image.fromarray(classes)
+    picture.putpalette([*colours.unknown, *colours.unknown_line, *colours.free, *colours.occupied])
+    encoded = io.BytesIO()
+    picture.save(encoded, "PNG", compress_level=1)
+    return encoded.getvalue()
+
+
+class MapNodes:
+    """The map on one page."""
+
+    def __init__(self, scene: viser.SceneApi, parent: str, theme: Theme) -> None:
+        self._scene = scene
+        self._theme = theme
+        self._root = f"{parent}/map"
+        self._frame = scene.add_frame(self._root, show_axes=False)
+        self._tiles: list[viser.ImageHandle] = []
+        self._walls: viser.MeshHandle | None = None
+
+    def draw(self, drawing: MapDrawing) -> None:
+        x, y, yaw = drawing.origin
+        self._frame.position = (x, y, 0.0)
+        half = yaw / 2.0
+        self._frame.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
+        for surplus in self._tiles[len(drawing.tiles) :]:
+            surplus.remove()
+        del self._tiles[len(drawing.tiles) :]
+        images = drawing.images[self._theme]
+        for i, (tile, image) in enumerate(zip(drawing.tiles, images, strict=True)):
+            if i == len(self._tiles):
+                self._tiles.append(
+                    self._scene.add_image(
+                        f"{self._root}/tile{i}",
+                        np.zeros((1, 1, 4), np.uint8),
+                        tile.width,
+                        tile.height,
+                        format="png",
+                        cast_shadow=False,
+                        receive_shadow=False,
+                    )
+                )
+            handle = self._tiles[i]
+            handle.render_width, handle.render_height = tile.width, tile.height
+            handle.position = (tile.x, tile.y, 0.0)
+            handle._data = image
+        if self._walls is not None:
+            self._walls.remove()
+            self._walls = None
+        if len(drawing.wall_faces):
+            self._walls = self._scene.add_mesh_simple(
+                f"{self._root}/walls",
+                drawing.wall_vertices,
+                drawing.wall_faces,
+                color=palette(self._theme).wall,
+                flat_shading=True,
+                cast_shadow=False,
+                receive_shadow=False,
+            )
+
+    def show(self, visible: bool) -> None:
+        self._frame.visible = visible
