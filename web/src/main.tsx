@@ -4,7 +4,7 @@ import { MantineProvider } from "@mantine/core";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { takeToken } from "./session/token";
-import { theme } from "./theme";
+import { theme } from "./ui/theme";
 
 // Before anything is drawn, so that the token is never on screen.
 const token = takeToken();

@@ -1,4 +1,10 @@
-import { backoff } from "../state/link";
+const BACKOFF_MIN_MS = 500;
+const BACKOFF_MAX_MS = 3000;
+
+/** Milliseconds to wait before a connection is tried again. */
+export function backoff(attempt: number): number {
+  return Math.min(BACKOFF_MAX_MS, BACKOFF_MIN_MS * 2 ** Math.max(0, attempt));
+}
 
 /** A websocket of JSON messages that comes back by itself after every loss, until closed. */
 export class JsonSocket<Message> {

@@ -3,7 +3,7 @@ import { type FormEvent, useState } from "react";
 import { login } from "../api/client";
 import { type ApiError, asApiError } from "../api/errors";
 import type { Session } from "../api/types";
-import { Mark } from "../frame/Mark";
+import { Mark } from "../ui/Mark";
 import classes from "./LoginPage.module.css";
 
 interface Props {

@@ -68,6 +68,12 @@ export function useRobot(): Robot {
   return robot;
 }
 
+/** The robot's own clock, in seconds since the epoch; this browser's may be wrong. */
+export function useNow(): number {
+  const { state, elapsed } = useRobot();
+  return state === null ? Date.now() / 1000 : state.time + elapsed;
+}
+
 function useTick(): number {
   const [now, setNow] = useState(() => performance.now());
   useEffect(() => {

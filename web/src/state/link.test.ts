@@ -1,5 +1,6 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { backoff, RobotLink } from "./link";
+import { backoff } from "../api/socket";
+import { RobotLink } from "./link";
 
 /** A socket that the test speaks for. */
 class FakeSocket {

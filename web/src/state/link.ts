@@ -1,3 +1,4 @@
+import { backoff } from "../api/socket";
 import type { ServerMessage, Session, State } from "../api/types";
 
 /** What the page knows, and since when. `receivedAt` and the clock are `performance.now()` ms. */
@@ -13,12 +14,6 @@ export interface LinkSnapshot {
 
 /** A connection that says nothing for this long is given up and opened anew. */
 const SILENCE_MS = 4000;
-const BACKOFF_MIN_MS = 500;
-const BACKOFF_MAX_MS = 3000;
-
-export function backoff(attempt: number): number {
-  return Math.min(BACKOFF_MAX_MS, BACKOFF_MIN_MS * 2 ** Math.max(0, attempt));
-}
 
 /**
  * The state socket: newest wins, reconnects by itself.

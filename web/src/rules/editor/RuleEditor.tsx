@@ -2,20 +2,19 @@ import { Button, TextInput } from "@mantine/core";
 import { IconArrowLeft } from "@tabler/icons-react";
 import { useEffect, useMemo } from "react";
 import type { Rule } from "../../api/ruleTypes";
-import { FindingList } from "../FindingList";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
-import { freeId, putRule, removeRule, ruleOf } from "../model/draft";
-import { findingsElsewhere } from "../model/findings";
+import page from "../../ui/page.module.css";
+import { freeId, putRule, removeRule, ruleOf } from "../changes/draft";
+import { findingsElsewhere } from "../changes/findings";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { ruleName } from "../model/words";
-import sheet from "../Sheet.module.css";
-import { ActionList } from "./ActionList";
-import { ConditionEditor } from "./ConditionEditor";
-import { type Editor, EditorProvider } from "./EditorContext";
-import { ProbeProvider } from "./ProbeContext";
+import { FindingList } from "../parts/FindingList";
+import { ActionList } from "./action/ActionList";
+import { ConditionEditor } from "./condition/ConditionEditor";
+import { type Editor, EditorProvider } from "./form/EditorContext";
+import { ProbeProvider, VerdictLine } from "./form/Probe";
 import { RuleSettings } from "./RuleSettings";
 import { TimingFields } from "./TimingFields";
-import { VerdictLine } from "./VerdictLine";
 
 /** The form of one rule. Every keystroke goes into the draft: there is nothing to save here. */
 export function RuleEditor({ id }: { id: string }) {
@@ -24,8 +23,8 @@ export function RuleEditor({ id }: { id: string }) {
   const rule = draft.table === null ? null : ruleOf(draft.table, id);
   if (rule === null || view === null) {
     return (
-      <div className={sheet.page}>
-        <p className={sheet.muted}>This rule is no longer there.</p>
+      <div className={page.page}>
+        <p className={page.muted}>This rule is no longer there.</p>
         <Button variant="default" onClick={() => nav.go({ at: "table" })}>
           To the rules
         </Button>
@@ -72,9 +71,9 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
   return (
     <EditorProvider value={editor}>
       <ProbeProvider condition={rule.event.condition} clear={rule.event.clear}>
-        <fieldset className={sheet.section} disabled={readOnly}>
-          <div className={sheet.page} data-testid="rule-editor">
-            <div className={sheet.title}>
+        <fieldset className={page.section} disabled={readOnly}>
+          <div className={page.page} data-testid="rule-editor">
+            <div className={page.title}>
               <Button
                 variant="subtle"
                 px="xs"
@@ -85,7 +84,7 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
                 Rules
               </Button>
               <h2>{isNew ? "New rule" : ruleName(rule)}</h2>
-              <span className={sheet.muted} data-testid="editor-kept">
+              <span className={page.muted} data-testid="editor-kept">
                 {draft.changes.some((change) => change.rule_id === rule.id)
                   ? "kept as unsaved change"
                   : "as in force"}
@@ -102,8 +101,8 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
               onChange={(event) => put({ ...rule, name: event.currentTarget.value })}
               onBlur={named}
             />
-            <section className={sheet.section} aria-label="When">
-              <div className={sheet.title}>
+            <section className={page.section} aria-label="When">
+              <div className={page.title}>
                 <h2>When</h2>
                 <VerdictLine of="condition" />
               </div>
@@ -114,8 +113,8 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
               />
             </section>
             <TimingFields event={rule.event} onChange={(event) => put({ ...rule, event })} />
-            <section className={sheet.section} aria-label="Then">
-              <div className={sheet.title}>
+            <section className={page.section} aria-label="Then">
+              <div className={page.title}>
                 <h2>Then</h2>
               </div>
               <ActionList
@@ -125,7 +124,7 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
               />
             </section>
             <RuleSettings rule={rule} onChange={put} />
-            <div className={sheet.line}>
+            <div className={page.line}>
               <Button
                 variant="default"
                 onClick={() => nav.go({ at: "table" })}

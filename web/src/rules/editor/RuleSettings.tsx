@@ -1,17 +1,17 @@
 import { Select, Textarea } from "@mantine/core";
 import type { Rule } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
+import page from "../../ui/page.module.css";
+import { Toggle } from "../../ui/Toggle";
+import { useRules } from "../context/RulesContext";
 import { SEVERITIES } from "../model/words";
-import sheet from "../Sheet.module.css";
-import { Toggle } from "../Toggle";
-import classes from "./Editor.module.css";
+import classes from "./form/Editor.module.css";
 
 /** How a rule stands among the others, and a note for who reads it next. */
 export function RuleSettings({ rule, onChange }: { rule: Rule; onChange: (rule: Rule) => void }) {
   const { mayProtect } = useRules();
   return (
-    <section className={sheet.section} aria-label="Settings">
-      <div className={sheet.title}>
+    <section className={page.section} aria-label="Settings">
+      <div className={page.title}>
         <h2>Settings</h2>
       </div>
       <div className={classes.grid}>
@@ -39,7 +39,7 @@ export function RuleSettings({ rule, onChange }: { rule: Rule; onChange: (rule: 
           }}
         />
       </div>
-      <div className={sheet.line}>
+      <div className={page.line}>
         <Toggle
           on={rule.enabled}
           label="Enabled"

@@ -1,16 +1,16 @@
 import { Select } from "@mantine/core";
 import type { Mode, RuleEvent, Trigger } from "../../api/ruleTypes";
-import { FindingList } from "../FindingList";
-import { findingsAt } from "../model/findings";
+import { NumberField } from "../../ui/NumberField";
+import page from "../../ui/page.module.css";
+import { Toggle } from "../../ui/Toggle";
+import { findingsAt } from "../changes/findings";
 import { blank } from "../model/presets";
 import { TRIGGER_WORDS } from "../model/words";
-import { NumberField } from "../NumberField";
-import sheet from "../Sheet.module.css";
-import { Toggle } from "../Toggle";
-import { ConditionEditor } from "./ConditionEditor";
-import classes from "./Editor.module.css";
-import { useEditor } from "./EditorContext";
-import { VerdictLine } from "./VerdictLine";
+import { FindingList } from "../parts/FindingList";
+import { ConditionEditor } from "./condition/ConditionEditor";
+import classes from "./form/Editor.module.css";
+import { useEditor } from "./form/EditorContext";
+import { VerdictLine } from "./form/Probe";
 
 interface Props {
   event: RuleEvent;
@@ -30,7 +30,7 @@ export function TimingFields({ event, onChange }: Props) {
   const put = (part: Partial<RuleEvent>) => onChange({ ...event, ...part });
   const { mode, max_rate: limit } = event;
   return (
-    <section className={sheet.section} aria-label="How often">
+    <section className={page.section} aria-label="How often">
       <div className={classes.grid}>
         <Select
           size="sm"
@@ -89,7 +89,7 @@ export function TimingFields({ event, onChange }: Props) {
           ...findingsAt(findings, "event.cooldown"),
         ]}
       />
-      <div className={sheet.line}>
+      <div className={page.line}>
         <Toggle on={event.once} label="Only once" onChange={(once) => put({ once })} testId="once">
           only once, until the stack starts again
         </Toggle>
@@ -103,7 +103,7 @@ export function TimingFields({ event, onChange }: Props) {
           </Toggle>
         )}
       </div>
-      <div className={sheet.line}>
+      <div className={page.line}>
         <Toggle
           on={limit !== null}
           label="Limit how often"

@@ -4,12 +4,12 @@ import { type ApiError, asApiError } from "../../api/errors";
 import { saveRecording } from "../../api/recordingsClient";
 import { rollbackRules } from "../../api/rulesClient";
 import type { Firing, Rule } from "../../api/ruleTypes";
-import { StatusMark } from "../../health/StatusMark";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
+import page from "../../ui/page.module.css";
+import { StatusMark } from "../../ui/StatusMark";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { clockText, leftText, sentence } from "../model/words";
-import sheet from "../Sheet.module.css";
-import { LeafList } from "../why/LeafList";
+import { LeafList } from "../parts/LeafList";
 import classes from "./Firings.module.css";
 import { outcomeText } from "./outcome";
 
@@ -21,7 +21,7 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
   const nav = useNav();
   const failedStep = firing.actions.some((action) => !action.ok && action.text !== "");
   return (
-    <section className={sheet.section} aria-label="This firing" data-testid="firing-details">
+    <section className={page.section} aria-label="This firing" data-testid="firing-details">
       <p className={classes.head}>
         <strong>{clockText(firing.time)}</strong> {outcomeText(firing)}
         {firing.topic !== null && (
@@ -32,14 +32,14 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
         , rule of{" "}
         <button
           type="button"
-          className={classes.link}
+          className={page.link}
           onClick={() => nav.go({ at: "history", revision: firing.revision })}
         >
           revision {firing.revision}
         </button>
       </p>
       {firing.text !== "" && <p className={classes.text}>{sentence(firing.text)}</p>}
-      {firing.error !== "" && !failedStep && <p className={sheet.problem}>{firing.error}</p>}
+      {firing.error !== "" && !failedStep && <p className={page.problem}>{firing.error}</p>}
       <LeafList leaves={firing.leaves} of={rule?.event.condition ?? null} then />
       {firing.actions.length > 0 && (
         <ol className={classes.steps}>
@@ -61,16 +61,16 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
       )}
       {firing.message !== null && (
         <details>
-          <summary className={sheet.muted}>The message</summary>
+          <summary className={page.muted}>The message</summary>
           <pre className={classes.message}>{JSON.stringify(firing.message, null, 1)}</pre>
         </details>
       )}
       {firing.recording !== "" && (
-        <p className={sheet.muted}>
+        <p className={page.muted}>
           What was around it is recorded:{" "}
           <button
             type="button"
-            className={classes.link}
+            className={page.link}
             data-testid="firing-recording"
             onClick={() => nav.go({ at: "recordings", name: recordingName(firing.recording) })}
           >
@@ -113,7 +113,7 @@ function FiringActions({ firing }: { firing: Firing }) {
   const keep = async () => `Kept as ${(await saveRecording(KEEP_S, "")).name}.`;
   return (
     <>
-      <div className={sheet.line}>
+      <div className={page.line}>
         {firing.revision === view.revision ? (
           <Button
             variant="default"
@@ -140,9 +140,9 @@ function FiringActions({ firing }: { firing: Firing }) {
           </Button>
         )}
       </div>
-      {done !== "" && <p className={sheet.muted}>{done}</p>}
+      {done !== "" && <p className={page.muted}>{done}</p>}
       {error !== null && (
-        <p className={sheet.problem} role="alert">
+        <p className={page.problem} role="alert">
           {error.title} {error.remedy}
         </p>
       )}

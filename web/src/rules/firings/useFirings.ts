@@ -2,7 +2,7 @@ import { useCallback, useEffect, useState } from "react";
 import { type ApiError, asApiError } from "../../api/errors";
 import { getFirings } from "../../api/rulesClient";
 import type { Firing } from "../../api/ruleTypes";
-import { useLive } from "../live/RulesContext";
+import { useLive } from "../context/RulesContext";
 
 export interface Firings {
   firings: Firing[] | null;

@@ -3,9 +3,9 @@ import { useCallback, useEffect, useState } from "react";
 import { type ApiError, asApiError } from "../../api/errors";
 import { diffRules, getHistory } from "../../api/rulesClient";
 import type { History, Revision, TableDiff } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
-import { DiffList } from "../review/DiffList";
-import sheet from "../Sheet.module.css";
+import page from "../../ui/page.module.css";
+import { useRules } from "../context/RulesContext";
+import { DiffList } from "../parts/DiffList";
 import classes from "./History.module.css";
 import { RevisionRow } from "./RevisionRow";
 
@@ -47,13 +47,13 @@ export function HistoryPage({ revision }: { revision: number | null }) {
   }, [history]);
 
   return (
-    <div className={sheet.page} data-testid="history">
+    <div className={page.page} data-testid="history">
       {error !== null && (
-        <p className={sheet.problem}>
+        <p className={page.problem}>
           {error.title} {error.remedy}
         </p>
       )}
-      {history === null && error === null && <p className={sheet.muted}>Reading the history…</p>}
+      {history === null && error === null && <p className={page.muted}>Reading the history…</p>}
       {history !== null && (
         <>
           <Compare revisions={history.revisions} />
@@ -106,9 +106,9 @@ function Compare({ revisions }: { revisions: Revision[] }) {
     label: `rev ${number}, ${author}`,
   }));
   return (
-    <section className={sheet.section} aria-label="Compare two revisions">
+    <section className={page.section} aria-label="Compare two revisions">
       <h3>Compare two revisions</h3>
-      <div className={sheet.pair}>
+      <div className={page.pair}>
         <Select
           size="sm"
           aria-label="From revision"
@@ -129,7 +129,7 @@ function Compare({ revisions }: { revisions: Revision[] }) {
         />
       </div>
       {error !== null && (
-        <p className={sheet.problem}>
+        <p className={page.problem}>
           {error.title} {error.remedy}
         </p>
       )}

@@ -3,11 +3,11 @@ import { useState } from "react";
 import { type ApiError, asApiError } from "../../api/errors";
 import { rollbackRules } from "../../api/rulesClient";
 import type { Revision } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
-import { useNow } from "../live/useNow";
+import { useNow } from "../../state/RobotContext";
+import page from "../../ui/page.module.css";
+import { useRules } from "../context/RulesContext";
 import { whenText } from "../model/words";
-import { DiffList } from "../review/DiffList";
-import sheet from "../Sheet.module.css";
+import { DiffList } from "../parts/DiffList";
 import classes from "./History.module.css";
 
 const ORIGIN_WORDS: Record<Revision["origin"], string> = {
@@ -62,7 +62,7 @@ export function RevisionRow({ revision, active, startOpen }: Props) {
         {restores !== null && ` to revision ${restores}`}
         {reason !== "" && `: ${reason}`}
       </div>
-      <div className={sheet.line}>
+      <div className={page.line}>
         {count > 0 && (
           <Button
             variant="subtle"
@@ -86,7 +86,7 @@ export function RevisionRow({ revision, active, startOpen }: Props) {
         )}
       </div>
       {error !== null && (
-        <p className={sheet.problem} role="alert">
+        <p className={page.problem} role="alert">
           {error.title} {error.remedy}
         </p>
       )}

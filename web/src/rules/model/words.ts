@@ -1,6 +1,6 @@
 /** Times, states and kinds as an operator reads them. */
 import type { Rule, RuleStatus, Trigger } from "../../api/ruleTypes";
-import type { Level } from "../../state/overall";
+import type { Level } from "../../ui/StatusMark";
 
 /** A duration as it was set: `30 s`, `0.25 s`, `3 min 20 s`. */
 export function secondsText(seconds: number): string {

@@ -2,7 +2,7 @@ import { Button, Select, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
 import { type ApiError, asApiError } from "../../api/errors";
 import { saveRecording } from "../../api/recordingsClient";
-import sheet from "../Sheet.module.css";
+import page from "../../ui/page.module.css";
 import classes from "./Recordings.module.css";
 
 const STRETCHES = [
@@ -36,7 +36,7 @@ export function KeepForm({ onKept }: { onKept: () => void }) {
       .finally(() => setBusy(false));
   };
   return (
-    <form className={sheet.section} aria-label="Keep a recording" onSubmit={keep}>
+    <form className={page.section} aria-label="Keep a recording" onSubmit={keep}>
       <div className={classes.keep}>
         <Select
           size="sm"
@@ -60,12 +60,12 @@ export function KeepForm({ onKept }: { onKept: () => void }) {
         </Button>
       </div>
       {done !== "" && (
-        <p className={sheet.muted} role="status">
+        <p className={page.muted} role="status">
           {done}
         </p>
       )}
       {error !== null && (
-        <p className={sheet.problem} role="alert" data-testid="recording-error">
+        <p className={page.problem} role="alert" data-testid="recording-error">
           {error.title} {error.remedy}
         </p>
       )}

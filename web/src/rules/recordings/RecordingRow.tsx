@@ -6,9 +6,9 @@ import { deleteRecording, recordingAddress } from "../../api/recordingsClient";
 import type { Recording } from "../../api/ruleTypes";
 import { bytesText, durationText } from "../../format";
 import { useSession } from "../../session/SessionContext";
-import { useNow } from "../live/useNow";
+import { useNow } from "../../state/RobotContext";
+import page from "../../ui/page.module.css";
 import { whenText } from "../model/words";
-import sheet from "../Sheet.module.css";
 import classes from "./Recordings.module.css";
 
 interface Props {
@@ -35,13 +35,13 @@ export function RecordingRow({ recording, wanted, onDeleted }: Props) {
       data-wanted={wanted || undefined}
     >
       <strong className={classes.name}>{name}</strong>
-      <p className={sheet.muted}>
+      <p className={page.muted}>
         {whenText(begin ?? saved, now)}
         {begin !== null && end !== null && ` · ${durationText(end - begin)}`} · {bytesText(size)}
         {messages > 0 && ` · ${messages.toLocaleString()} messages`}
         {of_firing && " · kept by a firing"}
       </p>
-      {problem !== "" && <p className={sheet.problem}>{problem}</p>}
+      {problem !== "" && <p className={page.problem}>{problem}</p>}
       <div className={classes.buttons}>
         {session.role !== "viewer" && (
           <Button
@@ -110,7 +110,7 @@ function DeleteButton({ name, onDeleted }: { name: string; onDeleted: () => void
         </Button>
       )}
       {error !== null && (
-        <p className={sheet.problem} role="alert">
+        <p className={page.problem} role="alert">
           {error.title} {error.remedy}
         </p>
       )}

@@ -2,8 +2,8 @@ import { Button, Progress, Select } from "@mantine/core";
 import { useEffect, useState } from "react";
 import { listRecordings } from "../../api/recordingsClient";
 import type { Table } from "../../api/ruleTypes";
+import page from "../../ui/page.module.css";
 import { secondsText, sentence } from "../model/words";
-import sheet from "../Sheet.module.css";
 import { BacktestTimeline } from "./BacktestTimeline";
 import classes from "./Review.module.css";
 import { type BacktestRun, isOver, useBacktest } from "./useBacktest";
@@ -35,10 +35,10 @@ export function BacktestPanel({ table, names, ready }: Props) {
       ? start(table, over.slice(KEPT.length), 0)
       : start(table, "", Number(over));
   return (
-    <section className={sheet.section} aria-label="Back-test">
+    <section className={page.section} aria-label="Back-test">
       <h3>Back-test first</h3>
-      <div className={sheet.line}>
-        <span className={sheet.muted}>What would it have done over</span>
+      <div className={page.line}>
+        <span className={page.muted}>What would it have done over</span>
         <Select
           size="sm"
           aria-label="Over which stretch"
@@ -96,7 +96,7 @@ function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; 
   const { answer, error } = run;
   if (error !== null) {
     return (
-      <p className={sheet.problem} role="alert" data-testid="backtest-error">
+      <p className={page.problem} role="alert" data-testid="backtest-error">
         {error.title} {error.remedy}
       </p>
     );
@@ -106,7 +106,7 @@ function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; 
     return (
       <div className={classes.progress} data-testid="backtest-progress">
         <Progress value={share} aria-label="Back-test" transitionDuration={120} />
-        <span className={sheet.muted}>
+        <span className={page.muted}>
           {share} % {answer?.text}
         </span>
       </div>
@@ -114,7 +114,7 @@ function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; 
   }
   if (answer.report === null) {
     return (
-      <p className={sheet.problem} role="alert" data-testid="backtest-error">
+      <p className={page.problem} role="alert" data-testid="backtest-error">
         {answer.error ?? (answer.state === "canceled" ? "It was cancelled." : "It has failed.")}
       </p>
     );
@@ -123,37 +123,37 @@ function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; 
   return (
     <div className={classes.backtest} data-testid="backtest-report">
       {stale && (
-        <p className={sheet.note}>The rules have changed since: this is of the ones before.</p>
+        <p className={page.note}>The rules have changed since: this is of the ones before.</p>
       )}
       <p className={classes.tally}>
         <span>● {report.same} the same</span>
         <span>▲ {report.new} new</span>
         <span>○ {report.gone} no longer</span>
-        <span className={sheet.muted}>
+        <span className={page.muted}>
           {secondsText(Math.round(report.end - report.start))} in {report.seconds.toFixed(1)} s,{" "}
           {report.messages.toLocaleString()} messages
         </span>
       </p>
       {answer.text !== "" && (
-        <p className={sheet.note} data-testid="backtest-remark">
+        <p className={page.note} data-testid="backtest-remark">
           {sentence(answer.text)}
         </p>
       )}
       {report.missing_topics.length > 0 && (
-        <p className={sheet.note}>
+        <p className={page.note}>
           Not recorded, so not judged: {report.missing_topics.join(", ")}. They are recorded from
           now on if you apply.
         </p>
       )}
       {report.warm_up > 0 && (
-        <p className={sheet.muted}>
+        <p className={page.muted}>
           In its first {secondsText(Math.round(report.warm_up))}, holds and cooldowns of before are
           not known.
         </p>
       )}
       <BacktestTimeline report={report} names={names} />
       {report.truncated && (
-        <p className={sheet.muted}>More firings than are listed: look at a shorter stretch.</p>
+        <p className={page.muted}>More firings than are listed: look at a shorter stretch.</p>
       )}
     </div>
   );

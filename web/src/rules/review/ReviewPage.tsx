@@ -4,15 +4,15 @@ import { useState } from "react";
 import { type ApiError, asApiError } from "../../api/errors";
 import { applyRules, conflictOf, reportOf } from "../../api/rulesClient";
 import type { ApplyReport, Finding } from "../../api/ruleTypes";
-import { FindingList } from "../FindingList";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
-import type { Draft } from "../model/draft";
+import page from "../../ui/page.module.css";
+import type { Draft } from "../changes/draft";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { ruleName } from "../model/words";
-import sheet from "../Sheet.module.css";
+import { DiffList } from "../parts/DiffList";
+import { FindingList } from "../parts/FindingList";
 import { Applied } from "./Applied";
 import { BacktestPanel } from "./BacktestPanel";
-import { DiffList } from "./DiffList";
 import { EffectView } from "./EffectView";
 import classes from "./Review.module.css";
 
@@ -22,8 +22,8 @@ export function ReviewPage() {
   const nav = useNav();
   const [applied, setApplied] = useState<ApplyReport | null>(null);
   return (
-    <div className={sheet.page} data-testid="review">
-      <div className={sheet.title}>
+    <div className={page.page} data-testid="review">
+      <div className={page.title}>
         <Button
           variant="subtle"
           px="xs"
@@ -37,7 +37,7 @@ export function ReviewPage() {
       {applied !== null ? (
         <Applied report={applied} />
       ) : draft.draft === null ? (
-        <p className={sheet.muted}>There is nothing to apply.</p>
+        <p className={page.muted}>There is nothing to apply.</p>
       ) : (
         <Review draft={draft.draft} onApplied={setApplied} />
       )}
@@ -105,14 +105,14 @@ function Review({ draft, onApplied }: Props) {
 
   return (
     <>
-      <section className={sheet.section} aria-label="Changes">
+      <section className={page.section} aria-label="Changes">
         <DiffList changes={report?.diff.changes ?? handle.changes} />
         {report !== null && <EffectView effect={report.effect} names={names} />}
         {report === null && check.error === null && errors.length === 0 && (
-          <p className={sheet.muted}>Asking the robot what it makes of it…</p>
+          <p className={page.muted}>Asking the robot what it makes of it…</p>
         )}
         {check.error !== null && (
-          <p className={sheet.problem}>
+          <p className={page.problem}>
             {check.error.title} {check.error.remedy}
           </p>
         )}
@@ -120,7 +120,7 @@ function Review({ draft, onApplied }: Props) {
       {errors.length > 0 && <Findings title="To be mended first" findings={errors} names={names} />}
       {lints.length > 0 && <Findings title="To think about" findings={lints} names={names} />}
       <BacktestPanel table={draft.table} names={names} ready={check.ok} />
-      <section className={sheet.section} aria-label="Apply">
+      <section className={page.section} aria-label="Apply">
         <Textarea
           label="Reason"
           placeholder="Why, for who reads the history"
@@ -163,7 +163,7 @@ function Review({ draft, onApplied }: Props) {
           </Button>
         </div>
         {error !== null && (
-          <p className={sheet.problem} role="alert" data-testid="apply-error">
+          <p className={page.problem} role="alert" data-testid="apply-error">
             {error.title} {error.remedy}
           </p>
         )}
@@ -182,16 +182,12 @@ function Findings(props: {
   const nav = useNav();
   const rules = [...new Set(findings.map((finding) => finding.rule_id))];
   return (
-    <section className={sheet.section} aria-label={title}>
+    <section className={page.section} aria-label={title}>
       <h3>{title}</h3>
       {rules.map((id) => (
         <div key={id}>
           {id !== "" && (
-            <button
-              type="button"
-              className={classes.more}
-              onClick={() => nav.go({ at: "edit", id })}
-            >
+            <button type="button" className={page.more} onClick={() => nav.go({ at: "edit", id })}>
               {names.get(id) ?? id}
             </button>
           )}

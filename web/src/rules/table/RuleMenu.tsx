@@ -12,9 +12,9 @@ import { useState } from "react";
 import { type ApiError, asApiError } from "../../api/errors";
 import { resetRule } from "../../api/rulesClient";
 import type { Rule, RuleStatus } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
-import { duplicateRule, moveRule, putRule, removeRule } from "../model/draft";
+import { duplicateRule, moveRule, putRule, removeRule } from "../changes/draft";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { ruleName } from "../model/words";
 
 const RESETTABLE = new Set(["used up", "latched", "cooling", "waiting"]);
