@@ -1,5 +1,5 @@
 /** The parts of the generated schema that speak of rules, under the names the page uses. */
-import type { components } from "./schema";
+import type { components } from "../../generated/schema";
 import type { Sent } from "./types";
 
 type Schemas = components["schemas"];

@@ -1,5 +1,5 @@
 /** The parts of the generated schema that the page uses, under the names it uses. */
-import type { components } from "./schema";
+import type { components } from "../../generated/schema";
 
 type Schemas = components["schemas"];
 
