@@ -1,8 +1,10 @@
 import "@mantine/core/styles.css";
 import "./styles.css";
 import { MantineProvider } from "@mantine/core";
+import { QueryClientProvider } from "@tanstack/react-query";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
+import { createQueryClient } from "./api/queries";
 import { takeToken } from "./session/token";
 import { theme } from "./ui/theme";
 
@@ -13,6 +15,8 @@ const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no #root element");
 createRoot(root).render(
   <MantineProvider theme={theme} defaultColorScheme="auto">
-    <App token={token} />
+    <QueryClientProvider client={createQueryClient()}>
+      <App token={token} />
+    </QueryClientProvider>
   </MantineProvider>,
 );

@@ -1,6 +1,6 @@
 /** The parts of the generated schema that speak of rules, under the names the page uses. */
 import type { components } from "../../generated/schema";
-import type { Sent } from "./types";
+import type { Sent } from "./http";
 
 type Schemas = components["schemas"];
 

@@ -1,17 +1,8 @@
 /** The parts of the generated schema that the page uses, under the names it uses. */
 import type { components } from "../../generated/schema";
+import type { Sent } from "./http";
 
 type Schemas = components["schemas"];
-
-/**
- * An answer of the server. Its schema calls every field with a default optional; in an answer the
- * server sends them all.
- */
-export type Sent<T> = T extends readonly (infer Item)[]
-  ? Sent<Item>[]
-  : T extends object
-    ? { [Key in keyof T]-?: Sent<T[Key]> }
-    : T;
 
 export type Session = Sent<Schemas["SessionInfo"]>;
 export type View = Sent<Schemas["View"]>;

@@ -1,6 +1,6 @@
 import { Button } from "@mantine/core";
+import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
 import { confirmRules, rollbackRules } from "../../api/rulesClient";
 import { Band } from "../../ui/Band";
 import { useRules } from "../context/RulesContext";
@@ -25,9 +25,11 @@ export function ProbationBand() {
   const { view, mayEdit, reload } = useRules();
   const { open } = useNav();
   const probation = useProbation();
-  const [busy, setBusy] = useState(false);
   const [seen, see] = useSeen();
-  const [error, setError] = useState<ApiError | null>(null);
+  const send = useMutation({
+    mutationFn: (what: () => Promise<unknown>) => what(),
+    onSuccess: reload,
+  });
   if (probation === null || probation.left <= 0) {
     // Where the rules are open, a band of its own says more of these two.
     const elsewhere = open && (view?.merge != null || view?.safe_mode === true);
@@ -46,13 +48,6 @@ export function ProbationBand() {
     );
   }
   const { revision, confirmed, left } = probation;
-  const send = (what: Promise<unknown>) => {
-    setBusy(true);
-    setError(null);
-    what
-      .then(reload, (failure: unknown) => setError(asApiError(failure)))
-      .finally(() => setBusy(false));
-  };
   return (
     <Band
       tone="notice"
@@ -63,16 +58,16 @@ export function ProbationBand() {
           <>
             <Button
               variant="default"
-              loading={busy}
+              loading={send.isPending}
               data-testid="take-back"
-              onClick={() => send(rollbackRules(confirmed, revision, "taken back"))}
+              onClick={() => send.mutate(() => rollbackRules(confirmed, revision, "taken back"))}
             >
               Take it back
             </Button>
             <Button
-              loading={busy}
+              loading={send.isPending}
               data-testid="keep-it"
-              onClick={() => send(confirmRules(revision))}
+              onClick={() => send.mutate(() => confirmRules(revision))}
             >
               Keep it
             </Button>
@@ -80,8 +75,8 @@ export function ProbationBand() {
         ) : undefined
       }
     >
-      {error !== null
-        ? `${error.title} ${error.remedy}`
+      {send.isError
+        ? `${send.error.title} ${send.error.remedy}`
         : `Unless it is kept, the robot goes back to revision ${confirmed} by itself.`}
     </Band>
   );

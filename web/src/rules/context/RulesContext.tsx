@@ -1,13 +1,7 @@
-import {
-  createContext,
-  type ReactNode,
-  useCallback,
-  useContext,
-  useEffect,
-  useMemo,
-  useState,
-} from "react";
-import { type ApiError, asApiError } from "../../api/errors";
+import { useQueryClient } from "@tanstack/react-query";
+import { createContext, type ReactNode, useCallback, useContext, useMemo } from "react";
+import type { ApiError } from "../../api/errors";
+import { useAsked } from "../../api/queries";
 import { getGraph, getRules } from "../../api/rulesClient";
 import type { Graph, TableView } from "../../api/ruleTypes";
 import { useSession } from "../../session/SessionContext";
@@ -36,40 +30,30 @@ const LiveContext = createContext<LiveRules | null>(null);
 export function RulesProvider({ children }: { children: ReactNode }) {
   const { session } = useSession();
   const live = useLiveRules();
-  const [view, setView] = useState<TableView | null>(null);
-  const [graph, setGraph] = useState<Graph | null>(null);
-  const [error, setError] = useState<ApiError | null>(null);
-  const [asked, setAsked] = useState(0);
   const revision = live.rules?.available ? live.rules.revision : null;
   const confirmed = live.rules?.confirmed ?? null;
-  const { connected } = live;
-
-  // biome-ignore lint/correctness/useExhaustiveDependencies: each of them is a reason to ask again
-  useEffect(() => {
-    if (!connected || revision === null) return;
-    let left = false;
-    getRules().then(
-      (answer) => {
-        if (left) return;
-        setView(answer);
-        setError(null);
-      },
-      (failure: unknown) => {
-        if (!left) setError(asApiError(failure));
-      },
-    );
-    return () => {
-      left = true;
-    };
-  }, [revision, confirmed, connected, asked]);
-
-  const reload = useCallback(() => setAsked((count) => count + 1), []);
-  const reloadGraph = useCallback(() => {
-    getGraph().then(setGraph, (failure: unknown) => setError(asApiError(failure)));
-  }, []);
-  useEffect(() => {
-    if (revision !== null) reloadGraph();
-  }, [revision, reloadGraph]);
+  const client = useQueryClient();
+  const { data: view, error: unread } = useAsked({
+    key: ["rules", revision, confirmed],
+    ask: getRules,
+    enabled: live.connected && revision !== null,
+    keep: true,
+  });
+  const { data: graph, error: unseen } = useAsked({
+    key: ["graph", revision],
+    ask: getGraph,
+    enabled: revision !== null,
+    keep: true,
+  });
+  const error = unread ?? unseen;
+  const reloadGraph = useCallback(
+    () => void client.invalidateQueries({ queryKey: ["graph"] }),
+    [client],
+  );
+  const reload = useCallback(() => {
+    void client.invalidateQueries({ queryKey: ["rules"] });
+    reloadGraph();
+  }, [client, reloadGraph]);
 
   const draft = useDraft(view);
   const check = useCheck(draft.draft, view);

@@ -1,7 +1,9 @@
-import { useEffect, useMemo, useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
+import { useDebouncedValue } from "@mantine/hooks";
+import { useMemo } from "react";
+import type { ApiError } from "../../api/errors";
+import { useAsked } from "../../api/queries";
 import { checkRules, reportOf } from "../../api/rulesClient";
-import type { CheckReport, Finding, TableView } from "../../api/ruleTypes";
+import type { CheckReport, Finding, Table, TableView } from "../../api/ruleTypes";
 import type { Draft } from "../changes/draft";
 import { incomplete, sendable } from "../changes/findings";
 
@@ -21,54 +23,47 @@ const REST_MS = 350;
 const AGAIN_MS = 1500;
 const NONE: Finding[] = [];
 
+/** A table that is refused has an answer all the same: the report that says why. */
+async function check(table: Table, signal: AbortSignal): Promise<CheckReport> {
+  try {
+    return await checkRules(table, signal);
+  } catch (error) {
+    const report = reportOf(error);
+    if (report === null) throw error;
+    return report;
+  }
+}
+
 /** What the robot says of the draft, asked again after every change. */
 export function useCheck(draft: Draft | null, view: TableView | null): Check {
-  const [answer, setAnswer] = useState<{
-    of: Draft;
-    report: CheckReport | null;
-    error: ApiError | null;
-  } | null>(null);
-  const [tries, setTries] = useState(0);
-  const revision = view?.revision;
-  const table = draft?.table;
-
-  // biome-ignore lint/correctness/useExhaustiveDependencies: a reason written is no other table
-  useEffect(() => {
-    if (draft === null) return;
-    const asking = new AbortController();
-    let timer = window.setTimeout(() => {
-      checkRules(sendable(draft.table, draft.baseTable), asking.signal).then(
-        (report) => setAnswer({ of: draft, report, error: null }),
-        (error: unknown) => {
-          if (asking.signal.aborted) return;
-          const report = reportOf(error);
-          setAnswer({ of: draft, report, error: report === null ? asApiError(error) : null });
-          if (report === null) {
-            timer = window.setTimeout(() => setTries((count) => count + 1), AGAIN_MS);
-          }
-        },
-      );
-    }, REST_MS);
-    return () => {
-      window.clearTimeout(timer);
-      asking.abort();
-    };
-  }, [table, revision, tries]);
+  const [rested] = useDebouncedValue(draft, REST_MS);
+  const text = useMemo(
+    () => rested && JSON.stringify(sendable(rested.table, rested.baseTable)),
+    [rested],
+  );
+  const { data, error, fresh } = useAsked({
+    key: ["check", text, view?.revision],
+    enabled: text !== null,
+    ask: (signal) => check(JSON.parse(text ?? ""), signal),
+    again: (_, failure) => (failure === null ? false : AGAIN_MS),
+    keep: true,
+  });
+  const current = fresh && rested?.table === draft?.table;
 
   return useMemo(() => {
     if (draft === null) {
       return { findings: view?.findings ?? NONE, report: null, error: null, ok: false };
     }
     const gaps = draft.table.rules.flatMap(incomplete);
-    const told = answer?.report?.findings ?? NONE;
+    const told = data?.findings ?? NONE;
     const lacking = new Set(gaps.map((gap) => gap.rule_id));
     const findings = [...gaps, ...told.filter((finding) => !lacking.has(finding.rule_id))];
-    const current = answer?.of.table === draft.table ? answer : null;
+    const report = current ? data : null;
     return {
       findings,
-      report: current?.report ?? null,
-      error: current?.error ?? null,
-      ok: current?.report?.ok === true && gaps.length === 0,
+      report,
+      error: current ? error : null,
+      ok: report?.ok === true && gaps.length === 0,
     };
-  }, [draft, view, answer]);
+  }, [draft, view, data, error, current]);
 }

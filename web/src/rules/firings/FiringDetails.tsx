@@ -1,9 +1,9 @@
 import { Button } from "@mantine/core";
-import { useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
+import { useMutation } from "@tanstack/react-query";
 import { saveRecording } from "../../api/recordingsClient";
 import { rollbackRules } from "../../api/rulesClient";
 import type { Firing, Rule } from "../../api/ruleTypes";
+import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { StatusMark } from "../../ui/StatusMark";
 import { useRules } from "../context/RulesContext";
@@ -90,17 +90,8 @@ const recordingName = (path: string): string =>
 /** What can be done about it: back to the table before this one, or keep the recording. */
 function FiringActions({ firing }: { firing: Firing }) {
   const { view, mayEdit, reload } = useRules();
-  const [busy, setBusy] = useState(false);
-  const [done, setDone] = useState("");
-  const [error, setError] = useState<ApiError | null>(null);
+  const act = useMutation({ mutationFn: (what: () => Promise<string>) => what() });
   if (!mayEdit || view === null) return null;
-  const run = (what: Promise<string>) => {
-    setBusy(true);
-    setError(null);
-    what
-      .then(setDone, (failure: unknown) => setError(asApiError(failure)))
-      .finally(() => setBusy(false));
-  };
   const rollBack = async (revision: number | null) => {
     const report = await rollbackRules(
       revision,
@@ -117,9 +108,9 @@ function FiringActions({ firing }: { firing: Firing }) {
         {firing.revision === view.revision ? (
           <Button
             variant="default"
-            loading={busy}
+            loading={act.isPending}
             disabled={view.revision <= 1}
-            onClick={() => run(rollBack(null))}
+            onClick={() => act.mutate(() => rollBack(null))}
             data-testid="firing-rollback"
           >
             Roll back this revision
@@ -127,25 +118,21 @@ function FiringActions({ firing }: { firing: Firing }) {
         ) : (
           <Button
             variant="default"
-            loading={busy}
-            onClick={() => run(rollBack(firing.revision))}
+            loading={act.isPending}
+            onClick={() => act.mutate(() => rollBack(firing.revision))}
             data-testid="firing-rollback"
           >
             Roll back to revision {firing.revision}
           </Button>
         )}
         {firing.recording === "" && (
-          <Button variant="subtle" loading={busy} onClick={() => run(keep())}>
+          <Button variant="subtle" loading={act.isPending} onClick={() => act.mutate(keep)}>
             Keep the last minute recorded
           </Button>
         )}
       </div>
-      {done !== "" && <p className={page.muted}>{done}</p>}
-      {error !== null && (
-        <p className={page.problem} role="alert">
-          {error.title} {error.remedy}
-        </p>
-      )}
+      {act.isSuccess && <p className={page.muted}>{act.data}</p>}
+      <Problem error={act.error} />
     </>
   );
 }

@@ -1,6 +1,7 @@
 import { Button, Select } from "@mantine/core";
 import { useState } from "react";
 import type { Firing } from "../../api/ruleTypes";
+import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
@@ -68,11 +69,7 @@ export function FiringsPage({ rule }: { rule: string | null }) {
           onChange={(value) => value !== null && setOutcome(value)}
         />
       </div>
-      {error !== null && (
-        <p className={page.problem}>
-          {error.title} {error.remedy}
-        </p>
-      )}
+      <Problem error={error} />
       {firings === null && error === null && <p className={page.muted}>Reading the journal…</p>}
       {firings !== null && shown.length === 0 && (
         <p className={page.empty}>

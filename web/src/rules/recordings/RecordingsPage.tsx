@@ -1,5 +1,6 @@
 import { bytesText } from "../../format";
 import { useNow } from "../../state/RobotContext";
+import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { useRules } from "../context/RulesContext";
 import { leftText } from "../model/words";
@@ -17,11 +18,7 @@ export function RecordingsPage({ name }: { name: string | null }) {
   const named = name === null || list?.recordings.some((each) => each.name === name);
   return (
     <div className={page.page} data-testid="recordings">
-      {error !== null && (
-        <p className={page.problem} role="alert">
-          {error.title} {error.remedy}
-        </p>
-      )}
+      <Problem error={error} />
       {list === null && error === null && <p className={page.muted}>Reading the recordings…</p>}
       {list?.here === true && (
         <p className={page.muted} data-testid="ring-state">

@@ -1,12 +1,14 @@
 import { Button, Progress, Select } from "@mantine/core";
-import { useEffect, useState } from "react";
+import { useState } from "react";
+import { useAsked } from "../../api/queries";
 import { listRecordings } from "../../api/recordingsClient";
 import type { Table } from "../../api/ruleTypes";
+import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { secondsText, sentence } from "../model/words";
 import { BacktestTimeline } from "./BacktestTimeline";
 import classes from "./Review.module.css";
-import { type BacktestRun, isOver, useBacktest } from "./useBacktest";
+import { type BacktestRun, useBacktest } from "./useBacktest";
 
 /** Of the flight recorder, by their seconds; a recording that was kept is known by its name. */
 const STRETCHES = [
@@ -29,7 +31,7 @@ export function BacktestPanel({ table, names, ready }: Props) {
   const [over, setOver] = useState("300");
   const kept = useKept();
   const { run, start, cancel } = useBacktest();
-  const ended = run === null || isOver(run);
+  const ended = run === null || run.over;
   const begin = () =>
     over.startsWith(KEPT)
       ? start(table, over.slice(KEPT.length), 0)
@@ -75,31 +77,16 @@ export function BacktestPanel({ table, names, ready }: Props) {
 
 /** Names of the recordings that were kept; none where they cannot be looked at. */
 function useKept(): string[] {
-  const [names, setNames] = useState<string[]>([]);
-  useEffect(() => {
-    let left = false;
-    listRecordings().then(
-      ({ recordings }) => {
-        if (!left) setNames(recordings.filter(({ end }) => end !== null).map(({ name }) => name));
-      },
-      () => undefined, // the flight recorder's minutes are there all the same
-    );
-    return () => {
-      left = true;
-    };
-  }, []);
-  return names;
+  const { data } = useAsked({ key: ["recordings"], ask: listRecordings });
+  // Where there are none, the flight recorder's minutes are there all the same.
+  return data?.recordings.filter(({ end }) => end !== null).map(({ name }) => name) ?? [];
 }
 
 function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; stale: boolean }) {
   const { run, names, stale } = props;
   const { answer, error } = run;
   if (error !== null) {
-    return (
-      <p className={page.problem} role="alert" data-testid="backtest-error">
-        {error.title} {error.remedy}
-      </p>
-    );
+    return <Problem error={error} testId="backtest-error" />;
   }
   if (answer === null || answer.state === "waiting" || answer.state === "running") {
     const share = Math.round((answer?.progress ?? 0) * 100);

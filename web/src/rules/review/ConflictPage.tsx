@@ -1,7 +1,7 @@
 import { Button } from "@mantine/core";
-import { useEffect, useMemo, useState } from "react";
+import { useMemo, useState } from "react";
+import { useAsked } from "../../api/queries";
 import { getHistory } from "../../api/rulesClient";
-import type { Revision } from "../../api/ruleTypes";
 import { useNow } from "../../state/RobotContext";
 import page from "../../ui/page.module.css";
 import { type Choice, defaultSide, differences, isMade, rebase } from "../changes/conflict";
@@ -87,20 +87,13 @@ export function ConflictPage() {
 }
 
 function Who({ revision }: { revision: number }) {
-  const [found, setFound] = useState<Revision | null>(null);
   const now = useNow();
-  useEffect(() => {
-    let left = false;
-    getHistory(null, 10).then(
-      (history) => {
-        if (!left) setFound(history.revisions.find(({ number }) => number === revision) ?? null);
-      },
-      () => setFound(null), // the sentence does without the name
-    );
-    return () => {
-      left = true;
-    };
-  }, [revision]);
+  const { data } = useAsked({
+    key: ["author of revision", revision],
+    ask: (signal) => getHistory(null, 10, signal),
+  });
+  const found = data?.revisions.find(({ number }) => number === revision) ?? null;
+  // The sentence does without the name where it cannot be had.
   return found === null ? (
     <>revision {revision} is in force now.</>
   ) : (

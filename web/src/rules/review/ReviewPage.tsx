@@ -1,9 +1,10 @@
 import { Button, Radio, Select, Textarea } from "@mantine/core";
 import { IconArrowLeft } from "@tabler/icons-react";
+import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
 import { applyRules, conflictOf, reportOf } from "../../api/rulesClient";
 import type { ApplyReport, Finding } from "../../api/ruleTypes";
+import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import type { Draft } from "../changes/draft";
 import { useRules } from "../context/RulesContext";
@@ -62,9 +63,6 @@ function Review({ draft, onApplied }: Props) {
   const nav = useNav();
   const [probation, setProbation] = useState("60");
   const [cancelRunning, setCancelRunning] = useState(false);
-  const [busy, setBusy] = useState(false);
-  const [error, setError] = useState<ApiError | null>(null);
-  const [refused, setRefused] = useState<Finding[]>([]);
   const report = check.report;
   const names = new Map(
     [...draft.baseTable.rules, ...draft.table.rules].map((rule) => [rule.id, ruleName(rule)]),
@@ -73,35 +71,27 @@ function Review({ draft, onApplied }: Props) {
   const lints = check.findings.filter((finding) => finding.level === "lint");
   const running = report?.effect.running ?? [];
 
-  const apply = () => {
-    setBusy(true);
-    setError(null);
-    setRefused([]);
-    applyRules(draft.table, {
-      expectedRevision: draft.base,
-      reason: draft.reason,
-      probation: Number(probation),
-      cancelRunning,
-      reset: [],
-    }).then(
-      (answer) => {
-        // The page may be gone by now; the draft has done its work all the same.
-        handle.take(null);
-        onApplied(answer);
-        reload();
-      },
-      (failure: unknown) => {
-        setBusy(false);
-        if (conflictOf(failure) !== null) {
-          reload();
-          nav.go({ at: "conflict" });
-          return;
-        }
-        setRefused(reportOf(failure)?.findings.filter(({ level }) => level === "error") ?? []);
-        setError(asApiError(failure));
-      },
-    );
-  };
+  const apply = useMutation({
+    mutationFn: () =>
+      applyRules(draft.table, {
+        expectedRevision: draft.base,
+        reason: draft.reason,
+        probation: Number(probation),
+        cancelRunning,
+      }),
+    onSuccess: (answer) => {
+      // The page may be gone by now; the draft has done its work all the same.
+      handle.take(null);
+      onApplied(answer);
+      reload();
+    },
+    onError: (failure) => {
+      if (conflictOf(failure) === null) return;
+      reload();
+      nav.go({ at: "conflict" });
+    },
+  });
+  const refused = reportOf(apply.error)?.findings.filter(({ level }) => level === "error") ?? [];
 
   return (
     <>
@@ -111,11 +101,7 @@ function Review({ draft, onApplied }: Props) {
         {report === null && check.error === null && errors.length === 0 && (
           <p className={page.muted}>Asking the robot what it makes of it…</p>
         )}
-        {check.error !== null && (
-          <p className={page.problem}>
-            {check.error.title} {check.error.remedy}
-          </p>
-        )}
+        <Problem error={check.error} />
       </section>
       {errors.length > 0 && <Findings title="To be mended first" findings={errors} names={names} />}
       {lints.length > 0 && <Findings title="To think about" findings={lints} names={names} />}
@@ -154,19 +140,15 @@ function Review({ draft, onApplied }: Props) {
             onChange={(value) => value !== null && setProbation(value)}
           />
           <Button
-            loading={busy}
+            loading={apply.isPending}
             disabled={!check.ok || handle.overtaken}
-            onClick={apply}
+            onClick={() => apply.mutate()}
             data-testid="apply"
           >
             Apply to the robot
           </Button>
         </div>
-        {error !== null && (
-          <p className={page.problem} role="alert" data-testid="apply-error">
-            {error.title} {error.remedy}
-          </p>
-        )}
+        <Problem error={apply.error} testId="apply-error" />
         <FindingList findings={refused} />
       </section>
     </>

@@ -1,10 +1,11 @@
 import { Button } from "@mantine/core";
 import { IconArrowLeft } from "@tabler/icons-react";
-import { useEffect, useMemo, useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
+import { useMemo } from "react";
+import { useAsked } from "../../api/queries";
 import { explainRule } from "../../api/rulesClient";
 import type { Explanation, Firing } from "../../api/ruleTypes";
 import { useNow } from "../../state/RobotContext";
+import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { ruleOf } from "../changes/draft";
 import { useRules } from "../context/RulesContext";
@@ -24,38 +25,13 @@ const AGAIN_MS = 1000;
 export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
   const { view } = useRules();
   const nav = useNav();
-  const [found, setFound] = useState<Explanation | null>(null);
-  const [error, setError] = useState<ApiError | null>(null);
   const run = firing?.kind === "firing" || firing?.kind === "shadow" ? firing : null;
-  const runId = run?.run_id;
-  const epoch = run?.epoch;
-
-  useEffect(() => {
-    let left = false;
-    let timer: number | undefined;
-    const ask = () => {
-      const of = runId === undefined || epoch === undefined ? undefined : { run_id: runId, epoch };
-      explainRule(id, of)
-        .then(
-          (answer) => {
-            if (left) return;
-            setFound(answer);
-            setError(null);
-          },
-          (failure: unknown) => {
-            if (!left) setError(asApiError(failure));
-          },
-        )
-        .finally(() => {
-          if (!left) timer = window.setTimeout(ask, AGAIN_MS);
-        });
-    };
-    ask();
-    return () => {
-      left = true;
-      window.clearTimeout(timer);
-    };
-  }, [id, runId, epoch]);
+  const of = run && { run_id: run.run_id, epoch: run.epoch };
+  const { data: found, error } = useAsked({
+    key: ["explain", id, of],
+    ask: (signal) => explainRule(id, of, signal),
+    again: AGAIN_MS,
+  });
 
   const rule = view === null ? null : ruleOf(view.table, id);
   const gone = view !== null && rule === null;
@@ -78,11 +54,7 @@ export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
           This rule is no longer in the table in force.
         </p>
       )}
-      {error !== null && !gone && (
-        <p className={page.problem} role="alert">
-          {error.title} {error.remedy}
-        </p>
-      )}
+      <Problem error={gone ? null : error} />
       {firing !== null && (
         <FiringDetails firing={found?.firing ?? firing} rule={found?.rule ?? null} />
       )}
