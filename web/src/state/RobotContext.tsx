@@ -29,7 +29,7 @@ const TICK_MS = 250;
 
 export function RobotProvider(props: { onRefused: () => void; children: ReactNode }) {
   const { onRefused, children } = props;
-  const link = useMemo(() => new RobotLink(socketUrl(), onRefused), [onRefused]);
+  const link = useMemo(() => new RobotLink(onRefused), [onRefused]);
   useEffect(() => {
     link.open();
     return () => link.close();
@@ -81,8 +81,4 @@ function useTick(): number {
     return () => window.clearInterval(timer);
   }, []);
   return now;
-}
-
-function socketUrl(): string {
-  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/api/state`;
 }

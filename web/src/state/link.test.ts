@@ -37,7 +37,7 @@ afterEach(() => {
 });
 
 function opened(onRefused = () => {}) {
-  const link = new RobotLink("ws://console/api/state", onRefused);
+  const link = new RobotLink(onRefused);
   link.open();
   return link;
 }

@@ -21,17 +21,16 @@ export function useLiveRules(): LiveRules {
   useEffect(() => {
     // The console must know this browser first; a new connection is also when to try again.
     if (connection === 0) return;
-    const socket = new JsonSocket<RulesLive>(
-      "/api/rules/live",
-      (rules) =>
+    const socket = new JsonSocket<RulesLive>("/api/rules/live", {
+      message: (rules) =>
         setLive((was) => ({
           rules,
           receivedAt: performance.now(),
           connected: true,
           happened: was.happened + rules.firings.length + rules.missed,
         })),
-      (open) => setLive((was) => ({ ...was, connected: open, happened: was.happened + 1 })),
-    );
+      open: (open) => setLive((was) => ({ ...was, connected: open, happened: was.happened + 1 })),
+    });
     socket.open();
     return () => socket.close();
   }, [connection]);

@@ -18,14 +18,17 @@ const REST_MS = 200;
 function useProbe(condition: Condition, clear: Condition | null): ProbeReading | null {
   const [reading, setReading] = useState<ProbeReading | null>(null);
   const socket = useRef<JsonSocket<ProbeReading> | null>(null);
-  const wanted = useRef<string | null>(null);
+  const wanted = useRef<unknown>(null);
   const asked = JSON.stringify({ condition, clear });
   const complete = isComplete(condition) && (clear === null || isComplete(clear));
 
   useEffect(() => {
-    const own = new JsonSocket<ProbeReading>("/api/rules/probe", setReading, (open) => {
-      if (open && wanted.current !== null) own.send(JSON.parse(wanted.current));
-      if (!open) setReading(null);
+    const own = new JsonSocket<ProbeReading>("/api/rules/probe", {
+      message: setReading,
+      open: (open) => {
+        if (open && wanted.current !== null) own.send(wanted.current);
+        if (!open) setReading(null);
+      },
     });
     socket.current = own;
     own.open();
@@ -35,9 +38,8 @@ function useProbe(condition: Condition, clear: Condition | null): ProbeReading |
   useEffect(() => {
     setReading(null);
     const timer = window.setTimeout(() => {
-      const message = complete ? asked : JSON.stringify({ condition: null });
-      wanted.current = message;
-      socket.current?.send(JSON.parse(message));
+      wanted.current = complete ? JSON.parse(asked) : { condition: null };
+      socket.current?.send(wanted.current);
     }, REST_MS);
     return () => window.clearTimeout(timer);
   }, [asked, complete]);
