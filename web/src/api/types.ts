@@ -15,8 +15,6 @@ export type Component = State["components"][number];
 export type Drive = NonNullable<State["drive"]>;
 export type Goal = NonNullable<State["goal"]>;
 export type GoalCheck = Sent<Schemas["GoalCheck"]>;
-export type GoalSent = Sent<Schemas["GoalSent"]>;
-export type StopAnswer = Sent<Schemas["StopAnswer"]>;
 
 /** Where a goal was pressed and released, as fractions of the scene (u right, v down). */
 export type GoalPick = Schemas["GestureCheck"];

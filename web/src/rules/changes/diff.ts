@@ -70,12 +70,12 @@ function movedIds(before: string[], after: string[]): Set<string> {
   return new Set(after.filter((id) => !stay.has(id)));
 }
 
-export function ruleText(rule: Rule): string {
+function ruleText(rule: Rule): string {
   return `when ${conditionText(rule.event.condition)}, then ${rule.actions.map(actionText).join(", then ")}`;
 }
 
 /** Each difference as a few words: "cooldown 60 s → 20 s". */
-export function ruleChanges(was: Rule, rule: Rule): string[] {
+function ruleChanges(was: Rule, rule: Rule): string[] {
   const said: string[] = [];
   const tell = (words: string, a: unknown, b: unknown, text: (v: never) => string) => {
     if (!same(a, b)) said.push(`${words} ${text(a as never)} → ${text(b as never)}`);

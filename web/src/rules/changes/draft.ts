@@ -186,7 +186,7 @@ export function settle(draft: Draft, inForce: Table, revision: number): Draft | 
     : draft;
 }
 
-export function sameTable(a: Table, b: Table): boolean {
+function sameTable(a: Table, b: Table): boolean {
   return (
     a.rules.length === b.rules.length &&
     a.rules.every((rule, index) => {

@@ -2,7 +2,7 @@ import { Button } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
 import { saveRecording } from "../../api/recordingsClient";
 import { rollbackRules } from "../../api/rulesClient";
-import type { Firing, Rule } from "../../api/ruleTypes";
+import type { ActionRecord, Firing, Rule } from "../../api/ruleTypes";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { StatusMark } from "../../ui/StatusMark";
@@ -45,17 +45,7 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
         <ol className={classes.steps}>
           {firing.actions.map((action, index) => (
             // biome-ignore lint/suspicious/noArrayIndexKey: steps of the past keep their place
-            <li key={index}>
-              <StatusMark level={action.ok ? "healthy" : "failed"} />
-              <span>
-                {action.action}: {action.ok ? "ok" : "failed"} after {leftText(action.seconds)}
-                {action.text !== "" && (
-                  <span className={classes.said} data-failed={!action.ok || undefined}>
-                    {action.text.replace(`${action.action} did not succeed: `, "")}
-                  </span>
-                )}
-              </span>
-            </li>
+            <Step key={index} {...action} />
           ))}
         </ol>
       )}
@@ -80,6 +70,23 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
       )}
       <FiringActions firing={firing} />
     </section>
+  );
+}
+
+/** What came of one action. */
+function Step({ action, ok, seconds, text, problem = text }: ActionRecord) {
+  return (
+    <li>
+      <StatusMark level={ok ? "healthy" : "failed"} />
+      <span>
+        {action}: {ok ? "ok" : "failed"} after {leftText(seconds)}
+        {text !== "" && (
+          <span className={classes.said} data-failed={!ok || undefined}>
+            {ok ? text : problem}
+          </span>
+        )}
+      </span>
+    </li>
   );
 }
 

@@ -111,6 +111,14 @@ export function constantText(name: string, field: string): string {
 
 export const SEVERITIES = ["info", "warning", "error", "critical"] as const;
 
+/** How much of the flight recorder to take, by its seconds. */
+export const STRETCHES = [
+  { value: "60", label: "the last minute" },
+  { value: "300", label: "the last 5 minutes" },
+  { value: "600", label: "the last 10 minutes" },
+  { value: "0", label: "all that is recorded" },
+];
+
 /** With a capital at its beginning and a stop at its end; nothing stays nothing. */
 export function sentence(text: string): string {
   const begun = text.charAt(0).toUpperCase() + text.slice(1);

@@ -4,14 +4,8 @@ import { type FormEvent, useState } from "react";
 import { saveRecording } from "../../api/recordingsClient";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
+import { STRETCHES } from "../model/words";
 import classes from "./Recordings.module.css";
-
-const STRETCHES = [
-  { value: "60", label: "the last minute" },
-  { value: "300", label: "the last 5 minutes" },
-  { value: "600", label: "the last 10 minutes" },
-  { value: "0", label: "all that is recorded" },
-];
 
 /** Keeps what the flight recorder would soon go over. */
 export function KeepForm({ onKept }: { onKept: () => void }) {

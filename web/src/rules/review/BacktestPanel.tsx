@@ -5,18 +5,12 @@ import { listRecordings } from "../../api/recordingsClient";
 import type { Table } from "../../api/ruleTypes";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
-import { secondsText, sentence } from "../model/words";
+import { STRETCHES, secondsText, sentence } from "../model/words";
 import { BacktestTimeline } from "./BacktestTimeline";
 import classes from "./Review.module.css";
 import { type BacktestRun, useBacktest } from "./useBacktest";
 
-/** Of the flight recorder, by their seconds; a recording that was kept is known by its name. */
-const STRETCHES = [
-  { value: "60", label: "the last minute" },
-  { value: "300", label: "the last 5 minutes" },
-  { value: "600", label: "the last 10 minutes" },
-  { value: "0", label: "all that is recorded" },
-];
+/** A recording that was kept is known by its name, behind this. */
 const KEPT = "kept ";
 
 interface Props {
