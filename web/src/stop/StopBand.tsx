@@ -4,7 +4,7 @@ import { releaseStop } from "../api/client";
 import { ApiError, asApiError } from "../api/errors";
 import { useSession } from "../session/SessionContext";
 import { Band } from "../ui/Band";
-import { HoldButton } from "../ui/HoldButton";
+import { HoldButton } from "../ui/controls/HoldButton";
 import { useStop } from "./StopContext";
 
 /** Across the scene while the robot is stopped, or while nobody knows whether it is. */

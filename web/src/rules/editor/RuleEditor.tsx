@@ -1,5 +1,4 @@
 import { Button, TextInput } from "@mantine/core";
-import { IconArrowLeft } from "@tabler/icons-react";
 import { useEffect, useMemo } from "react";
 import type { Rule } from "../../api/ruleTypes";
 import page from "../../ui/page.module.css";
@@ -9,6 +8,7 @@ import { useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
 import { ruleName } from "../model/words";
 import { FindingList } from "../parts/FindingList";
+import { PageTitle } from "../parts/PageTitle";
 import { ActionList } from "./action/ActionList";
 import { ConditionEditor } from "./condition/ConditionEditor";
 import { type Editor, EditorProvider } from "./form/EditorContext";
@@ -73,23 +73,18 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
       <ProbeProvider condition={rule.event.condition} clear={rule.event.clear}>
         <fieldset className={page.section} disabled={readOnly}>
           <div className={page.page} data-testid="rule-editor">
-            <div className={page.title}>
-              <Button
-                variant="subtle"
-                px="xs"
-                leftSection={<IconArrowLeft size={16} aria-hidden />}
-                data-testid="editor-back"
-                onClick={() => nav.go({ at: "table" })}
-              >
-                Rules
-              </Button>
-              <h2>{isNew ? "New rule" : ruleName(rule)}</h2>
+            <PageTitle
+              title={isNew ? "New rule" : ruleName(rule)}
+              back="Rules"
+              testId="editor-back"
+              onBack={() => nav.go({ at: "table" })}
+            >
               <span className={page.muted} data-testid="editor-kept">
                 {draft.changes.some((change) => change.rule_id === rule.id)
                   ? "kept as unsaved change"
                   : "as in force"}
               </span>
-            </div>
+            </PageTitle>
             <FindingList findings={findingsElsewhere(findings, shown)} />
             <TextInput
               label="Name"

@@ -1,7 +1,8 @@
-import { Select, Textarea } from "@mantine/core";
+import { Textarea } from "@mantine/core";
 import type { Rule } from "../../api/ruleTypes";
+import { Choice } from "../../ui/controls/Choice";
+import { Toggle } from "../../ui/controls/Toggle";
 import page from "../../ui/page.module.css";
-import { Toggle } from "../../ui/Toggle";
 import { useRules } from "../context/RulesContext";
 import { SEVERITIES } from "../model/words";
 import classes from "./form/Editor.module.css";
@@ -15,28 +16,20 @@ export function RuleSettings({ rule, onChange }: { rule: Rule; onChange: (rule: 
         <h2>Settings</h2>
       </div>
       <div className={classes.grid}>
-        <Select
-          size="sm"
+        <Choice
           label="Severity"
           data-testid="severity"
           description="Which rule wins over a component"
-          allowDeselect={false}
           data={[...SEVERITIES]}
           value={rule.severity}
-          onChange={(severity) => {
-            if (severity !== null) onChange({ ...rule, severity: severity as Rule["severity"] });
-          }}
+          onChange={(severity) => onChange({ ...rule, severity: severity as Rule["severity"] })}
         />
-        <Select
-          size="sm"
+        <Choice
           label="Lane"
           description="Safety never waits for others"
-          allowDeselect={false}
           data={["normal", "safety"]}
           value={rule.lane}
-          onChange={(lane) => {
-            if (lane !== null) onChange({ ...rule, lane: lane as Rule["lane"] });
-          }}
+          onChange={(lane) => onChange({ ...rule, lane: lane as Rule["lane"] })}
         />
       </div>
       <div className={page.line}>

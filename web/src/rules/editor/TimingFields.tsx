@@ -1,8 +1,8 @@
-import { Select } from "@mantine/core";
 import type { Mode, RuleEvent, Trigger } from "../../api/ruleTypes";
-import { NumberField } from "../../ui/NumberField";
+import { Choice } from "../../ui/controls/Choice";
+import { NumberField } from "../../ui/controls/NumberField";
+import { Toggle } from "../../ui/controls/Toggle";
 import page from "../../ui/page.module.css";
-import { Toggle } from "../../ui/Toggle";
 import { findingsAt } from "../changes/findings";
 import { blank } from "../model/presets";
 import { TRIGGER_WORDS } from "../model/words";
@@ -32,16 +32,12 @@ export function TimingFields({ event, onChange }: Props) {
   return (
     <section className={page.section} aria-label="How often">
       <div className={classes.grid}>
-        <Select
-          size="sm"
+        <Choice
           label="It fires"
           className={classes.wide}
-          allowDeselect={false}
           data={Object.entries(TRIGGER_WORDS).map(([value, label]) => ({ value, label }))}
           value={event.trigger}
-          onChange={(trigger) => {
-            if (trigger !== null) put({ trigger: trigger as Trigger });
-          }}
+          onChange={(trigger) => put({ trigger: trigger as Trigger })}
           data-testid="trigger"
         />
         <NumberField
@@ -60,11 +56,9 @@ export function TimingFields({ event, onChange }: Props) {
           onChange={(cooldown) => put({ cooldown })}
           testId="cooldown"
         />
-        <Select
-          size="sm"
+        <Choice
           label="While its actions run, further ones"
           className={classes.wide}
-          allowDeselect={false}
           data={MODES}
           value={mode.kind}
           onChange={(kind) => {

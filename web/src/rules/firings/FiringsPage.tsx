@@ -1,6 +1,7 @@
 import { Button, Select } from "@mantine/core";
 import { useState } from "react";
 import type { Firing } from "../../api/ruleTypes";
+import { Choice } from "../../ui/controls/Choice";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { useRules } from "../context/RulesContext";
@@ -60,14 +61,7 @@ export function FiringsPage({ rule }: { rule: string | null }) {
           value={rule}
           onChange={(id) => nav.go({ at: "firings", rule: id })}
         />
-        <Select
-          size="sm"
-          aria-label="Which outcome"
-          allowDeselect={false}
-          data={OUTCOMES}
-          value={outcome}
-          onChange={(value) => value !== null && setOutcome(value)}
-        />
+        <Choice aria-label="Which outcome" data={OUTCOMES} value={outcome} onChange={setOutcome} />
       </div>
       <Problem error={error} />
       {firings === null && error === null && <p className={page.muted}>Reading the journal…</p>}

@@ -1,7 +1,8 @@
-import { Button, Select, TextInput } from "@mantine/core";
+import { Button, TextInput } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
 import { saveRecording } from "../../api/recordingsClient";
+import { Choice } from "../../ui/controls/Choice";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { STRETCHES } from "../model/words";
@@ -25,13 +26,11 @@ export function KeepForm({ onKept }: { onKept: () => void }) {
   return (
     <form className={page.section} aria-label="Keep a recording" onSubmit={submit}>
       <div className={classes.keep}>
-        <Select
-          size="sm"
+        <Choice
           aria-label="Which stretch to keep"
-          allowDeselect={false}
           data={STRETCHES}
           value={seconds}
-          onChange={(value) => value !== null && setSeconds(value)}
+          onChange={setSeconds}
         />
         <TextInput
           size="sm"

@@ -1,8 +1,9 @@
-import { Button, Progress, Select } from "@mantine/core";
+import { Button, Progress } from "@mantine/core";
 import { useState } from "react";
 import { useAsked } from "../../api/queries";
 import { listRecordings } from "../../api/recordingsClient";
 import type { Table } from "../../api/ruleTypes";
+import { Choice } from "../../ui/controls/Choice";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { STRETCHES, secondsText, sentence } from "../model/words";
@@ -35,10 +36,8 @@ export function BacktestPanel({ table, names, ready }: Props) {
       <h3>Back-test first</h3>
       <div className={page.line}>
         <span className={page.muted}>What would it have done over</span>
-        <Select
-          size="sm"
+        <Choice
           aria-label="Over which stretch"
-          allowDeselect={false}
           data={
             kept.length === 0
               ? STRETCHES
@@ -52,7 +51,7 @@ export function BacktestPanel({ table, names, ready }: Props) {
           }
           value={over}
           data-testid="backtest-over"
-          onChange={(value) => value !== null && setOver(value)}
+          onChange={setOver}
         />
         {ended ? (
           <Button variant="default" disabled={!ready} onClick={begin} data-testid="backtest-start">

@@ -1,9 +1,9 @@
-import { Button, Radio, Select, Textarea } from "@mantine/core";
-import { IconArrowLeft } from "@tabler/icons-react";
+import { Button, Radio, Textarea } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { applyRules, conflictOf, reportOf } from "../../api/rulesClient";
 import type { ApplyReport, Finding } from "../../api/ruleTypes";
+import { Choice } from "../../ui/controls/Choice";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import type { Draft } from "../changes/draft";
@@ -12,6 +12,7 @@ import { useNav } from "../context/RulesNav";
 import { ruleName } from "../model/words";
 import { DiffList } from "../parts/DiffList";
 import { FindingList } from "../parts/FindingList";
+import { PageTitle } from "../parts/PageTitle";
 import { Applied } from "./Applied";
 import { BacktestPanel } from "./BacktestPanel";
 import { EffectView } from "./EffectView";
@@ -24,17 +25,11 @@ export function ReviewPage() {
   const [applied, setApplied] = useState<ApplyReport | null>(null);
   return (
     <div className={page.page} data-testid="review">
-      <div className={page.title}>
-        <Button
-          variant="subtle"
-          px="xs"
-          leftSection={<IconArrowLeft size={16} aria-hidden />}
-          onClick={() => nav.go({ at: "table" })}
-        >
-          Rules
-        </Button>
-        <h2>{applied === null ? "Review & apply" : "Applied"}</h2>
-      </div>
+      <PageTitle
+        title={applied === null ? "Review & apply" : "Applied"}
+        back="Rules"
+        onBack={() => nav.go({ at: "table" })}
+      />
       {applied !== null ? (
         <Applied report={applied} />
       ) : draft.draft === null ? (
@@ -130,14 +125,12 @@ function Review({ draft, onApplied }: Props) {
           </Radio.Group>
         )}
         <div className={classes.apply}>
-          <Select
-            size="sm"
+          <Choice
             aria-label="Probation"
-            allowDeselect={false}
             data={PROBATIONS}
             value={probation}
             data-testid="apply-probation"
-            onChange={(value) => value !== null && setProbation(value)}
+            onChange={setProbation}
           />
           <Button
             loading={apply.isPending}

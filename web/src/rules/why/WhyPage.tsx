@@ -1,5 +1,4 @@
 import { Button } from "@mantine/core";
-import { IconArrowLeft } from "@tabler/icons-react";
 import { useMemo } from "react";
 import { useAsked } from "../../api/queries";
 import { explainRule } from "../../api/rulesClient";
@@ -16,6 +15,7 @@ import { conditionText } from "../model/condition";
 import { constantNames } from "../model/ruleLines";
 import { ruleName, sentence, whenText } from "../model/words";
 import { LeafList } from "../parts/LeafList";
+import { PageTitle } from "../parts/PageTitle";
 import classes from "./Why.module.css";
 
 /** While the page is open it is asked again: an explanation is of a moment. */
@@ -38,17 +38,7 @@ export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
   const name = firing?.name || (rule === null ? id : ruleName(rule));
   return (
     <div className={page.page} data-testid="why">
-      <div className={page.title}>
-        <Button
-          variant="subtle"
-          px="xs"
-          leftSection={<IconArrowLeft size={16} aria-hidden />}
-          onClick={nav.back}
-        >
-          Back
-        </Button>
-        <h2>{name}</h2>
-      </div>
+      <PageTitle title={name} back="Back" onBack={nav.back} />
       {gone && (
         <p className={page.note} data-testid="rule-gone">
           This rule is no longer in the table in force.

@@ -1,8 +1,9 @@
-import { Select, TextInput } from "@mantine/core";
+import { TextInput } from "@mantine/core";
 import type { Action } from "../../../api/ruleTypes";
-import { NumberField } from "../../../ui/NumberField";
+import { Choice } from "../../../ui/controls/Choice";
+import { NumberField } from "../../../ui/controls/NumberField";
+import { Toggle } from "../../../ui/controls/Toggle";
 import page from "../../../ui/page.module.css";
-import { Toggle } from "../../../ui/Toggle";
 import {
   type ArgumentField,
   flatten,
@@ -70,15 +71,11 @@ function Fields({ action, references, onChange }: Props) {
             data-testid="log-text"
             onChange={(event) => onChange({ ...action, text: event.currentTarget.value })}
           />
-          <Select
-            size="sm"
+          <Choice
             label="as"
-            allowDeselect={false}
             data={["debug", "info", "warning", "error"]}
             value={action.level}
-            onChange={(level) => {
-              if (level !== null) onChange({ ...action, level: level as typeof action.level });
-            }}
+            onChange={(level) => onChange({ ...action, level: level as typeof action.level })}
           />
         </div>
       );

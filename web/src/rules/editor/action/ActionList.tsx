@@ -1,7 +1,8 @@
-import { ActionIcon, Select } from "@mantine/core";
 import { IconArrowDown, IconArrowUp, IconTrash } from "@tabler/icons-react";
 import { useMemo } from "react";
 import type { Action, Condition } from "../../../api/ruleTypes";
+import { Choice } from "../../../ui/controls/Choice";
+import { IconButton } from "../../../ui/controls/IconButton";
 import { findingsAt } from "../../changes/findings";
 import { type ActionChoice, actionChoices, actionText, choiceKey } from "../../model/actions";
 import { references } from "../../model/arguments";
@@ -103,11 +104,9 @@ function ActionPicker({ label, choices, action, onChoose, testId }: PickerProps)
       ? groups
       : [...groups, { group: "As it is", items: [{ value: key, label: actionText(action) }] }];
   return (
-    <Select
-      size="sm"
+    <Choice
       className={classes.spring}
       searchable
-      allowDeselect={false}
       aria-label={label}
       placeholder={label}
       data={data}
@@ -120,27 +119,5 @@ function ActionPicker({ label, choices, action, onChoose, testId }: PickerProps)
       nothingFoundMessage="Nothing like that on this robot"
       data-testid={testId}
     />
-  );
-}
-
-interface IconButtonProps {
-  label: string;
-  disabled?: boolean;
-  onClick: () => void;
-  Icon: typeof IconTrash;
-}
-
-function IconButton({ label, disabled = false, onClick, Icon }: IconButtonProps) {
-  return (
-    <ActionIcon
-      variant="subtle"
-      color="gray"
-      aria-label={label}
-      title={label}
-      disabled={disabled}
-      onClick={onClick}
-    >
-      <Icon size={16} aria-hidden />
-    </ActionIcon>
   );
 }

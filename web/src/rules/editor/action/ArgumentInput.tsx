@@ -1,7 +1,8 @@
 import { Select, TextInput } from "@mantine/core";
 import { useState } from "react";
-import { NumberField } from "../../../ui/NumberField";
-import { Toggle } from "../../../ui/Toggle";
+import { Choice } from "../../../ui/controls/Choice";
+import { NumberField } from "../../../ui/controls/NumberField";
+import { Toggle } from "../../../ui/controls/Toggle";
 import { type ArgumentField, isReference, type Reference } from "../../model/arguments";
 import classes from "../form/Editor.module.css";
 
@@ -19,11 +20,9 @@ export function ArgumentInput({ field, value, references, onChange }: Props) {
   return (
     <div className={classes.argumentInput}>
       {taken ? (
-        <Select
-          size="sm"
+        <Choice
           label={field.name}
           searchable
-          allowDeselect={false}
           data={[
             ...references.map((each) => ({ value: each.value, label: each.label })),
             ...(references.some((each) => each.value === value) ? [] : [{ value, label: value }]),
@@ -68,11 +67,9 @@ function Plain({ field, value, onChange }: Omit<Props, "references">) {
   switch (field.kind) {
     case "bool":
       return (
-        <Select
-          size="sm"
+        <Choice
           label={label}
           description={description}
-          allowDeselect={false}
           data={["true", "false"]}
           value={String(value === true)}
           onChange={(chosen) => onChange(chosen === "true")}

@@ -1,5 +1,6 @@
-import { ActionIcon, Select } from "@mantine/core";
+import { Select } from "@mantine/core";
 import { IconTrash } from "@tabler/icons-react";
+import { IconButton } from "../../../ui/controls/IconButton";
 import {
   type ArgumentField,
   fittingReferences,
@@ -51,15 +52,12 @@ export function ArgumentList({ fields, values, references, onChange }: Props) {
               references={fittingReferences(references, field.kind)}
               onChange={(value) => onChange({ ...values, [name]: value })}
             />
-            <ActionIcon
-              variant="subtle"
-              color="gray"
-              aria-label={`Leave ${name} out`}
+            <IconButton
+              label={`Leave ${name} out`}
               title="Leave it out"
+              Icon={IconTrash}
               onClick={() => onChange(without(name))}
-            >
-              <IconTrash size={16} aria-hidden />
-            </ActionIcon>
+            />
           </div>
         );
       })}

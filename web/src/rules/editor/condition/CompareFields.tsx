@@ -1,6 +1,6 @@
-import { Select } from "@mantine/core";
 import type { Compare, Operator } from "../../../api/ruleTypes";
-import { NumberField } from "../../../ui/NumberField";
+import { Choice } from "../../../ui/controls/Choice";
+import { NumberField } from "../../../ui/controls/NumberField";
 import { chosenField, fitLiteral, operatorsFor, withField } from "../../model/signals";
 import { useEditor } from "../form/EditorContext";
 import { FieldPicker } from "./FieldPicker";
@@ -22,15 +22,12 @@ export function CompareFields({ leaf, onChange }: Props) {
   return (
     <>
       <FieldPicker signal={leaf.signal} onChange={(choice) => onChange(withField(leaf, choice))} />
-      <Select
-        size="sm"
+      <Choice
         label="comparison"
-        allowDeselect={false}
         data={known ? operators : [...operators, { value: leaf.operator, label: leaf.operator }]}
         value={leaf.operator}
         data-testid="operator"
         onChange={(chosen) => {
-          if (chosen === null) return;
           const operator = chosen as Operator;
           onChange({
             ...leaf,

@@ -1,6 +1,8 @@
-import { ActionIcon, Button, Select } from "@mantine/core";
+import { Button } from "@mantine/core";
 import { IconTrash } from "@tabler/icons-react";
 import type { Condition, Group, TreePath } from "../../../api/ruleTypes";
+import { Choice } from "../../../ui/controls/Choice";
+import { IconButton } from "../../../ui/controls/IconButton";
 import { findingsAt } from "../../changes/findings";
 import {
   addAt,
@@ -117,10 +119,8 @@ function Node(props: Props & { path: TreePath }) {
 
 function GroupKind({ group, onChange }: { group: Group; onChange: (group: Group) => void }) {
   return (
-    <Select
-      size="sm"
+    <Choice
       aria-label="How the conditions go together"
-      allowDeselect={false}
       data={[
         { value: "all", label: "All of these" },
         { value: "any", label: "Any of these" },
@@ -134,15 +134,5 @@ function GroupKind({ group, onChange }: { group: Group; onChange: (group: Group)
 }
 
 function Remove({ what, onClick }: { what: string; onClick: () => void }) {
-  return (
-    <ActionIcon
-      variant="subtle"
-      color="gray"
-      aria-label={`Remove ${what}`}
-      title="Remove"
-      onClick={onClick}
-    >
-      <IconTrash size={16} aria-hidden />
-    </ActionIcon>
-  );
+  return <IconButton label={`Remove ${what}`} title="Remove" Icon={IconTrash} onClick={onClick} />;
 }

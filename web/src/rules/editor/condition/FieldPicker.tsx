@@ -1,6 +1,6 @@
-import { Select } from "@mantine/core";
 import { useMemo } from "react";
 import type { Signal } from "../../../api/ruleTypes";
+import { Choice } from "../../../ui/controls/Choice";
 import { signalText } from "../../model/condition";
 import { type FieldChoice, fieldChoices, fieldKey } from "../../model/signals";
 import { useEditor } from "../form/EditorContext";
@@ -21,12 +21,10 @@ export function FieldPicker({ signal, onChange }: Props) {
   const known = key === null || choices.some((choice) => choice.key === key);
   const data = choices.map((choice) => ({ value: choice.key, label: choice.label }));
   return (
-    <Select
-      size="sm"
+    <Choice
       label="value"
       placeholder={signal.topic === "" ? "First choose a topic" : "Choose a value"}
       searchable
-      allowDeselect={false}
       disabled={signal.topic === ""}
       data={known ? data : [...data, { value: key, label: signalText(signal) }]}
       value={key}

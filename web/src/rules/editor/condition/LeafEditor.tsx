@@ -1,8 +1,8 @@
-import { Select } from "@mantine/core";
 import type { ReactNode } from "react";
 import type { Condition, Leaf, Signal } from "../../../api/ruleTypes";
-import { NumberField } from "../../../ui/NumberField";
-import { Toggle } from "../../../ui/Toggle";
+import { Choice } from "../../../ui/controls/Choice";
+import { NumberField } from "../../../ui/controls/NumberField";
+import { Toggle } from "../../../ui/controls/Toggle";
 import { bare, slashed } from "../../model/actions";
 import { blank, KIND_WORDS } from "../../model/presets";
 import { sensibleTimeout, topicOf } from "../../model/signals";
@@ -55,15 +55,13 @@ export function LeafEditor({ leaf, now, onChange, tools }: Props) {
   return (
     <>
       <div className={classes.leafHead}>
-        <Select
-          size="sm"
+        <Choice
           className={classes.kind}
           aria-label="What sort of condition"
-          allowDeselect={false}
           data={Object.entries(KIND_WORDS).map(([value, label]) => ({ value, label }))}
           value={leaf.kind}
           onChange={(kind) => {
-            if (kind !== null && kind !== leaf.kind) onChange(blank(kind as Kind, graph, signal));
+            if (kind !== leaf.kind) onChange(blank(kind as Kind, graph, signal));
           }}
         />
         <span className={classes.spring} />
@@ -139,10 +137,8 @@ function KindFields({ leaf, onChange }: { leaf: Leaf; onChange: (leaf: Leaf) => 
         onChange({ ...leaf, below: isBelow ? hz : null, above: isBelow ? null : hz });
       return (
         <>
-          <Select
-            size="sm"
+          <Choice
             label="comes"
-            allowDeselect={false}
             data={[
               { value: "below", label: "slower than" },
               { value: "above", label: "faster than" },

@@ -1,6 +1,7 @@
-import { MultiSelect, Select, TagsInput, TextInput } from "@mantine/core";
+import { MultiSelect, TagsInput, TextInput } from "@mantine/core";
 import type { Literal, Operator } from "../../../api/ruleTypes";
-import { NumberField } from "../../../ui/NumberField";
+import { Choice } from "../../../ui/controls/Choice";
+import { NumberField } from "../../../ui/controls/NumberField";
 import { type FieldChoice, fitLiteral, takesList, type ValueKind } from "../../model/signals";
 import { constantText } from "../../model/words";
 
@@ -62,10 +63,8 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
   const scalar = Array.isArray(value) ? value[0] : value;
   if (kind === "bool") {
     return (
-      <Select
-        size="sm"
+      <Choice
         label="value"
-        allowDeselect={false}
         data={["true", "false"]}
         value={String(scalar === true)}
         onChange={(chosen) => onChange(chosen === "true")}
@@ -79,11 +78,9 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
     if (constants.length > 0 && equality) {
       const known = constants.some(([, each]) => each === number);
       return (
-        <Select
-          size="sm"
+        <Choice
           label="value"
           searchable
-          allowDeselect={false}
           data={[
             ...constants.map(([name, each]) => ({
               value: String(each),

@@ -1,6 +1,6 @@
-import { Select } from "@mantine/core";
 import { useMemo } from "react";
 import type { GraphTopic } from "../../../api/ruleTypes";
+import { Choice } from "../../../ui/controls/Choice";
 import { bare, slashed, title } from "../../model/actions";
 import { topicOf } from "../../model/signals";
 import { useEditor } from "../form/EditorContext";
@@ -42,17 +42,13 @@ export function TopicPicker({ topic, type, onChange }: Props) {
   }, [graph, topic]);
   const chosen = topicOf(graph, topic);
   return (
-    <Select
-      size="sm"
+    <Choice
       label="of topic"
       placeholder="Choose a topic"
       searchable
-      allowDeselect={false}
       data={data}
       value={topic === "" ? null : topic}
-      onChange={(name) => {
-        if (name !== null) onChange(name);
-      }}
+      onChange={onChange}
       maxDropdownHeight={320}
       nothingFoundMessage="No such topic on the graph"
       data-testid="topic-picker"
