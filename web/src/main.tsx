@@ -1,10 +1,12 @@
 import "@mantine/core/styles.css";
 import "./styles.css";
 import { MantineProvider } from "@mantine/core";
+import { QueryClientProvider } from "@tanstack/react-query";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
+import { createQueryClient } from "./api/queries";
 import { takeToken } from "./session/token";
-import { theme } from "./theme";
+import { theme } from "./ui/theme";
 
 // Before anything is drawn, so that the token is never on screen.
 const token = takeToken();
@@ -13,6 +15,8 @@ const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no #root element");
 createRoot(root).render(
   <MantineProvider theme={theme} defaultColorScheme="auto">
-    <App token={token} />
+    <QueryClientProvider client={createQueryClient()}>
+      <App token={token} />
+    </QueryClientProvider>
   </MantineProvider>,
 );

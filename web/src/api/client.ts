@@ -1,101 +1,59 @@
-import { ApiError, errorFromBody, noAnswer } from "./errors";
-import type {
-  GoalCheck,
-  GoalPick,
-  GoalPoint,
-  GoalSent,
-  Session,
-  StopAnswer,
-  View,
-  ViewPatch,
-} from "./types";
+import { ApiError } from "./errors";
+import { answer, http, QUICK_MS, within } from "./http";
+import type { GoalPick, GoalPoint, Session, ViewPatch } from "./types";
 
-type Method = "GET" | "POST" | "PATCH" | "DELETE";
-
-interface Options {
-  body?: unknown;
-  signal?: AbortSignal;
-  timeoutMs?: number;
-  priority?: RequestPriority;
-}
-
-/**
- * One request to the console.
- *
- * @throws ApiError with the server's own words, or with status 0 when no answer came in time.
- * @throws DOMException "AbortError" when the caller's `signal` was aborted.
- */
-export async function request<T>(method: Method, path: string, options: Options = {}): Promise<T> {
-  const timeout = AbortSignal.timeout(options.timeoutMs ?? 5000);
-  const init: RequestInit = {
-    method,
-    credentials: "same-origin",
-    cache: "no-store",
-    priority: options.priority ?? "auto",
-    signal: options.signal ? AbortSignal.any([options.signal, timeout]) : timeout,
-  };
-  if (options.body !== undefined) {
-    init.body = JSON.stringify(options.body);
-    init.headers = { "Content-Type": "application/json" };
-  }
-  let response: Response;
-  let text: string;
-  try {
-    response = await fetch(path, init);
-    text = await response.text();
-  } catch (error) {
-    if (options.signal?.aborted) throw error;
-    throw noAnswer();
-  }
-  const body = parse(text);
-  if (!response.ok) throw errorFromBody(response.status, body);
-  return body as T;
-}
-
-function parse(text: string): unknown {
-  if (text === "") return undefined;
-  try {
-    return JSON.parse(text);
-  } catch {
-    // A proxy's HTML error page; the status says enough.
-    return undefined;
-  }
-}
+/** A goal is checked and sent by way of the robot's planner. */
+const GOAL_MS = 8000;
+/** The drive manager has 1 s to answer the console; a little more for the network. */
+const STOP_MS = 2000;
 
 export const login = (token: string) =>
-  request<Session>("POST", "/api/login", { body: { token, user: null } });
+  answer(http.POST("/api/login", { body: { token, user: null }, signal: within(QUICK_MS) }));
 
 /** The session of this browser's cookie, or null when it has none. */
 export async function currentSession(): Promise<Session | null> {
   try {
-    return await request<Session>("GET", "/api/session");
+    return await answer(http.GET("/api/session", { signal: within(QUICK_MS) }));
   } catch (error) {
     if (error instanceof ApiError && error.status === 401) return null;
     throw error;
   }
 }
 
-export const logout = () => request<void>("POST", "/api/logout");
+export const logout = () => answer(http.POST("/api/logout", { signal: within(QUICK_MS) }));
 
-export const createView = () => request<View>("POST", "/api/views");
+export const createView = () => answer(http.POST("/api/views", { signal: within(QUICK_MS) }));
 
 export const patchView = (id: string, patch: ViewPatch) =>
-  request<View>("PATCH", `/api/views/${encodeURIComponent(id)}`, { body: patch });
+  answer(
+    http.PATCH("/api/views/{view_id}", {
+      params: { path: { view_id: id } },
+      body: patch,
+      signal: within(QUICK_MS),
+    }),
+  );
 
 export const removePreview = (id: string) =>
-  request<void>("DELETE", `/api/views/${encodeURIComponent(id)}/preview`);
+  answer(
+    http.DELETE("/api/views/{view_id}/preview", {
+      params: { path: { view_id: id } },
+      signal: within(QUICK_MS),
+    }),
+  );
 
 export const checkGoal = (goal: GoalPick | GoalPoint, signal: AbortSignal) =>
-  request<GoalCheck>("POST", "/api/goals/check", { body: goal, signal, timeoutMs: 8000 });
+  answer(http.POST("/api/goals/check", { body: goal, signal: within(GOAL_MS, signal) }));
 
 export const sendGoal = (goal: GoalPoint) =>
-  request<GoalSent>("POST", "/api/goals", { body: goal, timeoutMs: 8000 });
+  answer(http.POST("/api/goals", { body: goal, signal: within(GOAL_MS) }));
 
-export const cancelGoal = () => request<void>("POST", "/api/goals/cancel");
+export const cancelGoal = () =>
+  answer(http.POST("/api/goals/cancel", { signal: within(QUICK_MS) }));
 
-/** The drive manager has 1 s to answer the console; a little more for the network. */
 export const stopRobot = () =>
-  request<StopAnswer>("POST", "/api/stop", { body: {}, timeoutMs: 2000, priority: "high" });
+  answer(
+    http.POST("/api/stop", { body: { reason: "" }, signal: within(STOP_MS), priority: "high" }),
+  );
 
 export const releaseStop = () =>
-  request<StopAnswer>("POST", "/api/stop/release", { timeoutMs: 2000 });
+  answer(http.POST("/api/stop/release", { signal: within(STOP_MS) }));

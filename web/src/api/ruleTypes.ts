@@ -1,6 +1,6 @@
 /** The parts of the generated schema that speak of rules, under the names the page uses. */
-import type { components } from "./schema";
-import type { Sent } from "./types";
+import type { components } from "../../generated/schema";
+import type { Sent } from "./http";
 
 type Schemas = components["schemas"];
 
@@ -19,7 +19,6 @@ export type Literal = Compare["value"];
 export type Signal = Sent<Schemas["Signal"]>;
 export type Aggregate = NonNullable<Signal["aggregate"]>;
 export type Action = Rule["actions"][number];
-export type ActionKind = Action["kind"];
 
 export type TableView = Sent<Schemas["TableView"]>;
 export type Finding = Sent<Schemas["Finding"]>;
@@ -35,21 +34,20 @@ export type Revision = History["revisions"][number];
 export type RuleStatus = Sent<Schemas["RuleStatus"]>;
 export type LeafReading = Sent<Schemas["LeafReading"]>;
 export type Explanation = Sent<Schemas["ExplanationView"]>;
-export type Journal = Sent<Schemas["Journal"]>;
+type Journal = Sent<Schemas["Journal"]>;
 export type Firing = Journal["firings"][number];
+/** `problem` is why it failed, and no more; a robot that does not tell it leaves it out. */
+export type ActionRecord = Firing["actions"][number] & { problem?: string };
 export type Graph = Sent<Schemas["GraphView"]>;
 export type GraphTopic = Graph["topics"][number];
 export type GraphField = Sent<Schemas["FieldView"]>;
 export type GraphComponent = Graph["components"][number];
-export type Parameter = Sent<Schemas["ParameterView"]>;
 export type Backtest = Sent<Schemas["BacktestProgress"]>;
 export type BacktestReport = Sent<Schemas["BacktestReport"]>;
 export type BacktestFiring = BacktestReport["firings"][number];
 export type RulesLive = Sent<Schemas["RulesLive"]>;
-export type Alarm = RulesLive["alarms"][number];
 export type ProbeReading = Sent<Schemas["ProbeReading"]>;
-export type RecordingSaved = Sent<Schemas["RecordingSaved"]>;
-export type RecordingList = Sent<Schemas["RecordingList"]>;
+type RecordingList = Sent<Schemas["RecordingList"]>;
 export type Recording = RecordingList["recordings"][number];
 
 /** Where a node is in the tree of a condition: child indices from its root. */

@@ -1,34 +1,16 @@
-import { request } from "./client";
 import { ApiError } from "./errors";
-import type {
-  ApplyReport,
-  Backtest,
-  CheckReport,
-  Conflict,
-  Explanation,
-  Graph,
-  History,
-  Journal,
-  Table,
-  TableDiff,
-  TableView,
-} from "./ruleTypes";
+import { answer, given, http, QUICK_MS, within } from "./http";
+import type { CheckReport, Conflict, Table } from "./ruleTypes";
 
 /** What the monitor may take for an answer that compares, stores or compiles whole tables. */
 const SLOW_MS = 15_000;
 
-/** The table in force, or that of a revision. */
-export const getRules = (revision?: number) =>
-  request<TableView>("GET", `/api/rules${revision === undefined ? "" : `?revision=${revision}`}`, {
-    timeoutMs: SLOW_MS,
-  });
+/** The table in force. */
+export const getRules = (signal: AbortSignal) =>
+  answer(http.GET("/api/rules", { signal: within(SLOW_MS, signal) }));
 
-export const checkRules = (table: Table, signal?: AbortSignal) =>
-  request<CheckReport>("POST", "/api/rules/check", {
-    body: { table },
-    timeoutMs: SLOW_MS,
-    ...(signal && { signal }),
-  });
+export const checkRules = (table: Table, signal: AbortSignal) =>
+  answer(http.POST("/api/rules/check", { body: { table }, signal: within(SLOW_MS, signal) }));
 
 export interface ApplyOptions {
   expectedRevision: number;
@@ -36,63 +18,91 @@ export interface ApplyOptions {
   /** Seconds; 0 for no probation. */
   probation: number;
   cancelRunning: boolean;
-  reset: string[];
 }
 
 export const applyRules = (table: Table, options: ApplyOptions) =>
-  request<ApplyReport>("POST", "/api/rules/apply", {
-    body: {
-      table,
-      expected_revision: options.expectedRevision,
-      reason: options.reason,
-      probation: options.probation,
-      cancel_running: options.cancelRunning,
-      reset: options.reset,
-    },
-    timeoutMs: SLOW_MS,
-  });
+  answer(
+    http.POST("/api/rules/apply", {
+      body: {
+        table,
+        expected_revision: options.expectedRevision,
+        reason: options.reason,
+        probation: options.probation,
+        cancel_running: options.cancelRunning,
+        reset: [],
+      },
+      signal: within(SLOW_MS),
+    }),
+  );
 
 export const confirmRules = (revision: number) =>
-  request<unknown>("POST", "/api/rules/confirm", { body: { revision }, timeoutMs: SLOW_MS });
+  answer(http.POST("/api/rules/confirm", { body: { revision }, signal: within(SLOW_MS) }));
 
 /** @param revision whose table to restore; null for the one before the one in force. */
 export const rollbackRules = (revision: number | null, expectedRevision: number, reason: string) =>
-  request<ApplyReport>("POST", "/api/rules/rollback", {
-    body: { revision, expected_revision: expectedRevision, reason, cancel_running: false },
-    timeoutMs: SLOW_MS,
-  });
+  answer(
+    http.POST("/api/rules/rollback", {
+      body: { revision, expected_revision: expectedRevision, reason, cancel_running: false },
+      signal: within(SLOW_MS),
+    }),
+  );
 
 export const resetRule = (id: string) =>
-  request<unknown>("POST", `/api/rules/${encodeURIComponent(id)}/reset`, { timeoutMs: SLOW_MS });
-
-/** Why a rule fires or not, now; or why it did, for a run of a life of the monitor. */
-export const explainRule = (id: string, run?: { run_id: number; epoch: string }) =>
-  request<Explanation>(
-    "GET",
-    `/api/rules/${encodeURIComponent(id)}/explain${
-      run === undefined ? "" : `?run_id=${run.run_id}&epoch=${encodeURIComponent(run.epoch)}`
-    }`,
-    { timeoutMs: SLOW_MS },
+  answer(
+    http.POST("/api/rules/{rule_id}/reset", {
+      params: { path: { rule_id: id } },
+      signal: within(SLOW_MS),
+    }),
   );
 
-export const getHistory = (before: number | null, count: number) =>
-  request<History>(
-    "GET",
-    `/api/rules/history?count=${count}${before === null ? "" : `&before=${before}`}`,
-    { timeoutMs: SLOW_MS },
+/** Which run of a rule: its number, and in which life of the monitor. */
+export interface Run {
+  run_id: number;
+  epoch: string;
+}
+
+/** Why a rule fires or not, now; or why it did, for one of its runs. */
+export const explainRule = (id: string, run: Run | null, signal: AbortSignal) =>
+  answer(
+    http.GET("/api/rules/{rule_id}/explain", {
+      params: { path: { rule_id: id }, query: run ?? {} },
+      signal: within(SLOW_MS, signal),
+    }),
   );
 
-export const diffRules = (from: number, to: number) =>
-  request<TableDiff>("GET", `/api/rules/diff?from=${from}&to=${to}`, { timeoutMs: SLOW_MS });
+/** @param before a revision; the newest ones when it is null. */
+export const getHistory = (before: number | null, count: number, signal?: AbortSignal) =>
+  answer(
+    http.GET("/api/rules/history", {
+      params: { query: given({ before, count }) },
+      signal: within(SLOW_MS, signal),
+    }),
+  );
 
-export const getFirings = (before: number | null, count: number, ruleId: string | null) => {
-  const query = new URLSearchParams({ count: String(count) });
-  if (before !== null) query.set("before", String(before));
-  if (ruleId !== null) query.set("rule_id", ruleId);
-  return request<Journal>("GET", `/api/firings?${query}`, { timeoutMs: SLOW_MS });
-};
+export const diffRules = (from: number, to: number, signal: AbortSignal) =>
+  answer(
+    http.GET("/api/rules/diff", {
+      params: { query: { from, to } },
+      signal: within(SLOW_MS, signal),
+    }),
+  );
 
-export const getGraph = () => request<Graph>("GET", "/api/graph", { timeoutMs: SLOW_MS });
+/** @param before the number of an entry; the newest ones when it is null. */
+export const getFirings = (
+  before: number | null,
+  count: number,
+  ruleId: string | null,
+  signal?: AbortSignal,
+) =>
+  answer(
+    http.GET("/api/firings", {
+      params: { query: given({ before, count, rule_id: ruleId }) },
+      signal: within(SLOW_MS, signal),
+    }),
+  );
+
+export const getGraph = (signal: AbortSignal) =>
+  answer(http.GET("/api/graph", { signal: within(SLOW_MS, signal) }));
 
 /** Where the table in force can be downloaded. */
 export const exportAddress = (format: "json" | "yaml" | "python") =>
@@ -103,19 +113,25 @@ export const exportAddress = (format: "json" | "yaml" | "python") =>
  * @param seconds the last ones of it; 0 for all there is.
  */
 export const startBacktest = (table: Table, recording: string, seconds: number) =>
-  request<{ id: string }>("POST", "/api/backtests", {
-    body: { table, recording, seconds },
-    timeoutMs: SLOW_MS,
-  });
+  answer(
+    http.POST("/api/backtests", { body: { table, recording, seconds }, signal: within(SLOW_MS) }),
+  );
 
 export const getBacktest = (id: string, signal: AbortSignal) =>
-  request<Backtest>("GET", `/api/backtests/${encodeURIComponent(id)}`, {
-    signal,
-    timeoutMs: SLOW_MS,
-  });
+  answer(
+    http.GET("/api/backtests/{backtest_id}", {
+      params: { path: { backtest_id: id } },
+      signal: within(SLOW_MS, signal),
+    }),
+  );
 
 export const cancelBacktest = (id: string) =>
-  request<unknown>("DELETE", `/api/backtests/${encodeURIComponent(id)}`);
+  answer(
+    http.DELETE("/api/backtests/{backtest_id}", {
+      params: { path: { backtest_id: id } },
+      signal: within(QUICK_MS),
+    }),
+  );
 
 /** What somebody else changed meanwhile, when that is why a change was refused. */
 export function conflictOf(error: unknown): Conflict | null {

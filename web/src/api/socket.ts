@@ -1,17 +1,35 @@
-import { backoff } from "../state/link";
+const BACKOFF_MIN_MS = 500;
+const BACKOFF_MAX_MS = 3000;
+
+/** Milliseconds to wait before a connection is tried again. */
+export function backoff(attempt: number): number {
+  return Math.min(BACKOFF_MAX_MS, BACKOFF_MIN_MS * 2 ** Math.max(0, attempt));
+}
+
+interface Handlers<Message> {
+  message: (message: Message) => void;
+  /** Called with true once it can be sent to, and with false when it is lost. */
+  open?: (open: boolean) => void;
+  /**
+   * Called when a connection ended before its first message, which is also how a browser shows a
+   * refused session.
+   */
+  refused?: () => void;
+  /** A connection that says nothing for this long is given up and opened anew. */
+  silenceMs?: number;
+}
 
 /** A websocket of JSON messages that comes back by itself after every loss, until closed. */
 export class JsonSocket<Message> {
   private socket: WebSocket | null = null;
   private failures = 0;
   private retry: number | undefined;
+  private watchdog: number | undefined;
   private closed = true;
 
   constructor(
     private readonly path: string,
-    private readonly onMessage: (message: Message) => void,
-    /** Called with true once it can be sent to, and with false when it is lost. */
-    private readonly onOpen: (open: boolean) => void = () => {},
+    private readonly on: Handlers<Message>,
   ) {}
 
   open(): void {
@@ -22,36 +40,57 @@ export class JsonSocket<Message> {
   close(): void {
     this.closed = true;
     window.clearTimeout(this.retry);
+    window.clearTimeout(this.watchdog);
     this.socket?.close();
     this.socket = null;
   }
 
-  /** Sends a message if there is a connection; whether there was one. */
-  send(message: unknown): boolean {
-    if (this.socket?.readyState !== WebSocket.OPEN) return false;
-    this.socket.send(JSON.stringify(message));
-    return true;
+  /** Sends a message if there is a connection. */
+  send(message: unknown): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
 
   private connect(): void {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     const socket = new WebSocket(`${scheme}://${location.host}${this.path}`);
     this.socket = socket;
+    let greeted = false;
+    this.watch(socket);
     socket.onopen = () => {
-      if (socket === this.socket) this.onOpen(true);
+      if (socket === this.socket) this.on.open?.(true);
     };
     socket.onmessage = (event: MessageEvent<string>) => {
       if (socket !== this.socket) return;
+      greeted = true;
       this.failures = 0;
-      this.onMessage(JSON.parse(event.data) as Message);
+      this.watch(socket);
+      this.on.message(JSON.parse(event.data) as Message);
     };
     socket.onclose = () => {
       if (socket !== this.socket) return;
-      this.socket = null;
-      if (this.closed) return;
-      this.onOpen(false);
-      this.retry = window.setTimeout(() => this.connect(), backoff(this.failures));
-      this.failures += 1;
+      if (!greeted) this.on.refused?.();
+      this.lost();
     };
+  }
+
+  private watch(socket: WebSocket): void {
+    window.clearTimeout(this.watchdog);
+    if (this.on.silenceMs === undefined) return;
+    this.watchdog = window.setTimeout(() => {
+      // A half-open connection may take minutes to report its close: do not wait for it.
+      if (socket !== this.socket) return;
+      socket.close();
+      this.lost();
+    }, this.on.silenceMs);
+  }
+
+  private lost(): void {
+    window.clearTimeout(this.watchdog);
+    window.clearTimeout(this.retry);
+    this.socket = null;
+    if (this.closed) return;
+    this.on.open?.(false);
+    this.retry = window.setTimeout(() => this.connect(), backoff(this.failures));
+    this.failures += 1;
   }
 }

@@ -1,17 +1,8 @@
 /** The parts of the generated schema that the page uses, under the names it uses. */
-import type { components } from "./schema";
+import type { components } from "../../generated/schema";
+import type { Sent } from "./http";
 
 type Schemas = components["schemas"];
-
-/**
- * An answer of the server. Its schema calls every field with a default optional; in an answer the
- * server sends them all.
- */
-export type Sent<T> = T extends readonly (infer Item)[]
-  ? Sent<Item>[]
-  : T extends object
-    ? { [Key in keyof T]-?: Sent<T[Key]> }
-    : T;
 
 export type Session = Sent<Schemas["SessionInfo"]>;
 export type View = Sent<Schemas["View"]>;
@@ -24,8 +15,6 @@ export type Component = State["components"][number];
 export type Drive = NonNullable<State["drive"]>;
 export type Goal = NonNullable<State["goal"]>;
 export type GoalCheck = Sent<Schemas["GoalCheck"]>;
-export type GoalSent = Sent<Schemas["GoalSent"]>;
-export type StopAnswer = Sent<Schemas["StopAnswer"]>;
 
 /** Where a goal was pressed and released, as fractions of the scene (u right, v down). */
 export type GoalPick = Schemas["GestureCheck"];

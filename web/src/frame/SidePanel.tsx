@@ -1,9 +1,9 @@
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
+import { useNav } from "../rules/context/RulesNav";
 import { DraftBar } from "../rules/DraftBar";
 import { FiringsPanel } from "../rules/firings/FiringsPanel";
-import { useNav } from "../rules/live/RulesNav";
 import { RulesSheet } from "../rules/RulesSheet";
 import { StopButton } from "../stop/StopButton";
 import classes from "./SidePanel.module.css";

@@ -8,7 +8,7 @@ import {
 } from "@tabler/icons-react";
 import type { ReactNode } from "react";
 import type { GoalTool } from "../goal/useGoalTool";
-import { OPENERS, useNav } from "../rules/live/RulesNav";
+import { OPENERS, useNav } from "../rules/context/RulesNav";
 import { LayersMenu } from "../scene/LayersMenu";
 import type { ViewHandle } from "../scene/useView";
 import { useSession } from "../session/SessionContext";

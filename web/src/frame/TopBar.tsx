@@ -7,15 +7,15 @@ import {
   IconSunMoon,
   IconUser,
 } from "@tabler/icons-react";
-import { StatusMark } from "../health/StatusMark";
-import { RevisionBadge } from "../rules/live/RevisionBadge";
+import { RevisionBadge } from "../rules/bands/RevisionBadge";
 import { useSession } from "../session/SessionContext";
 import { overall } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
-import { Mark } from "./Mark";
+import { Mark } from "../ui/Mark";
+import { StatusMark } from "../ui/StatusMark";
+import { useTheme } from "../ui/theme";
 import classes from "./TopBar.module.css";
-import { useTheme } from "./useTheme";
 
 export function TopBar() {
   const { state } = useRobot();

@@ -2,7 +2,7 @@ import type { Drive, Goal, GoalCheck } from "../api/types";
 import { degreesText, distanceText, durationText, signed } from "../format";
 
 /** How a line is meant: calm, good news, or something for a person. */
-export type Tone = "plain" | "done" | "problem";
+type Tone = "plain" | "done" | "problem";
 
 export interface GoalLine {
   tone: Tone;

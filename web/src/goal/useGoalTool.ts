@@ -5,7 +5,7 @@ import type { GoalCheck, GoalPick, GoalPoint } from "../api/types";
 import type { Px } from "./gesture";
 
 /** Where the pointer was let go (page pixels), and which side of it the drawn arrow leaves free. */
-export interface Anchor {
+interface Anchor {
   at: Px;
   side: "above" | "below";
 }

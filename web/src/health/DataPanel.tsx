@@ -1,4 +1,5 @@
 import { useRobot } from "../state/RobotContext";
+import { Panel } from "../ui/Panel";
 import classes from "./Health.module.css";
 import { StreamRow } from "./StreamRow";
 
@@ -7,17 +8,12 @@ export function DataPanel() {
   const { state, elapsed, frozen } = useRobot();
   const streams = state?.streams ?? [];
   return (
-    <section className={classes.panel} data-frozen={frozen || undefined} aria-label="Data">
-      <h2 className={classes.title}>Data</h2>
-      {streams.length === 0 ? (
-        <p className={classes.empty}>Nothing heard yet.</p>
-      ) : (
-        <ul className={classes.list}>
-          {streams.map((stream) => (
-            <StreamRow key={stream.key} stream={stream} elapsed={elapsed} />
-          ))}
-        </ul>
-      )}
-    </section>
+    <Panel title="Data" frozen={frozen} empty={streams.length === 0 ? "Nothing heard yet." : null}>
+      <ul className={classes.list}>
+        {streams.map((stream) => (
+          <StreamRow key={stream.key} stream={stream} elapsed={elapsed} />
+        ))}
+      </ul>
+    </Panel>
   );
 }

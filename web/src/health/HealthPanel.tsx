@@ -1,4 +1,5 @@
 import { useRobot } from "../state/RobotContext";
+import { Panel } from "../ui/Panel";
 import { ComponentRow } from "./ComponentRow";
 import classes from "./Health.module.css";
 
@@ -6,22 +7,17 @@ import classes from "./Health.module.css";
 export function HealthPanel() {
   const { state, elapsed, frozen } = useRobot();
   const components = state?.components ?? [];
+  const silent =
+    state === null
+      ? "Nothing heard yet."
+      : "No component reports its status. Is the stack running on this ROS domain?";
   return (
-    <section className={classes.panel} data-frozen={frozen || undefined} aria-label="Health">
-      <h2 className={classes.title}>Health</h2>
-      {components.length === 0 ? (
-        <p className={classes.empty}>
-          {state === null
-            ? "Nothing heard yet."
-            : "No component reports its status. Is the stack running on this ROS domain?"}
-        </p>
-      ) : (
-        <ul className={classes.list}>
-          {components.map((component) => (
-            <ComponentRow key={component.name} component={component} elapsed={elapsed} />
-          ))}
-        </ul>
-      )}
-    </section>
+    <Panel title="Health" frozen={frozen} empty={components.length === 0 ? silent : null}>
+      <ul className={classes.list}>
+        {components.map((component) => (
+          <ComponentRow key={component.name} component={component} elapsed={elapsed} />
+        ))}
+      </ul>
+    </Panel>
   );
 }

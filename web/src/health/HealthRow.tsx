@@ -1,9 +1,9 @@
 import { Collapse, UnstyledButton } from "@mantine/core";
 import { IconChevronRight } from "@tabler/icons-react";
 import { type ReactNode, useId, useState } from "react";
-import type { Level } from "../state/overall";
+import type { Level } from "../ui/StatusMark";
+import { StatusMark } from "../ui/StatusMark";
 import classes from "./Health.module.css";
-import { StatusMark } from "./StatusMark";
 
 interface Props {
   level: Level;

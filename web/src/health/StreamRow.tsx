@@ -1,6 +1,7 @@
 import type { Stream } from "../api/types";
 import { ageText } from "../format";
-import { type Level, streamLevel, streamStale } from "../state/overall";
+import { streamLevel, streamStale } from "../state/overall";
+import type { Level } from "../ui/StatusMark";
 import classes from "./Health.module.css";
 import { HealthRow } from "./HealthRow";
 

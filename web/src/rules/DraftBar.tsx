@@ -1,6 +1,6 @@
 import { Button } from "@mantine/core";
-import { useRules } from "./live/RulesContext";
-import { useNav } from "./live/RulesNav";
+import { useRules } from "./context/RulesContext";
+import { useNav } from "./context/RulesNav";
 import classes from "./Sheet.module.css";
 
 /** What is not yet on the robot, and the way there and back. */

@@ -1,10 +1,10 @@
 import { CloseButton, UnstyledButton } from "@mantine/core";
 import { useEffect, useRef } from "react";
+import { RulesBands } from "./bands/RulesBands";
+import { type Place, SHEET_ID, useNav } from "./context/RulesNav";
 import { RuleEditor } from "./editor/RuleEditor";
 import { FiringsPage } from "./firings/FiringsPage";
 import { HistoryPage } from "./history/HistoryPage";
-import { RulesBands } from "./live/RulesBands";
-import { type Place, SHEET_ID, useNav } from "./live/RulesNav";
 import { RecordingsPage } from "./recordings/RecordingsPage";
 import { ConflictPage } from "./review/ConflictPage";
 import { ReviewPage } from "./review/ReviewPage";

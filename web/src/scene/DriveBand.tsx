@@ -1,5 +1,5 @@
-import { Band } from "../frame/Band";
 import { useRobot } from "../state/RobotContext";
+import { Band } from "../ui/Band";
 
 /** STOP goes through the drive manager: say so when there is none, before it is needed. */
 export function DriveBand() {

@@ -1,7 +1,7 @@
 import { wholeAgeText } from "../format";
-import { Band } from "../frame/Band";
 import { POSE_DEADLINE_S } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
+import { Band } from "../ui/Band";
 
 /** A position as old as this is told across the scene; younger ones only grey out. */
 const TELL_AFTER_S = Math.max(1, POSE_DEADLINE_S);

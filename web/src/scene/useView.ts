@@ -2,8 +2,8 @@ import { useCallback, useEffect, useRef, useState } from "react";
 import { createView, patchView } from "../api/client";
 import { ApiError, asApiError } from "../api/errors";
 import type { LayerKey, View, ViewPatch } from "../api/types";
-import { useTheme } from "../frame/useTheme";
 import { useConnection } from "../state/RobotContext";
+import { useTheme } from "../ui/theme";
 
 export interface ViewHandle {
   view: View | null;

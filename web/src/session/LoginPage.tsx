@@ -1,9 +1,9 @@
 import { Button, Code, PasswordInput, Text, Title } from "@mantine/core";
+import { useMutation } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
 import { login } from "../api/client";
-import { type ApiError, asApiError } from "../api/errors";
 import type { Session } from "../api/types";
-import { Mark } from "../frame/Mark";
+import { Mark } from "../ui/Mark";
 import classes from "./LoginPage.module.css";
 
 interface Props {
@@ -14,17 +14,12 @@ interface Props {
 
 export function LoginPage({ notice, onLogin }: Props) {
   const [token, setToken] = useState("");
-  const [busy, setBusy] = useState(false);
-  const [error, setError] = useState<ApiError | null>(null);
+  const enter = useMutation({ mutationFn: () => login(tokenFrom(token)), onSuccess: onLogin });
+  const { error } = enter;
 
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    setBusy(true);
-    setError(null);
-    login(tokenFrom(token)).then(onLogin, (failure: unknown) => {
-      setBusy(false);
-      setError(asApiError(failure));
-    });
+    enter.mutate();
   };
 
   return (
@@ -56,7 +51,7 @@ export function LoginPage({ notice, onLogin }: Props) {
         <Button
           type="submit"
           size="md"
-          loading={busy}
+          loading={enter.isPending}
           disabled={token.trim() === ""}
           data-testid="login-submit"
         >

@@ -29,7 +29,7 @@ const TICK_MS = 250;
 
 export function RobotProvider(props: { onRefused: () => void; children: ReactNode }) {
   const { onRefused, children } = props;
-  const link = useMemo(() => new RobotLink(socketUrl(), onRefused), [onRefused]);
+  const link = useMemo(() => new RobotLink(onRefused), [onRefused]);
   useEffect(() => {
     link.open();
     return () => link.close();
@@ -68,6 +68,12 @@ export function useRobot(): Robot {
   return robot;
 }
 
+/** The robot's own clock, in seconds since the epoch; this browser's may be wrong. */
+export function useNow(): number {
+  const { state, elapsed } = useRobot();
+  return state === null ? Date.now() / 1000 : state.time + elapsed;
+}
+
 function useTick(): number {
   const [now, setNow] = useState(() => performance.now());
   useEffect(() => {
@@ -75,8 +81,4 @@ function useTick(): number {
     return () => window.clearInterval(timer);
   }, []);
   return now;
-}
-
-function socketUrl(): string {
-  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/api/state`;
 }

@@ -1,5 +1,6 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { backoff, RobotLink } from "./link";
+import { backoff } from "../api/socket";
+import { RobotLink } from "./link";
 
 /** A socket that the test speaks for. */
 class FakeSocket {
@@ -36,7 +37,7 @@ afterEach(() => {
 });
 
 function opened(onRefused = () => {}) {
-  const link = new RobotLink("ws://console/api/state", onRefused);
+  const link = new RobotLink(onRefused);
   link.open();
   return link;
 }

@@ -1,8 +1,6 @@
 import type { Component, State, Stream } from "../api/types";
 import { wholeAgeText } from "../format";
-
-/** How bad it is, from calm to loud; `unknown` is silence, which is neither well nor failed. */
-export type Level = "healthy" | "degraded" | "failed" | "unknown";
+import type { Level } from "../ui/StatusMark";
 
 /** A view without a message for this long is frozen; a component or drive as silent is unknown. */
 export const FROZEN_S = 1.5;

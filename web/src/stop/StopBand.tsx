@@ -2,9 +2,9 @@ import { Button } from "@mantine/core";
 import { useState } from "react";
 import { releaseStop } from "../api/client";
 import { ApiError, asApiError } from "../api/errors";
-import { Band } from "../frame/Band";
 import { useSession } from "../session/SessionContext";
-import { HoldButton } from "./HoldButton";
+import { Band } from "../ui/Band";
+import { HoldButton } from "../ui/controls/HoldButton";
 import { useStop } from "./StopContext";
 
 /** Across the scene while the robot is stopped, or while nobody knows whether it is. */

@@ -1,21 +1,20 @@
 import { Button, TextInput } from "@mantine/core";
-import { IconArrowLeft } from "@tabler/icons-react";
 import { useEffect, useMemo } from "react";
 import type { Rule } from "../../api/ruleTypes";
-import { FindingList } from "../FindingList";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
-import { freeId, putRule, removeRule, ruleOf } from "../model/draft";
-import { findingsElsewhere } from "../model/findings";
+import page from "../../ui/page.module.css";
+import { freeId, putRule, removeRule, ruleOf } from "../changes/draft";
+import { findingsElsewhere } from "../changes/findings";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { ruleName } from "../model/words";
-import sheet from "../Sheet.module.css";
-import { ActionList } from "./ActionList";
-import { ConditionEditor } from "./ConditionEditor";
-import { type Editor, EditorProvider } from "./EditorContext";
-import { ProbeProvider } from "./ProbeContext";
+import { FindingList } from "../parts/FindingList";
+import { PageTitle } from "../parts/PageTitle";
+import { ActionList } from "./action/ActionList";
+import { ConditionEditor } from "./condition/ConditionEditor";
+import { type Editor, EditorProvider } from "./form/EditorContext";
+import { ProbeProvider, VerdictLine } from "./form/Probe";
 import { RuleSettings } from "./RuleSettings";
 import { TimingFields } from "./TimingFields";
-import { VerdictLine } from "./VerdictLine";
 
 /** The form of one rule. Every keystroke goes into the draft: there is nothing to save here. */
 export function RuleEditor({ id }: { id: string }) {
@@ -24,8 +23,8 @@ export function RuleEditor({ id }: { id: string }) {
   const rule = draft.table === null ? null : ruleOf(draft.table, id);
   if (rule === null || view === null) {
     return (
-      <div className={sheet.page}>
-        <p className={sheet.muted}>This rule is no longer there.</p>
+      <div className={page.page}>
+        <p className={page.muted}>This rule is no longer there.</p>
         <Button variant="default" onClick={() => nav.go({ at: "table" })}>
           To the rules
         </Button>
@@ -72,25 +71,20 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
   return (
     <EditorProvider value={editor}>
       <ProbeProvider condition={rule.event.condition} clear={rule.event.clear}>
-        <fieldset className={sheet.section} disabled={readOnly}>
-          <div className={sheet.page} data-testid="rule-editor">
-            <div className={sheet.title}>
-              <Button
-                variant="subtle"
-                px="xs"
-                leftSection={<IconArrowLeft size={16} aria-hidden />}
-                data-testid="editor-back"
-                onClick={() => nav.go({ at: "table" })}
-              >
-                Rules
-              </Button>
-              <h2>{isNew ? "New rule" : ruleName(rule)}</h2>
-              <span className={sheet.muted} data-testid="editor-kept">
+        <fieldset className={page.section} disabled={readOnly}>
+          <div className={page.page} data-testid="rule-editor">
+            <PageTitle
+              title={isNew ? "New rule" : ruleName(rule)}
+              back="Rules"
+              testId="editor-back"
+              onBack={() => nav.go({ at: "table" })}
+            >
+              <span className={page.muted} data-testid="editor-kept">
                 {draft.changes.some((change) => change.rule_id === rule.id)
                   ? "kept as unsaved change"
                   : "as in force"}
               </span>
-            </div>
+            </PageTitle>
             <FindingList findings={findingsElsewhere(findings, shown)} />
             <TextInput
               label="Name"
@@ -102,8 +96,8 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
               onChange={(event) => put({ ...rule, name: event.currentTarget.value })}
               onBlur={named}
             />
-            <section className={sheet.section} aria-label="When">
-              <div className={sheet.title}>
+            <section className={page.section} aria-label="When">
+              <div className={page.title}>
                 <h2>When</h2>
                 <VerdictLine of="condition" />
               </div>
@@ -114,8 +108,8 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
               />
             </section>
             <TimingFields event={rule.event} onChange={(event) => put({ ...rule, event })} />
-            <section className={sheet.section} aria-label="Then">
-              <div className={sheet.title}>
+            <section className={page.section} aria-label="Then">
+              <div className={page.title}>
                 <h2>Then</h2>
               </div>
               <ActionList
@@ -125,7 +119,7 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
               />
             </section>
             <RuleSettings rule={rule} onChange={put} />
-            <div className={sheet.line}>
+            <div className={page.line}>
               <Button
                 variant="default"
                 onClick={() => nav.go({ at: "table" })}

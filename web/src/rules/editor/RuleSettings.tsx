@@ -1,45 +1,38 @@
-import { Select, Textarea } from "@mantine/core";
+import { Textarea } from "@mantine/core";
 import type { Rule } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
+import { Choice } from "../../ui/controls/Choice";
+import { Toggle } from "../../ui/controls/Toggle";
+import page from "../../ui/page.module.css";
+import { useRules } from "../context/RulesContext";
 import { SEVERITIES } from "../model/words";
-import sheet from "../Sheet.module.css";
-import { Toggle } from "../Toggle";
-import classes from "./Editor.module.css";
+import classes from "./form/Editor.module.css";
 
 /** How a rule stands among the others, and a note for who reads it next. */
 export function RuleSettings({ rule, onChange }: { rule: Rule; onChange: (rule: Rule) => void }) {
   const { mayProtect } = useRules();
   return (
-    <section className={sheet.section} aria-label="Settings">
-      <div className={sheet.title}>
+    <section className={page.section} aria-label="Settings">
+      <div className={page.title}>
         <h2>Settings</h2>
       </div>
       <div className={classes.grid}>
-        <Select
-          size="sm"
+        <Choice
           label="Severity"
           data-testid="severity"
           description="Which rule wins over a component"
-          allowDeselect={false}
           data={[...SEVERITIES]}
           value={rule.severity}
-          onChange={(severity) => {
-            if (severity !== null) onChange({ ...rule, severity: severity as Rule["severity"] });
-          }}
+          onChange={(severity) => onChange({ ...rule, severity: severity as Rule["severity"] })}
         />
-        <Select
-          size="sm"
+        <Choice
           label="Lane"
           description="Safety never waits for others"
-          allowDeselect={false}
           data={["normal", "safety"]}
           value={rule.lane}
-          onChange={(lane) => {
-            if (lane !== null) onChange({ ...rule, lane: lane as Rule["lane"] });
-          }}
+          onChange={(lane) => onChange({ ...rule, lane: lane as Rule["lane"] })}
         />
       </div>
-      <div className={sheet.line}>
+      <div className={page.line}>
         <Toggle
           on={rule.enabled}
           label="Enabled"

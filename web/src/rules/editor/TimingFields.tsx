@@ -1,16 +1,16 @@
-import { Select } from "@mantine/core";
 import type { Mode, RuleEvent, Trigger } from "../../api/ruleTypes";
-import { FindingList } from "../FindingList";
-import { findingsAt } from "../model/findings";
+import { Choice } from "../../ui/controls/Choice";
+import { NumberField } from "../../ui/controls/NumberField";
+import { Toggle } from "../../ui/controls/Toggle";
+import page from "../../ui/page.module.css";
+import { findingsAt } from "../changes/findings";
 import { blank } from "../model/presets";
 import { TRIGGER_WORDS } from "../model/words";
-import { NumberField } from "../NumberField";
-import sheet from "../Sheet.module.css";
-import { Toggle } from "../Toggle";
-import { ConditionEditor } from "./ConditionEditor";
-import classes from "./Editor.module.css";
-import { useEditor } from "./EditorContext";
-import { VerdictLine } from "./VerdictLine";
+import { FindingList } from "../parts/FindingList";
+import { ConditionEditor } from "./condition/ConditionEditor";
+import classes from "./form/Editor.module.css";
+import { useEditor } from "./form/EditorContext";
+import { VerdictLine } from "./form/Probe";
 
 interface Props {
   event: RuleEvent;
@@ -30,18 +30,14 @@ export function TimingFields({ event, onChange }: Props) {
   const put = (part: Partial<RuleEvent>) => onChange({ ...event, ...part });
   const { mode, max_rate: limit } = event;
   return (
-    <section className={sheet.section} aria-label="How often">
+    <section className={page.section} aria-label="How often">
       <div className={classes.grid}>
-        <Select
-          size="sm"
+        <Choice
           label="It fires"
           className={classes.wide}
-          allowDeselect={false}
           data={Object.entries(TRIGGER_WORDS).map(([value, label]) => ({ value, label }))}
           value={event.trigger}
-          onChange={(trigger) => {
-            if (trigger !== null) put({ trigger: trigger as Trigger });
-          }}
+          onChange={(trigger) => put({ trigger: trigger as Trigger })}
           data-testid="trigger"
         />
         <NumberField
@@ -60,11 +56,9 @@ export function TimingFields({ event, onChange }: Props) {
           onChange={(cooldown) => put({ cooldown })}
           testId="cooldown"
         />
-        <Select
-          size="sm"
+        <Choice
           label="While its actions run, further ones"
           className={classes.wide}
-          allowDeselect={false}
           data={MODES}
           value={mode.kind}
           onChange={(kind) => {
@@ -89,7 +83,7 @@ export function TimingFields({ event, onChange }: Props) {
           ...findingsAt(findings, "event.cooldown"),
         ]}
       />
-      <div className={sheet.line}>
+      <div className={page.line}>
         <Toggle on={event.once} label="Only once" onChange={(once) => put({ once })} testId="once">
           only once, until the stack starts again
         </Toggle>
@@ -103,7 +97,7 @@ export function TimingFields({ event, onChange }: Props) {
           </Toggle>
         )}
       </div>
-      <div className={sheet.line}>
+      <div className={page.line}>
         <Toggle
           on={limit !== null}
           label="Limit how often"

@@ -1,15 +1,15 @@
 import { Button } from "@mantine/core";
-import { useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
+import { useMutation } from "@tanstack/react-query";
 import { saveRecording } from "../../api/recordingsClient";
 import { rollbackRules } from "../../api/rulesClient";
-import type { Firing, Rule } from "../../api/ruleTypes";
-import { StatusMark } from "../../health/StatusMark";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
+import type { ActionRecord, Firing, Rule } from "../../api/ruleTypes";
+import { Problem } from "../../ui/Problem";
+import page from "../../ui/page.module.css";
+import { StatusMark } from "../../ui/StatusMark";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { clockText, leftText, sentence } from "../model/words";
-import sheet from "../Sheet.module.css";
-import { LeafList } from "../why/LeafList";
+import { LeafList } from "../parts/LeafList";
 import classes from "./Firings.module.css";
 import { outcomeText } from "./outcome";
 
@@ -21,7 +21,7 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
   const nav = useNav();
   const failedStep = firing.actions.some((action) => !action.ok && action.text !== "");
   return (
-    <section className={sheet.section} aria-label="This firing" data-testid="firing-details">
+    <section className={page.section} aria-label="This firing" data-testid="firing-details">
       <p className={classes.head}>
         <strong>{clockText(firing.time)}</strong> {outcomeText(firing)}
         {firing.topic !== null && (
@@ -32,45 +32,35 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
         , rule of{" "}
         <button
           type="button"
-          className={classes.link}
+          className={page.link}
           onClick={() => nav.go({ at: "history", revision: firing.revision })}
         >
           revision {firing.revision}
         </button>
       </p>
       {firing.text !== "" && <p className={classes.text}>{sentence(firing.text)}</p>}
-      {firing.error !== "" && !failedStep && <p className={sheet.problem}>{firing.error}</p>}
+      {firing.error !== "" && !failedStep && <p className={page.problem}>{firing.error}</p>}
       <LeafList leaves={firing.leaves} of={rule?.event.condition ?? null} then />
       {firing.actions.length > 0 && (
         <ol className={classes.steps}>
           {firing.actions.map((action, index) => (
             // biome-ignore lint/suspicious/noArrayIndexKey: steps of the past keep their place
-            <li key={index}>
-              <StatusMark level={action.ok ? "healthy" : "failed"} />
-              <span>
-                {action.action}: {action.ok ? "ok" : "failed"} after {leftText(action.seconds)}
-                {action.text !== "" && (
-                  <span className={classes.said} data-failed={!action.ok || undefined}>
-                    {action.text.replace(`${action.action} did not succeed: `, "")}
-                  </span>
-                )}
-              </span>
-            </li>
+            <Step key={index} {...action} />
           ))}
         </ol>
       )}
       {firing.message !== null && (
         <details>
-          <summary className={sheet.muted}>The message</summary>
+          <summary className={page.muted}>The message</summary>
           <pre className={classes.message}>{JSON.stringify(firing.message, null, 1)}</pre>
         </details>
       )}
       {firing.recording !== "" && (
-        <p className={sheet.muted}>
+        <p className={page.muted}>
           What was around it is recorded:{" "}
           <button
             type="button"
-            className={classes.link}
+            className={page.link}
             data-testid="firing-recording"
             onClick={() => nav.go({ at: "recordings", name: recordingName(firing.recording) })}
           >
@@ -83,6 +73,23 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
   );
 }
 
+/** What came of one action. */
+function Step({ action, ok, seconds, text, problem = text }: ActionRecord) {
+  return (
+    <li>
+      <StatusMark level={ok ? "healthy" : "failed"} />
+      <span>
+        {action}: {ok ? "ok" : "failed"} after {leftText(seconds)}
+        {text !== "" && (
+          <span className={classes.said} data-failed={!ok || undefined}>
+            {ok ? text : problem}
+          </span>
+        )}
+      </span>
+    </li>
+  );
+}
+
 /** A recording's name from its path on the robot. */
 const recordingName = (path: string): string =>
   (path.split("/").at(-1) ?? path).replace(/\.mcap$/, "");
@@ -90,17 +97,8 @@ const recordingName = (path: string): string =>
 /** What can be done about it: back to the table before this one, or keep the recording. */
 function FiringActions({ firing }: { firing: Firing }) {
   const { view, mayEdit, reload } = useRules();
-  const [busy, setBusy] = useState(false);
-  const [done, setDone] = useState("");
-  const [error, setError] = useState<ApiError | null>(null);
+  const act = useMutation({ mutationFn: (what: () => Promise<string>) => what() });
   if (!mayEdit || view === null) return null;
-  const run = (what: Promise<string>) => {
-    setBusy(true);
-    setError(null);
-    what
-      .then(setDone, (failure: unknown) => setError(asApiError(failure)))
-      .finally(() => setBusy(false));
-  };
   const rollBack = async (revision: number | null) => {
     const report = await rollbackRules(
       revision,
@@ -113,13 +111,13 @@ function FiringActions({ firing }: { firing: Firing }) {
   const keep = async () => `Kept as ${(await saveRecording(KEEP_S, "")).name}.`;
   return (
     <>
-      <div className={sheet.line}>
+      <div className={page.line}>
         {firing.revision === view.revision ? (
           <Button
             variant="default"
-            loading={busy}
+            loading={act.isPending}
             disabled={view.revision <= 1}
-            onClick={() => run(rollBack(null))}
+            onClick={() => act.mutate(() => rollBack(null))}
             data-testid="firing-rollback"
           >
             Roll back this revision
@@ -127,25 +125,21 @@ function FiringActions({ firing }: { firing: Firing }) {
         ) : (
           <Button
             variant="default"
-            loading={busy}
-            onClick={() => run(rollBack(firing.revision))}
+            loading={act.isPending}
+            onClick={() => act.mutate(() => rollBack(firing.revision))}
             data-testid="firing-rollback"
           >
             Roll back to revision {firing.revision}
           </Button>
         )}
         {firing.recording === "" && (
-          <Button variant="subtle" loading={busy} onClick={() => run(keep())}>
+          <Button variant="subtle" loading={act.isPending} onClick={() => act.mutate(keep)}>
             Keep the last minute recorded
           </Button>
         )}
       </div>
-      {done !== "" && <p className={sheet.muted}>{done}</p>}
-      {error !== null && (
-        <p className={sheet.problem} role="alert">
-          {error.title} {error.remedy}
-        </p>
-      )}
+      {act.isSuccess && <p className={page.muted}>{act.data}</p>}
+      <Problem error={act.error} />
     </>
   );
 }

@@ -1,9 +1,9 @@
 import { UnstyledButton } from "@mantine/core";
 import { IconChevronRight } from "@tabler/icons-react";
 import type { Firing } from "../../api/ruleTypes";
-import { StatusMark } from "../../health/StatusMark";
-import { useNav } from "../live/RulesNav";
-import { useNow } from "../live/useNow";
+import { useNow } from "../../state/RobotContext";
+import { StatusMark } from "../../ui/StatusMark";
+import { useNav } from "../context/RulesNav";
 import { whenText } from "../model/words";
 import classes from "./Firings.module.css";
 import { outcomeLevel, outcomeText } from "./outcome";

@@ -1,10 +1,12 @@
 import { Button, Select } from "@mantine/core";
 import { useState } from "react";
 import type { Firing } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
+import { Choice } from "../../ui/controls/Choice";
+import { Problem } from "../../ui/Problem";
+import page from "../../ui/page.module.css";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { ruleName } from "../model/words";
-import sheet from "../Sheet.module.css";
 import { FiringList } from "./FiringList";
 import { useFirings } from "./useFirings";
 
@@ -47,8 +49,8 @@ export function FiringsPage({ rule }: { rule: string | null }) {
   }));
   const known = rule === null || rules.some(({ value }) => value === rule);
   return (
-    <div className={sheet.page} data-testid="firings">
-      <div className={sheet.pair}>
+    <div className={page.page} data-testid="firings">
+      <div className={page.pair}>
         <Select
           size="sm"
           aria-label="Of which rule"
@@ -59,23 +61,12 @@ export function FiringsPage({ rule }: { rule: string | null }) {
           value={rule}
           onChange={(id) => nav.go({ at: "firings", rule: id })}
         />
-        <Select
-          size="sm"
-          aria-label="Which outcome"
-          allowDeselect={false}
-          data={OUTCOMES}
-          value={outcome}
-          onChange={(value) => value !== null && setOutcome(value)}
-        />
+        <Choice aria-label="Which outcome" data={OUTCOMES} value={outcome} onChange={setOutcome} />
       </div>
-      {error !== null && (
-        <p className={sheet.problem}>
-          {error.title} {error.remedy}
-        </p>
-      )}
-      {firings === null && error === null && <p className={sheet.muted}>Reading the journal…</p>}
+      <Problem error={error} />
+      {firings === null && error === null && <p className={page.muted}>Reading the journal…</p>}
       {firings !== null && shown.length === 0 && (
-        <p className={sheet.empty}>
+        <p className={page.empty}>
           {firings.length === 0 ? "Nothing has fired yet." : "Nothing like that lately."}
         </p>
       )}

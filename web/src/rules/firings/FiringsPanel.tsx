@@ -1,6 +1,6 @@
 import { UnstyledButton } from "@mantine/core";
-import health from "../../health/Health.module.css";
-import { useNav } from "../live/RulesNav";
+import { Panel } from "../../ui/Panel";
+import { useNav } from "../context/RulesNav";
 import { FiringList } from "./FiringList";
 import classes from "./Firings.module.css";
 import { useFirings } from "./useFirings";
@@ -12,28 +12,22 @@ export function FiringsPanel() {
   const nav = useNav();
   const { firings, error } = useFirings(SHOWN, null);
   const shown = firings?.filter((firing) => firing.kind === "firing").slice(0, SHOWN) ?? [];
+  const none = firings === null ? "Nothing heard yet." : "No rule has fired yet.";
   return (
-    <section className={health.panel} aria-label="Firings" data-testid="firings-panel">
-      <h2 className={health.title}>Firings</h2>
-      {shown.length === 0 ? (
-        <p className={health.empty}>
-          {error !== null
-            ? error.title
-            : firings === null
-              ? "Nothing heard yet."
-              : "No rule has fired yet."}
-        </p>
-      ) : (
-        <div className={classes.compact}>
-          <FiringList firings={shown} />
-          <UnstyledButton
-            className={classes.all}
-            onClick={() => nav.go({ at: "firings", rule: null })}
-          >
-            All firings
-          </UnstyledButton>
-        </div>
-      )}
-    </section>
+    <Panel
+      title="Firings"
+      testId="firings-panel"
+      empty={shown.length === 0 ? (error?.title ?? none) : null}
+    >
+      <div className={classes.compact}>
+        <FiringList firings={shown} />
+        <UnstyledButton
+          className={classes.all}
+          onClick={() => nav.go({ at: "firings", rule: null })}
+        >
+          All firings
+        </UnstyledButton>
+      </div>
+    </Panel>
   );
 }

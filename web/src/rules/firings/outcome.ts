@@ -1,5 +1,5 @@
 import type { Firing } from "../../api/ruleTypes";
-import type { Level } from "../../state/overall";
+import type { Level } from "../../ui/StatusMark";
 import { leftText } from "../model/words";
 
 /** What came of it, in a word or two: `ok, 3.2 s`. */

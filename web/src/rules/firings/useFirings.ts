@@ -1,10 +1,18 @@
-import { useCallback, useEffect, useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
+import { useDebouncedValue } from "@mantine/hooks";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useEffect, useMemo } from "react";
+import type { ApiError } from "../../api/errors";
+import { useAsked } from "../../api/queries";
 import { getFirings } from "../../api/rulesClient";
 import type { Firing } from "../../api/ruleTypes";
-import { useLive } from "../live/RulesContext";
+import { useLive } from "../context/RulesContext";
 
-export interface Firings {
+interface Read {
+  list: Firing[];
+  more: boolean;
+}
+
+interface Firings {
   firings: Firing[] | null;
   more: boolean;
   error: ApiError | null;
@@ -16,63 +24,41 @@ const REST_MS = 250;
 
 /** The newest entries of the journal, read again whenever something happens. */
 export function useFirings(count: number, rule: string | null): Firings {
+  const client = useQueryClient();
   const { happened, rules } = useLive();
-  const [found, setFound] = useState<{ of: string | null; list: Firing[]; more: boolean } | null>(
-    null,
-  );
-  const [error, setError] = useState<ApiError | null>(null);
-  const available = rules?.available ?? false;
+  const [rested] = useDebouncedValue(happened, REST_MS);
+  const key = useMemo(() => ["firings", count, rule], [count, rule]);
+  const { data, error } = useAsked<Read>({
+    key,
+    enabled: rules?.available ?? false,
+    ask: async (signal) => {
+      const { firings, more } = await getFirings(null, count, rule, signal);
+      // What was read of the past stays, as long as it follows on.
+      const was = client.getQueryData<Read>(key);
+      const oldest = firings.at(-1)?.number ?? 0;
+      const rest = was?.list.filter((firing) => firing.number < oldest) ?? [];
+      return { list: [...firings, ...rest], more: rest.length > 0 ? was?.more === true : more };
+    },
+  });
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: whatever happened is in the journal
   useEffect(() => {
-    if (!available) return;
-    let left = false;
-    const timer = window.setTimeout(() => {
-      getFirings(null, count, rule).then(
-        (journal) => {
-          if (left) return;
-          setError(null);
-          setFound((was) => {
-            // What was read of the past stays, as long as it follows on.
-            const oldest = journal.firings.at(-1)?.number ?? 0;
-            const rest =
-              was?.of === rule ? was.list.filter((firing) => firing.number < oldest) : [];
-            return {
-              of: rule,
-              list: [...journal.firings, ...rest],
-              more: rest.length > 0 ? (was?.more ?? false) : journal.more,
-            };
-          });
-        },
-        (failure: unknown) => {
-          if (!left) setError(asApiError(failure));
-        },
-      );
-    }, REST_MS);
-    return () => {
-      left = true;
-      window.clearTimeout(timer);
-    };
-  }, [happened, available, count, rule]);
+    void client.invalidateQueries({ queryKey: key });
+  }, [rested, client, key]);
 
-  const older = useCallback(() => {
-    const oldest = found?.list.at(-1)?.number;
-    if (oldest === undefined) return;
-    getFirings(oldest, count, rule).then(
-      (journal) =>
-        setFound((was) =>
-          was === null
-            ? was
-            : { ...was, list: [...was.list, ...journal.firings], more: journal.more },
-        ),
-      (failure: unknown) => setError(asApiError(failure)),
-    );
-  }, [found, count, rule]);
+  const older = useMutation({
+    mutationFn: (before: number) => getFirings(before, count, rule),
+    onSuccess: ({ firings, more }) =>
+      client.setQueryData<Read>(key, (was) => was && { list: [...was.list, ...firings], more }),
+  });
 
   return {
-    firings: found?.of === rule ? found.list : null,
-    more: found?.more ?? false,
-    error,
-    older,
+    firings: data?.list ?? null,
+    more: data?.more ?? false,
+    error: error ?? older.error,
+    older: () => {
+      const oldest = data?.list.at(-1)?.number;
+      if (oldest !== undefined) older.mutate(oldest);
+    },
   };
 }

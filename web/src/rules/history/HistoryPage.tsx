@@ -1,11 +1,13 @@
 import { Button, Select } from "@mantine/core";
-import { useCallback, useEffect, useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { useAsked } from "../../api/queries";
 import { diffRules, getHistory } from "../../api/rulesClient";
-import type { History, Revision, TableDiff } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
-import { DiffList } from "../review/DiffList";
-import sheet from "../Sheet.module.css";
+import type { History, Revision } from "../../api/ruleTypes";
+import { Problem } from "../../ui/Problem";
+import page from "../../ui/page.module.css";
+import { useRules } from "../context/RulesContext";
+import { DiffList } from "../parts/DiffList";
 import classes from "./History.module.css";
 import { RevisionRow } from "./RevisionRow";
 
@@ -14,46 +16,27 @@ const PAGE = 25;
 /** Every table that was ever in force: who, when, why, and the way back. */
 export function HistoryPage({ revision }: { revision: number | null }) {
   const { view } = useRules();
-  const [history, setHistory] = useState<History | null>(null);
-  const [error, setError] = useState<ApiError | null>(null);
-  const active = view?.revision;
-  const confirmed = view?.confirmed;
-
-  // biome-ignore lint/correctness/useExhaustiveDependencies: another revision is another history
-  useEffect(() => {
-    let left = false;
-    getHistory(null, PAGE).then(
-      (answer) => {
-        if (left) return;
-        setHistory(answer);
-        setError(null);
-      },
-      (failure: unknown) => {
-        if (!left) setError(asApiError(failure));
-      },
-    );
-    return () => {
-      left = true;
-    };
-  }, [active, confirmed]);
-
-  const more = useCallback(() => {
-    const oldest = history?.revisions.at(-1)?.number;
-    if (history === null || oldest === undefined) return;
-    getHistory(oldest, PAGE).then(
-      (older) => setHistory({ ...older, revisions: [...history.revisions, ...older.revisions] }),
-      (failure: unknown) => setError(asApiError(failure)),
-    );
-  }, [history]);
+  const client = useQueryClient();
+  const key = ["history", view?.revision, view?.confirmed];
+  const { data: history, error } = useAsked({
+    key,
+    ask: (signal) => getHistory(null, PAGE, signal),
+    keep: true,
+  });
+  const oldest = history?.revisions.at(-1)?.number;
+  const older = useMutation({
+    mutationFn: (before: number) => getHistory(before, PAGE),
+    onSuccess: (next) =>
+      client.setQueryData<History>(
+        key,
+        (was) => was && { ...next, revisions: [...was.revisions, ...next.revisions] },
+      ),
+  });
 
   return (
-    <div className={sheet.page} data-testid="history">
-      {error !== null && (
-        <p className={sheet.problem}>
-          {error.title} {error.remedy}
-        </p>
-      )}
-      {history === null && error === null && <p className={sheet.muted}>Reading the history…</p>}
+    <div className={page.page} data-testid="history">
+      <Problem error={error ?? older.error} />
+      {history === null && error === null && <p className={page.muted}>Reading the history…</p>}
       {history !== null && (
         <>
           <Compare revisions={history.revisions} />
@@ -67,8 +50,8 @@ export function HistoryPage({ revision }: { revision: number | null }) {
               />
             ))}
           </ul>
-          {history.more && (
-            <Button variant="default" onClick={more}>
+          {history.more && oldest !== undefined && (
+            <Button variant="default" onClick={() => older.mutate(oldest)}>
               Older
             </Button>
           )}
@@ -82,33 +65,19 @@ export function HistoryPage({ revision }: { revision: number | null }) {
 function Compare({ revisions }: { revisions: Revision[] }) {
   const [from, setFrom] = useState<string | null>(null);
   const [to, setTo] = useState<string | null>(null);
-  const [diff, setDiff] = useState<TableDiff | null>(null);
-  const [error, setError] = useState<ApiError | null>(null);
-  useEffect(() => {
-    setDiff(null);
-    setError(null);
-    if (from === null || to === null) return;
-    let left = false;
-    diffRules(Number(from), Number(to)).then(
-      (answer) => {
-        if (!left) setDiff(answer);
-      },
-      (failure: unknown) => {
-        if (!left) setError(asApiError(failure));
-      },
-    );
-    return () => {
-      left = true;
-    };
-  }, [from, to]);
+  const { data: diff, error } = useAsked({
+    key: ["diff", from, to],
+    enabled: from !== null && to !== null,
+    ask: (signal) => diffRules(Number(from), Number(to), signal),
+  });
   const data = revisions.map(({ number, author }) => ({
     value: String(number),
     label: `rev ${number}, ${author}`,
   }));
   return (
-    <section className={sheet.section} aria-label="Compare two revisions">
+    <section className={page.section} aria-label="Compare two revisions">
       <h3>Compare two revisions</h3>
-      <div className={sheet.pair}>
+      <div className={page.pair}>
         <Select
           size="sm"
           aria-label="From revision"
@@ -128,11 +97,7 @@ function Compare({ revisions }: { revisions: Revision[] }) {
           clearable
         />
       </div>
-      {error !== null && (
-        <p className={sheet.problem}>
-          {error.title} {error.remedy}
-        </p>
-      )}
+      <Problem error={error} />
       {diff !== null && <DiffList changes={diff.changes} />}
     </section>
   );

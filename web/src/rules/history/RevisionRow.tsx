@@ -1,13 +1,14 @@
 import { Button } from "@mantine/core";
+import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
 import { rollbackRules } from "../../api/rulesClient";
 import type { Revision } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
-import { useNow } from "../live/useNow";
+import { useNow } from "../../state/RobotContext";
+import { Problem } from "../../ui/Problem";
+import page from "../../ui/page.module.css";
+import { useRules } from "../context/RulesContext";
 import { whenText } from "../model/words";
-import { DiffList } from "../review/DiffList";
-import sheet from "../Sheet.module.css";
+import { DiffList } from "../parts/DiffList";
 import classes from "./History.module.css";
 
 const ORIGIN_WORDS: Record<Revision["origin"], string> = {
@@ -29,18 +30,13 @@ export function RevisionRow({ revision, active, startOpen }: Props) {
   const { mayEdit, reload } = useRules();
   const now = useNow();
   const [open, setOpen] = useState(startOpen);
-  const [busy, setBusy] = useState(false);
-  const [error, setError] = useState<ApiError | null>(null);
   const { number, author, role, time, reason, origin, outcome, restores, diff } = revision;
   const current = number === active;
   const count = diff.changes.length;
-  const rollBack = () => {
-    setBusy(true);
-    setError(null);
-    rollbackRules(number, active, `back to revision ${number}`)
-      .then(reload, (failure: unknown) => setError(asApiError(failure)))
-      .finally(() => setBusy(false));
-  };
+  const rollBack = useMutation({
+    mutationFn: () => rollbackRules(number, active, `back to revision ${number}`),
+    onSuccess: reload,
+  });
   return (
     <li
       className={classes.revision}
@@ -62,7 +58,7 @@ export function RevisionRow({ revision, active, startOpen }: Props) {
         {restores !== null && ` to revision ${restores}`}
         {reason !== "" && `: ${reason}`}
       </div>
-      <div className={sheet.line}>
+      <div className={page.line}>
         {count > 0 && (
           <Button
             variant="subtle"
@@ -77,19 +73,15 @@ export function RevisionRow({ revision, active, startOpen }: Props) {
           <Button
             variant="default"
             size="compact-md"
-            loading={busy}
-            onClick={rollBack}
+            loading={rollBack.isPending}
+            onClick={() => rollBack.mutate()}
             data-testid="roll-back"
           >
             Roll back to this
           </Button>
         )}
       </div>
-      {error !== null && (
-        <p className={sheet.problem} role="alert">
-          {error.title} {error.remedy}
-        </p>
-      )}
+      <Problem error={rollBack.error} />
       {open && <DiffList changes={diff.changes} />}
     </li>
   );

@@ -55,7 +55,6 @@ export interface ActionChoice {
   key: string;
   group: string;
   label: string;
-  hint: string;
   make: () => Action;
 }
 
@@ -79,19 +78,19 @@ const offered = (component: GraphComponent) =>
 /** Everything that a rule can do on this robot, the everyday things first. */
 export function actionChoices(graph: Graph | null): ActionChoice[] {
   const general: ActionChoice[] = [
-    choice("log", "General", "Write a line to the log", "", () => ({
+    choice("log", "General", "Write a line to the log", () => ({
       ...COMMON,
       kind: "log",
       text: "",
       level: "warning",
     })),
-    choice("raise_alarm", "General", "Raise an alarm", "Shown to all operators", () => ({
+    choice("raise_alarm", "General", "Raise an alarm", () => ({
       ...COMMON,
       kind: "raise_alarm",
       alarm: "",
       text: "",
     })),
-    choice("clear_alarm", "General", "Clear an alarm", "", () => ({
+    choice("clear_alarm", "General", "Clear an alarm", () => ({
       ...COMMON,
       kind: "clear_alarm",
       alarm: "",
@@ -104,24 +103,18 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
     const name = component.name;
     return [
       ...offered(component).map((method) =>
-        choice(
-          `method:${name}:${method.name}`,
-          group,
-          `${group}: ${words(method.name)}`,
-          method.text,
-          () => ({
-            ...COMMON,
-            kind: "method",
-            component: name,
-            method: method.name,
-            kwargs: {},
-          }),
-        ),
+        choice(`method:${name}:${method.name}`, group, `${group}: ${words(method.name)}`, () => ({
+          ...COMMON,
+          kind: "method",
+          component: name,
+          method: method.name,
+          kwargs: {},
+        })),
       ),
       ...(component.parameters.length === 0
         ? []
         : [
-            choice(`update_parameters:${name}`, group, `${group}: set parameters`, "", () => ({
+            choice(`update_parameters:${name}`, group, `${group}: set parameters`, () => ({
               ...COMMON,
               kind: "update_parameters",
               component: name,
@@ -134,23 +127,16 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
           `lifecycle:${name}:${what}`,
           group,
           `${group}: ${what} the component`,
-          "",
           (): Action => ({ ...COMMON, kind: "lifecycle", component: name, action: what }),
         ),
       ),
-      choice(
-        `reconfigure:${name}`,
-        group,
-        `${group}: reconfigure`,
-        "From a file or by values",
-        () => ({
-          ...COMMON,
-          kind: "reconfigure",
-          component: name,
-          config: {},
-          keep_alive: false,
-        }),
-      ),
+      choice(`reconfigure:${name}`, group, `${group}: reconfigure`, () => ({
+        ...COMMON,
+        kind: "reconfigure",
+        component: name,
+        config: {},
+        keep_alive: false,
+      })),
     ];
   });
   const goals = graph.actions.flatMap((server): ActionChoice[] => [
@@ -158,7 +144,6 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
       `send_goal:${bare(server.name)}`,
       "Goals",
       `Send a goal to ${slashed(server.name)}`,
-      server.type,
       () => ({
         ...COMMON,
         timeout: null,
@@ -172,7 +157,6 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
       `cancel_goal:${bare(server.name)}`,
       "Goals",
       `Cancel the goals of ${slashed(server.name)}`,
-      "",
       () => ({
         ...COMMON,
         kind: "cancel_goal",
@@ -188,7 +172,6 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
         `call_service:${bare(service.name)}`,
         "General",
         "Stop the robot",
-        "Stays stopped until a person releases it",
         (): Action => ({
           ...COMMON,
           kind: "call_service",
@@ -206,7 +189,6 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
       `call_service:${bare(service.name)}`,
       "Services",
       `Call ${slashed(service.name)}`,
-      service.type,
       () => ({
         ...COMMON,
         kind: "call_service",
@@ -217,24 +199,18 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
     ),
   );
   const topics = graph.topics.map((topic) =>
-    choice(
-      `publish:${bare(topic.name)}`,
-      "Messages",
-      `Publish on ${slashed(topic.name)}`,
-      topic.type,
-      () => ({
-        ...COMMON,
-        kind: "publish",
-        topic: bare(topic.name),
-        type: topic.type,
-        message: {},
-        rate: null,
-        period: null,
-      }),
-    ),
+    choice(`publish:${bare(topic.name)}`, "Messages", `Publish on ${slashed(topic.name)}`, () => ({
+      ...COMMON,
+      kind: "publish",
+      topic: bare(topic.name),
+      type: topic.type,
+      message: {},
+      rate: null,
+      period: null,
+    })),
   );
   const functions = graph.functions.map((name) =>
-    choice(`python:${name}`, "Functions of the recipe", `Run ${name}`, "", () => ({
+    choice(`python:${name}`, "Functions of the recipe", `Run ${name}`, () => ({
       ...COMMON,
       kind: "python",
       name,
@@ -244,14 +220,8 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
   return [...general, ...stop, ...components, ...goals, ...services, ...functions, ...topics];
 }
 
-function choice(
-  key: string,
-  group: string,
-  label: string,
-  hint: string,
-  make: () => Action,
-): ActionChoice {
-  return { key, group, label, hint, make };
+function choice(key: string, group: string, label: string, make: () => Action): ActionChoice {
+  return { key, group, label, make };
 }
 
 /** Which choice an action is, whether or not the robot offers it now. */

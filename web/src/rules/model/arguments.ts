@@ -43,7 +43,7 @@ export function messageFields(graph: Graph | null, type: string): ArgumentField[
     }));
 }
 
-export function initialValue(kind: ValueKind): unknown {
+function initialValue(kind: ValueKind): unknown {
   return { bool: false, int: 0, float: 0, text: "", list: [], message: "" }[kind];
 }
 

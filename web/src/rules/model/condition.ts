@@ -5,7 +5,7 @@ export function isGroup(condition: Condition): condition is Group {
   return condition.kind === "all" || condition.kind === "any";
 }
 
-export function childrenOf(condition: Condition): readonly Condition[] {
+function childrenOf(condition: Condition): readonly Condition[] {
   if (isGroup(condition)) return condition.conditions;
   return condition.kind === "not" ? [condition.condition] : [];
 }
@@ -165,7 +165,7 @@ function inner(condition: Condition, outer: Condition, names: ConstantName): str
   return spaced || (many && condition.kind !== outer.kind) ? `(${text})` : text;
 }
 
-export function literalText(value: Literal): string {
+function literalText(value: Literal): string {
   if (Array.isArray(value)) return `[${value.map(literalText).join(", ")}]`;
   return typeof value === "string" ? `"${value}"` : String(value);
 }

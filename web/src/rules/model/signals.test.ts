@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
 import type { Compare, Graph, GraphField, GraphTopic } from "../../api/ruleTypes";
+import { atText, clusters, pan, ticks, zoom } from "../review/timeline";
 import { actionChoices, actionText, choiceKey } from "./actions";
 import {
   fittingReferences,
@@ -11,7 +12,6 @@ import {
 } from "./arguments";
 import { presets } from "./presets";
 import { fieldChoices, fitLiteral, operatorsFor, sensibleTimeout, withField } from "./signals";
-import { atText, clusters, pan, ticks, zoom } from "./timeline";
 
 const LASER = "sensor_msgs/msg/LaserScan";
 const STATUS = "kompass_interfaces/msg/ComponentStatus";

@@ -1,6 +1,6 @@
 /** Times, states and kinds as an operator reads them. */
 import type { Rule, RuleStatus, Trigger } from "../../api/ruleTypes";
-import type { Level } from "../../state/overall";
+import type { Level } from "../../ui/StatusMark";
 
 /** A duration as it was set: `30 s`, `0.25 s`, `3 min 20 s`. */
 export function secondsText(seconds: number): string {
@@ -110,6 +110,14 @@ export function constantText(name: string, field: string): string {
 }
 
 export const SEVERITIES = ["info", "warning", "error", "critical"] as const;
+
+/** How much of the flight recorder to take, by its seconds. */
+export const STRETCHES = [
+  { value: "60", label: "the last minute" },
+  { value: "300", label: "the last 5 minutes" },
+  { value: "600", label: "the last 10 minutes" },
+  { value: "0", label: "all that is recorded" },
+];
 
 /** With a capital at its beginning and a stop at its end; nothing stays nothing. */
 export function sentence(text: string): string {

@@ -1,50 +1,36 @@
-import { Button, Select, TextInput } from "@mantine/core";
+import { Button, TextInput } from "@mantine/core";
+import { useMutation } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
 import { saveRecording } from "../../api/recordingsClient";
-import sheet from "../Sheet.module.css";
+import { Choice } from "../../ui/controls/Choice";
+import { Problem } from "../../ui/Problem";
+import page from "../../ui/page.module.css";
+import { STRETCHES } from "../model/words";
 import classes from "./Recordings.module.css";
-
-const STRETCHES = [
-  { value: "60", label: "the last minute" },
-  { value: "300", label: "the last 5 minutes" },
-  { value: "600", label: "the last 10 minutes" },
-  { value: "0", label: "all that is recorded" },
-];
 
 /** Keeps what the flight recorder would soon go over. */
 export function KeepForm({ onKept }: { onKept: () => void }) {
   const [seconds, setSeconds] = useState("300");
   const [name, setName] = useState("");
-  const [busy, setBusy] = useState(false);
-  const [done, setDone] = useState("");
-  const [error, setError] = useState<ApiError | null>(null);
-  const keep = (event: FormEvent) => {
+  const keep = useMutation({
+    mutationFn: () => saveRecording(Number(seconds), name.trim()),
+    onSuccess: () => {
+      setName("");
+      onKept();
+    },
+  });
+  const submit = (event: FormEvent) => {
     event.preventDefault();
-    setBusy(true);
-    setError(null);
-    setDone("");
-    saveRecording(Number(seconds), name.trim())
-      .then(
-        (saved) => {
-          setDone(`Kept as ${saved.name}.`);
-          setName("");
-          onKept();
-        },
-        (failure: unknown) => setError(asApiError(failure)),
-      )
-      .finally(() => setBusy(false));
+    keep.mutate();
   };
   return (
-    <form className={sheet.section} aria-label="Keep a recording" onSubmit={keep}>
+    <form className={page.section} aria-label="Keep a recording" onSubmit={submit}>
       <div className={classes.keep}>
-        <Select
-          size="sm"
+        <Choice
           aria-label="Which stretch to keep"
-          allowDeselect={false}
           data={STRETCHES}
           value={seconds}
-          onChange={(value) => value !== null && setSeconds(value)}
+          onChange={setSeconds}
         />
         <TextInput
           size="sm"
@@ -55,20 +41,21 @@ export function KeepForm({ onKept }: { onKept: () => void }) {
           data-testid="recording-name"
           onChange={(event) => setName(event.currentTarget.value)}
         />
-        <Button type="submit" variant="default" loading={busy} data-testid="recording-keep">
+        <Button
+          type="submit"
+          variant="default"
+          loading={keep.isPending}
+          data-testid="recording-keep"
+        >
           Keep
         </Button>
       </div>
-      {done !== "" && (
-        <p className={sheet.muted} role="status">
-          {done}
+      {keep.isSuccess && (
+        <p className={page.muted} role="status">
+          Kept as {keep.data.name}.
         </p>
       )}
-      {error !== null && (
-        <p className={sheet.problem} role="alert" data-testid="recording-error">
-          {error.title} {error.remedy}
-        </p>
-      )}
+      <Problem error={keep.error} testId="recording-error" />
     </form>
   );
 }

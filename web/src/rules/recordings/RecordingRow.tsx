@@ -1,14 +1,15 @@
 import { Button } from "@mantine/core";
 import { IconDownload, IconTrash } from "@tabler/icons-react";
+import { useMutation } from "@tanstack/react-query";
 import { useEffect, useRef, useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
 import { deleteRecording, recordingAddress } from "../../api/recordingsClient";
 import type { Recording } from "../../api/ruleTypes";
 import { bytesText, durationText } from "../../format";
 import { useSession } from "../../session/SessionContext";
-import { useNow } from "../live/useNow";
+import { useNow } from "../../state/RobotContext";
+import { Problem } from "../../ui/Problem";
+import page from "../../ui/page.module.css";
 import { whenText } from "../model/words";
-import sheet from "../Sheet.module.css";
 import classes from "./Recordings.module.css";
 
 interface Props {
@@ -35,13 +36,13 @@ export function RecordingRow({ recording, wanted, onDeleted }: Props) {
       data-wanted={wanted || undefined}
     >
       <strong className={classes.name}>{name}</strong>
-      <p className={sheet.muted}>
+      <p className={page.muted}>
         {whenText(begin ?? saved, now)}
         {begin !== null && end !== null && ` · ${durationText(end - begin)}`} · {bytesText(size)}
         {messages > 0 && ` · ${messages.toLocaleString()} messages`}
         {of_firing && " · kept by a firing"}
       </p>
-      {problem !== "" && <p className={sheet.problem}>{problem}</p>}
+      {problem !== "" && <p className={page.problem}>{problem}</p>}
       <div className={classes.buttons}>
         {session.role !== "viewer" && (
           <Button
@@ -66,18 +67,11 @@ export function RecordingRow({ recording, wanted, onDeleted }: Props) {
 /** A file that is gone cannot be had back: the button asks once. */
 function DeleteButton({ name, onDeleted }: { name: string; onDeleted: () => void }) {
   const [asking, setAsking] = useState(false);
-  const [busy, setBusy] = useState(false);
-  const [error, setError] = useState<ApiError | null>(null);
-  const remove = () => {
-    setBusy(true);
-    setError(null);
-    deleteRecording(name)
-      .then(onDeleted, (failure: unknown) => {
-        setError(asApiError(failure));
-        setAsking(false);
-      })
-      .finally(() => setBusy(false));
-  };
+  const remove = useMutation({
+    mutationFn: () => deleteRecording(name),
+    onSuccess: onDeleted,
+    onError: () => setAsking(false),
+  });
   return (
     <>
       {asking ? (
@@ -86,9 +80,9 @@ function DeleteButton({ name, onDeleted }: { name: string; onDeleted: () => void
             variant="default"
             className={classes.sure}
             size="compact-md"
-            loading={busy}
+            loading={remove.isPending}
             autoFocus
-            onClick={remove}
+            onClick={() => remove.mutate()}
             data-testid="recording-delete-sure"
           >
             Delete for good
@@ -109,11 +103,7 @@ function DeleteButton({ name, onDeleted }: { name: string; onDeleted: () => void
           Delete
         </Button>
       )}
-      {error !== null && (
-        <p className={sheet.problem} role="alert">
-          {error.title} {error.remedy}
-        </p>
-      )}
+      <Problem error={remove.error} />
     </>
   );
 }

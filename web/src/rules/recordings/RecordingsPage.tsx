@@ -1,8 +1,9 @@
 import { bytesText } from "../../format";
-import { useRules } from "../live/RulesContext";
-import { useNow } from "../live/useNow";
+import { useNow } from "../../state/RobotContext";
+import { Problem } from "../../ui/Problem";
+import page from "../../ui/page.module.css";
+import { useRules } from "../context/RulesContext";
 import { leftText } from "../model/words";
-import sheet from "../Sheet.module.css";
 import { KeepForm } from "./KeepForm";
 import { RecordingRow } from "./RecordingRow";
 import classes from "./Recordings.module.css";
@@ -16,15 +17,11 @@ export function RecordingsPage({ name }: { name: string | null }) {
   const ring = list?.ring ?? null;
   const named = name === null || list?.recordings.some((each) => each.name === name);
   return (
-    <div className={sheet.page} data-testid="recordings">
-      {error !== null && (
-        <p className={sheet.problem} role="alert">
-          {error.title} {error.remedy}
-        </p>
-      )}
-      {list === null && error === null && <p className={sheet.muted}>Reading the recordings…</p>}
+    <div className={page.page} data-testid="recordings">
+      <Problem error={error} />
+      {list === null && error === null && <p className={page.muted}>Reading the recordings…</p>}
       {list?.here === true && (
-        <p className={sheet.muted} data-testid="ring-state">
+        <p className={page.muted} data-testid="ring-state">
           {ring === null
             ? "The flight recorder has nothing: it is switched off, or has just begun."
             : `The flight recorder has the last ${leftText(now - ring.begin)} (${bytesText(ring.size)}).`}{" "}
@@ -35,19 +32,19 @@ export function RecordingsPage({ name }: { name: string | null }) {
         <KeepForm onKept={reload} />
       )}
       {list?.here === false && (
-        <p className={sheet.note}>
+        <p className={page.note}>
           This console runs on another machine than the robot: recordings can be kept from here, and
           are looked at in the robot's own console.
         </p>
       )}
       {!named && list?.here === true && (
-        <p className={sheet.note} role="status" data-testid="recording-gone">
+        <p className={page.note} role="status" data-testid="recording-gone">
           {name} is not here: it is written six seconds after its firing, and only the newest 20 of
           these stay.
         </p>
       )}
       {list?.here === true && list.recordings.length === 0 && (
-        <p className={sheet.empty}>
+        <p className={page.empty}>
           Nothing was kept yet. Severe firings are kept by themselves, with the half minute around
           them.
         </p>

@@ -1,10 +1,10 @@
 import { Button } from "@mantine/core";
 import type { ApplyReport } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
+import page from "../../ui/page.module.css";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { ruleName, secondsText } from "../model/words";
-import sheet from "../Sheet.module.css";
-import { DiffList } from "./DiffList";
+import { DiffList } from "../parts/DiffList";
 import { EffectView } from "./EffectView";
 
 /** What happened on the robot. */
@@ -13,8 +13,8 @@ export function Applied({ report }: { report: ApplyReport }) {
   const nav = useNav();
   const names = new Map(view?.table.rules.map((rule) => [rule.id, ruleName(rule)]));
   return (
-    <section className={sheet.section} aria-label="Result" data-testid="applied">
-      <p className={sheet.note}>
+    <section className={page.section} aria-label="Result" data-testid="applied">
+      <p className={page.note}>
         <strong>Revision {report.revision} is in force</strong> since a moment ago; the engine
         paused for {(report.pause * 1000).toFixed(2)} ms.{" "}
         {report.probation > 0
@@ -23,7 +23,7 @@ export function Applied({ report }: { report: ApplyReport }) {
       </p>
       <EffectView effect={report.effect} names={names} done />
       <DiffList changes={report.diff.changes} />
-      <div className={sheet.line}>
+      <div className={page.line}>
         <Button
           variant="default"
           onClick={() => nav.go({ at: "table" })}

@@ -1,20 +1,17 @@
-import { Button, Progress, Select } from "@mantine/core";
-import { useEffect, useState } from "react";
+import { Button, Progress } from "@mantine/core";
+import { useState } from "react";
+import { useAsked } from "../../api/queries";
 import { listRecordings } from "../../api/recordingsClient";
 import type { Table } from "../../api/ruleTypes";
-import { secondsText, sentence } from "../model/words";
-import sheet from "../Sheet.module.css";
+import { Choice } from "../../ui/controls/Choice";
+import { Problem } from "../../ui/Problem";
+import page from "../../ui/page.module.css";
+import { STRETCHES, secondsText, sentence } from "../model/words";
 import { BacktestTimeline } from "./BacktestTimeline";
 import classes from "./Review.module.css";
-import { type BacktestRun, isOver, useBacktest } from "./useBacktest";
+import { type BacktestRun, useBacktest } from "./useBacktest";
 
-/** Of the flight recorder, by their seconds; a recording that was kept is known by its name. */
-const STRETCHES = [
-  { value: "60", label: "the last minute" },
-  { value: "300", label: "the last 5 minutes" },
-  { value: "600", label: "the last 10 minutes" },
-  { value: "0", label: "all that is recorded" },
-];
+/** A recording that was kept is known by its name, behind this. */
 const KEPT = "kept ";
 
 interface Props {
@@ -29,20 +26,18 @@ export function BacktestPanel({ table, names, ready }: Props) {
   const [over, setOver] = useState("300");
   const kept = useKept();
   const { run, start, cancel } = useBacktest();
-  const ended = run === null || isOver(run);
+  const ended = run === null || run.over;
   const begin = () =>
     over.startsWith(KEPT)
       ? start(table, over.slice(KEPT.length), 0)
       : start(table, "", Number(over));
   return (
-    <section className={sheet.section} aria-label="Back-test">
+    <section className={page.section} aria-label="Back-test">
       <h3>Back-test first</h3>
-      <div className={sheet.line}>
-        <span className={sheet.muted}>What would it have done over</span>
-        <Select
-          size="sm"
+      <div className={page.line}>
+        <span className={page.muted}>What would it have done over</span>
+        <Choice
           aria-label="Over which stretch"
-          allowDeselect={false}
           data={
             kept.length === 0
               ? STRETCHES
@@ -56,7 +51,7 @@ export function BacktestPanel({ table, names, ready }: Props) {
           }
           value={over}
           data-testid="backtest-over"
-          onChange={(value) => value !== null && setOver(value)}
+          onChange={setOver}
         />
         {ended ? (
           <Button variant="default" disabled={!ready} onClick={begin} data-testid="backtest-start">
@@ -75,38 +70,23 @@ export function BacktestPanel({ table, names, ready }: Props) {
 
 /** Names of the recordings that were kept; none where they cannot be looked at. */
 function useKept(): string[] {
-  const [names, setNames] = useState<string[]>([]);
-  useEffect(() => {
-    let left = false;
-    listRecordings().then(
-      ({ recordings }) => {
-        if (!left) setNames(recordings.filter(({ end }) => end !== null).map(({ name }) => name));
-      },
-      () => undefined, // the flight recorder's minutes are there all the same
-    );
-    return () => {
-      left = true;
-    };
-  }, []);
-  return names;
+  const { data } = useAsked({ key: ["recordings"], ask: listRecordings });
+  // Where there are none, the flight recorder's minutes are there all the same.
+  return data?.recordings.filter(({ end }) => end !== null).map(({ name }) => name) ?? [];
 }
 
 function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; stale: boolean }) {
   const { run, names, stale } = props;
   const { answer, error } = run;
   if (error !== null) {
-    return (
-      <p className={sheet.problem} role="alert" data-testid="backtest-error">
-        {error.title} {error.remedy}
-      </p>
-    );
+    return <Problem error={error} testId="backtest-error" />;
   }
   if (answer === null || answer.state === "waiting" || answer.state === "running") {
     const share = Math.round((answer?.progress ?? 0) * 100);
     return (
       <div className={classes.progress} data-testid="backtest-progress">
         <Progress value={share} aria-label="Back-test" transitionDuration={120} />
-        <span className={sheet.muted}>
+        <span className={page.muted}>
           {share} % {answer?.text}
         </span>
       </div>
@@ -114,7 +94,7 @@ function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; 
   }
   if (answer.report === null) {
     return (
-      <p className={sheet.problem} role="alert" data-testid="backtest-error">
+      <p className={page.problem} role="alert" data-testid="backtest-error">
         {answer.error ?? (answer.state === "canceled" ? "It was cancelled." : "It has failed.")}
       </p>
     );
@@ -123,37 +103,37 @@ function Outcome(props: { run: BacktestRun; names: ReadonlyMap<string, string>; 
   return (
     <div className={classes.backtest} data-testid="backtest-report">
       {stale && (
-        <p className={sheet.note}>The rules have changed since: this is of the ones before.</p>
+        <p className={page.note}>The rules have changed since: this is of the ones before.</p>
       )}
       <p className={classes.tally}>
         <span>● {report.same} the same</span>
         <span>▲ {report.new} new</span>
         <span>○ {report.gone} no longer</span>
-        <span className={sheet.muted}>
+        <span className={page.muted}>
           {secondsText(Math.round(report.end - report.start))} in {report.seconds.toFixed(1)} s,{" "}
           {report.messages.toLocaleString()} messages
         </span>
       </p>
       {answer.text !== "" && (
-        <p className={sheet.note} data-testid="backtest-remark">
+        <p className={page.note} data-testid="backtest-remark">
           {sentence(answer.text)}
         </p>
       )}
       {report.missing_topics.length > 0 && (
-        <p className={sheet.note}>
+        <p className={page.note}>
           Not recorded, so not judged: {report.missing_topics.join(", ")}. They are recorded from
           now on if you apply.
         </p>
       )}
       {report.warm_up > 0 && (
-        <p className={sheet.muted}>
+        <p className={page.muted}>
           In its first {secondsText(Math.round(report.warm_up))}, holds and cooldowns of before are
           not known.
         </p>
       )}
       <BacktestTimeline report={report} names={names} />
       {report.truncated && (
-        <p className={sheet.muted}>More firings than are listed: look at a shorter stretch.</p>
+        <p className={page.muted}>More firings than are listed: look at a shorter stretch.</p>
       )}
     </div>
   );

@@ -3,10 +3,10 @@ import { useElementSize } from "@mantine/hooks";
 import { IconArrowLeft, IconArrowRight, IconZoomIn, IconZoomOut } from "@tabler/icons-react";
 import { useEffect, useMemo, useState } from "react";
 import type { BacktestFiring, BacktestReport } from "../../api/ruleTypes";
-import { LeafNow } from "../editor/LeafNow";
-import { atText, type Cluster, clusters, pan, ticks, type Window, zoom } from "../model/timeline";
 import { clockText } from "../model/words";
+import { LeafNow } from "../parts/LeafNow";
 import classes from "./Timeline.module.css";
+import { atText, type Cluster, clusters, pan, ticks, type Window, zoom } from "./timeline";
 
 const SHAPES: Record<BacktestFiring["verdict"], string> = { same: "●", new: "▲", gone: "○" };
 const VERDICT_WORDS: Record<BacktestFiring["verdict"], string> = {

@@ -1,8 +1,8 @@
 import type { ReactNode } from "react";
 import type { Rule, Table } from "../../api/ruleTypes";
-import { type Choice, type Difference, fieldSides, type Side } from "../model/conflict";
-import { ruleOf } from "../model/draft";
-import type { RuleField } from "../model/ruleFields";
+import { type Choice, type Difference, fieldSides, type Side } from "../changes/conflict";
+import { ruleOf } from "../changes/draft";
+import type { RuleField } from "../changes/ruleFields";
 import classes from "./Review.module.css";
 
 const SIDES: readonly Side[] = ["mine", "theirs"];

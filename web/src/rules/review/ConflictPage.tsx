@@ -1,14 +1,14 @@
 import { Button } from "@mantine/core";
-import { useEffect, useMemo, useState } from "react";
+import { useMemo, useState } from "react";
+import { useAsked } from "../../api/queries";
 import { getHistory } from "../../api/rulesClient";
-import type { Revision } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
-import { useNow } from "../live/useNow";
-import { type Choice, defaultSide, differences, isMade, rebase } from "../model/conflict";
-import { beginDraft } from "../model/draft";
+import { useNow } from "../../state/RobotContext";
+import page from "../../ui/page.module.css";
+import { type Choice, defaultSide, differences, isMade, rebase } from "../changes/conflict";
+import { beginDraft } from "../changes/draft";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { whenText } from "../model/words";
-import sheet from "../Sheet.module.css";
 import { ConflictChoice } from "./ConflictChoice";
 
 /** Somebody else was faster: both changes side by side, and a choice for each rule. */
@@ -24,8 +24,8 @@ export function ConflictPage() {
   );
   if (mine === null || view === null || !draft.overtaken) {
     return (
-      <div className={sheet.page}>
-        <p className={sheet.muted}>There is nothing to merge.</p>
+      <div className={page.page}>
+        <p className={page.muted}>There is nothing to merge.</p>
         <Button variant="default" onClick={() => nav.go({ at: "table" })}>
           To the rules
         </Button>
@@ -44,11 +44,11 @@ export function ConflictPage() {
   const open = both.filter((each) => !isMade(each, sides[each.id]));
   const others = found.filter((each) => !each.both);
   return (
-    <div className={sheet.page} data-testid="conflict">
-      <div className={sheet.title}>
+    <div className={page.page} data-testid="conflict">
+      <div className={page.title}>
         <h2>Somebody else was faster</h2>
       </div>
-      <p className={sheet.note}>
+      <p className={page.note}>
         Nothing of yours was applied, and nothing is lost. Your changes began from revision{" "}
         {mine.base}; <Who revision={view.revision} /> Choose for each rule that both of you changed.
       </p>
@@ -62,7 +62,7 @@ export function ConflictPage() {
         />
       ))}
       {others.length > 0 && (
-        <section className={sheet.section} aria-label="Changed by one of you">
+        <section className={page.section} aria-label="Changed by one of you">
           <h3>Changed by one of you only</h3>
           {others.map((each) => (
             <ConflictChoice
@@ -75,7 +75,7 @@ export function ConflictPage() {
           ))}
         </section>
       )}
-      <div className={sheet.line}>
+      <div className={page.line}>
         <Button disabled={open.length > 0} onClick={merge} data-testid="conflict-merge">
           {open.length > 0
             ? `Choose for ${open.length === 1 ? "one more rule" : `${open.length} more rules`}`
@@ -87,20 +87,13 @@ export function ConflictPage() {
 }
 
 function Who({ revision }: { revision: number }) {
-  const [found, setFound] = useState<Revision | null>(null);
   const now = useNow();
-  useEffect(() => {
-    let left = false;
-    getHistory(null, 10).then(
-      (history) => {
-        if (!left) setFound(history.revisions.find(({ number }) => number === revision) ?? null);
-      },
-      () => setFound(null), // the sentence does without the name
-    );
-    return () => {
-      left = true;
-    };
-  }, [revision]);
+  const { data } = useAsked({
+    key: ["author of revision", revision],
+    ask: (signal) => getHistory(null, 10, signal),
+  });
+  const found = data?.revisions.find(({ number }) => number === revision) ?? null;
+  // The sentence does without the name where it cannot be had.
   return found === null ? (
     <>revision {revision} is in force now.</>
   ) : (

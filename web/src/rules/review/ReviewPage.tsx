@@ -1,18 +1,20 @@
-import { Button, Radio, Select, Textarea } from "@mantine/core";
-import { IconArrowLeft } from "@tabler/icons-react";
+import { Button, Radio, Textarea } from "@mantine/core";
+import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
 import { applyRules, conflictOf, reportOf } from "../../api/rulesClient";
 import type { ApplyReport, Finding } from "../../api/ruleTypes";
-import { FindingList } from "../FindingList";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
-import type { Draft } from "../model/draft";
+import { Choice } from "../../ui/controls/Choice";
+import { Problem } from "../../ui/Problem";
+import page from "../../ui/page.module.css";
+import type { Draft } from "../changes/draft";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { ruleName } from "../model/words";
-import sheet from "../Sheet.module.css";
+import { DiffList } from "../parts/DiffList";
+import { FindingList } from "../parts/FindingList";
+import { PageTitle } from "../parts/PageTitle";
 import { Applied } from "./Applied";
 import { BacktestPanel } from "./BacktestPanel";
-import { DiffList } from "./DiffList";
 import { EffectView } from "./EffectView";
 import classes from "./Review.module.css";
 
@@ -22,22 +24,16 @@ export function ReviewPage() {
   const nav = useNav();
   const [applied, setApplied] = useState<ApplyReport | null>(null);
   return (
-    <div className={sheet.page} data-testid="review">
-      <div className={sheet.title}>
-        <Button
-          variant="subtle"
-          px="xs"
-          leftSection={<IconArrowLeft size={16} aria-hidden />}
-          onClick={() => nav.go({ at: "table" })}
-        >
-          Rules
-        </Button>
-        <h2>{applied === null ? "Review & apply" : "Applied"}</h2>
-      </div>
+    <div className={page.page} data-testid="review">
+      <PageTitle
+        title={applied === null ? "Review & apply" : "Applied"}
+        back="Rules"
+        onBack={() => nav.go({ at: "table" })}
+      />
       {applied !== null ? (
         <Applied report={applied} />
       ) : draft.draft === null ? (
-        <p className={sheet.muted}>There is nothing to apply.</p>
+        <p className={page.muted}>There is nothing to apply.</p>
       ) : (
         <Review draft={draft.draft} onApplied={setApplied} />
       )}
@@ -62,9 +58,6 @@ function Review({ draft, onApplied }: Props) {
   const nav = useNav();
   const [probation, setProbation] = useState("60");
   const [cancelRunning, setCancelRunning] = useState(false);
-  const [busy, setBusy] = useState(false);
-  const [error, setError] = useState<ApiError | null>(null);
-  const [refused, setRefused] = useState<Finding[]>([]);
   const report = check.report;
   const names = new Map(
     [...draft.baseTable.rules, ...draft.table.rules].map((rule) => [rule.id, ruleName(rule)]),
@@ -73,54 +66,42 @@ function Review({ draft, onApplied }: Props) {
   const lints = check.findings.filter((finding) => finding.level === "lint");
   const running = report?.effect.running ?? [];
 
-  const apply = () => {
-    setBusy(true);
-    setError(null);
-    setRefused([]);
-    applyRules(draft.table, {
-      expectedRevision: draft.base,
-      reason: draft.reason,
-      probation: Number(probation),
-      cancelRunning,
-      reset: [],
-    }).then(
-      (answer) => {
-        // The page may be gone by now; the draft has done its work all the same.
-        handle.take(null);
-        onApplied(answer);
-        reload();
-      },
-      (failure: unknown) => {
-        setBusy(false);
-        if (conflictOf(failure) !== null) {
-          reload();
-          nav.go({ at: "conflict" });
-          return;
-        }
-        setRefused(reportOf(failure)?.findings.filter(({ level }) => level === "error") ?? []);
-        setError(asApiError(failure));
-      },
-    );
-  };
+  const apply = useMutation({
+    mutationFn: () =>
+      applyRules(draft.table, {
+        expectedRevision: draft.base,
+        reason: draft.reason,
+        probation: Number(probation),
+        cancelRunning,
+      }),
+    onSuccess: (answer) => {
+      // The page may be gone by now; the draft has done its work all the same.
+      handle.take(null);
+      onApplied(answer);
+      reload();
+    },
+    onError: (failure) => {
+      if (conflictOf(failure) === null) return;
+      reload();
+      nav.go({ at: "conflict" });
+    },
+  });
+  const refused = reportOf(apply.error)?.findings.filter(({ level }) => level === "error") ?? [];
 
   return (
     <>
-      <section className={sheet.section} aria-label="Changes">
+      <section className={page.section} aria-label="Changes">
         <DiffList changes={report?.diff.changes ?? handle.changes} />
         {report !== null && <EffectView effect={report.effect} names={names} />}
         {report === null && check.error === null && errors.length === 0 && (
-          <p className={sheet.muted}>Asking the robot what it makes of it…</p>
+          <p className={page.muted}>Asking the robot what it makes of it…</p>
         )}
-        {check.error !== null && (
-          <p className={sheet.problem}>
-            {check.error.title} {check.error.remedy}
-          </p>
-        )}
+        <Problem error={check.error} />
       </section>
       {errors.length > 0 && <Findings title="To be mended first" findings={errors} names={names} />}
       {lints.length > 0 && <Findings title="To think about" findings={lints} names={names} />}
       <BacktestPanel table={draft.table} names={names} ready={check.ok} />
-      <section className={sheet.section} aria-label="Apply">
+      <section className={page.section} aria-label="Apply">
         <Textarea
           label="Reason"
           placeholder="Why, for who reads the history"
@@ -144,29 +125,23 @@ function Review({ draft, onApplied }: Props) {
           </Radio.Group>
         )}
         <div className={classes.apply}>
-          <Select
-            size="sm"
+          <Choice
             aria-label="Probation"
-            allowDeselect={false}
             data={PROBATIONS}
             value={probation}
             data-testid="apply-probation"
-            onChange={(value) => value !== null && setProbation(value)}
+            onChange={setProbation}
           />
           <Button
-            loading={busy}
+            loading={apply.isPending}
             disabled={!check.ok || handle.overtaken}
-            onClick={apply}
+            onClick={() => apply.mutate()}
             data-testid="apply"
           >
             Apply to the robot
           </Button>
         </div>
-        {error !== null && (
-          <p className={sheet.problem} role="alert" data-testid="apply-error">
-            {error.title} {error.remedy}
-          </p>
-        )}
+        <Problem error={apply.error} testId="apply-error" />
         <FindingList findings={refused} />
       </section>
     </>
@@ -182,16 +157,12 @@ function Findings(props: {
   const nav = useNav();
   const rules = [...new Set(findings.map((finding) => finding.rule_id))];
   return (
-    <section className={sheet.section} aria-label={title}>
+    <section className={page.section} aria-label={title}>
       <h3>{title}</h3>
       {rules.map((id) => (
         <div key={id}>
           {id !== "" && (
-            <button
-              type="button"
-              className={classes.more}
-              onClick={() => nav.go({ at: "edit", id })}
-            >
+            <button type="button" className={page.more} onClick={() => nav.go({ at: "edit", id })}>
               {names.get(id) ?? id}
             </button>
           )}

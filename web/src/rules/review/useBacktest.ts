@@ -1,65 +1,71 @@
-import { useCallback, useEffect, useRef, useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
+import { useMutation } from "@tanstack/react-query";
+import { useCallback, useEffect, useRef } from "react";
+import type { ApiError } from "../../api/errors";
+import { useAsked } from "../../api/queries";
 import { cancelBacktest, getBacktest, startBacktest } from "../../api/rulesClient";
 import type { Backtest, Table } from "../../api/ruleTypes";
 
 export interface BacktestRun {
   of: Table;
-  id: string | null;
   answer: Backtest | null;
   error: ApiError | null;
+  over: boolean;
+}
+
+interface Order {
+  table: Table;
+  recording: string;
+  seconds: number;
+  /** Aborted when nobody waits for it any more. */
+  left: AbortSignal;
 }
 
 const POLL_MS = 250;
 const ENDED = new Set<Backtest["state"]>(["done", "failed", "canceled"]);
 
-export const isOver = (run: BacktestRun): boolean =>
-  run.error !== null || (run.answer !== null && ENDED.has(run.answer.state));
+/** Has the robot try a table, and calls it off as soon as nobody waits for it. */
+async function order({ table, recording, seconds, left }: Order): Promise<string> {
+  const { id } = await startBacktest(table, recording, seconds);
+  // It may have ended by itself in the meantime: then there is nothing to cancel.
+  const callOff = () => void cancelBacktest(id).catch(() => undefined);
+  if (left.aborted) callOff();
+  left.addEventListener("abort", callOff);
+  return id;
+}
 
 /** One back-test at a time; leaving the page cancels it. */
 export function useBacktest() {
-  const [run, setRun] = useState<BacktestRun | null>(null);
   const current = useRef<AbortController | null>(null);
-  const open = useRef<string | null>(null);
+  const { mutate, reset, variables, data: id, error: refused } = useMutation({ mutationFn: order });
+  const { data: answer, error: lost } = useAsked({
+    key: ["backtest", id],
+    enabled: id !== undefined,
+    ask: (signal) => getBacktest(id ?? "", signal),
+    again: (newest, failure) =>
+      failure !== null || (newest !== undefined && ENDED.has(newest.state)) ? false : POLL_MS,
+  });
+  const error = refused ?? lost;
+  const over = error !== null || (answer !== null && ENDED.has(answer.state));
+  useEffect(() => {
+    if (over) current.current = null;
+  }, [over]);
 
-  const cancel = useCallback(() => {
+  const leave = useCallback(() => {
     current.current?.abort();
     current.current = null;
-    const id = open.current;
-    open.current = null;
-    // It may have ended by itself in the meantime: then there is nothing to cancel.
-    if (id !== null) cancelBacktest(id).catch(() => undefined);
-    setRun(null);
   }, []);
+  useEffect(() => leave, [leave]);
 
-  const start = useCallback((table: Table, recording: string, seconds: number) => {
-    current.current?.abort();
-    const mine = new AbortController();
-    current.current = mine;
-    setRun({ of: table, id: null, answer: null, error: null });
-    const follow = async () => {
-      const { id } = await startBacktest(table, recording, seconds);
-      if (mine.signal.aborted) {
-        await cancelBacktest(id);
-        return;
-      }
-      open.current = id;
-      for (;;) {
-        const answer = await getBacktest(id, mine.signal);
-        setRun({ of: table, id, answer, error: null });
-        if (ENDED.has(answer.state)) break;
-        await new Promise((resolve) => window.setTimeout(resolve, POLL_MS));
-        if (mine.signal.aborted) return;
-      }
-      open.current = null;
-    };
-    follow().catch((failure: unknown) => {
-      if (mine.signal.aborted) return;
-      open.current = null;
-      setRun({ of: table, id: null, answer: null, error: asApiError(failure) });
-    });
-  }, []);
-
-  useEffect(() => cancel, [cancel]);
+  const start = (table: Table, recording: string, seconds: number) => {
+    leave();
+    current.current = new AbortController();
+    mutate({ table, recording, seconds, left: current.current.signal });
+  };
+  const cancel = () => {
+    leave();
+    reset();
+  };
+  const run: BacktestRun | null =
+    variables === undefined ? null : { of: variables.table, answer, error, over };
   return { run, start, cancel };
 }

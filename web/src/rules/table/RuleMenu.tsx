@@ -8,13 +8,12 @@ import {
   IconRotate,
   IconTrash,
 } from "@tabler/icons-react";
-import { useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
+import { useMutation } from "@tanstack/react-query";
 import { resetRule } from "../../api/rulesClient";
 import type { Rule, RuleStatus } from "../../api/ruleTypes";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
-import { duplicateRule, moveRule, putRule, removeRule } from "../model/draft";
+import { duplicateRule, moveRule, putRule, removeRule } from "../changes/draft";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { ruleName } from "../model/words";
 
 const RESETTABLE = new Set(["used up", "latched", "cooling", "waiting"]);
@@ -23,7 +22,8 @@ const RESETTABLE = new Set(["used up", "latched", "cooling", "waiting"]);
 export function RuleMenu({ rule, status }: { rule: Rule; status: RuleStatus | null }) {
   const { draft } = useRules();
   const nav = useNav();
-  const [error, setError] = useState<ApiError | null>(null);
+  const startAfresh = useMutation({ mutationFn: () => resetRule(rule.id) });
+  const { error } = startAfresh;
   const duplicate = () => {
     const table = draft.table;
     if (table === null) return;
@@ -33,7 +33,7 @@ export function RuleMenu({ rule, status }: { rule: Rule; status: RuleStatus | nu
   };
   const guarded = rule.protected ? "Protected: only the recipe can change it" : undefined;
   return (
-    <Menu position="bottom-end" width={240} onOpen={() => setError(null)}>
+    <Menu position="bottom-end" width={240} onOpen={startAfresh.reset}>
       <Menu.Target>
         <ActionIcon
           variant="subtle"
@@ -73,12 +73,7 @@ export function RuleMenu({ rule, status }: { rule: Rule; status: RuleStatus | nu
           <Menu.Item
             leftSection={<IconRotate size={16} aria-hidden />}
             closeMenuOnClick={false}
-            onClick={() => {
-              resetRule(rule.id).then(
-                () => setError(null),
-                (failure: unknown) => setError(asApiError(failure)),
-              );
-            }}
+            onClick={() => startAfresh.mutate()}
           >
             Let it start afresh now
           </Menu.Item>

@@ -1,16 +1,16 @@
 import { Button } from "@mantine/core";
 import { IconPencil, IconZoomQuestion } from "@tabler/icons-react";
 import type { Finding, Rule, RuleChange, RuleStatus } from "../../api/ruleTypes";
-import { StatusMark } from "../../health/StatusMark";
-import { FindingList } from "../FindingList";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
-import { useNow } from "../live/useNow";
-import { putRule } from "../model/draft";
+import { useNow } from "../../state/RobotContext";
+import { Toggle } from "../../ui/controls/Toggle";
+import { StatusMark } from "../../ui/StatusMark";
+import { putRule } from "../changes/draft";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
+import type { RuleLines } from "../model/ruleLines";
 import { ruleName, statusLevel, statusText, whenText } from "../model/words";
-import { Toggle } from "../Toggle";
+import { FindingList } from "../parts/FindingList";
 import { RuleMenu } from "./RuleMenu";
-import type { RuleLines } from "./ruleLines";
 import classes from "./Table.module.css";
 
 interface Props {

@@ -2,15 +2,14 @@ import { Button, TextInput } from "@mantine/core";
 import { IconPlus, IconSearch } from "@tabler/icons-react";
 import { useMemo, useState } from "react";
 import type { Rule } from "../../api/ruleTypes";
-import { ExportMenu } from "../ExportMenu";
-import { useLive, useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
-import { newRule, putRule, ruleOf } from "../model/draft";
+import page from "../../ui/page.module.css";
+import { newRule, putRule, ruleOf } from "../changes/draft";
+import { useLive, useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
+import { constantNames, ruleLines } from "../model/ruleLines";
 import { ruleName } from "../model/words";
-import sheet from "../Sheet.module.css";
-import { ChangedRuleRow } from "./ChangedRuleRow";
+import { ExportMenu } from "./ExportMenu";
 import { RuleRow } from "./RuleRow";
-import { constantNames, ruleLines } from "./ruleLines";
 import classes from "./Table.module.css";
 
 const FILTERS = ["all", "enabled", "trouble", "changed"] as const;
@@ -37,7 +36,7 @@ export function RuleTable() {
     [table, names],
   );
   if (view === null || table === null) {
-    return <p className={sheet.empty}>Waiting for the rules of the robot…</p>;
+    return <p className={page.empty}>Waiting for the rules of the robot…</p>;
   }
   const statuses = new Map(live?.statuses.map((status) => [status.rule_id, status]));
   const changed = new Map(draft.changes.map((change) => [change.rule_id, change]));
@@ -121,7 +120,7 @@ export function RuleTable() {
           removed.map((change) => {
             const was = draft.draft === null ? null : ruleOf(draft.draft.baseTable, change.rule_id);
             return was === null ? null : (
-              <ChangedRuleRow
+              <RemovedRuleRow
                 key={change.rule_id}
                 rule={was}
                 onUndo={() => draft.discard(change.rule_id)}
@@ -130,12 +129,27 @@ export function RuleTable() {
           })}
       </ul>
       {shown.length === 0 && removed.length === 0 && (
-        <p className={sheet.empty}>
+        <p className={page.empty}>
           {table.rules.length === 0
             ? "There are no rules yet."
             : "No rule is like that. Clear the search, or look at all."}
         </p>
       )}
     </div>
+  );
+}
+
+/** A rule that will be gone once the changes are applied. */
+function RemovedRuleRow({ rule, onUndo }: { rule: Rule; onUndo: () => void }) {
+  return (
+    <li className={classes.rule} data-removed data-testid={`rule-${rule.id}`}>
+      <div className={classes.first}>
+        <s className={classes.name}>{ruleName(rule)}</s>
+        <span className={classes.change}>will be deleted</span>
+        <Button variant="default" size="compact-md" onClick={onUndo}>
+          Keep it
+        </Button>
+      </div>
+    </li>
   );
 }

@@ -1,20 +1,21 @@
 import { Button } from "@mantine/core";
-import { IconArrowLeft } from "@tabler/icons-react";
-import { useEffect, useMemo, useState } from "react";
-import { type ApiError, asApiError } from "../../api/errors";
+import { useMemo } from "react";
+import { useAsked } from "../../api/queries";
 import { explainRule } from "../../api/rulesClient";
 import type { Explanation, Firing } from "../../api/ruleTypes";
+import { useNow } from "../../state/RobotContext";
+import { Problem } from "../../ui/Problem";
+import page from "../../ui/page.module.css";
+import { ruleOf } from "../changes/draft";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
 import { FiringDetails } from "../firings/FiringDetails";
-import { useRules } from "../live/RulesContext";
-import { useNav } from "../live/RulesNav";
-import { useNow } from "../live/useNow";
 import { actionText } from "../model/actions";
 import { conditionText } from "../model/condition";
-import { ruleOf } from "../model/draft";
+import { constantNames } from "../model/ruleLines";
 import { ruleName, sentence, whenText } from "../model/words";
-import sheet from "../Sheet.module.css";
-import { constantNames } from "../table/ruleLines";
-import { LeafList } from "./LeafList";
+import { LeafList } from "../parts/LeafList";
+import { PageTitle } from "../parts/PageTitle";
 import classes from "./Why.module.css";
 
 /** While the page is open it is asked again: an explanation is of a moment. */
@@ -24,70 +25,31 @@ const AGAIN_MS = 1000;
 export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
   const { view } = useRules();
   const nav = useNav();
-  const [found, setFound] = useState<Explanation | null>(null);
-  const [error, setError] = useState<ApiError | null>(null);
   const run = firing?.kind === "firing" || firing?.kind === "shadow" ? firing : null;
-  const runId = run?.run_id;
-  const epoch = run?.epoch;
-
-  useEffect(() => {
-    let left = false;
-    let timer: number | undefined;
-    const ask = () => {
-      const of = runId === undefined || epoch === undefined ? undefined : { run_id: runId, epoch };
-      explainRule(id, of)
-        .then(
-          (answer) => {
-            if (left) return;
-            setFound(answer);
-            setError(null);
-          },
-          (failure: unknown) => {
-            if (!left) setError(asApiError(failure));
-          },
-        )
-        .finally(() => {
-          if (!left) timer = window.setTimeout(ask, AGAIN_MS);
-        });
-    };
-    ask();
-    return () => {
-      left = true;
-      window.clearTimeout(timer);
-    };
-  }, [id, runId, epoch]);
+  const of = run && { run_id: run.run_id, epoch: run.epoch };
+  const { data: found, error } = useAsked({
+    key: ["explain", id, of],
+    ask: (signal) => explainRule(id, of, signal),
+    again: AGAIN_MS,
+  });
 
   const rule = view === null ? null : ruleOf(view.table, id);
   const gone = view !== null && rule === null;
   const name = firing?.name || (rule === null ? id : ruleName(rule));
   return (
-    <div className={sheet.page} data-testid="why">
-      <div className={sheet.title}>
-        <Button
-          variant="subtle"
-          px="xs"
-          leftSection={<IconArrowLeft size={16} aria-hidden />}
-          onClick={nav.back}
-        >
-          Back
-        </Button>
-        <h2>{name}</h2>
-      </div>
+    <div className={page.page} data-testid="why">
+      <PageTitle title={name} back="Back" onBack={nav.back} />
       {gone && (
-        <p className={sheet.note} data-testid="rule-gone">
+        <p className={page.note} data-testid="rule-gone">
           This rule is no longer in the table in force.
         </p>
       )}
-      {error !== null && !gone && (
-        <p className={sheet.problem} role="alert">
-          {error.title} {error.remedy}
-        </p>
-      )}
+      <Problem error={gone ? null : error} />
       {firing !== null && (
         <FiringDetails firing={found?.firing ?? firing} rule={found?.rule ?? null} />
       )}
       {found === null && error === null && firing === null && (
-        <p className={sheet.muted}>Asking the robot…</p>
+        <p className={page.muted}>Asking the robot…</p>
       )}
       {found !== null &&
         (run === null ? <Now found={found} /> : <Then found={found} gone={gone} />)}
@@ -116,27 +78,27 @@ function Now({ found }: { found: Explanation }) {
           ))}
         </ul>
       )}
-      <section className={sheet.section} aria-label="When">
+      <section className={page.section} aria-label="When">
         <h3>When {conditionText(rule.event.condition, names)}</h3>
         <LeafList leaves={leaves} of={rule.event.condition} />
       </section>
       {clear_leaves.length > 0 && (
-        <section className={sheet.section} aria-label="Again after">
+        <section className={page.section} aria-label="Again after">
           <h3>Fires again after</h3>
           <LeafList leaves={clear_leaves} of={rule.event.clear} />
         </section>
       )}
       {status !== null && (
-        <p className={sheet.muted}>
+        <p className={page.muted}>
           Evaluated {status.evaluated.toLocaleString()}×, true {status.true.toLocaleString()}×,
           fired {status.fired}×, dropped {status.dropped}×, failed {status.failed}×
           {status.last_fired !== null && `; last fired ${whenText(status.last_fired, now)}`}.
         </p>
       )}
-      <section className={sheet.section} aria-label="Near misses">
+      <section className={page.section} aria-label="Near misses">
         <h3>Near misses</h3>
         {near_misses.length === 0 ? (
-          <p className={sheet.muted}>It has not come close lately.</p>
+          <p className={page.muted}>It has not come close lately.</p>
         ) : (
           <ul className={classes.misses}>
             {near_misses.map((miss) => (
@@ -164,25 +126,25 @@ function Then({ found, gone }: { found: Explanation; gone: boolean }) {
   const { graph } = useRules();
   const names = useMemo(() => constantNames(graph), [graph]);
   return (
-    <section className={sheet.section} aria-label="The rule as it was">
+    <section className={page.section} aria-label="The rule as it was">
       <h3>The rule as it was, in revision {found.revision}</h3>
       <p>
         When {conditionText(found.rule.event.condition, names)}, then{" "}
         {found.rule.actions.map(actionText).join(", then ")}.
       </p>
       {gone ? null : found.changed_since ? (
-        <p className={sheet.note} data-testid="changed-since">
+        <p className={page.note} data-testid="changed-since">
           It has been changed since.{" "}
           <button
             type="button"
-            className={classes.link}
+            className={page.link}
             onClick={() => nav.go({ at: "history", revision: found.revision })}
           >
             Look at the history
           </button>
         </p>
       ) : (
-        <p className={sheet.muted}>It is the same today.</p>
+        <p className={page.muted}>It is the same today.</p>
       )}
       {!gone && (
         <Button

@@ -1,0 +1,41 @@
+import { Button } from "@mantine/core";
+import type { TableView } from "../../api/ruleTypes";
+import { Band } from "../../ui/Band";
+import { beginDraft } from "../changes/draft";
+import { useRules } from "../context/RulesContext";
+import { useNav } from "../context/RulesNav";
+
+/** Edits of an older recipe wait to be laid over the new one. */
+export function RecipeMergeBand({ merge }: { merge: NonNullable<TableView["merge"]> }) {
+  const { view, draft } = useRules();
+  const nav = useNav();
+  const take = () => {
+    if (view === null) return;
+    draft.take({
+      ...beginDraft(view.robot, view.revision, view.table),
+      table: merge.table,
+      reason: `Edits of revision ${merge.revision} on the new recipe`,
+    });
+    nav.go({ at: "review" });
+  };
+  return (
+    <Band
+      tone="notice"
+      testId="merge-band"
+      title="The recipe has changed since the rules were edited."
+      action={
+        draft.draft === null ? (
+          <Button onClick={take} data-testid="merge-take">
+            Review the merge
+          </Button>
+        ) : undefined
+      }
+    >
+      The recipe's rules are in force; the edits of revision {merge.revision} are kept and can be
+      laid over them.
+      {merge.conflicts.map((conflict) => (
+        <div key={conflict}>{conflict}</div>
+      ))}
+    </Band>
+  );
+}

@@ -1,0 +1,123 @@
+import { IconArrowDown, IconArrowUp, IconTrash } from "@tabler/icons-react";
+import { useMemo } from "react";
+import type { Action, Condition } from "../../../api/ruleTypes";
+import { Choice } from "../../../ui/controls/Choice";
+import { IconButton } from "../../../ui/controls/IconButton";
+import { findingsAt } from "../../changes/findings";
+import { type ActionChoice, actionChoices, actionText, choiceKey } from "../../model/actions";
+import { references } from "../../model/arguments";
+import { FindingList } from "../../parts/FindingList";
+import classes from "../form/Editor.module.css";
+import { useEditor } from "../form/EditorContext";
+import { ActionEditor } from "./ActionEditor";
+
+interface Props {
+  actions: Action[];
+  condition: Condition;
+  onChange: (actions: Action[]) => void;
+}
+
+/** What a rule does, one after the other. */
+export function ActionList({ actions, condition, onChange }: Props) {
+  const { graph, findings } = useEditor();
+  const choices = useMemo(() => actionChoices(graph), [graph]);
+  const available = useMemo(() => references(graph, condition), [graph, condition]);
+  const put = (index: number, action: Action) =>
+    onChange(actions.map((each, at) => (at === index ? action : each)));
+  const move = (index: number, by: number) => {
+    const next = [...actions];
+    const [taken] = next.splice(index, 1);
+    if (taken !== undefined) next.splice(index + by, 0, taken);
+    onChange(next);
+  };
+  return (
+    <>
+      <FindingList findings={findings.filter((finding) => finding.field === "actions")} />
+      <ol className={classes.actions}>
+        {actions.map((action, index) => (
+          // biome-ignore lint/suspicious/noArrayIndexKey: an action is known by its place
+          <li key={index} className={classes.action} data-testid={`actions[${index}]`}>
+            <div className={classes.leafHead}>
+              <ActionPicker
+                label={`Action ${index + 1}`}
+                choices={choices}
+                action={action}
+                onChoose={(choice) => put(index, choice.make())}
+              />
+              <IconButton
+                label={`Action ${index + 1} earlier`}
+                disabled={index === 0}
+                onClick={() => move(index, -1)}
+                Icon={IconArrowUp}
+              />
+              <IconButton
+                label={`Action ${index + 1} later`}
+                disabled={index === actions.length - 1}
+                onClick={() => move(index, 1)}
+                Icon={IconArrowDown}
+              />
+              <IconButton
+                label={`Remove action ${index + 1}`}
+                onClick={() => onChange(actions.filter((_, at) => at !== index))}
+                Icon={IconTrash}
+              />
+            </div>
+            <ActionEditor
+              action={action}
+              references={available}
+              onChange={(next) => put(index, next)}
+            />
+            <FindingList findings={findingsAt(findings, `actions[${index}]`)} />
+          </li>
+        ))}
+      </ol>
+      <ActionPicker
+        label={actions.length === 0 ? "Choose what it does" : "And then …"}
+        choices={choices}
+        action={null}
+        onChoose={(choice) => onChange([...actions, choice.make()])}
+        testId="add-action"
+      />
+    </>
+  );
+}
+
+interface PickerProps {
+  label: string;
+  choices: ActionChoice[];
+  action: Action | null;
+  onChoose: (choice: ActionChoice) => void;
+  testId?: string;
+}
+
+function ActionPicker({ label, choices, action, onChoose, testId }: PickerProps) {
+  const key = action === null ? null : choiceKey(action);
+  const known = key === null || choices.some((choice) => choice.key === key);
+  const groups = [...new Set(choices.map((choice) => choice.group))].map((group) => ({
+    group,
+    items: choices
+      .filter((choice) => choice.group === group)
+      .map((choice) => ({ value: choice.key, label: choice.label })),
+  }));
+  const data =
+    known || action === null
+      ? groups
+      : [...groups, { group: "As it is", items: [{ value: key, label: actionText(action) }] }];
+  return (
+    <Choice
+      className={classes.spring}
+      searchable
+      aria-label={label}
+      placeholder={label}
+      data={data}
+      value={key}
+      onChange={(chosen) => {
+        const choice = choices.find((each) => each.key === chosen);
+        if (choice !== undefined && chosen !== key) onChoose(choice);
+      }}
+      maxDropdownHeight={340}
+      nothingFoundMessage="Nothing like that on this robot"
+      data-testid={testId}
+    />
+  );
+}

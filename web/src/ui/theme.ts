@@ -1,0 +1,61 @@
+import {
+  createTheme,
+  type MantineColorsTuple,
+  useComputedColorScheme,
+  useMantineColorScheme,
+} from "@mantine/core";
+
+/** The one accent: shade 7 carries white text, shade 4 stands on dark ground, both above 4.5:1. */
+const blue: MantineColorsTuple = [
+  "#edf4ff",
+  "#d9e7fb",
+  "#b4cff5",
+  "#93bbf2",
+  "#74a8ee",
+  "#4f8ee3",
+  "#2f74d0",
+  "#1f5fbf",
+  "#184d9e",
+  "#113c7d",
+];
+
+/** Mantine's dark greys, in the slate of the page (styles.css). */
+const slate: MantineColorsTuple = [
+  "#e6eaee",
+  "#c3cbd3",
+  "#a3aeb9",
+  "#7d8994",
+  "#4a5560",
+  "#333c45",
+  "#272e35",
+  "#1e2429",
+  "#171c21",
+  "#14181c",
+];
+
+export const theme = createTheme({
+  primaryColor: "kompass",
+  primaryShade: { light: 7, dark: 7 },
+  colors: { kompass: blue, dark: slate },
+  fontFamily: 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif',
+  fontFamilyMonospace: 'ui-monospace, "SF Mono", Menlo, Consolas, "DejaVu Sans Mono", monospace',
+  fontSizes: { xs: "0.8125rem", sm: "0.875rem", md: "0.875rem", lg: "1rem", xl: "1.125rem" },
+  defaultRadius: "md",
+  respectReducedMotion: true,
+  focusRing: "auto",
+});
+
+type ThemeChoice = "auto" | "light" | "dark";
+
+const NEXT: Record<ThemeChoice, ThemeChoice> = { auto: "light", light: "dark", dark: "auto" };
+
+/** The chosen theme (kept in this browser) and what it comes to here and now. */
+export function useTheme(): { choice: ThemeChoice; dark: boolean; cycle: () => void } {
+  const { colorScheme, setColorScheme } = useMantineColorScheme();
+  const computed = useComputedColorScheme("light", { getInitialValueInEffect: false });
+  return {
+    choice: colorScheme,
+    dark: computed === "dark",
+    cycle: () => setColorScheme(NEXT[colorScheme]),
+  };
+}
