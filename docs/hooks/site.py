@@ -1,0 +1,28 @@
+"""The hook of mkdocs: adds the generated pages, and what lies elsewhere in the repository."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT))
+
+from docs.hooks.pages import generated_pages  # noqa: E402 - mkdocs loads this file by its path
+
+
+def on_files(files: Files, *, config: MkDocsConfig) -> Files:
+    """Add the generated pages to those of the folder."""
+    for path, text in generated_pages(ROOT).items():
+        files.append(File.generated(config, path, content=text))
+    return files
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Leave out what speaks to the tests only."""
+    return re.sub(r"^[ ]*<!-- docs-test: .*? -->\n", "", markdown, flags=re.MULTILINE)
