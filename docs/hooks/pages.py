@@ -52,6 +52,13 @@ def generated_pages(root: Path) -> dict[str, str]:
     }
 
 
+def page_names() -> frozenset[str]:
+    """Paths of the generated pages, without making them."""
+    made = ("settings", "rule-schema", "interfaces", "http", "command-line", "environment")
+    listed = [f"reference/{name}.md" for name in (*made, "index", "recipes")]
+    return frozenset([*listed, "contributing.md", "changelog.md"])
+
+
 def _as_page(path: Path) -> str:
     """A file of the repository's root as a page: its links to the documentation lead on."""
     return re.sub(r"\]\(docs/", "](", path.read_text(encoding="utf-8"))
