@@ -24,5 +24,11 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Leave out what speaks to the tests only."""
+    """Put drawings into the page, so that they have its colours; leave out notes to the tests."""
+    markdown = re.sub(r"^!\[[^]]*\]\((assets/\w+\.svg)\)$", _drawing, markdown, flags=re.MULTILINE)
     return re.sub(r"^[ ]*<!-- docs-test: .*? -->\n", "", markdown, flags=re.MULTILINE)
+
+
+def _drawing(picture: re.Match[str]) -> str:
+    text = (ROOT / "docs" / picture[1]).read_text(encoding="utf-8")
+    return "\n".join(line for line in text.splitlines() if line.strip())
