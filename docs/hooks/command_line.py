@@ -13,15 +13,15 @@ from kompass_console.cli import app
 
 INTRODUCTION = """# Command line
 
-`kompass-console` is in the environment's `bin` folder: `.venv/bin/kompass-console` in a checkout. `--help` after any
-command says the same as this page. `--version` prints the release.
+`kompass-console` is in the environment's `bin` folder: `.venv/bin/kompass-console` in a
+checkout. `--help` after any command says the same as this page.
 """
 
 
 def command_line_page() -> str:
     """Each command with its arguments and options."""
     root = typer.main.get_command(app)
-    parts = [INTRODUCTION.replace(" `--version` prints the release.", "")]
+    parts = [INTRODUCTION]
     parts.append(_epilog(root))
     for name, command in _commands(root, "kompass-console"):
         parts += [f"## {name}\n", (command.help or "").strip() + "\n"]

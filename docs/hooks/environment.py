@@ -12,7 +12,8 @@ from kompass.store.paths import DATA_DIR, ROBOT_NAME, STATE_HOME
 
 INTRODUCTION = """# Environment variables
 
-An option of the command line comes before its variable. `kompass-console rules` reads `ROS_DOMAIN_ID` alone.
+An option of the command line comes before its variable. `kompass-console rules` reads
+`ROS_DOMAIN_ID` alone.
 """
 # name, option, default, meaning
 VARIABLES: tuple[tuple[str, str, str, str], ...] = (

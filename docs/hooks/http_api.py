@@ -11,17 +11,18 @@ from docs.hooks.markup import code, prose, table
 
 INTRODUCTION = """# HTTP and WebSocket
 
-What the page talks to. `GET /api/openapi.json` of a running console is the same as a schema, for whoever is
-logged in. Every error is `{"detail": {"title": …, "remedy": …}}`: what and why, and what to do about it.
+What the page talks to. `GET /api/openapi.json` of a running console is the same as a schema, for
+whoever is logged in. Every error is `{"detail": {"title": …, "remedy": …}}`: what and why, and
+what to do about it.
 
-**Logging in.** `POST /api/login` with `{"token": "…"}` answers with a cookie, valid for seven days or until
-the console's tokens change. A role may do what the ones before it may: `viewer` (watch, and STOP),
-`operator`, `engineer`.
+**Logging in.** `POST /api/login` with `{"token": "…"}` answers with a cookie, valid for seven
+days or until the console's tokens change. A role may do what the ones before it may: `viewer`
+(watch, and STOP), `operator`, `engineer`.
 
-**Host and Origin.** The console answers to `localhost`, this machine's name (with and without `.local`) and
-literal addresses; any other `Host` gets 421. Everything but `GET` and `HEAD`, and every websocket, must
-carry an `Origin` header with the same host and port as `Host`, else it gets 403 (close code 4403). A script
-sets it itself.
+**Host and Origin.** The console answers to `localhost`, this machine's name (with and without
+`.local`) and literal addresses; any other `Host` gets 421. Everything but `GET` and `HEAD`, and
+every websocket, must carry an `Origin` header with the same host and port as `Host`, else it
+gets 403 (close code 4403). A script sets it itself.
 """
 SOCKETS = """## WebSockets
 

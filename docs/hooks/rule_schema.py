@@ -14,17 +14,18 @@ from kompass.rules.schema import table as tables
 
 INTRODUCTION = """# Rule schema
 
-A table of rules is one JSON or YAML document: `{"rules": […]}`, or the list of rules alone. Unknown fields
-and values out of bounds are refused. `kompass-console rules schema` prints the same as JSON Schema, for
-editors that complete while one types. [Rules by example](../rules-by-example.md) shows each in use.
+A table of rules is one JSON or YAML document: `{"rules": […]}`, or the list of rules alone.
+Unknown fields and values out of bounds are refused. `kompass-console rules schema` prints the
+same as JSON Schema, for editors that complete while one types. [Rules by
+example](../rules-by-example.md) shows each in use.
 """
 ARGUMENTS = """## Values from messages
 
-In the arguments of an action (`kwargs`, `parameters`, `config`, `message`, `request`, `goal`) a text that
-begins with `$` is taken from a message: `"$msg"` is the message that made the rule fire, `"$msg.point.x"`
-and `"$msg.poses[0].position"` parts of it, `"$topic[/odom].pose.pose"` a part of the newest message of
-another topic. `"$$"` at the start stands for one dollar sign. Keys with dots are nested: `{"point.x": 1}` is
-`{"point": {"x": 1}}`.
+In the arguments of an action (`kwargs`, `parameters`, `config`, `message`, `request`, `goal`) a
+text that begins with `$` is taken from a message: `"$msg"` is the message that made the rule
+fire, `"$msg.point.x"` and `"$msg.poses[0].position"` parts of it, `"$topic[/odom].pose.pose"` a
+part of the newest message of another topic. `"$$"` at the start stands for one dollar sign. Keys
+with dots are nested: `{"point.x": 1}` is `{"point": {"x": 1}}`.
 """
 CONDITIONS = tuple(get_args(get_args(conditions.Condition)[0]))
 ACTIONS = tuple(get_args(get_args(actions.Action)[0]))

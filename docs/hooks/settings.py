@@ -35,11 +35,11 @@ NO_EFFECT = "without effect"
 
 INTRODUCTION = """# Settings
 
-Settings of a component are given in the recipe (`Planner(config=PlannerConfig(clearance=0.2))`), in a
-YAML, TOML or JSON file (`config_file=…`; the section named like the node, and `/**` for all), by a rule
-(`update_parameters`), or over ROS 2 (`/<node>/update_config_parameter`). In rules and services a dot
-leads into a nested setting: `map_params.resolution`. A name that does not exist is an error, and so is a
-value out of bounds; nothing is changed then.
+Settings of a component are given in the recipe (`Planner(config=PlannerConfig(clearance=0.2))`),
+in a YAML, TOML or JSON file (`config_file=…`; the section named like the node, and `/**` for
+all), by a rule (`update_parameters`), or over ROS 2 (`/<node>/update_config_parameter`). In
+rules and services a dot leads into a nested setting: `map_params.resolution`. A name that does
+not exist is an error, and so is a value out of bounds; nothing is changed then.
 
 Settings marked *no effect* are read from files written for other stacks, and change nothing.
 """

@@ -24,11 +24,14 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Put drawings into the page, so that they have its colours; leave out notes to the tests."""
-    markdown = re.sub(r"^!\[[^]]*\]\((assets/\w+\.svg)\)$", _drawing, markdown, flags=re.MULTILINE)
+    """Leave out what speaks to the tests only."""
     return re.sub(r"^[ ]*<!-- docs-test: .*? -->\n", "", markdown, flags=re.MULTILINE)
 
 
+def on_page_content(html: str, **_: Any) -> str:
+    """Put drawings into the page itself, so that they have the colours of its theme."""
+    return re.sub(r'<img [^>]*src="(assets/\w+\.svg)"[^>]*>', _drawing, html)
+
+
 def _drawing(picture: re.Match[str]) -> str:
-    text = (ROOT / "docs" / picture[1]).read_text(encoding="utf-8")
-    return "\n".join(line for line in text.splitlines() if line.strip())
+    return (ROOT / "docs" / picture[1]).read_text(encoding="utf-8")

@@ -343,12 +343,10 @@ def test_every_caddyfile_is_one(block: Block, tmp_path: Path) -> None:
 
 def certificate(folder: Path) -> None:
     """A certificate for a name that is in no DNS."""
-    subprocess.run(
-        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=robot.example"]
-        + ["-days", "1", "-keyout", f"{folder}/key.pem", "-out", f"{folder}/certificate.pem"],
-        check=True,
-        capture_output=True,
-    )
+    subject = ["-subj", "/CN=robot.example", "-days", "1", "-nodes"]
+    files = ["-keyout", str(folder / "key.pem"), "-out", str(folder / "certificate.pem")]
+    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", *subject, *files]
+    subprocess.run(command, check=True, capture_output=True)
 
 
 # -- links and names --------------------------------------------------------------------------
@@ -366,13 +364,10 @@ def test_every_link_leads_to_a_page(page: Path) -> None:
         assert file.exists(), f"{page.name}: {link} leads nowhere"
 
 
-# The lead of the design keeps its names; it tells of files in the words of its chapters.
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_every_file_that_is_named_exists(page: Path) -> None:
     missing = [
-        path
-        for path in paths_of(page)
-        if not any(ROOT.glob(path.rstrip("/"))) and "…" not in path
+        path for path in paths_of(page) if not any(ROOT.glob(path.rstrip("/"))) and "…" not in path
     ]
     assert not missing, f"{page.name} names {', '.join(missing)}"
 
