@@ -8,7 +8,6 @@ import re
 import shlex
 import shutil
 import subprocess
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -32,7 +31,7 @@ from tests.docs.blocks import PAGES, ROOT, Block, all_blocks, blocks_of, links_o
 from tests.docs.preludes import PRELUDES, Bringup
 
 LANGUAGES = {
-    "sh", "python", "yaml", "json", "toml", "ini", "nginx", "caddyfile", "text",
+    "sh", "python", "yaml", "json", "ini", "nginx", "caddyfile", "text",
 }  # fmt: skip
 # Programs that the documentation tells people to run and that no test can run, and why not.
 NOT_RUN = {
@@ -200,7 +199,7 @@ def test_what_is_said_to_be_refused_is_refused(block: Block, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize(
-    "block", [b for b in all_blocks("yaml", "toml", "json") if b.option("settings")], ids=ids
+    "block", [b for b in all_blocks("yaml", "json") if b.option("settings")], ids=ids
 )
 def test_every_file_of_settings_is_taken(block: Block, tmp_path: Path) -> None:
     file = tmp_path / f"settings.{block.language}"
@@ -281,11 +280,6 @@ def rules_of(scope: dict[str, Any]) -> RecipeRules:
 
 
 # -- files of other programs ------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("block", all_blocks("toml"), ids=ids)
-def test_toml_is_toml(block: Block) -> None:
-    tomllib.loads(block.text)
 
 
 @pytest.mark.parametrize("block", all_blocks("ini"), ids=ids)

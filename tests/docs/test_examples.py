@@ -12,9 +12,13 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, LaserScan, Temperature
 from std_msgs.msg import Bool, String
 
+from kompass.rclpy_ext.messages import fill, ros_class
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Done, Firing, Sample, Tick
 from kompass.rules.engine.step import initial_state, step
+from kompass.rules.schema.actions import arguments_of
+from kompass.rules.schema.arguments import expand, resolve
+from kompass.rules.schema.conditions import leaves
 from kompass.rules.schema.table import Rule, Table
 from tests.docs.blocks import ROOT, blocks_of
 from tests.docs.test_docs import is_rules, table_of
@@ -54,6 +58,23 @@ def scans(*nearest: float, every: float = 0.5) -> list[Said]:
         (every * index, "scan", LaserScan(ranges=[3.0, value, float("inf")]))
         for index, value in enumerate(nearest)
     ]
+
+
+def test_what_is_taken_from_a_message_fits_where_it_goes(rules: dict[str, Rule]) -> None:
+    made: list[Any] = []
+    for rule in rules.values():
+        (_, leaf), *_ = leaves(rule.event.condition)
+        trigger = ros_class(leaf.signal.type)() if hasattr(leaf, "signal") else None
+        for action in rule.actions:
+            kind = getattr(action, "type", "")
+            given = expand(resolve(arguments_of(action), trigger))
+            if "/msg/" in kind:
+                made.append(fill(ros_class(kind)(), given))
+            elif "/srv/" in kind:
+                made.append(fill(ros_class(kind).Request(), given))
+            elif "/action/" in kind:
+                made.append(fill(ros_class(kind).Goal(), given))
+    assert len(made) >= 4  # a goal, a map, a pose, a stop
 
 
 def test_a_click_is_logged_each_time(rules: dict[str, Rule]) -> None:
