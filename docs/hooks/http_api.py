@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from docs.hooks.markup import code, prose, table
+from fastapi.routing import APIWebSocketRoute
+
+from docs.hooks.markup import code, prose, summary, table
+from kompass_console.api.app import create_app
 
 INTRODUCTION = """# HTTP and WebSocket
 
@@ -26,14 +31,9 @@ gets 403 (close code 4403). A script sets it itself.
 """
 SOCKETS = """## WebSockets
 
-| path | what it says |
-|---|---|
-| `/api/state` | [Hello](#hello) first, then the newest [StateMessage](#statemessage) whenever something changed; a slow reader gets fewer, never a queue. Send [Ping](#ping), get [Pong](#pong). |
-| `/api/rules/live` | [RulesLive](#ruleslive): how the rules are doing, and what fires. |
-| `/api/rules/probe` | Send [ProbeRequest](#proberequest), a rule that is being written; get [ProbeReading](#probereading) for it, over and over. |
-
-Close codes: 4401 not logged in, 4403 not allowed.
-"""  # noqa: E501 - a row of a table is one line
+What is written as code is described under [Shapes](#shapes). A slow reader gets fewer messages, never
+a queue of old ones. Close codes: 4401 not logged in, 4403 not allowed.
+"""
 METHODS = ("get", "post", "patch", "delete")
 
 
@@ -50,9 +50,31 @@ def http_page(schema_file: Path) -> str:
     for tag, listed in routes.items():
         parts.append(f"## {tag.capitalize()}\n")
         parts += [_route(*route) for route in listed]
-    parts += [SOCKETS, "## Shapes\n"]
+    parts += [SOCKETS, _sockets(), "## Shapes\n"]
     parts += [_model(name, model) for name, model in models.items()]
     return "\n".join(parts)
+
+
+def _sockets() -> str:
+    """The websockets of the application, as their modules and functions tell of them."""
+    rows = [
+        (
+            code(route.path),
+            prose(f"{summary(sys.modules[route.endpoint.__module__])} {summary(route.endpoint)}"),
+        )
+        for route in websockets(create_app(None).routes)
+    ]
+    return table(("path", "what it says"), sorted(rows))
+
+
+def websockets(routes: Iterable[Any]) -> Iterator[Any]:
+    """Websockets of the API, also those of routers that are included; not that of the scene."""
+    for route in routes:
+        inner = getattr(route, "original_router", None) or getattr(route, "routes", None)
+        if inner is not None:
+            yield from websockets(getattr(inner, "routes", inner))
+        elif isinstance(route, APIWebSocketRoute) and route.path.startswith("/api/"):
+            yield route
 
 
 def _route(method: str, path: str, route: dict[str, Any]) -> str:

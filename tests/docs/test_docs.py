@@ -379,3 +379,13 @@ def test_every_variable_of_the_environment_is_told() -> None:
     assert not read - told - inner, "tell of them in docs/hooks/environment.py"
     ours = {name for name in told if name.startswith("KOMPASS_")}
     assert not ours - read, "nobody reads them"
+
+
+def test_the_websockets_of_the_console_are_told() -> None:
+    from docs.hooks.http_api import http_page
+
+    page = http_page(ROOT / "web" / "openapi.json")
+    for file in (ROOT / "kompass_console" / "api").glob("*.py"):
+        for path in re.findall(r'websocket\("(/api/[^"]+)"', file.read_text(encoding="utf-8")):
+            assert f"`{path}`" in page, path
+    assert page.count("`/api/") > 20
