@@ -31,8 +31,8 @@ gets 403 (close code 4403). A script sets it itself.
 """
 SOCKETS = """## WebSockets
 
-What is written as code is described under [Shapes](#shapes). A slow reader gets fewer messages, never
-a queue of old ones. Close codes: 4401 not logged in, 4403 not allowed.
+What is written as code is described under [Shapes](#shapes). A slow reader gets fewer messages,
+never a queue of old ones. Close codes: 4401 not logged in, 4403 not allowed.
 """
 METHODS = ("get", "post", "patch", "delete")
 
