@@ -54,7 +54,7 @@ def remember_what_was_read() -> None:
     tokens: dict[str, list[em.Token]] = {}
 
     class Interpreter(em.Interpreter):
-        def string(self, string, locals=None, dispatcher=None):  # noqa: A002: EmPy's own names
+        def string(self, string, locals=None, dispatcher=None):  # noqa: A002
             if string not in tokens:
                 ended = f"{string}@\n"  # which says nothing, and ends whatever stands before it
                 scanner = em.Scanner(self.config, self.getContext(), self.currents, ended)
