@@ -111,19 +111,23 @@ def link_share() -> None:
             (SHARE / name).symlink_to(ROOT / folder)
 
 
-def main() -> None:
-    asked = sys.argv[1:]
+def package_lists(asked: list[str]) -> dict[str, list[str]]:
+    """Name → requirements: ``build``, ``run``, and each extra that was asked for."""
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    project, build = settings["project"], settings["build-system"]["requires"]
-    lists = {"run": project["dependencies"]}
-    lists |= {e: project["optional-dependencies"][e] for e in asked if e != "page"}
+    project = settings["project"]
+    lists = {"build": settings["build-system"]["requires"], "run": project["dependencies"]}
+    return lists | {e: project["optional-dependencies"][e] for e in asked if e != "page"}
 
+
+def stamps(asked: list[str]) -> dict[str, str]:
+    """Part → what it would be made from now."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    lists = package_lists(asked)
     now = {name: digest(wanted) for name, wanted in lists.items()}
-    now["build"] = digest(build)
     now["interfaces"] = digest(
-        build,
+        lists["build"],
         settings["tool"]["scikit-build"],
-        {k: project.get(k) for k in ("name", "version", "dependencies", "scripts")},
+        {k: settings["project"].get(k) for k in ("name", "version", "dependencies", "scripts")},
         files=[
             *files_under("kompass/interfaces"),
             *(ROOT / "cmake").glob("*.cmake"),
@@ -133,6 +137,12 @@ def main() -> None:
     )
     if "page" in asked:
         now["page"] = digest(files=page_sources())
+    return now
+
+
+def main() -> None:
+    asked = sys.argv[1:]
+    lists, now = package_lists(asked), stamps(asked)
     stale = {
         part
         for part, stamp in now.items()
@@ -148,9 +158,10 @@ def main() -> None:
     if "build" in stale:
         run(pip=[*INSTALL, "pip>=25"])  # resolves in half the time of those that come with Python
         tools = [tool for tool in ("cmake", "ninja") if not shutil.which(tool)]
-        run(**{"build tools": [*INSTALL, *build, *tools]})
+        run(**{"build tools": [*INSTALL, *lists["build"], *tools]})
     commands = {}
-    if wanted := [package for part in lists if part in stale for package in lists[part]]:
+    missing = [lists[part] for part in lists if part in stale and part != "build"]
+    if wanted := [package for packages in missing for package in packages]:
         commands["packages"] = [*INSTALL, *wanted]
     if "interfaces" in stale:
         commands["interfaces"] = [
