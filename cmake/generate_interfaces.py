@@ -6,6 +6,7 @@ folder with its ament index, and ``OUTPUT/sources.cmake``, which tells CMake wha
 """
 
 import contextlib
+import functools
 import io
 import os
 import re
@@ -39,6 +40,28 @@ def ros_prefix() -> Path:
         if (Path(prefix) / marker).is_file():
             return Path(prefix)
     raise SystemExit(NO_ROS)
+
+
+def remember_what_was_read() -> None:
+    """Read every definition and every template once; the generators read each again and again."""
+    import em
+    from rosidl_parser import parser
+
+    parser.get_ast_from_idl_string = functools.cache(parser.get_ast_from_idl_string)
+    if not hasattr(em, "Configuration"):
+        return  # EmPy 3, of a sourced ROS installation, cannot be taken apart like this
+
+    tokens: dict[str, list[em.Token]] = {}
+
+    class Interpreter(em.Interpreter):
+        def string(self, string, locals=None, dispatcher=None):  # noqa: A002
+            if string not in tokens:
+                ended = f"{string}@\n"  # which says nothing, and ends whatever stands before it
+                scanner = em.Scanner(self.config, self.getContext(), self.currents, ended)
+                tokens[string] = list(scanner.all())
+            self.runSeveral(tokens[string], locals)
+
+    em.Interpreter = Interpreter
 
 
 def generate(package: str, source: Path, out: Path, prefix: Path) -> list[str]:
@@ -139,6 +162,7 @@ def main() -> None:
     sources, out, packages = Path(sys.argv[1]).resolve(), Path(sys.argv[2]), sys.argv[3:]
     prefix = ros_prefix()
     os.environ["AMENT_PREFIX_PATH"] = str(prefix)  # where the generators look for templates
+    remember_what_was_read()
     shutil.rmtree(out, ignore_errors=True)
     include = prefix / "include"
     lines = [

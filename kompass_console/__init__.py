@@ -1,3 +1,5 @@
 """Kompass Console: the browser page from which people drive and heal their ROS 2 robots."""
 
-__version__ = "0.1.0"
+from importlib.metadata import version
+
+__version__ = version("kompass-console")
