@@ -71,7 +71,7 @@ FOR_TESTS: tuple[tuple[str, str], ...] = (
     ("KOMPASS_BROWSER", "The Chromium of the browser tests."),
     ("KOMPASS_TEST_PATIENCE", "How many times longer than on a quiet machine tests wait."),
     ("KOMPASS_TEST_WORKERS", "How many files of tests run at a time."),
-    ("KOMPASS_RULES_EXAMPLES", "Examples for each property of the engine."),
+    ("KOMPASS_EXAMPLES", "Examples for each long property."),
     ("KOMPASS_RULES_SWAPS", "Examples for the properties of changing tables."),
 )
 

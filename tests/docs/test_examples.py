@@ -14,7 +14,7 @@ from std_msgs.msg import Bool, String
 
 from kompass.rclpy_ext.messages import fill, ros_class
 from kompass.rules.engine.compiled_table import compile_table
-from kompass.rules.engine.firing import Done, Firing, Sample, Tick
+from kompass.rules.engine.firing import RunEnded, Firing, Sample, Tick
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.actions import arguments_of
 from kompass.rules.schema.arguments import expand, resolve
@@ -49,7 +49,7 @@ def firings(rule: Rule, said: list[Said]) -> list[float]:
         for output in outputs:
             if isinstance(output, Firing):
                 fired.append(round(time, 1))
-                state, _ = step(table, state, Done(output.rule_id, output.run_id), time)
+                state, _ = step(table, state, RunEnded(output.rule_id, output.run_id), time)
     return fired
 
 
