@@ -14,6 +14,8 @@ from kompass.components.base.actions import component_action
 from tests.components.alive import Alive
 from tests.support.processes import wait_until
 
+pytestmark = pytest.mark.ros
+
 Run = Callable[..., Alive]
 
 

@@ -24,6 +24,8 @@ from tests.components.alive import LATCHED, Alive
 from tests.components.test_manoeuvres import robot
 from tests.support.processes import wait_until
 
+pytestmark = pytest.mark.ros
+
 Run = Callable[..., Alive]
 
 

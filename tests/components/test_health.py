@@ -3,11 +3,15 @@
 from collections.abc import Callable
 from typing import Any
 
+import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 
 from kompass.components import Component
 from tests.components.alive import LATCHED, Alive
 from tests.support.processes import wait_until
+
+pytestmark = pytest.mark.ros
+
 
 Run = Callable[..., Alive]
 

@@ -25,6 +25,8 @@ from tests.components.toy_robot import Post, ToyRobot, ring
 from tests.support.patience import patient
 from tests.support.processes import wait_until
 
+pytestmark = pytest.mark.ros
+
 Run = Callable[..., Alive]
 RADIUS = 0.1
 AHEAD = (0.2, 0.0, 0.05)  # 5 cm before the robot's front

@@ -19,6 +19,8 @@ from kompass.rclpy_ext.topic import Topic
 from tests.components.alive import Alive
 from tests.support.processes import wait_until
 
+pytestmark = pytest.mark.ros
+
 Run = Callable[..., Alive]
 
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
 from automatika_ros_sugar.srv import ChangeParameter
 from kompass_interfaces.srv import CheckGoal
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
@@ -14,6 +15,9 @@ from kompass.components.base.convert import grid_msg
 from tests.components.alive import LATCHED, Alive
 from tests.components.test_manoeuvres import robot
 from tests.support.processes import wait_until
+
+pytestmark = pytest.mark.ros
+
 
 Run = Callable[..., Alive]
 

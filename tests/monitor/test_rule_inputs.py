@@ -9,6 +9,8 @@ from std_msgs.msg import Int32
 from kompass.monitor.inputs.rule_inputs import RuleInputs
 from tests.support.spinning import Spinning
 
+pytestmark = pytest.mark.ros
+
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 

@@ -20,6 +20,8 @@ from kompass.rules.schema.actions import Action, CallService, Log, Method
 from kompass.rules.schema.table import Severity
 from tests.support.spinning import Spinning
 
+pytestmark = pytest.mark.ros
+
 LOAD = LoadMap.Response
 BAD = SetParametersResult(successful=False, reason="too fast")
 GOOD = SetParametersResult(successful=True)

@@ -9,6 +9,8 @@ from kompass.rclpy_ext.executor import Cancelled, Task
 from tests.support.patience import patient
 from tests.support.spinning import Spinning
 
+pytestmark = pytest.mark.ros
+
 
 def test_one_that_waits_costs_nothing(spinning: Spinning) -> None:
     awaited = Future(executor=spinning.executor)

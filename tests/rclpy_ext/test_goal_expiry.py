@@ -2,11 +2,14 @@
 
 from typing import Any
 
+import pytest
 from kompass_interfaces.action import MotionRecording
 from rclpy.action import ActionClient, ActionServer
 
 from kompass.rclpy_ext.goal_expiry import expire_goals
 from tests.support.spinning import Spinning
+
+pytestmark = pytest.mark.ros
 
 
 def test_goals_that_have_ended_are_forgotten_after_their_time(spinning: Spinning) -> None:

@@ -2,6 +2,7 @@
 
 import time
 
+import pytest
 import rclpy
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Int32
@@ -10,6 +11,9 @@ from kompass.components.base.node import ComponentNode
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.rclpy_ext.node import NoEventCallbacks, PlainNode
 from tests.support.domains import give_back, next_domain
+
+pytestmark = pytest.mark.ros
+
 
 DEMANDING = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 MODEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

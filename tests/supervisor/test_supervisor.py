@@ -15,6 +15,8 @@ import pytest
 from tests.support.patience import patient
 from tests.support.processes import wait_until
 
+pytestmark = pytest.mark.ros
+
 # A supervisor in an interpreter of its own: it must fork from one thread and owns its signals.
 PROGRAM = """
     import logging, os, sys, time, json
