@@ -140,6 +140,13 @@ class MessageField:
         """It is none of the options."""
         return _compare(self, "not_in", options)
 
+    def between(self, low: float, high: float) -> Expression:
+        """It lies between two numbers, or is one of them; ``ValueError`` if ``low`` is the higher.
+
+        Both are in the unit of the field. The opposite is ``~field.between(low, high)``.
+        """
+        return _compare(self, "between", (low, high))
+
     def contains(self, item: Any) -> Expression:
         """It holds an element, a part of a text, or all of a list."""
         return _compare(self, "contains", item)
@@ -244,6 +251,8 @@ def _compare(field: MessageField, operator: str, value: Any) -> Expression:
     problem = _mismatch(field._sample_, operator, literal)
     if problem:
         raise TypeError(f"{field!r} {operator} {value!r}: {problem}")
+    if operator == "between" and not literal[0] <= literal[1]:
+        raise ValueError(f"{field!r} between {value!r}: give the lower number first")
     return Expression(Compare(signal=signal_of(field), operator=operator, value=literal))  # type: ignore[arg-type]
 
 
@@ -257,11 +266,19 @@ def _plain(value: Any) -> Any:
 
 def _mismatch(sample: Any, operator: str, literal: Any) -> str:
     """Why a field of that kind cannot be compared so; empty when it can."""
+    if operator == "between":
+        wrong = [bound for bound in literal if _kind(bound) != "number"]
+        if wrong:
+            return f"{wrong[0]!r} is no number"
     if sample is None:
         return ""  # an item of an array whose items are not known
     if hasattr(sample, "get_fields_and_field_types"):
         return f"it is a whole {type(sample).__name__}; name one of its fields"
     is_array = isinstance(sample, _ARRAYS)
+    if operator == "between":
+        if is_array:
+            return "it is a list; name one of its items"
+        return "" if _kind(sample) == "number" else f"it is a {_kind(sample)}, not a number"
     if operator.startswith(("contains", "not_contains")):
         return "" if is_array or isinstance(sample, str) else "it is no list and no text"
     if operator in ("in", "not_in"):

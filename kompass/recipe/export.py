@@ -288,8 +288,12 @@ class _Fragment:
         field = self._field(signal)
         if condition.operator in ("==", "!=", "<", "<=", ">", ">="):
             return f"{field} {condition.operator} {_literal(value)}"
+        if condition.operator == "between":
+            assert isinstance(value, tuple)
+            low, high = value
+            return f"{field}.between({_literal(low)}, {_literal(high)})"
         method = {"in": "is_in"}.get(condition.operator, condition.operator)
-        return "" if method == "between" else f"{field}.{method}({_literal(value)})"
+        return f"{field}.{method}({_literal(value)})"
 
     def _field(self, signal: Signal) -> str:
         text = f"{self._topic_of(signal)}.msg"

@@ -9,6 +9,7 @@ import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 from geometry_msgs.msg import PointStamped
 from nav_msgs.msg import Odometry
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import BatteryState, LaserScan, Temperature
 from std_msgs.msg import Bool, String
 
@@ -148,6 +149,18 @@ def test_two_thresholds_keep_a_battery_from_flickering(rules: dict[str, Rule]) -
         for n, charge in enumerate(charges)
     ]
     assert firings(rules["battery-low"], said) == [1.0, 5.0]
+
+
+def test_a_band_is_said_once_on_the_way_down(rules: dict[str, Rule]) -> None:
+    said: list[Said] = [
+        (float(n), "battery_state", BatteryState(percentage=charge))
+        for n, charge in enumerate((0.5, 0.39, 0.3, 0.2, 0.1, 0.3))
+    ]
+    assert firings(rules["battery-medium"], said) == [1.0, 5.0]
+    # A 32-bit number on its way over the wire: what was sent as 0.4 lies above it.
+    sent = BatteryState(percentage=0.4)
+    come = deserialize_message(serialize_message(sent), BatteryState)
+    assert firings(rules["battery-medium"], [(0.0, "battery_state", come)]) == []
 
 
 def test_the_third_restart_in_ten_minutes_latches(rules: dict[str, Rule]) -> None:

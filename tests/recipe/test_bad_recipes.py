@@ -42,6 +42,10 @@ MISTAKES = {
     "wrong type": Mistake(
         "Event(number.msg.data == 'high')", r"/number data == 'high': it is a number, and .* text"
     ),
+    "bounds the wrong way round": Mistake(
+        "Event(number.msg.data.between(0.4, 0.2))",
+        r"/number data between \(0\.4, 0\.2\): give the lower number first",
+    ),
     "unknown message type": Mistake(
         "Topic(name='/scan', msg_type='LaserScann')", r"msg_type = 'LaserScann': no such message"
     ),

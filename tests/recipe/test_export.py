@@ -290,6 +290,15 @@ def test_the_text_reads_as_a_person_would_have_written_it() -> None:
     assert "kompass.rules" not in text
 
 
+def test_a_band_is_written_as_recipes_write_it() -> None:
+    signal = Signal(topic="level", type=FLOAT, path=("data",))
+    condition = Not(condition=Compare(signal=signal, operator="between", value=(0.2, 0.4)))
+    table = Table(rules=(Rule(id="r", event=Event(condition=condition), actions=ACTIONS[:1]),))
+    text = to_python(table)
+    assert "Event(~(level.msg.data.between(0.2, 0.4)))" in text
+    assert "Expression" not in text
+
+
 def test_functions_of_the_recipe_are_named_for_whoever_pastes_it() -> None:
     condition = CallableCondition(name="is_low", rate=5.0)
     table = Table(

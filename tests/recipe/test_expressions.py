@@ -1,11 +1,12 @@
 """A condition is checked while the recipe is read, and means what it says."""
 
+import numpy as np
 import pytest
 from kompass_interfaces.msg import TwistArray
 from rclpy.qos import DurabilityPolicy
 
 from kompass.components import Planner
-from kompass.expressions import condition_of, reference_of
+from kompass.expressions import MessageField, condition_of, reference_of
 from kompass.rclpy_ext.topic import QoSConfig, Topic
 from kompass.rules.schema.conditions import AllOf, AnyOf, Compare, Not, Received
 from kompass.rules.schema.describe import describe
@@ -62,6 +63,23 @@ def test_is_in_takes_a_list_and_contains_looks_into_lists_and_texts() -> None:
     assert compare(STATUS.msg.msg.contains("Algorithm")).value == "Algorithm"
 
 
+def test_between_takes_two_numbers_and_its_opposite_is_not() -> None:
+    inside = compare(BATTERY.msg.data.between(0.2, 0.4))
+    assert (inside.operator, inside.value) == ("between", (0.2, 0.4))
+    assert describe(inside) == "0.2 <= battery.data <= 0.4"
+    assert compare(BATTERY.msg.data.between(np.float64(11), 11)).value == (11.0, 11)
+    assert compare(SCAN.msg.ranges[0].between(0, 1)).signal.path == ("ranges", 0)
+    outside = condition_of(~BATTERY.msg.data.between(0.2, 0.4))
+    assert isinstance(outside, Not)
+    assert outside.condition == inside
+
+
+@pytest.mark.parametrize("field", [BATTERY.msg.data, SCAN.msg.ranges[0]])
+def test_between_with_the_higher_number_first_is_an_error_of_that_line(field: MessageField) -> None:
+    with pytest.raises(ValueError, match="give the lower number first"):
+        field.between(0.4, 0.2)
+
+
 def test_a_mistyped_field_offers_the_nearest() -> None:
     with pytest.raises(AttributeError, match="no field 'statuss'; did you mean 'status'"):
         STATUS.msg.statuss  # noqa: B018 - reading it is the mistake
@@ -77,6 +95,11 @@ def test_a_mistyped_field_offers_the_nearest() -> None:
         lambda: SCAN.msg.header == 1,
         lambda: STATUS.msg.status.is_in(["a"]),
         lambda: STATUS.msg.status.contains(1),
+        lambda: STATUS.msg.msg.between(1, 2),
+        lambda: STATUS.msg.status.between("a", "b"),
+        lambda: STATUS.msg.status.between(False, 2),
+        lambda: SCAN.msg.ranges.between(0.1, 0.2),
+        lambda: SCAN.msg.ranges[0].between(0.1, "0.2"),
         lambda: STATUS.msg.status & (BATTERY.msg.data > 1),
         lambda: (BATTERY.msg.data > 1) and (STATUS.msg.status == 1),
         lambda: 1 < BATTERY.msg.data < 2,

@@ -64,6 +64,7 @@ def problems(type_name: str, path: tuple[Any, ...], operator: Any, value: Any, *
         ("p/msg/Scan", ("range_max",), "<", 1),
         ("p/msg/Scan", ("ranges", 0), "<", 0.5),
         ("p/msg/Status", ("status",), "==", 1.0),
+        ("p/msg/Status", ("status",), "between", (0.5, 2)),
         ("p/msg/Status", ("status",), "in", (1, 2)),
         ("p/msg/Status", ("ok",), "==", True),
         ("p/msg/Status", ("sources",), "contains_any", ("scan",)),
@@ -98,6 +99,9 @@ def test_what_fits_is_accepted_and_whole_numbers_are_numbers(
         ("p/msg/Status", ("sources",), "contains", 1, "holds a text; give a text"),
         ("p/msg/Status", ("sources",), "==", "scan", "give a list"),
         ("p/msg/Status", ("status",), "in", (1, "2"), "= '2'"),
+        ("p/msg/Status", ("ok",), "between", (0, 1), "use '== true'"),
+        ("p/msg/Scan", ("ranges",), "between", (0, 1), "use an index or an aggregate"),
+        ("p/msg/Scan", ("frame",), "between", (0, 1), "'frame' is a text; use '==' or 'in'"),
     ],
 )
 def test_what_does_not_fit_is_named_with_its_remedy(

@@ -37,6 +37,20 @@ def test_a_false_condition_shows_the_value_that_makes_it_false() -> None:
     assert kinds(robot) == ["false"]
 
 
+@pytest.mark.parametrize(
+    ("value", "verdict", "gates"), [(0.2, True, []), (0.4, True, []), (0.5, False, ["false"])]
+)
+def test_a_band_shows_both_bounds_which_belong_to_it(
+    value: float, verdict: bool, gates: list[str]
+) -> None:
+    robot = Robot(rule(compare("battery", "between", (0.2, 0.4))))
+    robot.say("battery", value)
+    (leaf,) = robot.explain().leaves
+    said = (leaf.text, leaf.value, leaf.verdict)
+    assert said == ("0.2 <= battery.x <= 0.4", value, verdict)
+    assert kinds(robot) == gates
+
+
 def test_a_hold_tells_what_is_left_of_it() -> None:
     robot = Robot(rule(compare("a", ">", 1, timeout=None), hold=2.0))
     robot.say("a", 2, at=1.0)

@@ -168,6 +168,10 @@ def _literal(rule: Rule, where: str, leaf: Compare, found: FieldType) -> Iterato
         remedy = "use an index or an aggregate" if kind == "list" else "use '== true' or '== false'"
         yield Problem(rule.id, f"{where}.operator", operator, f"{name} is {_a(found)}", remedy)
         return
+    elif operator == "between" and kind == "text":
+        remedy = "use '==' or 'in'; 'between' is for numbers"
+        yield Problem(rule.id, f"{where}.operator", operator, f"{name} is {_a(found)}", remedy)
+        return
     for literal in literals:
         if wanted is not None and not _fits(literal, wanted):
             yield Problem(
