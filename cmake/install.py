@@ -116,7 +116,14 @@ def package_lists(asked: list[str]) -> dict[str, list[str]]:
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
     project = settings["project"]
     lists = {"build": settings["build-system"]["requires"], "run": project["dependencies"]}
-    return lists | {e: project["optional-dependencies"][e] for e in asked if e != "page"}
+    extras: dict[str, list[str]] = project["optional-dependencies"]
+    others = {f"{project['name']}[{name}]": wanted for name, wanted in extras.items()}
+    # An extra may name another one of ours, as it may for pip.
+    return lists | {
+        extra: [name for each in extras[extra] for name in others.get(each, [each])]
+        for extra in asked
+        if extra != "page"
+    }
 
 
 def stamps(asked: list[str]) -> dict[str, str]:
