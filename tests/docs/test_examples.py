@@ -14,7 +14,7 @@ from std_msgs.msg import Bool, String
 
 from kompass.rclpy_ext.messages import fill, ros_class
 from kompass.rules.engine.compiled_table import compile_table
-from kompass.rules.engine.firing import RunEnded, Firing, Sample, Tick
+from kompass.rules.engine.firing import Firing, RunEnded, Sample, Tick
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.actions import arguments_of
 from kompass.rules.schema.arguments import expand, resolve
