@@ -11,11 +11,18 @@ import sys
 import time
 from pathlib import Path
 
-from common import cpu_seconds, pss, spread
+from benchmarks.common import cpu_seconds, pss, spread
 
 RECIPE = Path(__file__).parents[1] / "recipes" / "01_point_navigation.py"
 NAMES = ("planner", "controller", "mapper", "drive_manager")
 WATCHED = 5.0  # s
+
+
+def said(pattern: str, output: str) -> str:
+    """The first group of the pattern in the output."""
+    found = re.search(pattern, output)
+    assert found, f"no {pattern!r} in:\n{output}"
+    return found[1]
 
 
 def run() -> dict[str, float]:
@@ -28,15 +35,14 @@ def run() -> dict[str, float]:
     while "all components active" not in output:
         output += process.stderr.readline()
     whole = time.monotonic() - began
-    found = re.search(r"all components active in ([\d.]+) s", output)
-    assert found
-    pids = [int(re.search(rf"{name} is process (\d+)", output)[1]) for name in NAMES]
+    bringup = float(said(r"all components active in ([\d.]+) s", output))
+    pids = [int(said(rf"{name} is process (\d+)", output)) for name in NAMES]
     time.sleep(2.0)
     before = sum(map(cpu_seconds, pids)) + cpu_seconds(process.pid)
     time.sleep(WATCHED)
     busy = sum(map(cpu_seconds, pids)) + cpu_seconds(process.pid) - before
     result = {
-        "bringup() to active [s]": float(found[1]),
+        "bringup() to active [s]": bringup,
         "with the interpreter's start and imports [s]": whole,
         "memory of the four, PSS [MiB]": sum(map(pss, pids)),
         "memory with the supervisor, PSS [MiB]": sum(map(pss, pids)) + pss(process.pid),

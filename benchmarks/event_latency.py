@@ -24,8 +24,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from common import percentile
-from recipe_run import prepare_environment, running
+from benchmarks.common import percentile
+from benchmarks.recipe_run import prepare_environment, running
 
 CROWDS = (1, 50, 1000)
 PAUSE = 0.01  # s between two messages

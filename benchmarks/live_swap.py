@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from automatika_ros_sugar.msg import ComponentStatus
-from common import percentile
 from geometry_msgs.msg import PointStamped
 from rclpy.qos import ReliabilityPolicy
 
+from benchmarks.common import percentile
 from kompass.rulebook.schema.status import RuleStatus
 
 sys.path.insert(0, str(Path(__file__).parents[1]))

@@ -14,8 +14,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from common import cpu_seconds
-from recipe_run import prepare_environment, running
+from benchmarks.common import cpu_seconds
+from benchmarks.recipe_run import prepare_environment, running
 
 RATE = 1000  # messages/s
 EVERY = 10

@@ -167,7 +167,12 @@ class Soak:
         """All of the ring, to the end or cancelled half-way."""
         table = reality_table(self.chance.uniform(0.3, 0.6)).model_dump_json()
         half = threading.Event()
-        handle = self.reality.send(table, "", 0.0, lambda share: share > 0.4 and half.set())
+
+        def hear(share: float) -> None:
+            if share > 0.4:
+                half.set()
+
+        handle = self.reality.send(table, "", 0.0, hear)
         if not handle.accepted:
             raise RuntimeError("refused")
         if self.chance.random() < 0.4:
@@ -240,7 +245,7 @@ class Soak:
             sockets = [
                 connect(
                     url.replace("http", "ws") + path,
-                    origin=url,  # type: ignore[arg-type]
+                    origin=url,
                     additional_headers={"Cookie": cookie},
                     close_timeout=0.2,
                 )
@@ -374,7 +379,7 @@ def report(stack: Stack, soak: Soak, looks: dict[str, list[Look]]) -> bool:
         early, late = all_[quarter : 2 * quarter] or all_, all_[-quarter:]
         before, after = (
             Look(*map(statistics.median, zip(*part, strict=True))) for part in (early, late)
-        )  # type: ignore[arg-type]
+        )
         print(
             f"{name}: {before.memory:.0f} → {after.memory:.0f} MiB, "
             f"{before.descriptors:.0f} → {after.descriptors:.0f} descriptors, "

@@ -14,8 +14,7 @@ import time
 from types import SimpleNamespace
 from typing import NamedTuple
 
-from common import percentile
-
+from benchmarks.common import percentile
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.firing import Firing, RunEnded, Sample
 from kompass.rules.engine.migration import plan_migration, swap
@@ -102,10 +101,10 @@ def measure(size: int, swaps: int) -> Times:
         way = plan_migration(table, new)
         bridging.append(time.thread_time() - begin)
         gc.disable()
-        begin = time.perf_counter(), time.thread_time()
+        began = time.perf_counter(), time.thread_time()
         state, _, _ = swap(way, state, now)
-        pauses.append(time.perf_counter() - begin[0])
-        busy.append(time.thread_time() - begin[1])
+        pauses.append(time.perf_counter() - began[0])
+        busy.append(time.thread_time() - began[1])
         gc.enable()
         table = new
     return found

@@ -132,12 +132,12 @@ def _write(folder: Path, begin: int, round_: int, out: int) -> None:
         os.write(out, b"open\n")
         place = begin
         while True:
-            by = {"author": "ava", "role": "engineer"}
             at_once = place % 2 == 0
-            number = store.append(table(place), confirmed=at_once, **by).number
+            made = store.append(table(place), author="ava", role="engineer", confirmed=at_once)
+            number = made.number
             os.write(out, f"applied {place} {number}\n".encode())
             if not at_once:
-                store.set_confirmed(number, **by)
+                store.set_confirmed(number, author="ava", role="engineer")
             os.write(out, f"confirmed {place}\n".encode())
             place += 1
     finally:

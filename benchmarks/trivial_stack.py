@@ -9,8 +9,8 @@ Run: python benchmarks/trivial_stack.py [RUNS]
 import sys
 import time
 
-from common import cpu_seconds, pss, spread
-from recipe_run import Recipe, prepare_environment
+from benchmarks.common import cpu_seconds, pss, spread
+from benchmarks.recipe_run import Recipe, prepare_environment
 
 SETTLED = 3.0  # s after the start, when discovery is over
 WATCHED = 5.0  # s

@@ -87,4 +87,4 @@ def test_motions_are_clear_exactly_when_every_point_on_them_is(
         # Between two looks at most a quarter cell apart the distance may dip by an eighth.
         assert clear <= (lowest >= required - 0.0125)
         assert clear >= (lowest >= required)
-        assert clear == field.segment_clear(*a, *b, required)
+        assert clear == field.segment_clear(a[0], a[1], b[0], b[1], required)

@@ -14,7 +14,7 @@ RADIUS = 0.105
 
 
 def dwa() -> DWA:
-    return DWA(robot_radius=RADIUS, **ROBOT)
+    return DWA(DWAParams(), robot_radius=RADIUS, **ROBOT)
 
 
 def posts(*centres: tuple[float, float], radius: float = 0.05) -> Floats:

@@ -125,7 +125,9 @@ def test_planning_again_every_second_does_not_disturb_the_drive(follower: Any, n
         if n % 10 == 0 and n > 0 and tracker.remaining > 0.3:
             # What a planner returns: from where the robot was a moment ago along the rest.
             rest = np.arange(tracker.progress, tracker.length, 0.1)[1:]
-            points = [pose[:2], *(tracker.point_at(float(s)) for s in rest), tracker.goal]
+            points = np.vstack(
+                [pose[:2], *(tracker.point_at(float(s)) for s in rest), tracker.goal]
+            )
             follower.set_path(np.column_stack([points, np.full(len(points), path[-1, 2])]))
 
     run = drive(follower, (0, 0, float(path[0, 2])), at_step=replan)
@@ -222,7 +224,7 @@ def test_without_a_path_or_with_a_pose_that_is_no_number_it_says_so(follower: An
         (lambda: PurePursuitParams(goal_tolerance=-1.0), "goal_tolerance"),
         (lambda: PurePursuitParams(turn_done_angle=2.0), "turn_done_angle"),
         (lambda: StanleyParams(wheel_base=0.0), "wheel_base"),
-        (lambda: PurePursuit(**{**ROBOT, "max_v": 0.0}), "max_v"),
+        (lambda: PurePursuit(PurePursuitParams(), **{**ROBOT, "max_v": 0.0}), "max_v"),
     ],
 )
 def test_parameters_out_of_range_are_refused_by_name(make: Any, field: str) -> None:

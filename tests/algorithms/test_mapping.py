@@ -15,7 +15,8 @@ LIDAR = {**FULL_TURN, "range_min": 0.12, "range_max": 3.5}
 def room(half: float, n: int = 720) -> np.ndarray:
     """Ranges to the walls of a square room around the sensor."""
     angles = 2 * math.pi / n * np.arange(n)
-    return half / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
+    ranges: np.ndarray = half / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
+    return ranges
 
 
 @pytest.mark.parametrize("half", [0.52, 0.98, 1.02, 1.33])

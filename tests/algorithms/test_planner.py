@@ -1,5 +1,6 @@
 import math
 from collections import deque
+from typing import TypedDict
 
 import numpy as np
 import pytest
@@ -318,12 +319,20 @@ def test_a_map_turned_and_shifted_is_planned_on_as_well() -> None:
     assert plan.min_clearance >= 0.2 - 1e-3
 
 
+class Arguments(TypedDict, total=False):
+    robot_radius: float
+    clearance: float
+    points_per_meter: float
+    timeout: float
+
+
 @pytest.mark.parametrize(
     "bad", [{"robot_radius": 0}, {"clearance": -1}, {"points_per_meter": 0}, {"timeout": math.nan}]
 )
-def test_an_argument_out_of_range_is_refused_by_name(bad: dict[str, float]) -> None:
+def test_an_argument_out_of_range_is_refused_by_name(bad: Arguments) -> None:
+    arguments: Arguments = {"robot_radius": 0.1, **bad}
     with pytest.raises(ValueError, match=next(iter(bad))):
-        GlobalPlanner(empty(1.0), **{"robot_radius": 0.1, **bad})
+        GlobalPlanner(empty(1.0), **arguments)
 
 
 @pytest.mark.parametrize("points_per_meter", [1.5, 3, 10, 40])

@@ -108,7 +108,9 @@ def distance_to_polyline(points: Floats, path: Floats) -> Floats:
     d = b - a
     length2 = np.maximum((d**2).sum(axis=1), 1e-18)
     t = np.clip(((points[:, None] - a) * d).sum(axis=2) / length2, 0.0, 1.0)
-    return np.linalg.norm(points[:, None] - (a + t[..., None] * d), axis=2).min(axis=1)
+    to_legs = points[:, None] - (a + t[..., None] * d)
+    nearest: Floats = np.linalg.norm(to_legs, axis=2).min(axis=1)
+    return nearest
 
 
 @dataclass

@@ -13,7 +13,8 @@ def filled(count: int = 3) -> CommandQueue:
 
 def test_commands_follow_one_another_by_their_time_step() -> None:
     queue = filled()
-    assert [queue.current(10.0 + t)[0] for t in (0.0, 0.05, 0.15, 0.25)] == [0.1, 0.1, 0.2, 0.1 * 3]
+    held = [queue.current(10.0 + t) for t in (0.0, 0.05, 0.15, 0.25)]
+    assert held == [(v, 0.0, 0.0) for v in (0.1, 0.1, 0.2, 0.1 * 3)]
 
 
 def test_the_last_command_holds_for_the_timeout_and_then_there_is_none() -> None:

@@ -97,7 +97,7 @@ def test_assigning_it_changes_nothing_and_is_told(caplog: pytest.LogCaptureFixtu
     config = DriveManagerConfig()
     with caplog.at_level(logging.WARNING):
         for _ in range(2):
-            config.smooth_commands = False  # type: ignore[attr-defined]
+            config.smooth_commands = False
     assert config.model_dump() == DriveManagerConfig().model_dump()
     assert len(told(caplog, "smooth_commands")) == 1
 

@@ -29,6 +29,7 @@ from kompass_interfaces.msg import DriveState
 from kompass_interfaces.srv import CheckGoal, ReleaseStop, StopRobot
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -93,7 +94,7 @@ class FakeStack:
         self.x, self.y, self.yaw, self.v = -0.75, -0.6, 0.4, 0.0
         self.stopped_by = ""
         self.reason = ""
-        self.stopped = False
+        self.stopped = threading.Event()
         self.ending = threading.Event()
         self.slow_checks = slow_checks
         self.failing = failing
@@ -223,20 +224,24 @@ class FakeStack:
     def say_drive(self) -> None:
         if self.drive is None:
             return
-        state = DriveState(stopped=self.stopped, standstill=self.v == 0.0, speed_factor=1.0)
+        state = DriveState(
+            stopped=self.stopped.is_set(), standstill=self.v == 0.0, speed_factor=1.0
+        )
         state.stopped_by, state.reason = self.stopped_by, self.reason
-        state.limited_by = "stop" if self.stopped else ""
+        state.limited_by = "stop" if self.stopped.is_set() else ""
         self.drive.publish(state)
 
     def stop(self, request: StopRobot.Request, response: StopRobot.Response) -> object:
-        self.stopped, self.stopped_by, self.reason = True, request.operator_name, request.reason
+        self.stopped_by, self.reason = request.operator_name, request.reason
+        self.stopped.set()
         self.v = 0.0
         self.say_drive()
         response.success, response.message = True, "stopped"
         return response
 
     def release(self, _: ReleaseStop.Request, response: ReleaseStop.Response) -> object:
-        self.stopped, self.stopped_by, self.reason = False, "", ""
+        self.stopped.clear()
+        self.stopped_by, self.reason = "", ""
         self.say_drive()
         response.success, response.message = True, "released"
         return response
@@ -279,10 +284,10 @@ class FakeStack:
         if self.own is not None:
             self.own.send_goal_async(PlanPath.Goal(goal=pose))
 
-    def execute(self, handle: object) -> PlanPath.Result:
+    def execute(self, handle: ServerGoalHandle) -> PlanPath.Result:
         goal = handle.request.goal.position
         result = PlanPath.Result()
-        if self.stopped:
+        if self.stopped.is_set():
             handle.abort()
             result.outcome, result.message = 3, "The robot is stopped; release STOP first."
             return result
@@ -293,7 +298,7 @@ class FakeStack:
                 handle.canceled()
                 result.outcome, result.message = 5, "Canceled by the operator."
                 break
-            if self.stopped:
+            if self.stopped.is_set():
                 handle.abort()
                 result.outcome, result.message = 3, f"Stopped by {self.stopped_by}."
                 break

@@ -31,13 +31,13 @@ def operator(console: Served, monitor: subprocess.Popen[bytes]) -> Iterator[http
 
 def begin(client: httpx.Client, recording: str = "") -> str:
     """Begin one; its id."""
+    answer: httpx.Response | None = None
 
     def begun() -> bool:
         nonlocal answer
         answer = client.post("/api/backtests", json={"table": table(), "recording": recording})
         return answer.status_code == 202
 
-    answer: httpx.Response | None = None
     wait_until(begun, 30.0, "the monitor takes a back-test")
     assert answer is not None
     return str(answer.json()["id"])

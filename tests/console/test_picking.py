@@ -18,8 +18,8 @@ def camera_at(position: np.ndarray, look_at: np.ndarray, aspect: float) -> Camer
     x = np.cross(z, [0.0, 0.0, 1.0])
     x /= np.linalg.norm(x)
     rotation = np.column_stack([x, np.cross(z, x), z])
-    wxyz = tf.SO3.from_matrix(rotation).wxyz
-    return Camera(tuple(position), tuple(float(c) for c in wxyz), FIELD_OF_VIEW, aspect)
+    wxyz = tf.SO3.from_matrix(rotation).wxyz.tolist()
+    return Camera(tuple(position), tuple(wxyz), FIELD_OF_VIEW, aspect)
 
 
 def project(camera: Camera, point: tuple[float, float]) -> tuple[float, float]:

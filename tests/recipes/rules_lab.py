@@ -44,7 +44,7 @@ def crash() -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def bool_event(topic: str, name: str, **options: object) -> Event:
+def bool_event(topic: str, name: str, **options: bool) -> Event:
     made = Event(Topic(name=topic, msg_type="Bool").msg.data == True, **options)  # noqa: E712
     made.name = name
     return made

@@ -1,7 +1,7 @@
 """Tables and entries for tests of the store."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import pytest
 
@@ -12,7 +12,16 @@ from kompass.store import Boot, RuleStore
 from tests.rules.building import received, rule
 
 RECIPE = Table(rules=(rule(received("click"), "click", source="recipe"),))
-BY = {"author": "ava", "role": "engineer"}
+
+
+class By(TypedDict):
+    """Who changes the store."""
+
+    author: str
+    role: str
+
+
+BY: By = {"author": "ava", "role": "engineer"}
 
 
 def edited(text: str, base: Table = RECIPE) -> Table:

@@ -44,7 +44,7 @@ class Rules:
 
     def begin(self, request: Any) -> Reply[Any]:
         """Send a request of a service, whatever is in it."""
-        reply = self.monitor.request(request)
+        reply: Reply[Any] = self.monitor.request(request)
         wait_until(reply.begin, 10, f"the service for {type(request).__name__}")
         return reply
 

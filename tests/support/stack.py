@@ -48,9 +48,8 @@ class Stack:
     @classmethod
     def simulated(cls, *arguments: str, recipe: Path = RECIPE, **environment: str) -> "Stack":
         """A recipe with the embedded robot, ready to drive."""
-        stack = cls(
-            "run", str(recipe), "--sim", "--no-browser", "--port", "0", *arguments, **environment
-        )
+        command = ("run", str(recipe), "--sim", "--no-browser", "--port", "0", *arguments)
+        stack = cls(*command, domain=None, **environment)
         try:
             stack.wait_for_line("all components active", 20)
         except AssertionError:
