@@ -58,7 +58,7 @@ class TopicSampler:
 
     def __init__(self, node: Node, topics: Iterable[SampledTopic]) -> None:
         self._node = node
-        self._taps = {}
+        self._readers = {}
         for topic in topics:
             try:
                 kind = ros_class(topic.type)
@@ -66,62 +66,64 @@ class TopicSampler:
                 node.get_logger().warning(f"/{topic.name} is not recorded: {error}")
                 continue
             name = node.resolve_topic_name(topic.name)
-            self._taps[name] = _Reader(topic, name, kind)
+            self._readers[name] = _Reader(topic, name, kind)
         self._left_out: set[str] = set()
-        for tap in self._taps.values():
-            self._open(tap)
+        for reader in self._readers.values():
+            self._open(reader)
 
     def leave_out(self, names: Collection[str]) -> None:
         """Do not listen to these (as on the graph): they come from elsewhere."""
         self._left_out = set(names)
-        for name, tap in self._taps.items():
+        for name, reader in self._readers.items():
             if name in self._left_out:
-                self._close(tap)
-            elif tap.subscription is None:
-                self._open(tap)
+                self._close(reader)
+            elif reader.subscription is None:
+                self._open(reader)
 
     def fit(self) -> None:
         """Make each reader as reliable, and as latched, as all publishers of its topic are."""
-        for name, tap in self._taps.items():
-            if tap.subscription is None:
+        for name, reader in self._readers.items():
+            if reader.subscription is None:
                 continue
-            best = best_for(self._node.get_publishers_info_by_topic(name), tap.offer)
-            if best != tap.offer:
-                self._close(tap)
-                tap.offer = best
-                self._open(tap)
+            best = best_for(self._node.get_publishers_info_by_topic(name), reader.offer)
+            if best != reader.offer:
+                self._close(reader)
+                reader.offer = best
+                self._open(reader)
 
     def drain(self, take: Callable[[Taken], None]) -> None:
         """Take all that has arrived."""
-        for tap in self._taps.values():
-            if tap.subscription is not None:
-                self._drain(tap, take)
+        for reader in self._readers.values():
+            if reader.subscription is not None:
+                self._drain(reader, take)
 
     def close(self) -> None:
         """Listen no more."""
-        for tap in self._taps.values():
-            self._close(tap)
+        for reader in self._readers.values():
+            self._close(reader)
 
-    def _drain(self, tap: _Reader, take: Callable[[Taken], None]) -> None:
-        period = int(tap.topic.period * 1e9)
-        latched = tap.offer.latched
-        for raw, info in take_all(tap.subscription):
+    def _drain(self, reader: _Reader, take: Callable[[Taken], None]) -> None:
+        period = int(reader.topic.period * 1e9)
+        latched = reader.offer.latched
+        for raw, info in take_all(reader.subscription):
             at = info["received_timestamp"] or time.time_ns()  # not every middleware stamps
             # A latched message is never left out: it may be the only one.
-            if latched or at - tap.last >= period:
-                tap.last = at
+            if latched or at - reader.last >= period:
+                reader.last = at
                 sent = info["source_timestamp"] or at
-                take(Taken(tap.topic, tap.name, latched, at, sent, raw))
+                take(Taken(reader.topic, reader.name, latched, at, sent, raw))
 
-    def _open(self, tap: _Reader) -> None:
-        qos = tap.offer.profile(DEPTH)
-        tap.subscription = self._node.create_subscription(tap.kind, tap.name, _never, qos, raw=True)
+    def _open(self, reader: _Reader) -> None:
+        qos = reader.offer.profile(DEPTH)
+        reader.subscription = self._node.create_subscription(
+            reader.kind, reader.name, _never, qos, raw=True
+        )
 
-    def _close(self, tap: _Reader) -> None:
-        if tap.subscription is not None:
-            self._node.destroy_subscription(tap.subscription)
-            tap.subscription = None
+    def _close(self, reader: _Reader) -> None:
+        if reader.subscription is not None:
+            self._node.destroy_subscription(reader.subscription)
+            reader.subscription = None
 
 
 def _never(_: bytes) -> None:
-    raise AssertionError("the node of the taps is in an executor")
+    raise AssertionError("the node of the topic sampler is in an executor")

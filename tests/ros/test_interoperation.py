@@ -7,6 +7,7 @@ import textwrap
 
 import pytest
 
+from tests.support.patience import patient
 from tests.support.robot import Robot
 from tests.support.stack import Stack
 
@@ -22,7 +23,7 @@ STRANGER = """
     from sensor_msgs.msg import LaserScan
 
     assert not any(name.startswith("kompass") for name in sys.modules)
-    x, y = float(sys.argv[1]), float(sys.argv[2])
+    x, y, patience = (float(word) for word in sys.argv[1:])
     rclpy.init()
     node = rclpy.create_node("stranger")
     seen = {}
@@ -33,8 +34,8 @@ STRANGER = """
     node.create_subscription(Odometry, "/odometry/filtered", lambda m: seen.update(odom=m), 10)
     clicks = node.create_publisher(PointStamped, "/clicked_point", 10)
 
-    def wait(condition, what, timeout=40.0):
-        end = time.monotonic() + timeout
+    def wait(condition, what):
+        end = time.monotonic() + patience
         while not condition():
             if time.monotonic() > end:
                 raise SystemExit(f"not seen: {what}")
@@ -65,7 +66,7 @@ def test_a_program_with_only_the_ros_wheels_sees_the_topics_and_sends_the_robot(
     ours = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_BUILTIN_TRANSPORTS", "AMENT_PREFIX_PATH")
     environment = {key: value for key, value in os.environ.items() if key not in ours}
     stranger = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(STRANGER), "-1.5", "0.5"],
+        [sys.executable, "-c", textwrap.dedent(STRANGER), "-1.5", "0.5", str(patient(20))],
         env={
             **environment,
             "ROS_DOMAIN_ID": str(stack.domain),
@@ -73,7 +74,7 @@ def test_a_program_with_only_the_ros_wheels_sees_the_topics_and_sends_the_robot(
         },
         capture_output=True,
         text=True,
-        timeout=80,
+        timeout=patient(60),
         check=False,
     )
     assert stranger.returncode == 0, stranger.stderr
