@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import re
 import types
 import typing
 from typing import Any, Literal, Union, get_args, get_origin
@@ -22,6 +23,7 @@ from kompass.components import (
     MapServer,
     Planner,
 )
+from kompass.components.controller.follower_settings import FollowerSettings
 from kompass.robot import RobotFrames
 
 COMPONENTS: tuple[type[Component], ...] = (
@@ -65,17 +67,40 @@ def settings_page() -> str:
 
 def fields_table(model: type[BaseModel], nested: dict[str, type[BaseModel]]) -> str:
     """One row for each field; models that are met are put into ``nested``."""
-    told = attributes(model)
+    told = meanings(model)
     rows = []
     for name, field in model.model_fields.items():
         kind = type_text(field.annotation, nested)
         bounds = bounds_of(field)
-        text = prose(field.description or told.get(name, ""))
+        text = prose(told.get(name, ""))
         unit, text = split_unit(text)
         if NO_EFFECT in text:
             text = text.replace(NO_EFFECT, "*no effect*")
         rows.append((code(name), kind, default_text(field), bounds, unit, text))
     return table(("setting", "type", "default", "bounds", "unit", "what it is"), rows)
+
+
+def meanings(model: type[BaseModel]) -> dict[str, str]:
+    """What each field is: its description, or else what the model's docstring says.
+
+    The section of an algorithm describes only what happens without a setting; what the setting
+    is stands in the docstrings of the algorithm's parameters.
+    """
+    described = {name: field.description or "" for name, field in model.model_fields.items()}
+    if not issubclass(model, FollowerSettings):
+        return attributes(model) | {name: text for name, text in described.items() if text}
+    told: dict[str, str] = {}
+    for kind in reversed(model.follower.params_class.__mro__):
+        told |= attributes(kind)
+    return {name: f"{unit_first(told.get(name, ''))}; {text}" for name, text in described.items()}
+
+
+def unit_first(text: str) -> str:
+    """A docstring's text without its full stop, and its last word in front if that is a [unit]."""
+    match = re.fullmatch(r"(.*?)\s*\[([^\]]+)\]", text.rstrip("."))
+    if match is None:
+        return text.rstrip(".")
+    return "; ".join(part for part in (match[2], match[1]) if part)
 
 
 UNITS = ("Hz", "rad", "m/s²", "m/s", "m", "s", "degrees", "rad/s", "rad/s²")

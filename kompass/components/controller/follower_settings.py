@@ -84,10 +84,14 @@ def _section(
     """A settings model with the fields of a parameter class, each of which may be left out."""
     params = follower.params_class
     kinds = get_type_hints(params)
+    chosen = {"turn_in_place_angle": TURN_IN_PLACE, **(defaults or {})}
+    # What holds without a setting is told by the reference; two come from the controller's own.
+    left_out = {item.name: item.default for item in dataclasses.fields(params)} | chosen
+    left_out |= {name: f"the controller's {given}" for given, name in COMMON_NAMES.items()}
     fields: dict[str, Any] = {
         item.name: (
             kinds[item.name] | None,
-            Field(default=None, description=f"left out: {item.default}"),
+            Field(default=None, description=f"left out: {left_out[item.name]}"),
         )
         for item in dataclasses.fields(params)
     }
@@ -102,7 +106,7 @@ def _section(
     model.section = algorithm.value
     model.synonyms = synonyms or {}
     model.ignored_settings = ignored or {}
-    model.defaults = {"turn_in_place_angle": TURN_IN_PLACE, **(defaults or {})}
+    model.defaults = chosen
     return model
 
 

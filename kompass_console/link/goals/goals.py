@@ -18,7 +18,7 @@ from rclpy.qos import QoSProfile
 
 from kompass.algorithms.geometry import quaternion_from_yaw
 from kompass.rclpy_ext.reply import NoAnswer
-from kompass_console.link.goals.follower import ActionStatus, Ending, GoalFollower
+from kompass_console.link.goals.goal_follower import ActionStatus, Ending, GoalFollower
 from kompass_console.link.graph.convert import seconds, yaw_of
 from kompass_console.link.graph.discovery import Graph, action_names
 from kompass_console.link.graph.reader import Reader

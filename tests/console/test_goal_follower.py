@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from kompass_console.link.goals.follower import (
+from kompass_console.link.goals.goal_follower import (
     ABORTED,
     CANCELED,
     EXECUTING,
