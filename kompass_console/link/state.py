@@ -38,7 +38,7 @@ def build_state(seq: int, robot_name: str, world: WorldModel, link: RosLink, vie
             link.processes.of, lambda name: link.inputs.infos(name, streams)
         ),
         drive=link.drive.info(),
-        goal=link.goals.goal_follower.info(),
+        goal=link.goals.follower.info(),
         simulation=None if rate is None else SimulationInfo(rate=rate.value, age=rate.age()),
         rules=link.rules.info(),
         processes=link.processes.infos(),
