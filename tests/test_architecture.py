@@ -32,7 +32,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass.rulebook": (
         ("schema",),
         ("sources", "views"),
-        ("diff", "lint"),
+        ("diff", "lint", "permissions"),
         ("guard", "merge"),
     ),
     "kompass.components": (("base", "topics_keys"), ("controller", "drive", "mapping", "planner")),

@@ -24,6 +24,7 @@ from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import recipe_rules
 from kompass.recorder.process import flight_recorder
 from kompass.robot import RobotConfig, RobotFrames
+from kompass.rulebook.permissions import NOTHING_OPENED, Opened, opened
 from kompass.settings import notice_once
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.instance_lock import lock_instance
@@ -89,6 +90,7 @@ class Launcher:
         self._activate: list[str] = []
         self._threaded: list[Component] = []
         self._events_actions: dict[Any, Any] = {}
+        self._opened = NOTHING_OPENED
 
     def kompass(
         self,
@@ -182,6 +184,38 @@ class Launcher:
     def on(self, event: Any, action: Any) -> None:
         """Answer an event with an action, or a list of them."""
         self._events_actions[event] = action
+
+    def open_to_rules(
+        self,
+        *,
+        topics: Sequence[str] = (),
+        services: Sequence[str] = (),
+        actions: Sequence[str] = (),
+    ) -> None:
+        """Let rules that operators make or change use names outside of this stack.
+
+        What the recipe's own rules use is open already, and engineers need no list. What belongs to
+        the gate before the wheels is never open.
+
+        Parameters
+        ----------
+        topics
+            To publish on.
+        services
+            To call.
+        actions
+            To send goals to, and to cancel these.
+
+        Raises
+        ------
+        TypeError
+            When a single text is given for a list.
+        """
+        for key, names in (("topics", topics), ("services", services), ("actions", actions)):
+            if isinstance(names, str):
+                raise TypeError(f"open_to_rules: {key} = {names!r} is a text; give a list of names")
+        more = opened(topics, services, actions)
+        self._opened = Opened(*(one | other for one, other in zip(self._opened, more, strict=True)))
 
     @property
     def components(self) -> list[Component]:
@@ -419,6 +453,7 @@ class Launcher:
     def _monitor(self) -> tuple[ProcessSpec, list[ProcessSpec]]:
         """The monitor's process, and those of its flight recorder."""
         rules = recipe_rules(self._events_actions, self._components)
+        rules.opened = self._opened
         catalog = RecipeCatalog(self._components, rules)
         check_recipe(rules.table, catalog)
         recording, recorder = flight_recorder(self._components, self.namespace)

@@ -27,7 +27,7 @@ from kompass.monitor.reporting.status_proxy import StatusProxy
 from kompass.monitor.rules_state import RulesStatePublisher
 from kompass.monitor.services import Services, Sources
 from kompass.monitor.settings import MonitorSettings
-from kompass.monitor.start import Start
+from kompass.monitor.start import Start, with_permissions
 from kompass.monitor.tables.active_table import ActiveTable
 from kompass.monitor.tables.live_lints import LiveLints
 from kompass.monitor.tables.table_manager import TableManager
@@ -36,6 +36,7 @@ from kompass.monitor.worker_thread import WorkerThread
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.timers import MovableTimer, Timers
 from kompass.recipe.table import RecipeRules
+from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.store import RuleStore
 
@@ -87,6 +88,8 @@ class Monitor:
         def stamp() -> Time:
             return node.get_clock().now().to_msg()
 
+        permissions = Permissions(catalog.components(), recipe.table, recipe.opened)
+        start = with_permissions(start, permissions)
         self._recording = recording
         self._main = main = MainThread(executor)
         self._worker = WorkerThread("tables", node.get_logger())
@@ -107,7 +110,8 @@ class Monitor:
         proxy = StatusProxy(node, loop.heard)
         self._processes = ProcessStates(node, proxy, ask, stamp)
         self._runner = ActionRunner(
-            node, executor, timers, recipe.functions, alarms, self._processes.restart_if_stuck
+            *(node, executor, timers, recipe.functions, alarms, permissions),
+            self._processes.restart_if_stuck,
         )
         self._runs = runs = Runs(self._runner.run, loop.ended, firings)
         inputs = RuleInputs(node, proxy.pass_on)
@@ -132,6 +136,7 @@ class Monitor:
             catalog,
             active,
             recipe=recipe.table,
+            permissions=permissions,
             robot=settings.robot,
             lints=LiveLints(engine, graph),
             announce=lambda text: main.post(partial(firings.announce, text)),

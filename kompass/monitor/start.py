@@ -5,10 +5,13 @@ from __future__ import annotations
 import logging
 import os
 import uuid
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
 from kompass.monitor.settings import MonitorSettings
+from kompass.rulebook.guard import forbidden
+from kompass.rulebook.permissions import Permissions
 from kompass.rulebook.schema.table_view import Merge
 from kompass.rules.schema.table import Table, rule_hash
 from kompass.store import RuleStore, StoreError, robot_folder
@@ -65,6 +68,22 @@ def start_from_store(recipe: Table, settings: MonitorSettings) -> tuple[Start, R
     used = tuple(rule.id for rule in boot.table.rules if (rule.id, rule_hash(rule)) in once)
     assert boot.revision is not None
     return Start(boot.table, boot.revision, epoch, boot.notice, boot.merge, used), store
+
+
+def with_permissions(start: Start, permissions: Permissions) -> Start:
+    """Tell of rules that may not do any more what they once were allowed to do.
+
+    They stay in the table; what they may not do is refused when they fire.
+    """
+    refused = [
+        f"'{rule.name or rule.id}' ({finding.text})"
+        for rule in start.table.rules
+        for finding in islice(forbidden(rule, permissions), 1)
+    ]
+    if not refused:
+        return start
+    text = f"rules may not do what they say, and will be refused it: {'; '.join(refused)}"
+    return start._replace(notice="\n".join(filter(None, (start.notice, text))))
 
 
 def _without(recipe: Table, epoch: str, error: Exception) -> Start:

@@ -11,6 +11,7 @@ from kompass.components.base.component import Component
 from kompass.recipe.action import Action, Parser
 from kompass.recipe.event import Event
 from kompass.recipe.fallbacks import FallbackSequence, fallback_rules
+from kompass.rulebook.permissions import NOTHING_OPENED, Opened
 from kompass.rules.schema.actions import Action as RuleAction
 from kompass.rules.schema.actions import Python, SendGoal, component_of
 from kompass.rules.schema.describe import describe
@@ -36,6 +37,8 @@ class RecipeRules:
         What opaque actions do, by name.
     polled
         Conditions that are functions, by name.
+    opened
+        Names outside of the stack that rules of people may use.
     """
 
     table: Table = field(default_factory=Table)
@@ -43,6 +46,7 @@ class RecipeRules:
         default_factory=dict
     )
     polled: dict[str, Callable[[], bool]] = field(default_factory=dict)
+    opened: Opened = NOTHING_OPENED
 
 
 def recipe_rules(

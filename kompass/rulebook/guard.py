@@ -1,61 +1,21 @@
 """What nobody may do to the rules of a running robot, whoever asks and however well it is meant."""
 
 import json
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from typing import Literal
 
 from pydantic import JsonValue
 
 from kompass.rulebook.diff import field_changes
+from kompass.rulebook.permissions import FOREIGN, Permissions
 from kompass.rulebook.schema.report import Finding
 from kompass.rulebook.views.recipe_code import functions_of
-from kompass.rulebook.views.wording import describe_action
-from kompass.rules.checks.catalog import Catalog, StackCatalog
 from kompass.rules.engine.arbitrate import components_of
-from kompass.rules.schema.actions import (
-    Action,
-    CallService,
-    Lifecycle,
-    Method,
-    Publish,
-    Python,
-    Reconfigure,
-    UpdateParameters,
-    component_of,
-)
 from kompass.rules.schema.conditions import CallableCondition, leaves
-from kompass.rules.schema.model import topic_key
 from kompass.rules.schema.table import Rule, Table, rule_hash
 
 Role = Literal["viewer", "operator", "engineer"]
 ROLES: tuple[Role, ...] = ("viewer", "operator", "engineer")
-RELEASE = "release_stop"
-RELEASE_TYPE = "kompass_interfaces/srv/ReleaseStop"
-# The wheels are reached through the drive manager's gate and by no other way.
-MOTION_TYPES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
-# Parameters of the gate that decide whether it stops for what is in the way.
-SAFETY_PARAMETERS = frozenset(
-    {
-        "disable_safety_stop",
-        "use_without_scan_sensor",
-        "critical_zone_distance",
-        "slowdown_zone_distance",
-        "scan_timeout",
-        "odometry_timeout",
-        "command_timeout",
-    }
-)
-DRIVE_MANAGERS = ("drive_manager",)
-
-
-def gates_of(catalog: Catalog) -> frozenset[str]:
-    """Return the components that stand before the wheels, whatever they are called.
-
-    Known by their parameters; without a catalog of the stack, by their usual name.
-    """
-    known = catalog.components() if isinstance(catalog, StackCatalog) else {}
-    found = {name for name, spec in known.items() if "disable_safety_stop" in spec.parameters}
-    return frozenset({*DRIVE_MANAGERS, *found})
 
 
 def guard(
@@ -64,7 +24,7 @@ def guard(
     *,
     role: str,
     recipe_table: Table,
-    drive_managers: Collection[str] = DRIVE_MANAGERS,
+    permissions: Permissions,
 ) -> list[Finding]:
     """Return the guard rails that a change of the table runs into, as errors; empty if none.
 
@@ -77,13 +37,13 @@ def guard(
     before
         The table in force.
     after
-        The table to come.
+        The table to come, its sources true.
     role
         Of who asks: ``viewer``, ``operator`` or ``engineer``.
     recipe_table
         The table that the recipe declares.
-    drive_managers
-        Node names of the components that stand before the wheels (:func:`gates_of`).
+    permissions
+        What rules may touch on this robot.
     """
     if role not in ("operator", "engineer"):
         changed = before != after
@@ -95,9 +55,7 @@ def guard(
         own = recipe.get(rule.id)
         if own is not None and rule_hash(own) == rule_hash(rule):
             continue
-        for index, action in enumerate(rule.actions):
-            where = f"actions[{index}]"
-            found.extend(_action(rule, where, action, own, functions, drive_managers))
+        found.extend(forbidden(rule, permissions))
         found.extend(_polled(rule, functions))
     return found
 
@@ -275,102 +233,17 @@ def _place(table: Table, rule_id: str) -> int:
 # -- actions --------------------------------------------------------------------------------------
 
 
+def forbidden(rule: Rule, permissions: Permissions) -> Iterator[Finding]:
+    """Walk what the actions of a rule may not touch, as errors."""
+    for index, action in enumerate(rule.actions):
+        for code, field, value, text, remedy in permissions.refusals(rule.id, rule.source, action):
+            where = f"actions[{index}].{field}" if field else f"actions[{index}]"
+            yield _error(rule, code, where, value, text, remedy)
+
+
 def _polled(rule: Rule, functions: set[str]) -> Iterator[Finding]:
     conditions = {"event.condition": rule.event.condition, "event.clear": rule.event.clear}
     for where, condition in conditions.items():
         for _, leaf in leaves(condition) if condition is not None else ():
             if isinstance(leaf, CallableCondition) and leaf.name not in functions:
-                yield _error(rule, "foreign-function", where, leaf.name, *_FOREIGN)
-
-
-_FOREIGN = (
-    "only functions that rules of the recipe use can be called",
-    "choose one of those, or let the recipe use it",
-)
-
-
-def _action(
-    rule: Rule,
-    where: str,
-    action: Action,
-    own: Rule | None,
-    functions: set[str],
-    drive_managers: Collection[str],
-) -> Iterator[Finding]:
-    if own is not None and _normalized(action) in map(_normalized, own.actions):
-        return  # the recipe itself lets this rule do it
-    if _releases(action):
-        yield _error(
-            rule,
-            "resumes-after-stop",
-            where,
-            describe_action(action),
-            "it would let the robot move again after STOP",
-            "leave it out: a person releases the STOP",
-        )
-    if isinstance(action, Publish) and action.type in MOTION_TYPES:
-        yield _error(
-            rule,
-            "bypasses-gate",
-            f"{where}.type",
-            action.type,
-            f"velocities on /{action.topic} would reach the wheels past the drive manager's gate",
-            "send a goal, or call a method of the drive manager",
-        )
-    if isinstance(action, Python) and action.name not in functions:
-        yield _error(rule, "foreign-function", f"{where}.name", action.name, *_FOREIGN)
-    if component_of(action) in drive_managers:
-        yield from _gatekeeper(rule, where, action)
-    elif isinstance(action, CallService) and not _releases(action):
-        yield from _service(rule, where, action, drive_managers)
-
-
-def _normalized(action: Action) -> Action:
-    """Return an action without its timeout and what follows a failure, for comparison."""
-    return action.model_copy(update={"timeout": None, "on_error": "abort"})
-
-
-def _releases(action: Action) -> bool:
-    if isinstance(action, CallService):
-        return action.type == RELEASE_TYPE or topic_key(action.service).endswith(RELEASE)
-    return isinstance(action, Method) and action.method.endswith(RELEASE)
-
-
-def _gatekeeper(rule: Rule, where: str, action: Action) -> Iterator[Finding]:
-    """Check what is done to the component before the wheels."""
-    remedy = "only the recipe may do that"
-    if isinstance(action, Lifecycle) and action.action in ("stop", "configure"):
-        text = f"{action.component} is the gate before the wheels and keeps running"
-        yield _error(rule, "opens-gate", f"{where}.action", action.action, text, remedy)
-    elif isinstance(action, Method) and action.method in ("stop", "reconfigure"):
-        text = f"{action.component} is the gate before the wheels and keeps running"
-        yield _error(rule, "opens-gate", f"{where}.method", action.method, text, remedy)
-    elif isinstance(action, Reconfigure):
-        text = f"a new configuration of {action.component} could switch its safety off"
-        yield _error(rule, "opens-gate", f"{where}.config", None, text, remedy)
-    elif isinstance(action, UpdateParameters):
-        for name, value in action.parameters.items():
-            if name.split(".")[0] in SAFETY_PARAMETERS:
-                text = f"{name} of {action.component} decides when the robot stops"
-                yield _error(rule, "opens-gate", f"{where}.parameters.{name}", value, text, remedy)
-    elif isinstance(action, Method) and action.method in _SETTERS:
-        text = f"what it sets of {action.component} could decide when the robot stops"
-        remedy = "choose the action that changes parameters, so that it can be checked"
-        yield _error(rule, "opens-gate", f"{where}.method", action.method, text, remedy)
-
-
-def _service(
-    rule: Rule, where: str, action: CallService, drive_managers: Collection[str]
-) -> Iterator[Finding]:
-    """Check that the same is not done through the services of that component."""
-    *owner, name = topic_key(action.service).split("/")
-    if owner and owner[-1] in drive_managers and name not in _HARMLESS:
-        text = f"/{action.service} belongs to the gate before the wheels"
-        remedy = "choose the action of that kind instead, so that it can be checked"
-        yield _error(rule, "opens-gate", f"{where}.service", action.service, text, remedy)
-
-
-# Methods that do what there is an action for, past the checks of that action.
-_SETTERS = frozenset({"set_param", "set_params", "update_parameter", "update_parameters"})
-# Services of the gate that only ever stop the robot, or only ask.
-_HARMLESS = frozenset({"stop", "get_state", "get_parameters", "list_parameters"})
+                yield _error(rule, "foreign-function", where, leaf.name, *FOREIGN)

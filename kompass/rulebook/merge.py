@@ -10,7 +10,7 @@ from kompass.rulebook.views.recipe_code import functions_in, functions_of
 from kompass.rulebook.views.wording import describe_actions, seconds
 from kompass.rules.schema.describe import describe
 from kompass.rules.schema.events import Event
-from kompass.rules.schema.table import Rule, Table, rule_hash
+from kompass.rules.schema.table import Rule, Source, Table, rule_hash
 
 _FIELDS = ("name", "enabled", "severity", "lane", "shadow", "note", "actions")
 
@@ -111,7 +111,7 @@ class _Merging:
             values = getattr(old.event, name), getattr(edited.event, name), getattr(new.event, name)
             event[name] = self._field(name, values, new)
         try:
-            made = Rule(**fields, event=Event(**event), source="edited")
+            made = Rule(**fields, event=Event(**event), source=_hand(edited))
         except ValidationError as error:
             problem = error.errors()[0]["msg"].removeprefix("Value error, ")
             self._tell(new, f"your changes no longer fit the recipe's rule ({problem}); left out")
@@ -179,6 +179,11 @@ def _woven(first: Iterable[str], second: Iterable[str], wanted: Iterable[str]) -
             known.add(rule_id)
         last = rule_id
     return order + [rule_id for rule_id in wanted if rule_id not in known]
+
+
+def _hand(edited: Rule) -> Source:
+    """Return who had a hand in a rule of the recipe before, and so has one in what comes of it."""
+    return "edited" if edited.source == "recipe" else edited.source
 
 
 def _alike(a: Rule, b: Rule) -> bool:

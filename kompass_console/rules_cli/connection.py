@@ -131,11 +131,14 @@ class MonitorConnection:
         except Refused as error:
             raise RobotRefused(str(error)) from None
 
-    def statuses(self, timeout: float = 2.0) -> dict[str, RuleStatus]:
-        """How the rules are doing, by id; empty when the monitor does not tell in time."""
+    def statuses(self, revision: int, timeout: float = 2.0) -> dict[str, RuleStatus]:
+        """How the rules of a revision are doing, by id; empty when it is not told in time.
+
+        What it said last may be of the table before: it answers a change before it tells of it.
+        """
         heard: list[TableState] = []
         self.monitor.watch_state(heard.append)
-        self._spin(lambda: bool(heard), timeout)
+        self._spin(lambda: bool(heard) and heard[-1].revision >= revision, timeout)
         statuses = heard[-1].statuses.parsed() if heard else ()
         return {status.rule_id: status for status in statuses}
 

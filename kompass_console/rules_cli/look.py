@@ -44,7 +44,7 @@ def show(robot: RobotOptions, revision: RevisionOption = 0) -> None:
     with robot.connect() as client:
         view = client.get(client.monitor.table(revision))
         current = view.revision == view.active
-        statuses = client.statuses() if current and not robot.json else {}
+        statuses = client.statuses(view.revision) if current and not robot.json else {}
     robot.tell(view, lambda: printing.show_table(view, statuses))
 
 

@@ -191,7 +191,7 @@ def test_a_rule_is_switched_off_and_changed_without_a_file(run: Run) -> None:
     )
     assert dark["event"]["cooldown"] == 20.0
     assert dark["actions"][0]["text"] == "it is night"
-    assert dark["source"] == "edited"
+    assert dark["source"] == "engineer"
     before = revision_of(run)
     for fields, words in (
         (["event.cooldwn=20"], "event.cooldwn"),

@@ -15,9 +15,10 @@ from kompass.monitor.execution.service_refusal import refusal
 from kompass.monitor.reporting.alarms import Alarms
 from kompass.monitor.reporting.entries import ActionOutcome
 from kompass.rclpy_ext.timers import Timers
+from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema.actions import Action, CallService, Log, Method
-from kompass.rules.schema.table import Severity
+from kompass.rules.schema.table import Severity, Table
 from tests.support.spinning import Spinning
 
 pytestmark = pytest.mark.ros
@@ -54,7 +55,9 @@ class Robot:
         self._spinning = spinning
         node = spinning.node
         self.runner = ActionRunner(
-            node, spinning.executor, Timers(node), {}, Alarms(node), lambda component: False
+            *(node, spinning.executor, Timers(node), {}, Alarms(node)),
+            permissions=Permissions({}, Table()),
+            restart_if_stuck=lambda component: False,
         )
 
     def offer(self, kind: Any, name: str, answer: Callable[[Any], Any]) -> None:
@@ -65,7 +68,7 @@ class Robot:
         """How a run of these ends, and each of its actions."""
         told: list[ActionOutcome] = []
         more: dict[str, Any] = {"lane": "normal", "severity": Severity.INFO, "actions": actions}
-        firing = Firing("r", 1, 0.0, 0.0, "hash", None, None, {}, (), **more)
+        firing = Firing("r", 1, 0.0, 0.0, "hash", None, None, {}, (), source="recipe", **more)
         ended = self._spinning.executor.create_task(self.runner.run, firing, told.append)
         self._spinning.until(ended.done, 20.0)
         result: tuple[bool, str] = ended.result()

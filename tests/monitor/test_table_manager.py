@@ -16,6 +16,7 @@ from kompass.monitor.tables.active_table import ActiveTable
 from kompass.monitor.tables.live_lints import LiveLints
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import ChangeAnswer, InForce, Who
+from kompass.rulebook.permissions import Permissions
 from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Finding
 from kompass.rules.checks.catalog import Catalog, FieldType
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table
@@ -112,6 +113,7 @@ class Changes:
             catalog or MessageTypes(),
             self.active,
             recipe=self.recipe,
+            permissions=Permissions({}, self.recipe),
             robot="test",
             lints=self.lints,
             announce=self.said.append,
@@ -421,6 +423,7 @@ def test_without_a_store_rules_can_be_seen_and_not_changed() -> None:
         MessageTypes(),
         ActiveTable(InForce(table, 0, 0, notice=notice), None, lambda: None),
         recipe=table,
+        permissions=Permissions({}, table),
         robot="test",
         lints=NoLints(),
         announce=lambda _: None,

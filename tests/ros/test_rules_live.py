@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from kompass_interfaces.srv import ApplyRules, ExplainRule, GetRules
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -414,6 +414,14 @@ JSON = st.recursive(
 )
 
 
+def is_table(text: str) -> bool:
+    try:
+        Table.model_validate_json(text)
+    except ValueError:
+        return False
+    return True
+
+
 @settings(
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
@@ -431,6 +439,7 @@ def test_the_services_answer_whatever_they_are_sent(
     text = data if isinstance(data, str) else json.dumps(data)
     text = text.encode(errors="replace").decode().replace("\0", "")
     names = [name.encode(errors="replace").decode().replace("\0", "") for name in names]
+    assume(not is_table(text))
     answer = rules.call(
         ApplyRules.Request(
             table=text, role=role, probation=probation, expected_revision=expected, reset=names
@@ -438,7 +447,7 @@ def test_the_services_answer_whatever_they_are_sent(
     )
     assert answer.outcome in (Request.REFUSED, Request.CONFLICT)
     assert answer.message
-    assert not rules.check(text, role).success or data == {}
+    assert not rules.check(text, role).success
     for name in names:
         assert not rules.call(ExplainRule.Request(rule_id=name)).success
         assert not rules.reset(name).success

@@ -67,7 +67,7 @@ class Rules:
 
     def begin_apply(self, rules: list[Rule], expected: int, **more: Any) -> Reply[Any]:
         """Hand in a table; the answer as it will come."""
-        fields = {"author": "tester", "role": "operator", "probation": 0.0} | more
+        fields = {"author": "tester", "role": "engineer", "probation": 0.0} | more
         text = json.dumps({"rules": rules})
         return self.begin(ApplyRules.Request(table=text, expected_revision=expected, **fields))
 

@@ -24,21 +24,32 @@ class ActionSpec:
         Whether the component must be active for it.
     description
         For people and tools; the first line of the docstring unless given.
+    recipe_only
+        Whether only rules of the recipe may call it.
     """
 
     name: str
     active: bool
     description: Any
+    recipe_only: bool = False
 
 
 @overload
 def component_action(function: Method) -> Method: ...
 @overload
 def component_action(
-    function: None = None, *, description: Any = None, active: bool = False
+    function: None = None,
+    *,
+    description: Any = None,
+    active: bool = False,
+    recipe_only: bool = False,
 ) -> Callable[[Method], Method]: ...
 def component_action(
-    function: Method | None = None, *, description: Any = None, active: bool = False
+    function: Method | None = None,
+    *,
+    description: Any = None,
+    active: bool = False,
+    recipe_only: bool = False,
 ) -> Method | Callable[[Method], Method]:
     """Mark a method of a component as callable by rules; bare, or with arguments.
 
@@ -52,11 +63,13 @@ def component_action(
         Shown to people; the first line of the docstring unless given.
     active
         Refuse the call while the component is not active.
+    recipe_only
+        Refuse it to the rules that people make or change: what it does is for the recipe to say.
     """
 
     def mark(method: Method) -> Method:
         first_line = (inspect.getdoc(method) or method.__name__).splitlines()[0]
-        spec = ActionSpec(method.__name__, active, description or first_line)
+        spec = ActionSpec(method.__name__, active, description or first_line, recipe_only)
         setattr(method, ATTRIBUTE, spec)
         return method
 

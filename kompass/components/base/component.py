@@ -588,7 +588,7 @@ class Component:
             await self.sleep(float(wait_time))
         return self.start()
 
-    @component_action
+    @component_action(recipe_only=True)
     def reconfigure(
         self,
         new_config: ComponentConfig | Mapping[str, Any] | str,
@@ -633,12 +633,12 @@ class Component:
         self.outputs(**topics["outputs"])
         return self.start() if was_active else True
 
-    @component_action
+    @component_action(recipe_only=True)
     def set_param(self, param_name: str, new_value: Any, keep_alive: bool = True) -> bool:
         """Change one setting; see :meth:`set_params`."""
         return self.set_params([param_name], [new_value], keep_alive)
 
-    @component_action
+    @component_action(recipe_only=True)
     def set_params(
         self, params_names: list[str], new_values: list[Any], keep_alive: bool = True
     ) -> bool:

@@ -26,6 +26,7 @@ from kompass.rclpy_ext.messages import fill, ros_class
 from kompass.rclpy_ext.timers import Timers
 from kompass.recipe.fallbacks import FallbackSequence
 from kompass.recipe.table import Parsed
+from kompass.rulebook.permissions import Permissions, rights_text
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema import actions as kinds
 from kompass.rules.schema.arguments import expand, resolve
@@ -59,6 +60,8 @@ class ActionRunner:
         What the recipe's opaque actions are called.
     alarms
         Where alarms are raised and cleared.
+    permissions
+        What rules may touch.
     restart_if_stuck
         Has the process of a component started anew if it hangs, and returns whether it does.
     """
@@ -70,10 +73,12 @@ class ActionRunner:
         timers: Timers,
         functions: Mapping[str, Callable[..., Any] | Parsed | FallbackSequence],
         alarms: Alarms,
+        permissions: Permissions,
         restart_if_stuck: Callable[[str], bool],
     ) -> None:
         self._node = node
         self._alarms = alarms
+        self._permissions = permissions
         self._functions = functions
         self._awaitables = Awaitables(timers, executor)
         self._restart_if_stuck = restart_if_stuck
@@ -121,9 +126,24 @@ class ActionRunner:
         return not error, error
 
     async def _perform(self, action: kinds.Action, firing: Firing) -> str:
+        self._check_permitted(action, firing)
         if isinstance(action, kinds.Python):
             return await self._python(action, firing)
         return await self._known(action, firing, {})
+
+    def _check_permitted(self, action: kinds.Action, firing: Firing) -> None:
+        """Look again: the table may be older than what is allowed today, and so may a topic."""
+        refusal = self._permissions.refusal(firing.rule_id, firing.source, action)
+        if refusal is not None:
+            whose = rights_text(firing.source)
+            raise Failed(f"refused: {refusal.text} (this rule has the rights of {whose})")
+        if isinstance(action, kinds.Publish) and not self._permissions.is_own(
+            firing.rule_id, firing.source, action
+        ):
+            listening = self._node.get_subscriptions_info_by_topic(action.topic)
+            gates = self._permissions.gates.intersection(info.node_name for info in listening)
+            if gates:
+                raise Failed(f"refused: {min(gates)} hears /{action.topic} by now")
 
     async def _python(self, action: kinds.Python, firing: Firing) -> str:
         entry = self._functions.get(action.name)

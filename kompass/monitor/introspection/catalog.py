@@ -25,7 +25,9 @@ class RecipeCatalog(MessageTypes):
     def __init__(self, components: Sequence[Component], rules: RecipeRules) -> None:
         self._components = {each.node_name: component_spec(each) for each in components}
         self._functions = frozenset((*rules.functions, *rules.polled))
-        self.publishes = {each.node_name: _topics_of(each) for each in components}
+        self.publishes = {
+            name: spec.speaks.union(status_topics(name)) for name, spec in self._components.items()
+        }
 
     def components(self) -> Mapping[str, ComponentSpec]:
         """The components of the stack by node name."""
@@ -39,10 +41,3 @@ class RecipeCatalog(MessageTypes):
 def status_topics(component: str) -> tuple[str, str]:
     """The topics on which a component tells its health, in both generations' names."""
     return f"{component}/status", f"{component}_status"
-
-
-def _topics_of(component: Component) -> frozenset[str]:
-    outputs = (component.get_out_topic(key) for key in component.outputs_keys)
-    listed = [each if isinstance(each, list) else [each] for each in outputs if each is not None]
-    names = {topic.name.removeprefix("/") for topics in listed for topic in topics}
-    return frozenset(names.union(status_topics(component.node_name)))

@@ -6,7 +6,7 @@ import enum
 import inspect
 import types
 import typing
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import annotated_types
@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from kompass.components.base.actions import ActionSpec, actions_of
 from kompass.components.base.component import Component
+from kompass.rclpy_ext.topic import Topic
 from kompass.rules.checks.catalog import (
     ArgumentSpec,
     ComponentSpec,
@@ -22,6 +23,7 @@ from kompass.rules.checks.catalog import (
     ParameterSpec,
     ValueKind,
 )
+from kompass.rules.schema.model import topic_key
 from kompass.settings import ignored_of
 
 _KINDS: dict[Any, ValueKind] = {
@@ -46,7 +48,21 @@ def component_spec(component: Component) -> ComponentSpec:
         methods={name: _method(kind, spec) for name, spec in actions_of(kind).items()},
         parameters={spec.name: spec for spec in _parameters(component.config, "")},
         ignored=dict(_ignored(component.config, "")),
+        gate=kind.stops_robot,
+        hears=_topics(component, component.inputs_keys, component.get_in_topic),
+        speaks=_topics(component, component.outputs_keys, component.get_out_topic),
+        serves=frozenset({component.main_action_name} if component.main_action_type else ()),
     )
+
+
+def _topics(
+    component: Component,
+    keys: list[str],
+    topic_of: Callable[[str], Topic | list[Topic] | None],
+) -> frozenset[str]:
+    given = (topic_of(key) for key in keys)
+    listed = [each if isinstance(each, list) else [each] for each in given if each is not None]
+    return frozenset(topic_key(topic.name) for topics in listed for topic in topics)
 
 
 def _method(kind: type, spec: ActionSpec) -> MethodSpec:
@@ -71,6 +87,7 @@ def _method(kind: type, spec: ActionSpec) -> MethodSpec:
         tuple(arguments),
         text=str(spec.description),
         open=any(parameter.kind == inspect.Parameter.VAR_KEYWORD for parameter in parameters),
+        recipe_only=spec.recipe_only,
     )
 
 

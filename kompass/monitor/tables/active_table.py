@@ -41,6 +41,11 @@ class ActiveTable:
         self._changed, self._clock = changed, clock
 
     @property
+    def known(self) -> tuple[Table, ...]:
+        """The tables that rules are taken over from; their sources are true."""
+        return (self.in_force.table, *([self.merge.table] if self.merge else ()))
+
+    @property
     def probation_left(self) -> float:
         """Seconds until the table in force is taken back; 0 when it stays."""
         ends = self.in_force.probation_ends

@@ -14,6 +14,7 @@ from kompass.monitor.tables.table_reader import TableReader, Unreadable
 from kompass.monitor.tables.table_validator import TableValidator, sentence
 from kompass.monitor.tables.types import ChangeAnswer, InForce, Who
 from kompass.rulebook.diff import diff_tables
+from kompass.rulebook.permissions import Permissions
 from kompass.rulebook.schema.report import ApplyReport, CheckReport
 from kompass.rulebook.schema.revision import Origin
 from kompass.rulebook.views.views import effect_of
@@ -41,6 +42,8 @@ class TableManager:
         The table in force.
     recipe
         The table that the recipe declares.
+    permissions
+        What rules may touch.
     robot
         Its name.
     lints
@@ -68,6 +71,7 @@ class TableManager:
         active: ActiveTable,
         *,
         recipe: Table,
+        permissions: Permissions,
         robot: str,
         lints: LiveLints,
         announce: Callable[[str], None],
@@ -79,7 +83,10 @@ class TableManager:
         self._later, self._probation = later, probation
         self._lock = threading.RLock()
         self._history = RevisionHistory(store, lambda: active.in_force.notice)
-        self._reader, self._validator = TableReader(), TableValidator(catalog, recipe, lints)
+        self._reader, self._validator = (
+            TableReader(),
+            TableValidator(catalog, recipe, permissions, lints),
+        )
         # The first change is to cost no more than those that follow.
         self._reader.learn(active.in_force.table)
         self._validator.learn(active.in_force.table)
@@ -265,7 +272,9 @@ class TableManager:
         cancel: bool,
     ) -> ChangeAnswer:
         """Check, store, swap and tell, in this order; what can fail comes before it is stored."""
-        now, table = self.in_force, self._validator.with_true_sources(table)
+        # A revision of the past says itself, and truly, who had a hand in its rules.
+        known = self._active.known if restores is None else (table, *self._active.known)
+        now, table = self.in_force, self._validator.with_true_sources(table, who.role, known)
         errors = self._validator.errors(now, table, who.role)
         if problem := who.barred or sentence(errors):
             self._history.note_refusal(who.author, who.role, origin, problem)

@@ -109,7 +109,7 @@ class TableQueries:
             table = self._reader.read(text)
         except Unreadable as error:
             return self._validator.unreadable(now, error)
-        table = self._validator.with_true_sources(table)
+        table = self._validator.with_true_sources(table, role, self._active.known)
         findings = self._validator.errors(now, table, role)
         if not findings:
             findings = self._validator.foreseen(compile_table(table))

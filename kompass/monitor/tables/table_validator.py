@@ -10,7 +10,8 @@ from kompass.monitor.tables.recipe_check import faults_of
 from kompass.monitor.tables.table_reader import Unreadable
 from kompass.monitor.tables.types import InForce
 from kompass.rulebook.diff import diff_tables
-from kompass.rulebook.guard import gates_of, guard
+from kompass.rulebook.guard import guard
+from kompass.rulebook.permissions import Permissions
 from kompass.rulebook.schema.report import CheckReport, Effect, Finding
 from kompass.rulebook.sources import with_sources
 from kompass.rules.checks.catalog import Catalog
@@ -29,13 +30,16 @@ class TableValidator:
         What the robot knows; must not change.
     recipe
         The table that the recipe declares.
+    permissions
+        What rules may touch.
     lints
         Finds what there is to think about in a table.
     """
 
-    def __init__(self, catalog: Catalog, recipe: Table, lints: LiveLints) -> None:
-        self._recipe, self._lints = recipe, lints
-        self._gates = gates_of(catalog)
+    def __init__(
+        self, catalog: Catalog, recipe: Table, permissions: Permissions, lints: LiveLints
+    ) -> None:
+        self._recipe, self._permissions, self._lints = recipe, permissions, lints
         self._faults = IdentityCache[Rule, tuple[Finding, ...]](partial(faults_of, catalog=catalog))
 
     def learn(self, table: Table) -> None:
@@ -43,14 +47,22 @@ class TableValidator:
         for rule in table.rules:
             self._faults(rule)
 
-    def with_true_sources(self, table: Table) -> Table:
-        """A table whose rules name their true source, whatever it says itself."""
-        return with_sources(table, self._recipe)
+    def with_true_sources(self, table: Table, role: str, known: Sequence[Table]) -> Table:
+        """A table whose rules name their true source, whatever it says itself.
+
+        Parameters
+        ----------
+        role
+            Of who hands it in.
+        known
+            Tables whose sources are true.
+        """
+        return with_sources(table, self._recipe, role, known)
 
     def errors(self, now: InForce, table: Table, role: str) -> list[Finding]:
         """What forbids a table to follow on the one in force; empty if nothing does."""
         found = guard(
-            now.table, table, role=role, recipe_table=self._recipe, drive_managers=self._gates
+            now.table, table, role=role, recipe_table=self._recipe, permissions=self._permissions
         )
         for rule in table.rules:
             found += self._faults(rule)

@@ -54,12 +54,21 @@ class ArgumentSpec(NamedTuple):
 
 
 class MethodSpec(NamedTuple):
-    """A method of a component; ``open`` if it takes arguments beside those that are named."""
+    """A method of a component.
+
+    Attributes
+    ----------
+    open
+        Whether it takes arguments beside those that are named.
+    recipe_only
+        Whether only rules of the recipe may call it.
+    """
 
     name: str
     arguments: tuple[ArgumentSpec, ...] = ()
     text: str = ""
     open: bool = False
+    recipe_only: bool = False
 
 
 class ParameterSpec(NamedTuple):
@@ -94,6 +103,12 @@ class ComponentSpec(NamedTuple):
     ----------
     ignored
         Names of parameters that only older files may give a value, and why it has no effect.
+    gate
+        Whether it stands before the wheels.
+    hears, speaks
+        The topics of its inputs and of its outputs, without the leading slash.
+    serves
+        The actions that it serves, without the leading slash.
     """
 
     name: str
@@ -101,6 +116,10 @@ class ComponentSpec(NamedTuple):
     methods: Mapping[str, MethodSpec] = {}
     parameters: Mapping[str, ParameterSpec] = {}
     ignored: Mapping[str, str] = {}
+    gate: bool = False
+    hears: frozenset[str] = frozenset()
+    speaks: frozenset[str] = frozenset()
+    serves: frozenset[str] = frozenset()
 
 
 class Catalog(Protocol):

@@ -5,7 +5,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 
 from kompass.rules.schema.actions import Action
 from kompass.rules.schema.conditions import TreePath
-from kompass.rules.schema.table import Lane, Severity
+from kompass.rules.schema.table import Lane, Severity, Source
 from kompass.rules.schema.values import Verdict
 
 
@@ -80,6 +80,8 @@ class Firing(NamedTuple):
     shadow
         Whether the rule is in shadow: nothing is to be done but to record it. The run has ended
         already, and no ``RunEnded`` is expected.
+    source
+        Of the rule: with whose rights it acts.
     """
 
     rule_id: str
@@ -96,6 +98,7 @@ class Firing(NamedTuple):
     severity: Severity
     cancels: tuple[int, ...] = ()
     shadow: bool = False
+    source: Source = "edited"
 
 
 class Note(NamedTuple):

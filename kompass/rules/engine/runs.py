@@ -144,6 +144,7 @@ def _start(
             severity=plan.rule.severity,
             cancels=cancels,
             shadow=plan.shadow,
+            source=plan.rule.source,
         )
     )
     return True

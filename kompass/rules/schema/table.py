@@ -42,6 +42,7 @@ SeverityField = Annotated[
 ]
 RuleId = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_.-]{0,99}$", examples=["stuck-unblock"])]
 Lane = Literal["safety", "normal"]
+Source = Literal["recipe", "engineer", "edited"]
 
 
 class Rule(Model):
@@ -60,7 +61,8 @@ class Rule(Model):
     shadow
         Whether it is evaluated and recorded without acting.
     source
-        Whether it comes from the recipe or was made or changed by a person since.
+        Who had a hand in it: ``recipe`` for the recipe alone, ``engineer`` for engineers,
+        ``edited`` once an operator has. The rule has the rights of that person.
     """
 
     id: RuleId
@@ -76,7 +78,7 @@ class Rule(Model):
     protected: bool = False
     shadow: bool = False
     note: str = ""
-    source: Literal["recipe", "edited"] = "edited"
+    source: Source = "edited"
 
 
 class Table(Model):
