@@ -70,6 +70,9 @@ def test_a_command_is_approached_within_the_acceleration() -> None:
     ("changed", "why"),
     [
         ({"stopped": True}, "stop"),
+        ({"intruded": True}, "second publisher"),
+        ({"intruded": True, "stopped": True}, "stop"),
+        ({"intruded": True, "obstacles": None}, "second publisher"),
         ({"odometry_age": 0.51}, "odometry stale"),
         ({"obstacles": None}, "scan stale"),
         ({"obstacles": WALL}, "obstacle"),

@@ -127,6 +127,9 @@ def test_nobody_gets_past_the_gate_or_into_the_rules(
     [
         (call("map_server/load_map", "nav2_msgs/srv/LoadMap"), "not-opened"),
         (call("planner/do_something"), "not-opened"),
+        (call("other/monitor/get_rules"), "not-opened"),
+        (call("other/drive_manager/stop"), "not-opened"),
+        (call("other/planner/check_goal"), "not-opened"),
         (publish("plan"), "speaks-for-others"),
         (publish("hello"), "not-opened"),
         (SendGoal(action="arm/wave", type="p/action/X"), "not-opened"),

@@ -3,7 +3,8 @@
 import math
 import threading
 import time
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import rclpy
 from geometry_msgs.msg import PointStamped, Pose, PoseStamped, Twist
@@ -18,6 +19,7 @@ from std_msgs.msg import UInt32
 
 from tests.support.processes import wait_until
 
+T = TypeVar("T")
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -60,6 +62,14 @@ class Robot:
         self.node.create_subscription(
             kind, topic, lambda message: self.newest.__setitem__(topic, message), qos
         )
+
+    def do(self, work: Callable[[], T]) -> T:
+        """Do something on the executor's thread, and return what it returns.
+
+        rclpy's executor dies of what another thread destroys while it looks at it.
+        """
+        done: T = self.await_future(self._executor.create_task(work), 5, "the work")
+        return done
 
     def await_future(self, future: Any, timeout: float, what: str) -> Any:
         """The result of a future."""

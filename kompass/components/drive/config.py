@@ -41,6 +41,12 @@ class DriveManagerConfig(ComponentConfig):
         default=False, description="drive without a scan too; one that is there still counts"
     )
 
+    command_publishers: int = Field(
+        default=1,
+        ge=1,
+        description="nodes that may publish on each of its command topics; more stop the robot",
+    )
+
     @model_validator(mode="after")
     def _zones_nest(self) -> "DriveManagerConfig":
         if self.slowdown_zone_distance <= self.critical_zone_distance:

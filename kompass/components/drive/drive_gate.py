@@ -69,6 +69,8 @@ class GateInput:
         [s]
     stopped
         Whether STOP is latched.
+    intruded
+        Whether others publish where only the gate, or only one, may.
     """
 
     wanted: Twist2D | None
@@ -76,6 +78,7 @@ class GateInput:
     obstacles: NDArray[np.float64] | None
     odometry_age: float
     stopped: bool
+    intruded: bool = False
 
 
 @dataclass(frozen=True)
@@ -89,8 +92,8 @@ class Verdict:
     factor
         Share of the wanted twist that is allowed, 0 … 1.
     limited_by
-        "stop", "odometry stale", "scan stale", "obstacle" or "command stale"; empty when nothing
-        holds the robot back.
+        "stop", "second publisher", "odometry stale", "scan stale", "obstacle" or "command stale";
+        empty when nothing holds the robot back.
     emergency
         Whether a wanted motion is fully blocked by the stop zone, or, with none wanted, something
         is inside the critical zone the way that the robot went last.
@@ -159,6 +162,8 @@ class DriveGate:
         limits, wanted = self._limits, given.wanted
         if given.stopped:
             return 0.0, "stop"
+        if given.intruded:
+            return 0.0, "second publisher"
         if given.odometry_age > limits.odometry_timeout:
             return 0.0, "odometry stale"
         if limits.safety_stop:

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, ClassVar
 
@@ -29,6 +29,7 @@ from kompass.components.drive.command_queue import STILL, CommandQueue, Twist2D
 from kompass.components.drive.config import DriveManagerConfig
 from kompass.components.drive.drive_gate import DriveGate, GateInput, GateLimits
 from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
+from kompass.components.drive.publisher_watch import PublisherWatch, WatchedTopic
 from kompass.components.drive.stop_latch import StopLatch
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 from kompass.robot import RobotType
@@ -132,6 +133,7 @@ class DriveManager(Component):
 
     def custom_on_activate(self) -> None:
         self._location = LocationSource(self)
+        self._watch = PublisherWatch(self.node, self._watched_topics)
         self.input("command").on_message = self._on_command
         self.input("multi_command").on_message = self._on_commands
         self.input("location").on_message = self._on_location
@@ -196,6 +198,16 @@ class DriveManager(Component):
         if not self._busy:
             self._queue.put_array(message, time.monotonic())
 
+    def _watched_topics(self) -> list[WatchedTopic]:
+        """The topics on which nobody, or nobody else, may speak."""
+        own = frozenset({self.node_name})
+        most = self.config.command_publishers
+        heard = [self.input(key).topic.name for key in ("command", "multi_command")]
+        return [
+            *(WatchedTopic(topic.name, own) for topic in self._topics_out["robot_command"]),
+            *(WatchedTopic(name, others=most) for name in heard),
+        ]
+
     def _on_location(self, _message: object) -> None:
         self._standstill.update(self._location.speed(), time.monotonic())
 
@@ -235,7 +247,11 @@ class DriveManager(Component):
         wanted = self._wanted(now)
         obstacles = self._obstacles()
         odometry_age = self.input("location").age()
-        self._judge_health(obstacles is not None, odometry_age <= self.config.odometry_timeout)
+        intruders = self._watch.intruders(now)
+        if intruders:
+            self._judge_intruders(intruders)
+        else:
+            self._judge_health(obstacles is not None, odometry_age <= self.config.odometry_timeout)
         if self._latch.is_set:
             self._queue.clear()
         given = GateInput(
@@ -244,6 +260,7 @@ class DriveManager(Component):
             obstacles=obstacles,
             odometry_age=odometry_age,
             stopped=self._latch.is_set,
+            intruded=bool(intruders),
         )
         verdict = self._gate.judge(given, now)
         if verdict.twist is not None:
@@ -293,6 +310,13 @@ class DriveManager(Component):
                 self.publish("robot_command", message, index)
             else:
                 self.publish("robot_command", twist, index)
+
+    def _judge_intruders(self, intruders: Mapping[str, tuple[str, ...]]) -> None:
+        texts = [f"{' and '.join(nodes)} on /{topic}" for topic, nodes in intruders.items()]
+        self.health.set_fail_system(
+            topics=[f"/{topic}" for topic in intruders],
+            message=f"others publish past the gate or before it: {'; '.join(texts)}",
+        )
 
     def _judge_health(self, scan_known: bool, odometry_known: bool) -> None:
         scan, odometry = self.input("sensor_data"), self.input("location")

@@ -76,6 +76,7 @@ export function isUnderWay(goal: Goal | null): boolean {
 
 const HELD: Record<string, string> = {
   obstacle: "an obstacle is close",
+  "second publisher": "another program commands it, too",
   "scan stale": "the laser scan is late",
   "odometry stale": "the odometry is late",
   "command stale": "no commands arrive",

@@ -1,0 +1,1 @@
+"""Attacks on what the documents promise, by whoever might make them."""
