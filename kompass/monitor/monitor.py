@@ -44,6 +44,7 @@ FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
 REPEAT_PERIOD = 0.4  # s between repetitions for those who are silent
 RATE_PERIOD = 2.0  # s between two measurements of how fast messages come
 JOURNAL_PERIOD = 1.0  # s between looks at whether firings can be written down
+STORE_PERIOD = 5.0  # s between tries to write on a disk that was full at the start
 PROBATION_PERIOD = 0.2  # s between looks at the end of a probation
 
 
@@ -159,6 +160,11 @@ class Monitor:
             if active.overdue:
                 self._worker.post(tables.end_probation)
 
+        def look_at_store() -> None:
+            if not tables.has_recovered():
+                self._worker.post(tables.recover)
+
+        timers.every(STORE_PERIOD, look_at_store)
         timers.every(FIT_PERIOD, inputs.fit)
         timers.every(REPEAT_PERIOD, proxy.repeat)
         timers.every(RATE_PERIOD, graph.measure)

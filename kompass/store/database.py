@@ -19,6 +19,8 @@ BUSY_TIMEOUT = 5.0  # s; nobody else writes, but a person may look with another 
 COMPANIONS = ("-wal", "-shm", "-journal")
 _DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 
+_NO_ROOM = (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_CANTOPEN)
+
 
 class Format(NamedTuple):
     """What kind of file it is.
@@ -122,16 +124,26 @@ def _open(path: Path, kind: Format) -> sqlite3.Connection:
     elif path.stat().st_size == 0:
         # Ours are complete before they have this name.
         raise _Damaged("the file is empty")
+    try:
+        return _opened(path, kind)
+    except sqlite3.DatabaseError as error:
+        code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+        if code in _DAMAGE:
+            raise _Damaged(str(error)) from None
+        if code not in _NO_ROOM:
+            raise
+        # A full disk has no room for the write-ahead log's shared memory; who is alone needs none.
+        return _opened(path, kind, alone=True)
+
+
+def _opened(path: Path, kind: Format, *, alone: bool = False) -> sqlite3.Connection:
     connection = _connect(path)
     try:
+        if alone:
+            connection.execute("PRAGMA locking_mode = EXCLUSIVE")
         _configure(connection, kind)
         _examine(connection, path, kind)
         _migrate(connection, kind)
-    except sqlite3.DatabaseError as error:
-        connection.close()
-        if getattr(error, "sqlite_errorcode", 0) & 0xFF in _DAMAGE:
-            raise _Damaged(str(error)) from None
-        raise
     except BaseException:
         connection.close()
         raise

@@ -1,5 +1,6 @@
 """One process at a time writes a store."""
 
+import contextlib
 import fcntl
 import os
 from pathlib import Path
@@ -37,6 +38,7 @@ def take_lock(folder: Path) -> int:
             f"the rule store in {folder} is in use by {who}; stop that stack, or give this one a "
             "name (--name) or a folder (--data-dir) of its own"
         ) from None
-    os.ftruncate(descriptor, 0)
-    os.pwrite(descriptor, str(os.getpid()).encode(), 0)
+    with contextlib.suppress(OSError):  # a full disk: who holds the lock is told to people only
+        os.ftruncate(descriptor, 0)
+        os.pwrite(descriptor, str(os.getpid()).encode(), 0)
     return descriptor

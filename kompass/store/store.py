@@ -24,7 +24,13 @@ from kompass.rules.schema.table import Table, table_hash
 from kompass.store.backup import backup_of, read_backup, write_backup
 from kompass.store.boot import Boot, StoreFacts, choose
 from kompass.store.database import Format, open_database, transaction, unwritable
-from kompass.store.errors import StaleRevision, StoreClosed, StoreCorrupt, StoreError
+from kompass.store.errors import (
+    StaleRevision,
+    StoreClosed,
+    StoreCorrupt,
+    StoreError,
+    StoreUnwritable,
+)
 from kompass.store.journal import DEFAULT_BOUNDS, JournalBounds, JournalFile, Refusal
 from kompass.store.lock import take_lock
 from kompass.store.rebuild import rebuild
@@ -52,6 +58,8 @@ class RuleStore:
         self._guard = threading.RLock()
         self._recipe, self._epoch, self._stack = Table(), "", ""
         self._active = self._confirmed = self._copied = 0
+        # A start that the disk has not taken yet, and when it was.
+        self._unnoted: tuple[Boot, float] | None = None
         try:
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         except OSError as error:
@@ -150,28 +158,57 @@ class RuleStore:
         Returns
         -------
         Boot
-            With ``revision`` set, and with what there is to say of the files in ``notice``.
+            With ``revision`` set (0 for a table that the disk did not take), and with what there is
+            to say of the files in ``notice``.
         """
         now = self._clock()
         recipe = table_hash(recipe_table)
         boot = choose(self.facts(recipe_table), recipe_table, safe_mode, now)
-        with self._writing():
-            for number in boot.taken_back:
-                self._revisions.settle(number, "taken back", now, MONITOR, MONITOR)
-            number = boot.revision or self._append_boot(boot, recipe, now)
-            self._sql.execute(
-                "INSERT INTO lives (epoch, stack, machine, started, revision, safe_mode) "
-                "VALUES (?, ?, ?, ?, ?, ?)",
-                (epoch, stack, this_machine(), now, number, boot.safe_mode),
-            )
         self._recipe, self._epoch, self._stack = recipe_table, epoch, stack
-        self._active = number
+        self._unnoted = (boot, now)
+        full = ""
+        try:
+            with self._writing():
+                pass
+        except StoreUnwritable as error:
+            # What is confirmed can be read all the same. The start is noted with the next change.
+            self._active = boot.revision or 0
+            full = f"{error}; until then the rules can be used and not edited"
+            _logger.error("%s", full)
         self._confirmed = self._copied = self._revisions.pointers(recipe).confirmed
-        if boot.revision is None or self.notices:
+        if not full and (boot.revision is None or self.notices):
             self._back_up()
         self._journal.abandon(epoch, now)
-        notice = "\n".join(text for text in (*self.notices, boot.notice) if text)
-        return boot._replace(revision=number, notice=notice)
+        notice = "\n".join(text for text in (full, *self.notices, boot.notice) if text)
+        return boot._replace(revision=self._active, notice=notice)
+
+    def has_recovered(self) -> bool:
+        """Whether the disk has taken this start of the monitor; False while it takes nothing."""
+        return self._unnoted is None
+
+    def recover(self) -> None:
+        """Try to write down a start that the disk has not taken.
+
+        Raises
+        ------
+        StoreError
+            When it still takes nothing.
+        """
+        with self._writing():
+            pass
+        self._confirmed = self._revisions.pointers(table_hash(self._recipe)).confirmed
+
+    def _note_start(self, boot: Boot, now: float) -> None:
+        """Write down a start of the monitor, and what it has decided."""
+        for number in boot.taken_back:
+            self._revisions.settle(number, "taken back", now, MONITOR, MONITOR)
+        number = boot.revision or self._append_boot(boot, table_hash(self._recipe), now)
+        self._sql.execute(
+            "INSERT INTO lives (epoch, stack, machine, started, revision, safe_mode) "
+            "VALUES (?, ?, ?, ?, ?, ?)",
+            (self._epoch, self._stack, this_machine(), now, number, boot.safe_mode),
+        )
+        self._active = number
 
     def _append_boot(self, boot: Boot, recipe: str, now: float) -> int:
         pointers = self._revisions.pointers(recipe)
@@ -466,6 +503,10 @@ class RuleStore:
     def _writing(self) -> Iterator[None]:
         with self._guard:
             self._check_open()
+            if self._unnoted is not None:
+                with transaction(self._sql, self._path):
+                    self._note_start(*self._unnoted)
+                self._unnoted = None
             with transaction(self._sql, self._path):
                 yield
 

@@ -25,6 +25,7 @@ from kompass.rules.engine.step import initial_state
 from kompass.rules.schema.table import Table, table_hash
 from kompass.rules.schema.values import Verdict
 from kompass.store import RuleStore, StoreUnwritable
+from tests.support.disk import Databases
 from tests.support.rules import compare, rule
 
 BASE = [
@@ -92,10 +93,12 @@ class Changes:
         folder: Path,
         recipe: list[dict[str, Any]] | None = None,
         catalog: Catalog | None = None,
+        opened: Callable[[], None] = lambda: None,
     ) -> None:
         self.now = 1000.0
         self.recipe = Table.model_validate({"rules": BASE if recipe is None else recipe})
         self.store = RuleStore.open(folder, clock=lambda: self.now)
+        opened()
         boot = self.store.begin_session(self.recipe, epoch=f"session-{id(self)}", stack="s")
         assert boot.revision is not None
         self.engine, self.lints = LoneEngine(boot.table), NoLints()
@@ -412,6 +415,29 @@ def test_a_reset_rule_starts_afresh_and_makes_no_revision(changes: Changes) -> N
     assert changes.engine.state.rules[0].fired == 0
     assert changes.manager.in_force.revision == 1
     assert changes.said == ["ann has reset the rule 'first'"]
+
+
+def test_after_a_start_on_a_read_only_disk_the_rules_can_be_edited_again_once_it_is_writable(
+    tmp_path: Path, databases: Databases
+) -> None:
+    first = Changes(tmp_path)
+    assert first.apply([*BASE, NEW], probation=0.0).ok
+    first.store.close()
+    changes = Changes(tmp_path, opened=lambda: databases.write_protect("rules.db"))
+    kept = changes.manager.in_force
+    assert (kept.revision, kept.table) == (2, first.manager.in_force.table)
+    assert "make the disk and the file writable" in kept.notice
+    assert changes.apply(BASE).outcome == "failed"
+    changes.manager.recover()
+    assert not changes.manager.has_recovered()
+    databases.allow_writing("rules.db")
+    changes.manager.recover()
+    assert changes.manager.has_recovered()
+    assert changes.manager.in_force == kept._replace(notice="")
+    assert changes.said == ["the disk takes changes of the rules again"]
+    changes.manager.recover()
+    assert len(changes.said) == 1
+    assert changes.apply(BASE, probation=0.0).revision == 3
 
 
 def test_without_a_store_rules_can_be_seen_and_not_changed() -> None:

@@ -1,7 +1,10 @@
 """Damaged, foreign, newer, busy, full and read-only files: said clearly, and nothing is lost."""
 
 import os
+import shlex
 import sqlite3
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -233,3 +236,18 @@ def test_a_journal_on_a_full_disk_loses_entries_and_says_so(
     databases.make_room("journal.db")
     kept = robot.store.record_firing(entry(text="again"))
     assert robot.store.journal(count=1).firings == (kept,)
+
+
+@pytest.mark.parametrize("ended", ["stopped", "killed"])
+def test_a_start_on_a_full_disk_has_the_confirmed_table_and_is_noted_when_there_is_room(
+    tmp_path: Path, ended: str
+) -> None:
+    # SQLite looks through /proc, so all of it happens where the small disk is mounted.
+    mount = f"mount -t tmpfs -o size=512k none {tmp_path}"
+    inside = ("unshare", "--user", "--map-root-user", "--mount", "sh", "-c")
+    if subprocess.run([*inside, mount], check=False, capture_output=True).returncode:
+        pytest.skip("this machine lets nobody mount a disk of their own")
+    python = shlex.join([sys.executable, str(Path(__file__).with_name("full_disk.py"))])
+    command = [*inside, f"{mount} && exec {python} {tmp_path} {ended}"]
+    ran = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr

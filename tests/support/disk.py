@@ -48,6 +48,10 @@ class Databases:
         """Let the disk become read-only."""
         self._opened[name].execute("PRAGMA query_only = 1")
 
+    def allow_writing(self, name: str) -> None:
+        """Let it be written again."""
+        self._opened[name].execute("PRAGMA query_only = 0")
+
     @contextmanager
     def hanging(self, name: str) -> Iterator[None]:
         """Let whoever reads or writes a file wait until the end of the block."""

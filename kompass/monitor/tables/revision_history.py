@@ -40,6 +40,10 @@ class RevisionHistory:
             raise StoreError(self._reason() or "rules cannot be stored on this robot")
         return self._store
 
+    def has_recovered(self) -> bool:
+        """Whether the store takes changes; True, too, where there is none to wait for."""
+        return self._store is None or self._store.has_recovered()
+
     def forget_use(self, rule_id: str) -> None:
         """Let a rule that fires once only fire again; without a store nothing was kept."""
         if self._store is not None:

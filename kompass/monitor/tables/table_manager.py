@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 
 from kompass.monitor.live_engine import LiveEngine
 from kompass.monitor.tables.active_table import ActiveTable
@@ -227,6 +228,20 @@ class TableManager:
             self._engine.swap(compile_table(now.table), now.revision, [rule_id], "")
             self._announce(f"{who.author or who.role} has reset the rule '{rule_id}'")
             return ChangeAnswer("applied", f"'{rule_id}' starts afresh", now.revision)
+
+    def has_recovered(self) -> bool:
+        """Whether changes can be stored, or never could be."""
+        return self._history.has_recovered()
+
+    def recover(self) -> None:
+        """Go back to work once a disk that took nothing at the start takes something again."""
+        with self._lock, suppress(StoreError):
+            if self.has_recovered():
+                return
+            self._history.store.recover()
+            now = self.in_force
+            self._active.keep(now.table, self._history.store.active)
+            self._announce("the disk takes changes of the rules again")
 
     def end_probation(self) -> None:
         """Take the table back if its probation has ended; to be called at its end."""
