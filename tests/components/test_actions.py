@@ -1,7 +1,6 @@
 """Rules reach a component through its services, and through nothing that is not marked."""
 
 import json
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -26,6 +25,7 @@ class Worker(Component):
         super().__init__("worker")
         self.steps = 0
         self.configured = 0
+        self.slow_begun = False
         self.broken = False
 
     def custom_on_configure(self) -> None:
@@ -39,6 +39,7 @@ class Worker(Component):
     @component_action
     async def slow(self, *, seconds: float) -> bool:
         """Takes its time."""
+        self.slow_begun = True
         await self.sleep(seconds)
         return True
 
@@ -150,7 +151,7 @@ def test_the_loop_and_other_actions_go_on_during_a_long_action(run: Run) -> None
     alive = run(worker)
     request = ExecuteMethod.Request(name="slow", kwargs_json='{"seconds": 0.6}')
     slow = alive.begin(ExecuteMethod, "execute_method", request)
-    time.sleep(0.1)
+    wait_until(lambda: worker.slow_begun, 5, "the long action")
     before = worker.steps
     assert alive.execute("add", a=1).success
     assert slow() is None, "the short action waited for the long one"
