@@ -11,7 +11,7 @@ import typer
 
 from kompass.simulation.faults.fault_names import FAULTS
 from kompass_console.cli_error import CliError
-from kompass_console.domain import choose_domain
+from kompass_console.domain import Network, choose_domain
 from kompass_console.rules_cli.app import app as rules
 
 # What each command needs is imported when it runs: help answers at once, and Ctrl-C during the
@@ -104,6 +104,7 @@ def run(
     port: Port = 8642,
     no_browser: NoBrowser = False,
     domain_id: DomainId = None,
+    network: Network = None,
     name: Name = None,
     token: Token = None,
     data_dir: DataDir = None,
@@ -114,13 +115,13 @@ def run(
     """Run a recipe, and the console beside it."""
     if not recipe.is_file():
         raise CliError(2, f"there is no recipe {recipe}; give the path of a Python file")
-    choose_domain(domain_id, alone=sim is not None)
+    ros = choose_domain(domain_id, network)
     if single_process:
         os.environ["KOMPASS_MULTI_PROCESSING"] = "0"
     from kompass_console.stack import ConsoleListener, run_recipe
 
     robot = _prepare(name, sim, data_dir, safe_mode=safe_mode, no_record=no_record)
-    console = ConsoleListener(host, port, not no_browser, robot, token)
+    console = ConsoleListener(host, port, not no_browser, robot, token, ros)
     run_recipe(recipe, console, sim, fault or [])
 
 
@@ -132,6 +133,7 @@ def demo(
     port: Port = 8642,
     no_browser: NoBrowser = False,
     domain_id: DomainId = None,
+    network: Network = None,
     name: Name = None,
     token: Token = None,
     data_dir: DataDir = None,
@@ -139,12 +141,12 @@ def demo(
     no_record: NoRecord = False,
 ) -> None:
     """Try it: an embedded robot, the navigation stack and the console."""
-    choose_domain(domain_id, alone=True)
+    ros = choose_domain(domain_id, network)
     from kompass.share import recipe_path
     from kompass_console.stack import ConsoleListener, run_recipe
 
     robot = _prepare(name, world, data_dir, safe_mode=safe_mode, no_record=no_record)
-    console = ConsoleListener(host, port, not no_browser, robot, token)
+    console = ConsoleListener(host, port, not no_browser, robot, token, ros)
     run_recipe(recipe_path("01_point_navigation.py"), console, world, fault or [])
 
 
@@ -154,14 +156,16 @@ def attach(
     port: Port = 8642,
     no_browser: NoBrowser = False,
     domain_id: DomainId = None,
+    network: Network = None,
     name: Name = None,
     token: Token = None,
 ) -> None:
     """Show a stack that something else started, on this machine or another of the ROS domain."""
-    choose_domain(domain_id, alone=False)
+    ros = choose_domain(domain_id, network)
     from kompass_console.stack import ConsoleListener, run_attached
 
-    run_attached(ConsoleListener(host, port, not no_browser, name or _robot_name(None), token))
+    robot = name or _robot_name(None)
+    run_attached(ConsoleListener(host, port, not no_browser, robot, token, ros))
 
 
 def _prepare(

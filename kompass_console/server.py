@@ -8,7 +8,8 @@ import logging
 import signal
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Coroutine, Iterator, Sequence
+from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
@@ -33,12 +34,19 @@ _logger = logging.getLogger(__name__)
 # Unsent bytes the kernel may hold per connection. More would be a queue of old pictures in front
 # of a slow tablet; what waits here instead is replaced by what is newer.
 _NOT_SENT_LOW_WATER = 16_384
+MEET = 5.0  # s
 
 
 def run_console(
-    sock: socket.socket, settings: ConsoleSettings, *, stop: threading.Event | None = None
+    sock: socket.socket,
+    settings: ConsoleSettings,
+    *,
+    stop: threading.Event | None = None,
+    alone: Callable[[], None] | None = None,
 ) -> None:
     """Serve the console on a bound TCP socket until SIGTERM, SIGINT or `stop`.
+
+    ``alone`` is called once if nobody else was met over ROS within `MEET` seconds.
 
     Call it in a process of its own (forked before rclpy.init) or in the main process. It returns
     within a second of being told to; nobody is waited for who still has the page open.
@@ -53,7 +61,10 @@ def run_console(
     # the second half of every small answer waits 40 ms for the browser's acknowledgement.
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     with running_console(settings) as console:
-        asyncio.run(_serve(sock, create_app(console), stop))
+        beside: list[Coroutine[Any, Any, None]] = []
+        if alone is not None:
+            beside.append(_look_round(console.link, alone))
+        asyncio.run(_serve(sock, create_app(console), stop, beside))
 
 
 @contextlib.contextmanager
@@ -84,7 +95,12 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
         )
 
 
-async def _serve(sock: socket.socket, app: FastAPI, stop: threading.Event | None) -> None:
+async def _serve(
+    sock: socket.socket,
+    app: FastAPI,
+    stop: threading.Event | None,
+    beside: Sequence[Coroutine[Any, Any, None]],
+) -> None:
     config = uvicorn.Config(
         app,
         log_level="warning",
@@ -102,12 +118,14 @@ async def _serve(sock: socket.socket, app: FastAPI, stop: threading.Event | None
     if threading.current_thread() is threading.main_thread():
         for number in (signal.SIGTERM, signal.SIGINT):
             loop.add_signal_handler(number, server.end)
-    watching = None if stop is None else asyncio.create_task(_watch(stop, server))
+    watching = [asyncio.create_task(one) for one in beside]
+    if stop is not None:
+        watching.append(asyncio.create_task(_watch(stop, server)))
     try:
         await server.serve(sockets=[sock])
     finally:
-        if watching is not None:
-            watching.cancel()
+        for task in watching:
+            task.cancel()
 
 
 class _Server(uvicorn.Server):
@@ -130,3 +148,9 @@ async def _watch(stop: threading.Event, server: _Server) -> None:
     while not stop.is_set():
         await asyncio.sleep(0.05)
     server.end()
+
+
+async def _look_round(link: RosLink, alone: Callable[[], None]) -> None:
+    await asyncio.sleep(MEET)
+    if not link.meets_somebody:
+        alone()

@@ -24,17 +24,19 @@ from kompass.supervisor.instance_lock import AlreadyRunning
 from kompass.supervisor.process import ProcessSpec, Report
 from kompass.supervisor.supervisor import StartupError
 from kompass_console.cli_error import CliError
+from kompass_console.domain import look_elsewhere, where
 
 
 @dataclass
 class ConsoleListener:
-    """Where the console listens, and who may come in."""
+    """Where the console listens, who may come in, and where the robot is looked for."""
 
     host: str
     port: int
     open_browser: bool
     robot_name: str
     token: str | None
+    ros: str  # domain and network, in words
 
     def __post_init__(self) -> None:
         if self.token is not None and len(self.token) < 16:
@@ -74,13 +76,15 @@ class ConsoleListener:
         typer.echo(
             f"\n  Console:    {self.url()}"
             f"\n  To watch:   {self.url('viewer')}"
-            f"\n  Engineer:   {self.url('engineer')}\n"
+            f"\n  Engineer:   {self.url('engineer')}"
+            f"\n  Robot:      {self.ros}\n"
         )
 
     def serve(self, report: Report | None = None) -> None:
         """Serve until SIGTERM or SIGINT.
 
-        With a ``report`` it is the robot's own console, and the recordings are at hand.
+        With a ``report`` it is the robot's own console, and the recordings are at hand. Without
+        one it is told in the terminal when no robot is found.
         """
         from kompass_console.server import run_console
         from kompass_console.settings import ConsoleSettings
@@ -97,7 +101,10 @@ class ConsoleListener:
         if self.open_browser and sys.stdout.isatty() and _has_screen():
             # The socket listens already, so the page waits for the server and not the reverse.
             threading.Thread(target=webbrowser.open, args=(self.url(),), daemon=True).start()
-        run_console(self.socket, settings)
+        run_console(self.socket, settings, alone=self._tell_alone if report is None else None)
+
+    def _tell_alone(self) -> None:
+        typer.echo(f"No robot is found on {where()} so far; {look_elsewhere()}.", err=True)
 
 
 def _recordings() -> Path | None:

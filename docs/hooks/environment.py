@@ -5,15 +5,15 @@ from __future__ import annotations
 from docs.hooks.markup import code, table
 from kompass.launch.environment import MIDDLEWARE
 from kompass.monitor.settings import DEFAULT_PROBATION, PROBATION, SAFE_MODE
-from kompass.rclpy_ext.middleware import RANGE
+from kompass.rclpy_ext.middleware import PEERS, RANGE
 from kompass.recorder.clip_policy import SETTING as KEEP_FIRINGS
 from kompass.recorder.process import SETTING as RECORD
 from kompass.store.paths import DATA_DIR, ROBOT_NAME, STATE_HOME
 
 INTRODUCTION = """# Environment variables
 
-An option of the command line comes before its variable. `kompass-console rules` reads
-`ROS_DOMAIN_ID` alone.
+An option of the command line comes before its variable. `kompass-console rules` reads those of ROS
+alone. A recipe that is run with Python alone, without `kompass-console`, has ROS's own defaults.
 """
 # name, option, default, meaning
 VARIABLES: tuple[tuple[str, str, str, str], ...] = (
@@ -49,10 +49,11 @@ VARIABLES: tuple[tuple[str, str, str, str], ...] = (
     ("ROS_DOMAIN_ID", "--domain-id", "0", "ROS domain."),
     (
         RANGE,
-        "",
-        "SUBNET; LOCALHOST with `--sim` and `demo`",
-        "How far ROS looks for other programs: `LOCALHOST`, `SUBNET`, `OFF`.",
+        "--network",
+        "LOCALHOST; ROS's own is SUBNET",
+        "Who is met over ROS: `LOCALHOST`, `SUBNET`, `OFF`.",
     ),
+    (PEERS, "--network", "none", "Machines that are met besides, with `;` between."),
     (MIDDLEWARE, "", "rmw_fastrtps_cpp", "ROS middleware; must be installed in this environment."),
     (
         "ROS_DISTRO",

@@ -23,6 +23,7 @@ Only an executor can empty a subscription                  ``subscription``
 Logging looks at files, and raises at a second severity    ``log``
 A reader does not follow what its publishers offer         ``qos``
 Shared memory hangs when a process dies while it sends     ``middleware``       rmw_fastrtps 908
+LOCALHOST answers a neighbour that names us as its peer    ``middleware``
 ========================================================== ==================== ================
 
 ``messages`` and ``topic`` mend nothing: they turn messages into plain data, and topics as recipes

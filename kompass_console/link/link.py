@@ -33,6 +33,7 @@ from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 
 NODE_NAME = "kompass_console"
+_WHO_LOOK = (NODE_NAME, "rules_cli_")
 CHECK_TIMEOUT = 2.0  # s
 CANCEL_TIMEOUT = 2.0  # s
 
@@ -121,6 +122,11 @@ class RosLink:
         """Whether components of ours are there, whose planner has to be asked before a goal is
         sent. Not so where the console is attached to another navigation stack."""
         return bool(self.components.names) or self.goals.action_there
+
+    @property
+    def meets_somebody(self) -> bool:
+        """Whether anybody is on the graph but consoles and command lines, who look themselves."""
+        return any(not name.startswith(_WHO_LOOK) for name in self._node.get_node_names())
 
     async def check_goal(self, x: float, y: float, yaw: float | None) -> CheckAnswer:
         """Ask the planner about a goal (m, rad, map frame).

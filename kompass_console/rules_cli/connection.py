@@ -26,6 +26,7 @@ from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass.rulebook.schema.report import CheckReport, Conflict
 from kompass.rulebook.schema.status import RuleStatus
 from kompass_console.cli_error import CliError
+from kompass_console.domain import look_elsewhere, where
 
 SEARCH = 5.0  # s for a monitor to be found
 SETTLE = 0.3  # s for a second one to be found too
@@ -190,18 +191,17 @@ class MonitorConnection:
         if self._spin(look, SEARCH):
             self._spin(lambda: False, SETTLE)
             look()
-        domain = os.environ.get("ROS_DOMAIN_ID") or "0"
         if not found:
-            where = "" if wanted is None else f" in the namespace {wanted}"
+            named = "" if wanted is None else f" in the namespace {wanted}"
             raise CliError(
                 REFUSED,
-                f"no monitor was found on ROS domain {domain}{where} within {SEARCH:g} s; start a "
-                "stack with 'kompass-console run', or give its --domain-id and --namespace",
+                f"no monitor was found on {where()}{named} within {SEARCH:g} s; start a stack with "
+                f"'kompass-console run', or give its --namespace; {look_elsewhere()}",
             )
         if len(found) > 1:
             raise CliError(
                 2,
-                f"there are {len(found)} monitors on ROS domain {domain}: {', '.join(found)}; "
+                f"there are {len(found)} monitors on {where()}: {', '.join(found)}; "
                 "choose one with --namespace",
             )
         return found[0]

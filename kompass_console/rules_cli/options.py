@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from kompass_console.cli_error import CliError
+from kompass_console.domain import Network, choose_domain
 
 # Models and ROS are imported when a command runs: help answers at once.
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ class RobotOptions(NamedTuple):
     """The robot that a command is for, and how to print what it says."""
 
     domain_id: int | None
+    network: str | None
     namespace: str | None
     timeout: float
     json: bool
@@ -57,9 +59,7 @@ class RobotOptions(NamedTuple):
         CliError
             When there is none.
         """
-        from kompass_console.domain import choose_domain
-
-        choose_domain(self.domain_id, alone=False)
+        choose_domain(self.domain_id, self.network)
         from kompass_console.rules_cli.connection import MonitorConnection
 
         return MonitorConnection(self.namespace, self.timeout)
@@ -98,6 +98,7 @@ def _option(name: str, annotation: Any, default: Any) -> inspect.Parameter:
 
 _COMMON = (
     _option("domain_id", DomainId, None),
+    _option("network", Network, None),
     _option("namespace", Namespace, None),
     _option("timeout", Timeout, 10.0),
     _option("json", Json, False),

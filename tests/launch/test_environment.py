@@ -5,7 +5,14 @@ from pathlib import Path
 import pytest
 
 from kompass.launch.environment import EnvironmentProblem, check_environment
-from kompass.rclpy_ext.middleware import PROFILES, RANGE, TRANSPORTS, prepare_middleware
+from kompass.rclpy_ext.middleware import (
+    MIDDLEWARE,
+    PEERS,
+    PROFILES,
+    RANGE,
+    TRANSPORTS,
+    prepare_middleware,
+)
 from kompass.supervisor.instance_lock import AlreadyRunning, lock_instance
 
 
@@ -28,6 +35,49 @@ def test_what_the_user_has_chosen_stays() -> None:
     environment = {RANGE: "LOCALHOST", PROFILES: "/etc/mine.xml"}
     prepare_middleware(environment)
     assert environment == {RANGE: "LOCALHOST", PROFILES: "/etc/mine.xml"}
+
+
+def test_peers_of_this_machine_are_looked_for_without_shared_memory(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    environment = {RANGE: "LOCALHOST", PEERS: "198.51.100.7; 198.51.100.8"}
+    prepare_middleware(environment)
+    text = Path(environment[PROFILES]).read_text()
+    for address in ("127.0.0.1", "198.51.100.7", "198.51.100.8"):
+        assert f"<address>{address}</address>" in text
+    assert "SHM" not in text
+
+
+def test_a_peer_that_is_not_known_opens_nothing(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    environment = {RANGE: "LOCALHOST", PEERS: "198.51.100.7;no such name"}
+    prepare_middleware(environment)
+    assert environment[RANGE] == "LOCALHOST"
+    assert PROFILES not in environment
+
+
+def test_another_middleware_is_told_of_the_range_itself() -> None:
+    environment = {RANGE: "LOCALHOST", MIDDLEWARE: "rmw_cyclonedds_cpp"}
+    prepare_middleware(environment)
+    assert environment == {RANGE: "LOCALHOST", MIDDLEWARE: "rmw_cyclonedds_cpp"}
+
+
+def test_a_folder_that_others_own_does_not_say_who_is_met(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    import os
+
+    if os.getuid() != 0:
+        pytest.skip("only root can give a folder to somebody else")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    folder = tmp_path / f"kompass-{os.getuid()}"
+    folder.mkdir()
+    os.chown(folder, 65534, 65534)
+    with pytest.raises(PermissionError, match="set XDG_RUNTIME_DIR"):
+        prepare_middleware({RANGE: "LOCALHOST", PEERS: "198.51.100.7"})
 
 
 def test_a_missing_middleware_is_told_with_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 
 from tests.support.domains import give_back, next_domain
@@ -18,14 +19,26 @@ RECIPE = Path(__file__).parents[2] / "recipes" / "01_point_navigation.py"
 
 
 class Stack:
-    """``kompass-console ARGUMENTS``, with its output at hand and a data folder of its own."""
+    """``kompass-console ARGUMENTS``, with its output at hand and a data folder of its own.
 
-    def __init__(self, *arguments: str, domain: int | None = None, **environment: str) -> None:
+    Parameters
+    ----------
+    through
+        A command that starts it, with its arguments.
+    """
+
+    def __init__(
+        self,
+        *arguments: str,
+        domain: int | None = None,
+        through: Sequence[str] = (),
+        **environment: str,
+    ) -> None:
         self._own_domain = domain is None
         self.domain = next_domain(stack=True) if domain is None else domain
         self._data = tempfile.TemporaryDirectory(prefix="kompass-data-")
         self.data_dir = Path(environment.get("KOMPASS_DATA_DIR", self._data.name))
-        command = [str(Path(sys.executable).with_name("kompass-console")), *arguments]
+        command = [*through, str(Path(sys.executable).with_name("kompass-console")), *arguments]
         self.process = subprocess.Popen(
             command,
             stdout=subprocess.PIPE,
