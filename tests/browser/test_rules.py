@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from tests.browser.conftest import OpenPage
+from tests.browser.console_page import UNCOVERED
 from tests.browser.rules_page import RulesPage
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
@@ -251,6 +252,74 @@ def test_rules_are_a_tab_of_a_small_screen_and_stop_stays_free(
     expect(rules.get("cooldown")).to_be_visible()
     _stop_is_free(page.get("stop-button"))
     assert page.page.evaluate("() => document.documentElement.scrollWidth") <= width
+
+
+# As high as Mantine goes, over the whole page: a dialog, a drawer, a notification.
+DIALOG = """() => {
+  const dialog = document.createElement("div");
+  dialog.style = "position: fixed; inset: 0; z-index: 9999; background: rgb(0 0 0 / 40%)";
+  document.body.append(dialog);
+}"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)], ids=["wide", "phone"])
+def test_nothing_is_ever_laid_over_stop(
+    new_page: OpenPage, width: int, height: int, theme: str
+) -> None:
+    phone = width < 560
+    page = new_page(width, height, has_touch=phone, color_scheme=theme)
+    rules = RulesPage.opened(page, TOKEN, "tab-rules" if phone else "rules")
+    stop = page.get("stop-button")
+    rules.get("rule-menu").last.click()
+    expect(page.page.get_by_role("menu")).to_be_visible()
+    assert stop.evaluate(UNCOVERED)
+    page.page.keyboard.press("Escape")
+    rules.edit(STUCK)
+    lists = rules.get("rule-editor").locator("input[aria-haspopup=listbox]")
+    assert lists.count() > 3
+    for each in lists.all():
+        each.evaluate("(element) => element.scrollIntoView({ block: 'end' })")
+        each.click()
+        expect(page.page.get_by_role("listbox")).to_be_visible()
+        assert stop.evaluate(UNCOVERED), each.get_attribute("data-testid")
+        page.page.keyboard.press("Escape")
+    page.page.evaluate(DIALOG)
+    assert stop.evaluate(UNCOVERED)
+
+
+def test_the_space_bar_stops_wherever_it_is_no_text(rules: RulesPage, robot: Robot) -> None:
+    page = rules.page
+    keys = page.page.keyboard
+
+    def stops_by(chord: str) -> None:
+        with page.page.expect_request("**/api/stop"):
+            keys.press(chord)
+
+    rules.edit(STUCK)
+    severity, listbox = rules.get("severity"), page.page.get_by_role("listbox")
+    severity.focus()
+    stops_by("Space")
+    expect(listbox).to_be_hidden()
+    severity.click()
+    expect(listbox).to_be_visible()
+    stops_by("Space")
+    page.page.keyboard.press("Escape")
+    rules.get("editor-back").focus()
+    stops_by("Space")
+    expect(rules.get("rule-editor")).to_be_visible()
+    name = rules.get("rule-name")
+    name.fill("A")
+    name.press_sequentially(" name")
+    expect(name).to_have_value("A name")
+    stops_by("Control+Space")
+    expect(name).to_have_value("A name")
+    # A list that is searched takes text, too.
+    rules.get("add-action").click()
+    stops_by("Control+Space")
+    expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped")
+    assert robot.newest["/drive_state"].stopped
+    robot.release()
 
 
 def _kill(stack: Stack, process: str) -> None:

@@ -18,6 +18,7 @@ import { useView, type ViewHandle } from "../scene/useView";
 import { useSession } from "../session/SessionContext";
 import { RobotProvider } from "../state/RobotContext";
 import { StopBand } from "../stop/StopBand";
+import { StopButton } from "../stop/StopButton";
 import { StopProvider } from "../stop/StopContext";
 import { Band } from "../ui/Band";
 import { BottomPanel } from "./BottomPanel";
@@ -94,23 +95,26 @@ function Workplace() {
   });
 
   return (
-    <div className={classes.page} data-rules={rules.open || undefined}>
-      <TopBar />
-      <main className={scene.scene}>
-        <SceneStack handle={handle} goal={goal} />
-        {helpOpen && <HelpPanel onClose={() => setHelpOpen(false)} />}
-      </main>
-      <ToolRail
-        scene={handle}
-        goal={goal}
-        layersOpen={layersOpen}
-        onLayers={setLayersOpen}
-        helpOpen={helpOpen}
-        onHelp={() => setHelpOpen(!helpOpen)}
-      />
-      <StatusLine />
-      {narrow ? <BottomPanel startOpen={!phone} /> : <SidePanel />}
-    </div>
+    <>
+      <div className={classes.page} data-rules={rules.open || undefined}>
+        <TopBar />
+        <main className={scene.scene}>
+          <SceneStack handle={handle} goal={goal} />
+          {helpOpen && <HelpPanel onClose={() => setHelpOpen(false)} />}
+        </main>
+        <ToolRail
+          scene={handle}
+          goal={goal}
+          layersOpen={layersOpen}
+          onLayers={setLayersOpen}
+          helpOpen={helpOpen}
+          onHelp={() => setHelpOpen(!helpOpen)}
+        />
+        <StatusLine />
+        {narrow ? <BottomPanel startOpen={!phone} /> : <SidePanel />}
+      </div>
+      <StopButton />
+    </>
   );
 }
 
