@@ -90,6 +90,7 @@ class ConsoleListener:
                 "robot_name": self.robot_name,
                 "access_tokens": self.tokens,
                 "recordings": None if report is None else _recordings(),
+                "audit_folder": _audit_folder(self.robot_name),
             }
         )
         if report is not None:
@@ -108,6 +109,18 @@ def _recordings() -> Path | None:
     try:
         return recordings_folder()
     except StoreUnwritable:  # the stack runs without a store, and has said so
+        return None
+
+
+def _audit_folder(robot: str) -> Path | None:
+    """Where this machine keeps what is done to the robot; None where it can keep nothing."""
+    from kompass.store.errors import StoreUnwritable
+    from kompass.store.paths import ROBOT_NAME
+    from kompass_console.audit.files import audit_folder
+
+    try:
+        return audit_folder({**os.environ, ROBOT_NAME: robot})
+    except StoreUnwritable:  # the console says so
         return None
 
 

@@ -37,13 +37,13 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     ),
     "kompass.components": (("base", "topics_keys"), ("controller", "drive", "mapping", "planner")),
     "kompass_console": (
-        ("cli_error", "recordings", "schema"),
+        ("audit", "cli_error", "recordings", "schema"),
         ("domain", "settings"),
         ("link", "scene"),
         ("web",),
         ("api",),
         ("openapi", "server"),
-        ("rules_cli", "stack"),
+        ("audit_cli", "rules_cli", "stack"),
         ("cli",),
     ),
 }
