@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import runpy
 import secrets
@@ -20,6 +21,7 @@ from pydantic import ValidationError
 
 from kompass.launch.companions import add_companion
 from kompass.launch.environment import EnvironmentProblem
+from kompass.printable import log_to_terminal
 from kompass.supervisor.instance_lock import AlreadyRunning
 from kompass.supervisor.process import ProcessSpec, Report
 from kompass.supervisor.supervisor import StartupError
@@ -93,6 +95,7 @@ class ConsoleListener:
                 "audit_folder": _audit_folder(self.robot_name),
             }
         )
+        log_to_terminal("kompass_console", logging.WARNING)
         if report is not None:
             report("active console")
         if self.open_browser and sys.stdout.isatty() and _has_screen():

@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1]
 # own, and nothing of its own layer but itself. A new part gets a place here.
 LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass": (
-        ("algorithms", "rules", "settings", "share", "supervisor"),
+        ("algorithms", "printable", "rules", "settings", "share", "supervisor"),
         ("expressions", "robot", "rulebook"),
         ("rclpy_ext",),
         ("backtest",),

@@ -27,6 +27,7 @@ from kompass.store.database import Format, open_database, transaction, unwritabl
 from kompass.store.errors import StaleRevision, StoreClosed, StoreCorrupt, StoreError
 from kompass.store.journal import DEFAULT_BOUNDS, JournalBounds, JournalFile, Refusal
 from kompass.store.lock import take_lock
+from kompass.store.private import private_folder
 from kompass.store.rebuild import rebuild
 from kompass.store.revisions import Outcome, RevisionEntry, Revisions
 from kompass.store.schema import RULES, RULES_ID
@@ -53,7 +54,7 @@ class RuleStore:
         self._recipe, self._epoch, self._stack = Table(), "", ""
         self._active = self._confirmed = self._copied = 0
         try:
-            folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            private_folder(folder)
         except OSError as error:
             raise unwritable(folder, error) from None
         self._lock = take_lock(folder)
