@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
+from kompass_console.audit.verify import verify
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import UNCOVERED
 from tests.browser.rules_page import RulesPage
@@ -232,6 +233,51 @@ def test_a_viewer_reads_everything_and_can_change_nothing(new_page: OpenPage, st
         assert answer.status == 403, path
         assert "viewer" in answer.json()["detail"]["title"]
     assert rules.revision == revision
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)], ids=["wide", "phone"])
+def test_an_engineer_sees_who_did_what_and_everybody_when_that_is_not_written(
+    new_page: OpenPage, stack: Stack, robot: Robot, width: int, height: int
+) -> None:
+    found = re.search(r"Engineer:\s+\S+#token=(\S+)", stack.output)
+    assert found
+    opener = "tab-rules" if width < 560 else "rules"
+    operator = RulesPage.opened(new_page(width, height), TOKEN, opener)
+    expect(operator.get("rules-tab-audit")).to_have_count(0)
+    operator.page.post("/api/stop", {"reason": "a child on the floor"})
+    operator.page.post("/api/stop/release", None)
+    for _ in range(60):
+        operator.page.post("/api/rules/confirm", {"revision": 4000})
+    rules = RulesPage.opened(new_page(width, height), found[1], opener)
+    rules.get("rules-tab-audit").click()
+    lines = rules.get("audit").locator("tbody tr")
+    expect(lines).to_have_count(50)
+    rules.get("audit-older").click()
+    expect(lines).not_to_have_count(50)
+    rules.get("audit-filter").fill("a CHILD")
+    expect(lines.first).to_contain_text("operator")
+    expect(lines.first).to_contain_text("stop")
+    expect(lines.first).to_contain_text("reason: a child on the floor")
+    expect(lines.first).to_contain_text("127.0.0.1")
+    rules.page.keep(f"audit-{width}")
+    assert rules.page.page.evaluate("() => document.documentElement.scrollWidth") <= width
+    with rules.page.page.expect_download() as download:
+        rules.get("audit-export").click()
+    assert verify(download.value.path()).broken == ""
+
+    [folder] = stack.data_dir.glob("*/audit")
+    folder.rename(folder.with_name("audit-elsewhere"))
+    folder.write_text("no folder")
+    try:
+        operator.page.post("/api/stop", {"reason": "all the same"})
+        assert robot.newest["/drive_state"].stopped
+        operator.get("rules-close").click()
+        expect(operator.get("audit-band")).to_contain_text("The audit log is not written")
+    finally:
+        folder.unlink()
+        folder.with_name("audit-elsewhere").rename(folder)
+    expect(operator.get("audit-band")).to_be_hidden(timeout=10_000)
+    robot.release()
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (820, 1180)], ids=["phone", "tablet"])

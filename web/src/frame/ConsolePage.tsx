@@ -21,6 +21,7 @@ import { StopBand } from "../stop/StopBand";
 import { StopButton } from "../stop/StopButton";
 import { StopProvider } from "../stop/StopContext";
 import { Band } from "../ui/Band";
+import { AuditBand } from "./AuditBand";
 import { BottomPanel } from "./BottomPanel";
 import classes from "./ConsolePage.module.css";
 import { HelpPanel } from "./HelpPanel";
@@ -143,6 +144,7 @@ function SceneStack({ handle, goal }: { handle: ViewHandle; goal: GoalTool }) {
         <StopBand />
         <StaleBand />
         <DriveBand />
+        <AuditBand />
         <AlarmsBand />
         {!rulesOpen && <ProbationBand />}
         {view !== null && error !== null && (
