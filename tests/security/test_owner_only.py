@@ -7,6 +7,8 @@ from pathlib import Path
 import httpx
 import pytest
 
+from kompass_console.audit.read import lines_after
+from kompass_console.audit.verify import verify
 from tests.support.processes import wait_until
 from tests.support.stack import TOKEN, Stack
 
@@ -45,6 +47,10 @@ def test_every_file_and_folder_of_a_run_is_its_owners_alone(tmp_path: Path) -> N
         while_it_runs = modes(folder)
     finally:
         stack.close()
+    [log] = folder.glob("*/audit")
+    assert verify(log).broken == ""
+    deeds = [line["what"] for line in lines_after(log, 0)]
+    assert [deeds[0], *deeds[-3:]] == ["log in", "save recording", "apply rules", "stop"]
     for found in (while_it_runs, modes(folder)):
         names = {Path(name).name for name in found}
         assert {"rules.db", "journal.db", "kept.mcap", "ring", "end.json", "audit.lock"} <= names
