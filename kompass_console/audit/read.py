@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from kompass_console.audit.files import first_number, log_files
 from kompass_console.audit.line import decode
 
 _CHUNK = 256 * 1024  # bytes
+_LAST_FIELD = b',"prev":'  # digests are not what people look for
 
 
 def newest(
@@ -21,23 +23,24 @@ def newest(
     Parameters
     ----------
     text
-        Only lines that hold it, whatever its case.
+        Only lines that hold it, whatever the case of its letters from A to Z.
 
     Raises
     ------
     OSError
         When the log cannot be read.
     """
-    wanted = text.casefold()
+    # As it stands in the file: to read each line as JSON would take seconds of the console's time.
+    wanted = json.dumps(text)[1:-1].lower().encode("ascii")
     found: list[dict[str, Any]] = []
     for file in reversed(log_files(folder)):
         if before and first_number(file) >= before:
             continue
         for line in reversed(_read(file).split(b"\n")):
+            if wanted not in line.rpartition(_LAST_FIELD)[0].lower():
+                continue
             said = decode(line)
             if said is None or (before and said["seq"] >= before):
-                continue
-            if wanted and wanted not in _searched(said):
                 continue
             if len(found) == count:
                 return found, True
@@ -79,9 +82,3 @@ def _read(file: Path) -> bytes:
         return file.read_bytes()
     except FileNotFoundError:  # it went to make room for newer ones
         return b""
-
-
-def _searched(said: dict[str, Any]) -> str:
-    """What of a line a person looks for."""
-    shown = {key: value for key, value in said.items() if key not in ("prev", "seq")}
-    return " ".join(f"{key} {value}" for key, value in shown.items()).casefold()

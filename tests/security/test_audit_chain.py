@@ -223,6 +223,11 @@ def test_older_lines_are_found_page_by_page_and_by_what_they_say(folder: Path) -
     found, more = newest(folder, text="DEED 42")
     assert [line["seq"] for line in found] == [43]
     assert not more
+    digest = found[0]["prev"]
+    assert newest(folder, text=digest[:6]) == ([], False)
+    wrote(folder, 'said "Grüße" \\ 測試')
+    for text in ('said "gr', "üße", "\\ 測"):
+        assert newest(folder, text=text)[0][0]["seq"] == 101
 
 
 def test_the_command_line_shows_and_verifies(folder: Path) -> None:
