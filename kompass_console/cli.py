@@ -1,4 +1,4 @@
-"""The command line: ``kompass-console run | demo | attach | rules``."""
+"""The command line: ``kompass-console run | demo | attach | rules | audit``."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from kompass.simulation.faults.fault_names import FAULTS
+from kompass_console.audit_cli import app as audit
 from kompass_console.cli_error import CliError
 from kompass_console.domain import Network, choose_domain
 from kompass_console.rules_cli.app import app as rules
@@ -36,6 +37,7 @@ app = typer.Typer(
 )
 
 app.add_typer(rules)
+app.add_typer(audit)
 
 Host = Annotated[
     str, typer.Option(help="Address to listen on. Others than loopback are seen by the network.")

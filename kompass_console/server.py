@@ -16,6 +16,7 @@ from fastapi import FastAPI
 
 from kompass.supervisor.heartbeat import send_heartbeat
 from kompass_console.api.app import create_app
+from kompass_console.audit.log import AuditLog
 from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
 from kompass_console.recordings import Recordings
@@ -77,13 +78,15 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
     with contextlib.ExitStack() as closing:
         scene = Scene(world, views.get)
         closing.callback(scene.stop)
+        audit_log = AuditLog(settings.audit_folder)
+        closing.callback(audit_log.close)
         link = RosLink(settings, world, feed.changed, rules_feed.changed)
         closing.callback(link.stop)
         yield Console(
             settings=settings,
             auth=Authenticator(settings.access_tokens),
             limiter=LoginLimiter(),
-            audit=AuditTrail(settings.audit_file),
+            audit=AuditTrail(audit_log),
             world=world,
             link=link,
             checker=GoalChecker(link, world),

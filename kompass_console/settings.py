@@ -34,8 +34,8 @@ class ConsoleSettings(BaseModel):
     allow_hosts
         Names that a browser may use in the address bar besides loopback names and literal
         addresses.
-    audit_file
-        Receives one line of JSON per write.
+    audit_folder
+        Where the audit log is kept; None where it cannot be, which people are told.
     recordings
         Folder of the robot's recordings; None where it is not on this machine.
     domain_id
@@ -49,7 +49,7 @@ class ConsoleSettings(BaseModel):
     theme: Theme = "light"
     topics: TopicOverrides = TopicOverrides()
     allow_hosts: tuple[str, ...] = ()
-    audit_file: Path | None = None
+    audit_folder: Path | None = None
     recordings: Path | None = None
     domain_id: int | None = Field(default=None, ge=0, le=232)
     static_dir: Path = Path(__file__).parent / "static"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import runpy
 import secrets
@@ -20,6 +21,7 @@ from pydantic import ValidationError
 
 from kompass.launch.companions import add_companion
 from kompass.launch.environment import EnvironmentProblem
+from kompass.printable import log_to_terminal
 from kompass.supervisor.instance_lock import AlreadyRunning
 from kompass.supervisor.process import ProcessSpec, Report
 from kompass.supervisor.supervisor import StartupError
@@ -94,8 +96,10 @@ class ConsoleListener:
                 "robot_name": self.robot_name,
                 "access_tokens": self.tokens,
                 "recordings": None if report is None else _recordings(),
+                "audit_folder": _audit_folder(self.robot_name),
             }
         )
+        log_to_terminal("kompass_console", logging.WARNING)
         if report is not None:
             report("active console")
         if self.open_browser and sys.stdout.isatty() and _has_screen():
@@ -115,6 +119,18 @@ def _recordings() -> Path | None:
     try:
         return recordings_folder()
     except StoreUnwritable:  # the stack runs without a store, and has said so
+        return None
+
+
+def _audit_folder(robot: str) -> Path | None:
+    """Where this machine keeps what is done to the robot; None where it can keep nothing."""
+    from kompass.store.errors import StoreUnwritable
+    from kompass.store.paths import ROBOT_NAME
+    from kompass_console.audit.files import audit_folder
+
+    try:
+        return audit_folder({**os.environ, ROBOT_NAME: robot})
+    except StoreUnwritable:  # the console says so
         return None
 
 

@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1]
 # own, and nothing of its own layer but itself. A new part gets a place here.
 LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass": (
-        ("algorithms", "rules", "settings", "share", "supervisor"),
+        ("algorithms", "printable", "rules", "settings", "share", "supervisor"),
         ("expressions", "robot", "rulebook"),
         ("rclpy_ext",),
         ("backtest",),
@@ -37,13 +37,13 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     ),
     "kompass.components": (("base", "topics_keys"), ("controller", "drive", "mapping", "planner")),
     "kompass_console": (
-        ("cli_error", "recordings", "schema"),
+        ("audit", "cli_error", "recordings", "schema"),
         ("domain", "settings"),
         ("link", "scene"),
         ("web",),
         ("api",),
         ("openapi", "server"),
-        ("rules_cli", "stack"),
+        ("audit_cli", "rules_cli", "stack"),
         ("cli",),
     ),
 }

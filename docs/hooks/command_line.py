@@ -27,7 +27,8 @@ def command_line_page() -> str:
         parts += [f"## {name}\n", (command.help or "").strip() + "\n"]
         if hasattr(command, "commands"):
             parts.append(_epilog(command))
-            continue
+            if not command.invoke_without_command:
+                continue
         rows = [row for one in command.params if (row := _row(one)) is not None]
         if rows:
             parts.append(table(("argument or option", "value", "default", "what it does"), rows))

@@ -1,8 +1,6 @@
 """The launcher of a recipe: components in, a supervised stack out."""
 
-import logging
 import os
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,6 +18,7 @@ from kompass.launch.host import host
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.process import NAME, run_monitor
 from kompass.monitor.tables.recipe_check import check_recipe
+from kompass.printable import log_to_terminal
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import recipe_rules
 from kompass.recorder.process import flight_recorder
@@ -320,7 +319,7 @@ class Launcher:
             for component in self._components:
                 component.apply_config_file(config_file)
         self._failure_policies.apply(self._components)
-        _log_to_terminal()
+        log_to_terminal("kompass")
         own, recorder = self._specs(), list[ProcessSpec]()
         if self.enable_monitoring:
             monitor, recorder = self._monitor()
@@ -489,12 +488,3 @@ class Launcher:
 
 def _either(one: bool | None, other: bool | None) -> bool | None:
     return one if one is not None else other
-
-
-def _log_to_terminal() -> None:
-    logger = logging.getLogger("kompass")
-    if not logger.handlers:
-        handler = logging.StreamHandler(sys.stderr)
-        handler.setFormatter(logging.Formatter("%(asctime)s %(message)s", "%H:%M:%S"))
-        logger.addHandler(handler)
-        logger.setLevel(logging.INFO)

@@ -7,6 +7,8 @@ from typing import Any
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.logging import LoggingSeverity
 
+from kompass.printable import printable
+
 _SEVERITIES = {
     "debug": LoggingSeverity.DEBUG,
     "info": LoggingSeverity.INFO,
@@ -29,8 +31,9 @@ def write_log(logger: Any, level: str, text: str) -> None:
     level
         "debug", "info", "warning" or "error".
     text
-        The line.
+        The line; what could steer a terminal is escaped.
     """
     severity = _SEVERITIES[level]
     if logger.is_enabled_for(severity):
-        rclpy_implementation.rclpy_logging_rcutils_log(severity, logger.name, text, "", "", 0)
+        line = printable(text)
+        rclpy_implementation.rclpy_logging_rcutils_log(severity, logger.name, line, "", "", 0)

@@ -10,6 +10,7 @@ from kompass.recorder.mcap.reader import File, Recorded, Recording, sessions_of
 from kompass.recorder.mcap.writer import McapWriter
 from kompass.recorder.places import rotation_folder
 from kompass.recorder.rotating_recording import rotation_files
+from kompass.store.private import private_folder
 
 CHUNK = 1 << 20  # bytes
 PARTIAL = ".partial"
@@ -39,7 +40,7 @@ def save_clip(recordings: Path, path: Path, start: int, end: int | None = None) 
     """
     if path.exists():
         raise ClipNotSaved(f"there is a recording {path.name} already; choose another name")
-    path.parent.mkdir(parents=True, exist_ok=True)
+    private_folder(path.parent)
     partial = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
     try:
         with Recording(rotation_files(rotation_folder(recordings))) as recording:

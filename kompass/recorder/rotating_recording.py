@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import fcntl
 import logging
+import os
 import re
 import shutil
 import time
@@ -17,6 +18,7 @@ from kompass.recorder.mcap.recover import recover
 from kompass.recorder.mcap.writer import McapWriter
 from kompass.recorder.places import SUFFIX
 from kompass.recorder.streams import REPEAT, Stream
+from kompass.store.private import private_folder, private_opener
 
 log = logging.getLogger("kompass.recorder")
 
@@ -72,8 +74,9 @@ class RotatingRecording:
     ) -> None:
         self._begins = begins
         self._folder, self._metadata, self._clock, self._bounds = folder, metadata, clock, bounds
-        folder.mkdir(parents=True, exist_ok=True)
-        self._lock = (folder / ".lock").open("w")
+        private_folder(folder)
+        flags = os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC
+        self._lock = os.fdopen(private_opener(str(folder / ".lock"), flags), "w")
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

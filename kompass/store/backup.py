@@ -13,6 +13,7 @@ from kompass.rules.schema.model import Model
 from kompass.rules.schema.table import Table
 from kompass.store.content import table_content
 from kompass.store.durable import sync_folder
+from kompass.store.private import private_opener
 
 FILE = "confirmed.json"
 _logger = logging.getLogger("kompass.store")
@@ -53,7 +54,7 @@ def write_backup(folder: Path, backup: Backup) -> None:
     """Replace the file; one that cannot be written is logged, for the database has the table."""
     path, growing = folder / FILE, folder / f"{FILE}.new"
     try:
-        with growing.open("w", encoding="utf-8") as file:
+        with open(growing, "w", encoding="utf-8", opener=private_opener) as file:
             file.write(backup.model_dump_json(indent=1))
             file.flush()
             os.fsync(file.fileno())

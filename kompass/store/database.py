@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 
 from kompass.store.durable import sync_folder
 from kompass.store.errors import StoreCorrupt, StoreTooNew, StoreUnwritable
+from kompass.store.private import private_folder
 
 _logger = logging.getLogger("kompass.store")
 BUSY_TIMEOUT = 5.0  # s; nobody else writes, but a person may look with another tool
@@ -185,7 +186,7 @@ def _migrate(connection: sqlite3.Connection, kind: Format) -> None:
 
 def _make(path: Path, kind: Format) -> None:
     """Make the file under another name first: what has the name is always complete."""
-    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    private_folder(path.parent)
     growing = path.with_name(f"{path.name}.new")
     for name in (growing, *(Path(f"{growing}{companion}") for companion in COMPANIONS)):
         name.unlink(missing_ok=True)

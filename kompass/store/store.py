@@ -33,6 +33,7 @@ from kompass.store.errors import (
 )
 from kompass.store.journal import DEFAULT_BOUNDS, JournalBounds, JournalFile, Refusal
 from kompass.store.lock import take_lock
+from kompass.store.private import private_folder
 from kompass.store.rebuild import rebuild
 from kompass.store.revisions import Outcome, RevisionEntry, Revisions
 from kompass.store.schema import RULES, RULES_ID
@@ -61,7 +62,7 @@ class RuleStore:
         # A start that the disk has not taken yet, and when it was.
         self._unnoted: tuple[Boot, float] | None = None
         try:
-            folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            private_folder(folder)
         except OSError as error:
             raise unwritable(folder, error) from None
         self._lock = take_lock(folder)

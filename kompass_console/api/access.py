@@ -50,9 +50,6 @@ def at_least(role: Role) -> Callable[[HTTPConnection], LoginSession]:
     def check(connection: HTTPConnection) -> LoginSession:
         session = session_of(connection)
         if not session.role.covers(role):
-            what = f"{connection.scope.get('method', '')} {connection.url.path}"
-            refused = f"refused: it takes {_article(role)} {role}"
-            console_of(connection).audit.record(session.user, session.role, what, refused)
             raise ConsoleError(
                 403,
                 f"You are logged in as {session.role}, and this takes {_article(role)} {role}.",

@@ -16,6 +16,7 @@ from starlette.responses import Response
 
 from kompass_console import __version__
 from kompass_console.api import (
+    audit,
     backtests,
     goals,
     insight,
@@ -29,6 +30,7 @@ from kompass_console.api import (
     stop,
 )
 from kompass_console.api.access import LoggedIn
+from kompass_console.api.audited import AuditRequests
 from kompass_console.link.state import build_state
 from kompass_console.schema.models import ErrorAnswer, ErrorDetail, Ping, StateMessage
 from kompass_console.schema.rule_models import (
@@ -98,6 +100,7 @@ def create_app(console: Console | None) -> FastAPI:
         insight.router,
         backtests.router,
         recordings.router,
+        audit.router,
         scene.router,
     ):
         app.include_router(router)
@@ -111,6 +114,8 @@ def create_app(console: Console | None) -> FastAPI:
     app.add_middleware(  # the last added is the first to see a request
         WebGuard, allow_hosts=() if console is None else console.settings.allow_hosts
     )
+    if console is not None:
+        app.add_middleware(AuditRequests, audit=console.audit)
     app.add_exception_handler(ConsoleError, _console_error)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http_error)
@@ -132,7 +137,12 @@ def openapi(app: FastAPI) -> dict[str, Any]:
 
 def _builder(console: Console) -> Any:
     return lambda seq, viewers: build_state(
-        seq, console.settings.robot_name, console.world, console.link, viewers
+        seq,
+        console.settings.robot_name,
+        console.world,
+        console.link,
+        viewers,
+        audit_problem=console.audit.log.problem,
     )
 
 

@@ -33,12 +33,12 @@ async def start_backtest(
     try:
         job = await console.link.backtests.start(table, options.recording, options.seconds)
     except NoAnswer as error:
-        console.audit.record(session.user, session.role, "back-test", error.why, **what)
+        console.audit.record(session, "back-test", error.why, **what)
         raise no_monitor(error) from error
     except TooMany as error:
-        console.audit.record(session.user, session.role, "back-test", "too many", **what)
+        console.audit.record(session, "back-test", "too many", **what)
         raise ConsoleError(429, f"{error}", "Wait until one has ended, or cancel one.") from error
-    console.audit.record(session.user, session.role, "back-test", "started", id=job, **what)
+    console.audit.record(session, "back-test", "started", id=job, **what)
     return BacktestStarted(id=job)
 
 
@@ -58,9 +58,11 @@ async def cancel_backtest(
     backtest_id: BacktestId, session: Operator, console: CurrentConsole
 ) -> None:
     """Cancel it; of one that has ended, forget the report."""
-    if not console.link.backtests.cancel(backtest_id):
+    done = console.link.backtests.cancel(backtest_id)
+    outcome = "done" if done else "unknown"
+    console.audit.record(session, "cancel back-test", outcome, id=backtest_id)
+    if not done:
         raise _unknown()
-    console.audit.record(session.user, session.role, "cancel back-test", "done", id=backtest_id)
 
 
 def _unknown() -> ConsoleError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from fastapi import APIRouter
 
@@ -48,23 +49,24 @@ async def check(
 async def send(goal: GoalRequest, session: Operator, console: CurrentConsole) -> GoalSent:
     """Send the robot there, after checking the goal again unless it has only just passed."""
     checked = await console.checker.check_before_sending(goal.x, goal.y, goal.yaw)
-    what = {"x": goal.x, "y": goal.y, "yaw": goal.yaw}
+    what: dict[str, Any] = {"x": goal.x, "y": goal.y, "yaw": goal.yaw}
     refusal = _refusal(console, checked)
     if refusal is not None or checked.topic is None:
         refusal = refusal or ConsoleError(409, checked.check.message, _REMEDIES["nobody_listens"])
-        console.audit.record(session.user, session.role, "send goal", refusal.title, **what)
+        console.audit.record(session, "send goal", refusal.title, **what)
         raise refusal
     answer = checked.check
     speed = None
     if answer.length is not None and answer.duration:
         speed = answer.length / answer.duration
+    running = _under_way(console)
     goal_id = console.link.goals.send(
         goal.x, goal.y, goal.yaw, checked.topic, by=session.user, speed=speed
     )
     if goal.view is not None:
         console.scene.preview(goal.view, None)
     console.audit.record(
-        session.user, session.role, "send goal", "sent", topic=checked.topic, id=goal_id, **what
+        session, "send goal", "sent", topic=checked.topic, before=running, after=goal_id, **what
     )
     return GoalSent(
         id=goal_id, topic=checked.topic, heading_used=answer.heading_used, note=answer.note
@@ -74,17 +76,25 @@ async def send(goal: GoalRequest, session: Operator, console: CurrentConsole) ->
 @router.post("/cancel", status_code=202)
 async def cancel(session: Operator, console: CurrentConsole) -> None:
     """Cancel the goal that runs; watch the state for the outcome."""
+    before = _under_way(console)
     try:
         running = await console.link.goals.cancel(CANCEL_TIMEOUT)
     except NoAnswer as error:
-        console.audit.record(session.user, session.role, "cancel goal", error.why)
+        console.audit.record(session, "cancel goal", error.why, before=before)
         raise ConsoleError(
             503,
             f"The goal is not canceled: {error.why}.",
             "Press STOP if the robot must not go on.",
         ) from error
     outcome = "asked" if running else "no goal was running"
-    console.audit.record(session.user, session.role, "cancel goal", outcome)
+    console.audit.record(session, "cancel goal", outcome, before=before)
+
+
+def _under_way(console: Console) -> str | None:
+    """Id of the goal that is followed, for the audit log."""
+    goal = console.link.goals.follower.info()
+    over = goal is None or goal.phase in ("arrived", "failed", "canceled")
+    return None if goal is None or over else goal.id
 
 
 async def _picked(body: GestureCheck, console: Console) -> GoalRequest | None:

@@ -55,11 +55,9 @@ async def save_recording(
             console, lambda m: m.save_recording(body.seconds, body.name), 409, remedy
         )
     except ConsoleError as error:
-        console.audit.record(session.user, session.role, "save recording", error.title, **what)
+        console.audit.record(session, "save recording", error.title, **what)
         raise
-    console.audit.record(
-        session.user, session.role, "save recording", "done", path=answer.path, **what
-    )
+    console.audit.record(session, "save recording", "done", path=answer.path, **what)
     name = PurePosixPath(answer.path).name.removesuffix(SUFFIX)
     return RecordingSaved(name=name, path=answer.path, message=answer.message)
 
@@ -76,8 +74,9 @@ async def download_recording(
     found = _here(console)
     path = await asyncio.to_thread(found.path, name)
     if path is None:
+        console.audit.record(session, "download recording", "unknown", name=name)
         raise _unknown(name)
-    console.audit.record(session.user, session.role, "download recording", "begun", name=name)
+    console.audit.record(session, "download recording", "begun", name=name)
     return FileResponse(path, media_type="application/octet-stream", filename=path.name)
 
 
@@ -88,16 +87,14 @@ async def delete_recording(name: RecordingName, session: Engineer, console: Curr
     try:
         done = await asyncio.to_thread(found.delete, name)
     except OSError as error:
-        console.audit.record(
-            session.user, session.role, "delete recording", f"{error.strerror}", name=name
-        )
+        console.audit.record(session, "delete recording", f"{error.strerror}", name=name)
         raise ConsoleError(
             503,
             f"The recording cannot be deleted: {error.strerror}.",
             f"Look at {found.folder} on the robot.",
         ) from error
     outcome = "done" if done else "unknown"
-    console.audit.record(session.user, session.role, "delete recording", outcome, name=name)
+    console.audit.record(session, "delete recording", outcome, name=name)
     if not done:
         raise _unknown(name)
 

@@ -6,11 +6,13 @@ from collections.abc import Callable
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Query, Request, Response
+from pydantic import ValidationError
 
 from kompass.monitor.client import (
     DEFAULT_PROBATION,
     Applied,
     Conflicting,
+    Json,
     MonitorClient,
     NotApplied,
     TableRefused,
@@ -94,7 +96,8 @@ async def apply_rules(request: Request, session: Operator, console: CurrentConso
             reset=options.reset,
         )
 
-    what = options.model_dump(exclude={"reset"})
+    what = {**options.model_dump(exclude={"expected_revision"}), "probation": probation}
+    what["before"] = options.expected_revision
     return await _change(console, session, "apply rules", change, what)
 
 
@@ -114,7 +117,12 @@ async def rollback_rules(
             cancel_running=body.cancel_running,
         )
 
-    return await _change(console, session, "roll back rules", change, body.model_dump())
+    what = {
+        "to": body.revision or "the one before",
+        "before": body.expected_revision,
+        **body.model_dump(exclude={"revision", "expected_revision"}),
+    }
+    return await _change(console, session, "roll back rules", change, what)
 
 
 @router.post("/confirm")
@@ -146,7 +154,7 @@ async def _change(
     details: dict[str, Any],
 ) -> Response:
     def record(outcome: str, **more: Any) -> None:
-        console.audit.record(session.user, session.role, what, outcome, **more, **details)
+        console.audit.record(session, what, outcome, **more, **details)
 
     try:
         applied = await ask(console, change)
@@ -168,8 +176,21 @@ async def _change(
             "The old rules stay in force. Make room on the robot's disk, or look at the monitor's "
             "log.",
         ) from error
-    record(sentence(applied.message) if applied.message else "done", in_force=applied.revision)
+    outcome = sentence(applied.message) if applied.message else "done"
+    record(outcome, after=applied.revision, rules=_changed_rules(applied.report))
     return passed_on(applied.report)
+
+
+def _changed_rules(report: Json[ApplyReport]) -> dict[str, list[str]] | None:
+    """Ids of the rules that a change touched, by how; None of a monitor of another release."""
+    try:
+        changes = report.parsed().diff.changes
+    except ValidationError:
+        return None
+    touched: dict[str, list[str]] = {}
+    for change in changes:
+        touched.setdefault(change.kind, []).append(change.rule_id)
+    return touched
 
 
 async def _small_change(
@@ -183,7 +204,7 @@ async def _small_change(
     try:
         said = await asked(console, change, status, _RELOAD)
     except ConsoleError as error:
-        console.audit.record(session.user, session.role, what, error.title, **details)
+        console.audit.record(session, what, error.title, **details)
         raise
-    console.audit.record(session.user, session.role, what, "done", **details)
+    console.audit.record(session, what, "done", **details)
     return Done(message=sentence(said or "done"))

@@ -29,13 +29,13 @@ def log_in(
     session = console.auth.log_in(login.token, login.user)
     if session is None:
         console.limiter.failed(address)
-        console.audit.record(login.user or "?", "none", "log in", "wrong token", address=address)
+        console.audit.record(None, "log in", "wrong token", who=login.user or "")
         raise ConsoleError(
             403,
             "This token is not one of this console's.",
             "Copy the token that the console printed when it started.",
         )
-    console.audit.record(session.user, session.role, "log in", "ok", address=address)
+    console.audit.record(session, "log in", "ok")
     response.set_cookie(
         session_cookie(request),
         console.auth.cookie(session),
@@ -60,5 +60,5 @@ def log_out(
 ) -> None:
     """End this session; its cookie is refused from now on."""
     console.auth.log_out(session)
-    console.audit.record(session.user, session.role, "log out", "ok")
+    console.audit.record(session, "log out", "ok")
     response.delete_cookie(session_cookie(request), path="/")

@@ -7,6 +7,7 @@ from fastapi import APIRouter
 from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
 from kompass_console.schema.models import StopAnswer, StopRequest
+from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(prefix="/api/stop", tags=["stop"])
@@ -20,28 +21,38 @@ async def stop(
 ) -> StopAnswer:
     """Latch STOP in the drive manager. That the robot stands still is told by the state."""
     reason = body.reason if body is not None else ""
+    before = _stopped(console)
     try:
         answer = await console.link.drive.stop(session.user, reason)
     except NoAnswer as error:
-        console.audit.record(session.user, session.role, "stop", error.why, reason=reason)
+        console.audit.record(session, "stop", error.why, reason=reason, before=before)
         raise ConsoleError(503, f"STOP is not confirmed: {error.why}.", _BY_HAND) from error
     outcome = "accepted" if answer.accepted else answer.message
-    console.audit.record(session.user, session.role, "stop", outcome, reason=reason)
+    console.audit.record(session, "stop", outcome, reason=reason, before=before)
     return StopAnswer(accepted=answer.accepted, message=answer.message)
 
 
 @router.post("/release")
 async def release(session: Operator, console: CurrentConsole) -> StopAnswer:
     """Let the robot move again."""
+    before = _stopped(console)
     try:
         answer = await console.link.drive.release(session.user)
     except NoAnswer as error:
-        console.audit.record(session.user, session.role, "release stop", error.why)
+        console.audit.record(session, "release stop", error.why, before=before)
         raise ConsoleError(
             503,
             f"STOP is not released: {error.why}.",
             "Look at the drive manager's health; the robot stays stopped.",
         ) from error
     outcome = "accepted" if answer.accepted else answer.message
-    console.audit.record(session.user, session.role, "release stop", outcome)
+    console.audit.record(session, "release stop", outcome, before=before)
     return StopAnswer(accepted=answer.accepted, message=answer.message)
+
+
+def _stopped(console: Console) -> dict[str, object]:
+    """How the robot was before, for the audit log."""
+    drive = console.link.drive.info()
+    if drive is None or not drive.available:
+        return {"stopped": None}
+    return {"stopped": drive.stopped, "by": drive.stopped_by, "standstill": drive.standstill}

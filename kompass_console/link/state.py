@@ -19,7 +19,15 @@ def robot_radius(world: WorldModel) -> float | None:
     return float(np.linalg.norm(footprint.value, axis=1).max())
 
 
-def build_state(seq: int, robot_name: str, world: WorldModel, link: RosLink, viewers: int) -> State:
+def build_state(
+    seq: int,
+    robot_name: str,
+    world: WorldModel,
+    link: RosLink,
+    viewers: int,
+    *,
+    audit_problem: str = "",
+) -> State:
     """One snapshot; ages are measured from when each value was received."""
     motion = world.motion.get()
     pose = None
@@ -44,4 +52,5 @@ def build_state(seq: int, robot_name: str, world: WorldModel, link: RosLink, vie
         processes=link.processes.infos(),
         ros=RosInfo(domain_id=link.domain_id, middleware=link.middleware),
         viewers=viewers,
+        audit_problem=audit_problem,
     )

@@ -178,13 +178,15 @@ def export(
     if merge and view.merge is None:
         raise CliError(1, "no edits wait to be merged")
     table = view.merge.table if merge and view.merge is not None else view.table
+    from kompass.store.private import private_opener
+
     title = f"{view.robot}, revision {view.revision}"
     text = as_text(table, "json" if robot.json else format_, title=title)
     if output is None:
         typer.echo(text, nl=False)
         return
     try:
-        with output.open("x", encoding="utf-8") as file:
+        with open(output, "x", encoding="utf-8", opener=private_opener) as file:
             file.write(text)
     except FileExistsError:
         raise CliError(2, f"{output} exists already; give a new file") from None

@@ -41,9 +41,11 @@ Document.prototype.hasFocus = function () { return true; };
   query.set("fixedDpr", String(Math.min(window.devicePixelRatio || 1, 2)));
   history.replaceState(null, "", "?" + query.toString());
   window.addEventListener("keydown", function (event) {
-    if (event.ctrlKey || event.metaKey || event.altKey) event.stopImmediatePropagation();
-    else if (!event.repeat)
-      parent.postMessage({ kompass: "key", key: event.key }, location.origin);
+    var chord = event.ctrlKey || event.metaKey || event.altKey;
+    var stop = event.key === " " || event.code === "Space";
+    if (chord) event.stopImmediatePropagation();
+    if (!event.repeat && (stop || !chord))
+      parent.postMessage({ kompass: "key", key: stop ? " " : event.key }, location.origin);
   }, true);
   var watch = new MutationObserver(function () {
     if (!document.querySelector("canvas")) return;

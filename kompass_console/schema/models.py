@@ -313,7 +313,10 @@ class RosInfo(BaseModel):
 
 
 class State(BaseModel):
-    """Everything the page shows in numbers and words, at one moment (`time`, epoch s)."""
+    """Everything the page shows in numbers and words, at one moment (`time`, epoch s).
+
+    `audit_problem` says why the audit log is not written, or what of it is missing; else empty.
+    """
 
     type: Literal["state"] = "state"
     seq: int
@@ -329,6 +332,7 @@ class State(BaseModel):
     processes: list[ProcessInfo]
     ros: RosInfo
     viewers: int
+    audit_problem: str = ""
 
 
 class Hello(BaseModel):

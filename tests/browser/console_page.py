@@ -24,6 +24,15 @@ addEventListener("securitypolicyviolation", (event) =>
 """
 _PROBES: list[Point] = [(0.35, 0.35), (0.65, 0.35), (0.3, 0.7), (0.7, 0.7), (0.5, 0.5)]
 
+# Whether the element, and nothing else, is what a finger would hit all over it.
+UNCOVERED = """(element) => {
+  const box = element.getBoundingClientRect();
+  return [[0.5, 0.5], [0.2, 0.2], [0.8, 0.2], [0.2, 0.8], [0.8, 0.8]].every(([u, v]) => {
+    const hit = document.elementFromPoint(box.left + u * box.width, box.top + v * box.height);
+    return hit !== null && element.contains(hit);
+  });
+}"""
+
 
 class ConsolePage:
     """One browser page on one console; keeps what it asked for and what went wrong in it."""

@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
+from kompass_console.audit.verify import verify
 from tests.browser.conftest import OpenPage
+from tests.browser.console_page import UNCOVERED
 from tests.browser.rules_page import RulesPage
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
@@ -233,6 +235,51 @@ def test_a_viewer_reads_everything_and_can_change_nothing(new_page: OpenPage, st
     assert rules.revision == revision
 
 
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)], ids=["wide", "phone"])
+def test_an_engineer_sees_who_did_what_and_everybody_when_that_is_not_written(
+    new_page: OpenPage, stack: Stack, robot: Robot, width: int, height: int
+) -> None:
+    found = re.search(r"Engineer:\s+\S+#token=(\S+)", stack.output)
+    assert found
+    opener = "tab-rules" if width < 560 else "rules"
+    operator = RulesPage.opened(new_page(width, height), TOKEN, opener)
+    expect(operator.get("rules-tab-audit")).to_have_count(0)
+    operator.page.post("/api/stop", {"reason": "a child on the floor"})
+    operator.page.post("/api/stop/release", None)
+    for _ in range(60):
+        operator.page.post("/api/rules/confirm", {"revision": 4000})
+    rules = RulesPage.opened(new_page(width, height), found[1], opener)
+    rules.get("rules-tab-audit").click()
+    lines = rules.get("audit").locator("tbody tr")
+    expect(lines).to_have_count(50)
+    rules.get("audit-older").click()
+    expect(lines).not_to_have_count(50)
+    rules.get("audit-filter").fill("a CHILD")
+    expect(lines.first).to_contain_text("operator")
+    expect(lines.first).to_contain_text("stop")
+    expect(lines.first).to_contain_text("reason: a child on the floor")
+    expect(lines.first).to_contain_text("127.0.0.1")
+    rules.page.keep(f"audit-{width}")
+    assert rules.page.page.evaluate("() => document.documentElement.scrollWidth") <= width
+    with rules.page.page.expect_download() as download:
+        rules.get("audit-export").click()
+    assert verify(download.value.path()).broken == ""
+
+    [folder] = stack.data_dir.glob("*/audit")
+    folder.rename(folder.with_name("audit-elsewhere"))
+    folder.write_text("no folder")
+    try:
+        operator.page.post("/api/stop", {"reason": "all the same"})
+        assert robot.newest["/drive_state"].stopped
+        operator.get("rules-close").click()
+        expect(operator.get("audit-band")).to_contain_text("The audit log is not written")
+    finally:
+        folder.unlink()
+        folder.with_name("audit-elsewhere").rename(folder)
+    expect(operator.get("audit-band")).to_be_hidden(timeout=10_000)
+    robot.release()
+
+
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (820, 1180)], ids=["phone", "tablet"])
 def test_rules_are_a_tab_of_a_small_screen_and_stop_stays_free(
     new_page: OpenPage, width: int, height: int
@@ -251,6 +298,74 @@ def test_rules_are_a_tab_of_a_small_screen_and_stop_stays_free(
     expect(rules.get("cooldown")).to_be_visible()
     _stop_is_free(page.get("stop-button"))
     assert page.page.evaluate("() => document.documentElement.scrollWidth") <= width
+
+
+# As high as Mantine goes, over the whole page: a dialog, a drawer, a notification.
+DIALOG = """() => {
+  const dialog = document.createElement("div");
+  dialog.style = "position: fixed; inset: 0; z-index: 9999; background: rgb(0 0 0 / 40%)";
+  document.body.append(dialog);
+}"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)], ids=["wide", "phone"])
+def test_nothing_is_ever_laid_over_stop(
+    new_page: OpenPage, width: int, height: int, theme: str
+) -> None:
+    phone = width < 560
+    page = new_page(width, height, has_touch=phone, color_scheme=theme)
+    rules = RulesPage.opened(page, TOKEN, "tab-rules" if phone else "rules")
+    stop = page.get("stop-button")
+    rules.get("rule-menu").last.click()
+    expect(page.page.get_by_role("menu")).to_be_visible()
+    assert stop.evaluate(UNCOVERED)
+    page.page.keyboard.press("Escape")
+    rules.edit(STUCK)
+    lists = rules.get("rule-editor").locator("input[aria-haspopup=listbox]")
+    assert lists.count() > 3
+    for each in lists.all():
+        each.evaluate("(element) => element.scrollIntoView({ block: 'end' })")
+        each.click()
+        expect(page.page.get_by_role("listbox")).to_be_visible()
+        assert stop.evaluate(UNCOVERED), each.get_attribute("data-testid")
+        page.page.keyboard.press("Escape")
+    page.page.evaluate(DIALOG)
+    assert stop.evaluate(UNCOVERED)
+
+
+def test_the_space_bar_stops_wherever_it_is_no_text(rules: RulesPage, robot: Robot) -> None:
+    page = rules.page
+    keys = page.page.keyboard
+
+    def stops_by(chord: str) -> None:
+        with page.page.expect_request("**/api/stop"):
+            keys.press(chord)
+
+    rules.edit(STUCK)
+    severity, listbox = rules.get("severity"), page.page.get_by_role("listbox")
+    severity.focus()
+    stops_by("Space")
+    expect(listbox).to_be_hidden()
+    severity.click()
+    expect(listbox).to_be_visible()
+    stops_by("Space")
+    page.page.keyboard.press("Escape")
+    rules.get("editor-back").focus()
+    stops_by("Space")
+    expect(rules.get("rule-editor")).to_be_visible()
+    name = rules.get("rule-name")
+    name.fill("A")
+    name.press_sequentially(" name")
+    expect(name).to_have_value("A name")
+    stops_by("Control+Space")
+    expect(name).to_have_value("A name")
+    # A list that is searched takes text, too.
+    rules.get("add-action").click()
+    stops_by("Control+Space")
+    expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped")
+    assert robot.newest["/drive_state"].stopped
+    robot.release()
 
 
 def _kill(stack: Stack, process: str) -> None:

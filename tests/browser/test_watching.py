@@ -8,21 +8,12 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from tests.browser.conftest import OpenPage
-from tests.browser.console_page import FIRST_PICTURE, ConsolePage
+from tests.browser.console_page import FIRST_PICTURE, UNCOVERED, ConsolePage
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.stack import TOKEN, Stack
 
 pytestmark = pytest.mark.browser
-
-# Whether the element, and nothing else, is what a finger would hit all over it.
-UNCOVERED = """(element) => {
-  const box = element.getBoundingClientRect();
-  return [[0.5, 0.5], [0.2, 0.2], [0.8, 0.2], [0.2, 0.8], [0.8, 0.8]].every(([u, v]) => {
-    const hit = document.elementFromPoint(box.left + u * box.width, box.top + v * box.height);
-    return hit !== null && element.contains(hit);
-  });
-}"""
 
 
 def test_the_printed_link_logs_in_and_its_token_leaves_the_address_bar(page: ConsolePage) -> None:

@@ -8,13 +8,16 @@ import socket
 import subprocess
 import sys
 import threading
+import uuid
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
 
+from kompass_console.audit.read import lines_after
 from kompass_console.schema.roles import Role
 from kompass_console.server import run_console
 from kompass_console.settings import ConsoleSettings
@@ -32,7 +35,7 @@ class Served:
     """A running console: its address, and clients that talk to it as a page would."""
 
     listening: socket.socket
-    audit_file: Path
+    audit_folder: Path
 
     @property
     def port(self) -> int:
@@ -41,6 +44,20 @@ class Served:
     @property
     def origin(self) -> str:
         return f"http://127.0.0.1:{self.port}"
+
+    def audited(self) -> list[dict[str, Any]]:
+        """All lines of the audit log about what was done so far, the oldest first."""
+        mark = uuid.uuid4().hex
+        with self.client(Role.VIEWER, user=mark):
+            pass
+        lines: list[dict[str, Any]] = []
+
+        def marked() -> bool:
+            lines[:] = lines_after(self.audit_folder, 0)
+            return bool(lines) and lines[-1]["who"] == mark
+
+        wait_until(marked, 5.0, "the line after all others")
+        return lines[:-1]
 
     @contextlib.contextmanager
     def client(self, role: Role | None = None, user: str | None = None) -> Iterator[httpx.Client]:
@@ -59,20 +76,20 @@ def cookie_of(client: httpx.Client) -> str:
 
 
 @contextlib.contextmanager
-def serving(audit_file: Path, domain_id: int, recordings: Path | None = None) -> Iterator[Served]:
+def serving(audit_folder: Path, domain_id: int, recordings: Path | None = None) -> Iterator[Served]:
     """Serve a console for as long as the block lasts."""
     listening = socket.create_server(("127.0.0.1", 0))
     settings = ConsoleSettings(
         robot_name="test robot",
         access_tokens=TOKENS,
-        audit_file=audit_file,
+        audit_folder=audit_folder,
         domain_id=domain_id,
         recordings=recordings,
     )
     stop = threading.Event()
     thread = threading.Thread(target=run_console, args=(listening, settings), kwargs={"stop": stop})
     thread.start()
-    served = Served(listening, audit_file)
+    served = Served(listening, audit_folder)
     try:
         with served.client() as client:
             wait_until(lambda: _answers(client), 20.0, "the console answers")
@@ -99,7 +116,7 @@ def domain() -> int:
 @pytest.fixture(scope="module")
 def console(tmp_path_factory: pytest.TempPathFactory, domain: int) -> Iterator[Served]:
     """A console; it hears whatever the module lets run in its domain."""
-    with serving(tmp_path_factory.mktemp("console") / "audit.jsonl", domain) as served:
+    with serving(tmp_path_factory.mktemp("console") / "audit", domain) as served:
         yield served
 
 

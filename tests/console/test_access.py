@@ -1,6 +1,5 @@
 """Who may reach what over HTTP, from where, and what a refusal says."""
 
-import json
 import socket
 from pathlib import Path
 
@@ -101,7 +100,7 @@ def test_a_logged_out_cookie_is_refused_even_if_somebody_kept_it(console: Served
 
 
 def test_guessing_tokens_is_slowed_down_and_told(tmp_path: Path, domain: int) -> None:
-    with serving(tmp_path / "audit.jsonl", domain) as own, own.client() as client:
+    with serving(tmp_path / "audit", domain) as own, own.client() as client:
         answers = [
             client.post("/api/login", json={"token": f"guess number {i}"}) for i in range(12)
         ]
@@ -141,8 +140,7 @@ def test_invalid_requests_are_explained(console: Served) -> None:
 def test_writes_are_audited_with_who_and_outcome(console: Served) -> None:
     with console.client(Role.OPERATOR, user="ava") as client:
         client.post("/api/stop", json={"reason": "a child on the floor"})
-    entries = [json.loads(line) for line in console.audit_file.read_text().splitlines()]
-    stop = [e for e in entries if e["what"] == "stop" and e["who"] == "ava"][-1]
+    stop = [e for e in console.audited() if e["what"] == "stop" and e["who"] == "ava"][-1]
     assert stop["role"] == "operator"
     assert stop["reason"] == "a child on the floor"
     assert stop["outcome"] == "no drive manager is there"

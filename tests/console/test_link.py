@@ -281,7 +281,7 @@ def test_without_its_planner_a_goal_is_not_waved_through(
 def test_on_another_stack_the_map_is_looked_at(tmp_path: Path, domain: int) -> None:
     foreign = ("--no-planner", "--no-action", "--no-statuses", "--no-drive")
     with (
-        serving(tmp_path / "audit.jsonl", domain) as console,
+        serving(tmp_path / "audit", domain) as console,
         console.client(Role.OPERATOR) as client,
         running_stack(*foreign),
     ):

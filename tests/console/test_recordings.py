@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -48,7 +47,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def kept(tmp_path_factory: pytest.TempPathFactory, domain: int, folder: Path) -> Iterator[Served]:
     """A console that runs beside these recordings."""
-    audit = tmp_path_factory.mktemp("kept") / "audit.jsonl"
+    audit = tmp_path_factory.mktemp("kept") / "audit"
     with serving(audit, domain, folder) as served:
         yield served
 
@@ -118,6 +117,6 @@ def test_only_an_engineer_deletes_and_it_is_in_the_audit_log(
     assert engineer.delete("/api/recordings/old").status_code == 204
     assert not file.exists()
     assert engineer.delete("/api/recordings/old").status_code == 404
-    lines = [json.loads(line) for line in kept.audit_file.read_text().splitlines()]
-    done = [(line["who"], line["outcome"]) for line in lines if line.get("name") == "old"]
+    lines = [line for line in kept.audited() if line.get("name") == "old"]
+    done = [(line["who"], line["outcome"]) for line in lines]
     assert done == [("ava", "done"), ("ava", "unknown")]

@@ -79,10 +79,6 @@ def edited(client: httpx.Client, **more: Any) -> Json:
     return {"table": changed, "expected_revision": in_force(client), **more}
 
 
-def audited(console: Served) -> list[Json]:
-    return [json.loads(line) for line in console.audit_file.read_text().splitlines()]
-
-
 @pytest.mark.parametrize("path", READS)
 def test_a_viewer_reads_everything(monitored: Served, path: str) -> None:
     with monitored.client(Role.VIEWER) as client:
@@ -98,7 +94,7 @@ def test_a_viewer_changes_nothing(monitored: Served, method: str, path: str, bod
         assert answer.status_code == 403
         assert "operator" in answer.json()["detail"]["title"]
         assert in_force(client) == before
-    last = audited(monitored)[-1]
+    last = monitored.audited()[-1]
     assert (last["who"], last["what"]) == ("vic", f"{method} {path}")
     assert last["outcome"].startswith("refused")
 
@@ -136,7 +132,7 @@ def test_an_edit_goes_into_force_is_kept_and_taken_back(
     back = operator.post("/api/rules/rollback", json={"expected_revision": report["revision"]})
     assert back.status_code == 200
     assert operator.get("/api/rules").json()["table"] == table()
-    told = [(e["what"], e["outcome"]) for e in audited(monitored) if e["who"] == "ava"]
+    told = [(e["what"], e["outcome"]) for e in monitored.audited() if e["who"] == "ava"]
     tried, kept = report["revision"], back.json()["revision"]
     assert told[-3:] == [
         (
@@ -182,7 +178,7 @@ def test_who_was_too_late_gets_both_changes(monitored: Served, operator: httpx.C
     conflict = answer.json()["conflict"]
     assert conflict["author"] == "ben"
     assert conflict["yours"]["changes"][0]["rule_id"] == "near"
-    assert audited(monitored)[-1]["outcome"] == answer.json()["detail"]["title"]
+    assert monitored.audited()[-1]["outcome"] == answer.json()["detail"]["title"]
     late = operator.post("/api/rules/rollback", json={"expected_revision": begun})
     assert late.status_code == 409
     assert late.json()["conflict"]["revision"] == in_force(operator)
@@ -304,7 +300,7 @@ def test_no_body_brings_the_console_down(operator: httpx.Client, body: Any, path
 
 def test_a_monitor_that_is_not_there_is_named_with_a_remedy(tmp_path: Path) -> None:
     with (
-        serving(tmp_path / "audit.jsonl", next_domain()) as alone,
+        serving(tmp_path / "audit", next_domain()) as alone,
         alone.client(Role.ENGINEER) as client,
     ):
         for path in READS:
@@ -313,7 +309,7 @@ def test_a_monitor_that_is_not_there_is_named_with_a_remedy(tmp_path: Path) -> N
         for method, path, body in WRITES:
             if method == "POST":
                 assert_unreachable(client.request(method, path, json=body))
-        assert audited(alone)[-1]["outcome"].startswith("The robot's rules cannot be reached")
+        assert alone.audited()[-1]["outcome"].startswith("The robot's rules cannot be reached")
 
 
 def assert_unreachable(answer: httpx.Response) -> None:

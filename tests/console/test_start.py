@@ -1,14 +1,11 @@
 """What keeps the console from starting is said in one line, with what to do."""
 
-from pathlib import Path
-
 import pytest
 import viser
 from pydantic import ValidationError
 
 from kompass_console.scene.viser_hub import ViserHub
 from kompass_console.settings import ConsoleSettings
-from kompass_console.web.audit import AuditTrail
 
 
 def test_another_viser_is_named_with_the_one_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -29,10 +26,3 @@ def test_another_viser_is_named_with_the_one_to_install(monkeypatch: pytest.Monk
 def test_settings_that_cannot_work_are_refused(settings: dict[str, object], complaint: str) -> None:
     with pytest.raises(ValidationError, match=complaint):
         ConsoleSettings.model_validate(settings)
-
-
-def test_a_full_disk_does_not_keep_anybody_from_stopping(
-    caplog: pytest.LogCaptureFixture,
-) -> None:
-    AuditTrail(Path("/dev/full")).record("ava", "operator", "stop", "accepted")
-    assert "not written" in caplog.text

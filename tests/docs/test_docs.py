@@ -113,6 +113,8 @@ def parse(arguments: list[str], block: Block) -> None:
     while hasattr(command, "commands"):
         if not arguments or arguments[0] in ("--help", "-h"):
             return
+        if command.invoke_without_command and arguments[0] not in command.commands:
+            break  # a command itself, with options of its own
         assert arguments[0] in command.commands, f"{block.where}: there is no {arguments[0]!r}"
         command, arguments = command.commands[arguments[0]], arguments[1:]
     if "--help" in arguments or arguments in (["…"], ["..."]):

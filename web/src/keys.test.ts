@@ -1,5 +1,6 @@
-import { expect, test } from "vitest";
-import { forwardedKey, isInMenu, isTyping } from "./keys";
+import { renderHook } from "@testing-library/react";
+import { afterEach, expect, test, vi } from "vitest";
+import { forwardedKey, isInMenu, isTyping, useStopKey } from "./keys";
 
 test.each(["text", "password", "number"])("a space in a %s field is text, not STOP", (type) => {
   const input = document.createElement("input");
@@ -34,4 +35,61 @@ test("keys are taken from this console's own scene only", () => {
   expect(forwardedKey(message("https://evil.example", { kompass: "key", key: " " }))).toBeNull();
   expect(forwardedKey(message(location.origin, { kompass: "ready" }))).toBeNull();
   expect(forwardedKey(message(location.origin, null))).toBeNull();
+});
+
+afterEach(() => document.body.replaceChildren());
+
+/** Presses the space bar on an element; how often STOP was pressed, and what the page saw of it. */
+function spaceOn(element: HTMLElement, modifiers: KeyboardEventInit = {}) {
+  const press = vi.fn();
+  const seen = vi.fn();
+  const { unmount } = renderHook(() => useStopKey(press));
+  document.body.append(element);
+  element.addEventListener("keydown", seen);
+  const event = new KeyboardEvent("keydown", {
+    key: " ",
+    code: "Space",
+    bubbles: true,
+    cancelable: true,
+    ...modifiers,
+  });
+  element.dispatchEvent(event);
+  unmount();
+  return {
+    stops: press.mock.calls.length,
+    typed: !event.defaultPrevented,
+    seen: seen.mock.calls.length,
+  };
+}
+
+const input = (attributes: { type: string; readOnly?: boolean; role?: string }) =>
+  Object.assign(document.createElement("input"), attributes);
+
+test.each<[string, HTMLElement]>([
+  ["a list that is only chosen from", input({ type: "text", readOnly: true })],
+  ["a native select", document.createElement("select")],
+  ["a button", document.createElement("button")],
+  ["a checkbox", input({ type: "checkbox" })],
+  ["the page", document.createElement("main")],
+])("a space on %s stops, and does nothing else", (_, element) => {
+  expect(spaceOn(element)).toEqual({ stops: 1, typed: false, seen: 0 });
+});
+
+test.each<[string, HTMLElement]>([
+  ["a text field", input({ type: "text" })],
+  ["a list that is searched by typing", input({ type: "text", role: "combobox" })],
+  ["a long text", document.createElement("textarea")],
+])("a space in %s is a blank, and with Ctrl it stops", (_, element) => {
+  expect(spaceOn(element)).toEqual({ stops: 0, typed: true, seen: 1 });
+  expect(spaceOn(element, { ctrlKey: true })).toEqual({ stops: 1, typed: false, seen: 0 });
+  expect(spaceOn(element, { metaKey: true }).stops).toBe(1);
+  expect(spaceOn(element, { ctrlKey: true, altKey: true }).stops).toBe(0);
+});
+
+test("a space bar that is held stops once", () => {
+  expect(spaceOn(document.createElement("button"), { repeat: true })).toEqual({
+    stops: 0,
+    typed: false,
+    seen: 0,
+  });
 });

@@ -19,6 +19,25 @@ export function isTyping(target: EventTarget | null): boolean {
   return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement;
 }
 
+/**
+ * True where the space bar writes a blank. A list that is only chosen from looks like a text field
+ * to the browser, and is none.
+ */
+export function takesBlank(target: EventTarget | null): boolean {
+  if (!(target instanceof HTMLElement)) return false;
+  if (target instanceof HTMLInputElement || target instanceof HTMLTextAreaElement) {
+    return isTyping(target) && !target.readOnly && !target.disabled;
+  }
+  return target.isContentEditable;
+}
+
+/** A blank that is not text is STOP; with Ctrl (or Cmd) it never is text. */
+export function isStopKey(event: KeyboardEvent): boolean {
+  if (event.key !== " " && event.code !== "Space") return false;
+  // AltGr is Ctrl and Alt on some keyboards, and types a blank of its own.
+  return ((event.ctrlKey || event.metaKey) && !event.altKey) || !takesBlank(event.target);
+}
+
 /** True in an open menu or list, and on its button: that has the focus until the menu takes it. */
 export function isInMenu(target: EventTarget | null): boolean {
   return target instanceof Element && target.closest(MENU) !== null;
@@ -34,8 +53,8 @@ export function forwardedKey(event: MessageEvent<unknown>): string | null {
 }
 
 /**
- * Calls `handle` for every key outside text fields, wherever the focus is, the scene's frame
- * included. `handle` returns true when it used the key; the browser then does nothing with it.
+ * Calls `handle` for every key outside text fields but STOP's, wherever the focus is, the scene's
+ * frame included. `handle` returns true when it used the key; the browser then does nothing with it.
  */
 export function useKeys(handle: (press: KeyPress) => boolean): void {
   const latest = useRef(handle);
@@ -45,25 +64,45 @@ export function useKeys(handle: (press: KeyPress) => boolean): void {
   useEffect(() => {
     const onKeyDown = (event: KeyboardEvent) => {
       if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return;
-      if (event.repeat) {
-        if (event.key === " ") event.preventDefault();
-        return;
-      }
+      if (event.repeat || isStopKey(event)) return;
       const onControl =
         event.target instanceof Element &&
         event.target.closest("button, a, [role=menuitemcheckbox]") !== null;
       const inMenu = isInMenu(event.target);
       if (latest.current({ key: event.key, onControl, inMenu })) event.preventDefault();
     };
-    // Some browsers press a focused button when the space bar is let go.
-    const onKeyUp = (event: KeyboardEvent) => {
-      if (event.key === " " && !isTyping(event.target)) event.preventDefault();
-    };
     const onMessage = (event: MessageEvent<unknown>) => {
       const key = forwardedKey(event);
       if (key !== null) latest.current({ key, onControl: false, inMenu: false });
     };
-    // Capture: a menu that keeps its keys to itself must not keep STOP from the robot.
+    // Capture: a menu that keeps its keys to itself must not keep them from the page.
+    window.addEventListener("keydown", onKeyDown, true);
+    window.addEventListener("message", onMessage);
+    return () => {
+      window.removeEventListener("keydown", onKeyDown, true);
+      window.removeEventListener("message", onMessage);
+    };
+  }, []);
+}
+
+/** Calls `press` for the key of STOP, wherever the focus is; the key then does nothing else. */
+export function useStopKey(press: () => void): void {
+  useEffect(() => {
+    // Capture: a menu that keeps its keys to itself must not keep STOP from the robot, and the key
+    // that stops must not open a list besides.
+    const onKeyDown = (event: KeyboardEvent) => {
+      if (!isStopKey(event)) return;
+      event.preventDefault();
+      event.stopPropagation();
+      if (!event.repeat) press();
+    };
+    // Some browsers press a focused button when the space bar is let go.
+    const onKeyUp = (event: KeyboardEvent) => {
+      if (isStopKey(event)) event.preventDefault();
+    };
+    const onMessage = (event: MessageEvent<unknown>) => {
+      if (forwardedKey(event) === " ") press();
+    };
     window.addEventListener("keydown", onKeyDown, true);
     window.addEventListener("keyup", onKeyUp, true);
     window.addEventListener("message", onMessage);
@@ -72,5 +111,5 @@ export function useKeys(handle: (press: KeyPress) => boolean): void {
       window.removeEventListener("keyup", onKeyUp, true);
       window.removeEventListener("message", onMessage);
     };
-  }, []);
+  }, [press]);
 }

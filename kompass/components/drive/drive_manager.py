@@ -31,6 +31,7 @@ from kompass.components.drive.drive_gate import DriveGate, GateInput, GateLimits
 from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
 from kompass.components.drive.publisher_watch import PublisherWatch, WatchedTopic
 from kompass.components.drive.stop_latch import StopLatch
+from kompass.printable import printable
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 from kompass.robot import RobotType
 
@@ -40,6 +41,7 @@ SHARE_OF_TOP_SPEED = 0.5
 MARGIN = 0.03  # m to stay outside the critical zone, so that the way out does not end in it
 USEFUL = 0.05  # m; a shorter way frees nothing
 HELD = 0.7  # s of being held back after which it is given up; a late scan passes sooner
+LONGEST_NAME = 40  # characters of who pressed STOP, in the log
 REST = 1.0  # s at most for the robot to come to rest
 
 
@@ -157,11 +159,12 @@ class DriveManager(Component):
     def _on_stop(
         self, request: StopRobot.Request, response: StopRobot.Response
     ) -> StopRobot.Response:
-        operator = request.operator_name or "somebody"
+        operator = printable(request.operator_name, LONGEST_NAME) or "somebody"
         self._latch.set(operator, request.reason)
         self._halt()
         self._publish_state(time.monotonic(), "stop", 0.0)
-        self.node.get_logger().warning(f"STOP by {operator}: {request.reason or 'no reason given'}")
+        reason = printable(request.reason) or "no reason given"
+        self.node.get_logger().warning(f"STOP by {operator}: {reason}")
         response.success = True
         response.message = "stopped; a person must release it"
         return response
@@ -175,7 +178,8 @@ class DriveManager(Component):
         self._queue.clear()
         self._latch.release()
         self._publish_state(time.monotonic(), "", 1.0)
-        self.node.get_logger().warning(f"STOP released by {request.operator_name or 'somebody'}")
+        operator = printable(request.operator_name, LONGEST_NAME) or "somebody"
+        self.node.get_logger().warning(f"STOP released by {operator}")
         return response
 
     def _halt(self) -> None:

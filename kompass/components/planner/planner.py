@@ -27,6 +27,7 @@ from kompass.components.base.location_source import LocationSource
 from kompass.components.planner.config import PlannerConfig, usable_planner
 from kompass.components.planner.goal_check import check_goal
 from kompass.components.planner.mission import FREE_HEADING, GoalOutcome, Mission, Tolerance
+from kompass.printable import printable
 from kompass.rclpy_ext.goal_expiry import expire_goals
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 
@@ -262,7 +263,7 @@ class Planner(Component):
         displacement = mission.errors(pose) if pose is not None else (math.inf, math.inf)
         self.publish("plan", self._path_msg(np.empty((0, 3))))
         self.publish("reached_end", Bool(data=outcome is GoalOutcome.ARRIVED))
-        self.node.get_logger().info(f"goal ended: {outcome.name}: {message}")
+        self.node.get_logger().info(f"goal ended: {outcome.name}: {printable(message)}")
         self._handle = None
         if self._ended is not None:
             self._ended.set_result((outcome, message, displacement))

@@ -29,6 +29,8 @@ from mcap.records import (
     SummaryOffset,
 )
 
+from kompass.store.private import private_opener
+
 MAGIC = b"\x89MCAP0\r\n"
 LIBRARY = "kompass-console"
 # Twice as fast as the default level; scans and maps come out a few per cent larger.
@@ -59,7 +61,7 @@ class McapWriter:
 
     def __init__(self, path: Path, *, profile: str = "ros2") -> None:
         self.path = path
-        self._file = io.FileIO(path, "xb")
+        self._file = io.FileIO(path, "xb", opener=private_opener)
         self._compressor = zstandard.ZstdCompressor(level=LEVEL)
         self._size = 0
         self._schemas: dict[tuple[str, str], Schema] = {}

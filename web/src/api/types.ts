@@ -22,5 +22,8 @@ export type GoalPick = Schemas["GestureCheck"];
 /** A goal in the map frame: metres, and radians counter-clockwise from +x. */
 export type GoalPoint = Schemas["GoalRequest"];
 
+export type AuditLog = Sent<Schemas["AuditPage"]>;
+export type AuditLine = AuditLog["lines"][number];
+
 /** What the state socket sends. */
 export type ServerMessage = Sent<Schemas["Hello"]> | Sent<Schemas["Pong"]> | State;

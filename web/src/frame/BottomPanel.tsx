@@ -8,7 +8,7 @@ import { OPENERS, useNav } from "../rules/context/RulesNav";
 import { DraftBar } from "../rules/DraftBar";
 import { FiringsPanel } from "../rules/firings/FiringsPanel";
 import { RulesSheet } from "../rules/RulesSheet";
-import { StopButton } from "../stop/StopButton";
+import { StopPlace } from "../stop/StopButton";
 import classes from "./BottomPanel.module.css";
 
 type Tab = "health" | "data";
@@ -79,7 +79,7 @@ export function BottomPanel({ startOpen }: { startOpen: boolean }) {
             </UnstyledButton>
           </div>
         </div>
-        <StopButton />
+        <StopPlace />
       </div>
     </aside>
   );

@@ -18,8 +18,10 @@ import { useView, type ViewHandle } from "../scene/useView";
 import { useSession } from "../session/SessionContext";
 import { RobotProvider } from "../state/RobotContext";
 import { StopBand } from "../stop/StopBand";
+import { StopButton } from "../stop/StopButton";
 import { StopProvider } from "../stop/StopContext";
 import { Band } from "../ui/Band";
+import { AuditBand } from "./AuditBand";
 import { BottomPanel } from "./BottomPanel";
 import classes from "./ConsolePage.module.css";
 import { HelpPanel } from "./HelpPanel";
@@ -94,23 +96,26 @@ function Workplace() {
   });
 
   return (
-    <div className={classes.page} data-rules={rules.open || undefined}>
-      <TopBar />
-      <main className={scene.scene}>
-        <SceneStack handle={handle} goal={goal} />
-        {helpOpen && <HelpPanel onClose={() => setHelpOpen(false)} />}
-      </main>
-      <ToolRail
-        scene={handle}
-        goal={goal}
-        layersOpen={layersOpen}
-        onLayers={setLayersOpen}
-        helpOpen={helpOpen}
-        onHelp={() => setHelpOpen(!helpOpen)}
-      />
-      <StatusLine />
-      {narrow ? <BottomPanel startOpen={!phone} /> : <SidePanel />}
-    </div>
+    <>
+      <div className={classes.page} data-rules={rules.open || undefined}>
+        <TopBar />
+        <main className={scene.scene}>
+          <SceneStack handle={handle} goal={goal} />
+          {helpOpen && <HelpPanel onClose={() => setHelpOpen(false)} />}
+        </main>
+        <ToolRail
+          scene={handle}
+          goal={goal}
+          layersOpen={layersOpen}
+          onLayers={setLayersOpen}
+          helpOpen={helpOpen}
+          onHelp={() => setHelpOpen(!helpOpen)}
+        />
+        <StatusLine />
+        {narrow ? <BottomPanel startOpen={!phone} /> : <SidePanel />}
+      </div>
+      <StopButton />
+    </>
   );
 }
 
@@ -139,6 +144,7 @@ function SceneStack({ handle, goal }: { handle: ViewHandle; goal: GoalTool }) {
         <StopBand />
         <StaleBand />
         <DriveBand />
+        <AuditBand />
         <AlarmsBand />
         {!rulesOpen && <ProbationBand />}
         {view !== null && error !== null && (

@@ -2,7 +2,8 @@ import { CloseButton, Kbd } from "@mantine/core";
 import classes from "./HelpPanel.module.css";
 
 const KEYS: [string, string][] = [
-  ["Space", "Stop the robot, from anywhere on the page"],
+  ["Space", "Stop the robot, wherever you are not writing text"],
+  ["Ctrl Space", "Stop the robot, in a text field, too, where Space is a blank"],
   ["G", "Goal tool on or off"],
   ["Enter", "Go, when the goal card shows it"],
   ["Esc", "Drop the goal, then leave the tool"],
@@ -33,7 +34,11 @@ export function HelpPanel({ onClose }: { onClose: () => void }) {
         {KEYS.map(([key, what]) => (
           <div key={key}>
             <dt>
-              <Kbd>{key}</Kbd>
+              {key.split(" ").map((each) => (
+                <Kbd key={each} mr={4}>
+                  {each}
+                </Kbd>
+              ))}
             </dt>
             <dd>{what}</dd>
           </div>

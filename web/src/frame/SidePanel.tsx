@@ -5,7 +5,7 @@ import { useNav } from "../rules/context/RulesNav";
 import { DraftBar } from "../rules/DraftBar";
 import { FiringsPanel } from "../rules/firings/FiringsPanel";
 import { RulesSheet } from "../rules/RulesSheet";
-import { StopButton } from "../stop/StopButton";
+import { StopPlace } from "../stop/StopButton";
 import classes from "./SidePanel.module.css";
 
 /**
@@ -23,7 +23,7 @@ export function SidePanel() {
             <GoalStatus />
             <DraftBar />
           </div>
-          <StopButton />
+          <StopPlace />
         </div>
       </aside>
     );
@@ -39,7 +39,7 @@ export function SidePanel() {
         <DataPanel />
       </div>
       <div className={classes.stop}>
-        <StopButton />
+        <StopPlace />
       </div>
     </aside>
   );

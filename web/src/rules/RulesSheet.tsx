@@ -1,5 +1,7 @@
 import { CloseButton, UnstyledButton } from "@mantine/core";
 import { useEffect, useRef } from "react";
+import { useSession } from "../session/SessionContext";
+import { AuditPage } from "./audit/AuditPage";
 import { RulesBands } from "./bands/RulesBands";
 import { type Place, SHEET_ID, useNav } from "./context/RulesNav";
 import { RuleEditor } from "./editor/RuleEditor";
@@ -12,16 +14,27 @@ import classes from "./Sheet.module.css";
 import { RuleTable } from "./table/RuleTable";
 import { WhyPage } from "./why/WhyPage";
 
-const TABS: { label: string; place: Place; holds: Place["at"][] }[] = [
+interface Tab {
+  label: string;
+  place: Place;
+  holds: Place["at"][];
+  /** Shown to engineers only. */
+  engineer?: boolean;
+}
+
+const TABS: Tab[] = [
   { label: "Rules", place: { at: "table" }, holds: ["table", "edit", "why", "review", "conflict"] },
   { label: "Firings", place: { at: "firings", rule: null }, holds: ["firings"] },
   { label: "History", place: { at: "history", revision: null }, holds: ["history"] },
   { label: "Recordings", place: { at: "recordings", name: null }, holds: ["recordings"] },
+  { label: "Audit", place: { at: "audit" }, holds: ["audit"], engineer: true },
 ];
 
 /** The rules of the robot, beside the scene: what is in force, what is being written, what was. */
 export function RulesSheet() {
   const nav = useNav();
+  const { session } = useSession();
+  const tabs = TABS.filter(({ engineer }) => !engineer || session.role === "engineer");
   const body = useRef<HTMLDivElement>(null);
   const { place, returnTo } = nav;
 
@@ -36,7 +49,7 @@ export function RulesSheet() {
   return (
     <section className={classes.sheet} id={SHEET_ID} aria-label="Rules" data-testid="rules-sheet">
       <header className={classes.head}>
-        {TABS.map(({ label, place: tab, holds }) => (
+        {tabs.map(({ label, place: tab, holds }) => (
           <UnstyledButton
             key={label}
             className={classes.tab}
@@ -86,5 +99,7 @@ function Page({ place }: { place: Place }) {
       return <HistoryPage revision={place.revision} />;
     case "recordings":
       return <RecordingsPage name={place.name} />;
+    case "audit":
+      return <AuditPage />;
   }
 }

@@ -49,6 +49,7 @@ const state = (part: Partial<State> = {}): State => ({
   processes: [],
   ros: { domain_id: 0, middleware: "" },
   viewers: 1,
+  audit_problem: "",
   ...part,
 });
 

@@ -3,7 +3,10 @@ import classes from "./Stop.module.css";
 import { useStop } from "./StopContext";
 import { stopLabel } from "./stopMachine";
 
-/** Always on screen, above everything, and pressable in every state. */
+/**
+ * Always on screen, above everything, and pressable in every state. It stands beside the page and
+ * not in it: lists and menus are laid over the whole page, and would lie over it, too.
+ */
 export function StopButton() {
   const { stop, press } = useStop();
   const { word, spoken } = stopLabel(stop.phase);
@@ -28,4 +31,9 @@ export function StopButton() {
       {stop.phase === "unconfirmed" && <span className={classes.hint}>press again</span>}
     </UnstyledButton>
   );
+}
+
+/** What a panel leaves free in its lower right corner, where STOP is. */
+export function StopPlace() {
+  return <div className={classes.place} aria-hidden />;
 }

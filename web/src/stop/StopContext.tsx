@@ -10,7 +10,7 @@ import {
 import { stopRobot } from "../api/client";
 import { asApiError } from "../api/errors";
 import type { Drive } from "../api/types";
-import { useKeys } from "../keys";
+import { useStopKey } from "../keys";
 import { FROZEN_S } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
 import { IDLE, type StopState, stopReducer } from "./stopMachine";
@@ -54,11 +54,7 @@ export function StopProvider({ children }: { children: ReactNode }) {
   }, []);
   const dismiss = useCallback(() => dispatch({ type: "dismissed" }), []);
 
-  useKeys(({ key }) => {
-    if (key !== " ") return false;
-    press();
-    return true;
-  });
+  useStopKey(press);
 
   const value = useMemo(() => ({ stop, drive, press, dismiss }), [stop, drive, press, dismiss]);
   return <StopContext value={value}>{children}</StopContext>;

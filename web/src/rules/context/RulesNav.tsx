@@ -10,7 +10,8 @@ export type Place =
   | { at: "conflict" }
   | { at: "firings"; rule: string | null }
   | { at: "history"; revision: number | null }
-  | { at: "recordings"; name: string | null };
+  | { at: "recordings"; name: string | null }
+  | { at: "audit" };
 
 interface Nav {
   open: boolean;
@@ -37,7 +38,13 @@ interface Step {
 }
 
 const BEGIN: Step = { place: { at: "table" }, from: "" };
-const TABS: ReadonlySet<Place["at"]> = new Set(["table", "firings", "history", "recordings"]);
+const TABS: ReadonlySet<Place["at"]> = new Set([
+  "table",
+  "firings",
+  "history",
+  "recordings",
+  "audit",
+]);
 
 export function RulesNavProvider({ children }: { children: ReactNode }) {
   const [open, setOpen] = useState(false);

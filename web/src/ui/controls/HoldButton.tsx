@@ -28,7 +28,15 @@ export function HoldButton({ onHeld, children, label, disabled = false, ...rest 
       setHolding(false);
       held.current();
     }, HOLD_MS);
-    return () => window.clearTimeout(timer);
+    // STOP takes its key before anything in the page sees it: who stops lets nothing go.
+    const onKeyDown = (event: KeyboardEvent) => {
+      if (event.key === " ") setHolding(false);
+    };
+    window.addEventListener("keydown", onKeyDown, true);
+    return () => {
+      window.clearTimeout(timer);
+      window.removeEventListener("keydown", onKeyDown, true);
+    };
   }, [holding]);
 
   const start = () => setHolding(!disabled);
@@ -51,7 +59,6 @@ export function HoldButton({ onHeld, children, label, disabled = false, ...rest 
       onContextMenu={(event) => event.preventDefault()}
       onKeyDown={(event) => {
         if (event.key === "Enter" && !event.repeat) start();
-        if (event.key === " ") end();
       }}
       onKeyUp={(event) => {
         if (event.key === "Enter") end();
