@@ -11,6 +11,7 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -59,8 +60,10 @@ def cookie_of(client: httpx.Client) -> str:
 
 
 @contextlib.contextmanager
-def serving(audit_file: Path, domain_id: int, recordings: Path | None = None) -> Iterator[Served]:
-    """Serve a console for as long as the block lasts."""
+def serving(
+    audit_file: Path, domain_id: int, recordings: Path | None = None, **more: Any
+) -> Iterator[Served]:
+    """Serve a console for as long as the block lasts; `more` are other settings of it."""
     listening = socket.create_server(("127.0.0.1", 0))
     settings = ConsoleSettings(
         robot_name="test robot",
@@ -68,6 +71,7 @@ def serving(audit_file: Path, domain_id: int, recordings: Path | None = None) ->
         audit_file=audit_file,
         domain_id=domain_id,
         recordings=recordings,
+        **more,
     )
     stop = threading.Event()
     thread = threading.Thread(target=run_console, args=(listening, settings), kwargs={"stop": stop})
