@@ -116,6 +116,10 @@ async def _refuse(scope: Scope, send: Send, status: int, title: str, remedy: str
         await send({"type": "websocket.close", "code": 4403, "reason": title})
         return
     body = json.dumps({"detail": {"title": title, "remedy": remedy}}).encode()
-    headers = [(b"content-type", b"application/json"), (b"cache-control", b"no-store")]
+    headers = [
+        (b"content-type", b"application/json"),
+        (b"content-length", str(len(body)).encode()),
+        (b"cache-control", b"no-store"),
+    ]
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": body})
