@@ -153,6 +153,27 @@ class _Server(uvicorn.Server):
     def end(self) -> None:
         self.should_exit = True
 
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """As uvicorn's, with a bound to the time that a TLS handshake may take."""
+        await super().startup([])
+        if self.should_exit:
+            return
+        loop = asyncio.get_running_loop()
+        tls = self.config.ssl
+        for sock in sockets or []:
+            serving = await loop.create_server(
+                self._protocol,
+                sock=sock,
+                ssl=tls,
+                ssl_handshake_timeout=self._gate.limits.header_time if tls else None,
+                backlog=self.config.backlog,
+            )
+            self.servers.append(serving)
+
+    def _protocol(self) -> GatedHttp:
+        assert isinstance(self.server_state, GatedState)
+        return GatedHttp(self.config, self.server_state, self.lifespan.state)
+
     async def on_tick(self, counter: int) -> bool:
         # Ten times a second; a loop that hangs is found by the supervisor.
         send_heartbeat("console")

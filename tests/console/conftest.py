@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import socket
+import ssl
 import subprocess
 import sys
 import threading
@@ -34,6 +35,7 @@ class Served:
 
     listening: socket.socket
     audit_file: Path
+    certificate: Path | None = None
 
     @property
     def port(self) -> int:
@@ -41,13 +43,16 @@ class Served:
 
     @property
     def origin(self) -> str:
-        return f"http://127.0.0.1:{self.port}"
+        return f"{'https' if self.certificate else 'http'}://127.0.0.1:{self.port}"
 
     @contextlib.contextmanager
     def client(self, role: Role | None = None, user: str | None = None) -> Iterator[httpx.Client]:
         """An HTTP client with the page's Origin, logged in when a role is given."""
         headers = {"Origin": self.origin}
-        with httpx.Client(base_url=self.origin, headers=headers, timeout=10.0) as client:
+        trusted = ssl.create_default_context(cafile=self.certificate)
+        with httpx.Client(
+            base_url=self.origin, headers=headers, timeout=10.0, verify=trusted
+        ) as client:
             if role is not None:
                 answer = client.post("/api/login", json={"token": TOKENS[role], "user": user})
                 assert answer.status_code == 200, answer.text
@@ -76,7 +81,7 @@ def serving(
     stop = threading.Event()
     thread = threading.Thread(target=run_console, args=(listening, settings), kwargs={"stop": stop})
     thread.start()
-    served = Served(listening, audit_file)
+    served = Served(listening, audit_file, settings.tls_cert)
     try:
         with served.client() as client:
             wait_until(lambda: _answers(client), 20.0, "the console answers")

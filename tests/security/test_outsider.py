@@ -8,7 +8,10 @@ import json
 import logging
 import os
 import random
+import shutil
 import socket
+import ssl
+import subprocess
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,9 +19,13 @@ from pathlib import Path
 import httpx
 import pytest
 from pydantic import ValidationError
+from websockets import Origin
+from websockets.sync.client import connect
 
+from kompass_console.cli_error import CliError
 from kompass_console.schema.roles import Role
 from kompass_console.settings import ConnectionLimits, ConsoleSettings
+from kompass_console.stack import ConsoleListener, Door
 from kompass_console.web.auth import LoginLimiter
 from tests.console.conftest import TOKENS, Served, cookie_of, serving
 from tests.console.rules_client import opened, until
@@ -414,3 +421,95 @@ def test_a_message_of_very_many_pieces_is_not_gathered(hasty: Served) -> None:
         connection.recv(1000)
         connection.sendall(first)
         assert is_cut_off(connection, more)
+
+
+# -- what can be overheard -------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A certificate of this machine's own, and its key."""
+    openssl = shutil.which("openssl")
+    if openssl is None:
+        pytest.skip("openssl, which makes the certificate, is not installed")
+    folder = tmp_path_factory.mktemp("tls")
+    certificate, key = folder / "certificate.pem", folder / "key.pem"
+    made = [openssl, "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2"]
+    made += ["-subj", "/CN=localhost", "-addext", f"subjectAltName=IP:{LOOPBACK},DNS:localhost"]
+    made += ["-keyout", str(key), "-out", str(certificate)]
+    subprocess.run(made, check=True, capture_output=True)
+    return certificate, key
+
+
+def test_with_a_certificate_nothing_is_said_in_the_clear(
+    tmp_path: Path, domain: int, pair: tuple[Path, Path]
+) -> None:
+    certificate, key = pair
+    limits = ConnectionLimits(header_time=1.0)
+    with serving(
+        tmp_path / "audit.jsonl", domain, tls_cert=certificate, tls_key=key, limits=limits
+    ) as own:
+        with own.client() as client:
+            answer = client.post("/api/login", json={"token": TOKENS[Role.VIEWER]})
+            assert "secure" in answer.headers["set-cookie"].lower()
+            assert "max-age" in answer.headers["strict-transport-security"]
+            assert client.get("/api/session").json()["role"] == "viewer"
+            # A browser would keep to https for whatever else answers to this name.
+            local = client.get("/api/session", headers={"Host": f"localhost:{own.port}"})
+            assert "strict-transport-security" not in local.headers
+            with connect(
+                f"wss://{LOOPBACK}:{own.port}/api/state",
+                origin=Origin(own.origin),
+                additional_headers={"Cookie": cookie_of(client)},
+                ssl=ssl.create_default_context(cafile=certificate),
+            ) as page:
+                until(page, lambda m: m["type"] == "state")
+        assert b"HTTP" not in answer_to(own, request("/api/session"))
+        with raw(own) as silent:
+            wait_until(lambda: is_closed(silent), 5.0, "an unfinished handshake is given up")
+
+
+def test_without_tls_nothing_is_said_that_only_tls_can_keep(console: Served) -> None:
+    with console.client() as client:
+        answer = client.post("/api/login", json={"token": TOKENS[Role.VIEWER]})
+    assert "secure" not in answer.headers["set-cookie"].lower()
+    assert "strict-transport-security" not in answer.headers
+
+
+@pytest.mark.parametrize(("host", "warned"), [("0.0.0.0", True), (LOOPBACK, False)])
+def test_who_opens_the_console_to_a_network_is_told_what_is_overheard(
+    host: str, warned: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    listener = ConsoleListener(host, 0, False, "ava", None)
+    with listener.socket:
+        listener.announce()
+    assert ("Without TLS" in capsys.readouterr().out) is warned
+
+
+def test_with_tls_the_address_says_so_and_nothing_is_warned_of(
+    pair: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    listener = ConsoleListener("0.0.0.0", 0, False, "ava", None, Door(*pair))
+    with listener.socket:
+        listener.announce()
+    said = capsys.readouterr().out
+    assert "https://" in said
+    assert "Without TLS" not in said
+
+
+def test_a_door_that_cannot_work_is_refused_in_a_line(
+    tmp_path: Path, pair: tuple[Path, Path]
+) -> None:
+    certificate, key = pair
+    nonsense = tmp_path / "nonsense.pem"
+    nonsense.write_text("nonsense")
+    for wrong, words in (
+        ({"tls_cert": certificate}, "--tls-key"),
+        ({"tls_key": key}, "--tls-cert"),
+        ({"tls_cert": certificate, "tls_key": tmp_path / "none.pem"}, "No such file"),
+        ({"tls_cert": nonsense, "tls_key": key}, "no certificate"),
+        ({"trusted_proxies": ["proxy.example"]}, "not an address"),
+    ):
+        with pytest.raises(CliError, match=words) as refused:
+            Door(**wrong)
+        assert refused.value.code == 2
