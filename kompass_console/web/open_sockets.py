@@ -16,7 +16,7 @@ from kompass_console.web.auth import Authenticator, LoginSession
 NOT_LOGGED_IN = 4401  # close code
 
 _PERIOD = 1.0  # s between two looks at who may still listen
-_SAVE_PERIOD = 60.0  # s between two times at which it is written down who was seen
+_SAVE_PERIOD = 600.0  # s between two times at which it is written down who was seen
 
 
 class TooManySockets(Exception):

@@ -57,6 +57,7 @@ class SessionRecords:
     def __init__(self, file: Path | None, now: float) -> None:
         self._file = file
         self._lock = threading.Lock()
+        self._writing = threading.Lock()
         self._revoked: dict[Role, OrderedDict[str, float]] = {r: OrderedDict() for r in Role}
         self._seen: dict[Role, OrderedDict[str, float]] = {r: OrderedDict() for r in Role}
         self._not_before = dict.fromkeys(Role, float("-inf"))
@@ -92,18 +93,27 @@ class SessionRecords:
             self._changed = True
 
     def save(self) -> None:
-        """Write what has changed. A disk that is full is told, and keeps nobody from anything."""
+        """Write what has changed. A disk that is full is told, and keeps nobody from anything.
+
+        Nobody else waits for the disk: whoever asks meanwhile is answered from memory.
+        """
         if self._file is None:
             return
-        with self._lock:
-            if not self._changed:
-                return
+        with self._writing:
+            with self._lock:
+                if not self._changed:
+                    return
+                self._changed = False
             try:
                 with _alone(self._file.parent):
-                    self._merge(self._file)
-                    _replace(self._file, self._kept().model_dump_json())
-                self._changed = False
+                    written = _of_others(self._file)
+                    with self._lock:
+                        self._take(written)
+                        text = self._kept().model_dump_json()
+                    _replace(self._file, text)
             except OSError as error:
+                with self._lock:
+                    self._changed = True
                 _logger.error(
                     "sessions not written to %s: %s; who logs out now stays out only until the "
                     "console is started again",
@@ -121,11 +131,6 @@ class SessionRecords:
             self._not_before = dict.fromkeys(Role, now)
             self._changed = True
             _logger.error("%s cannot be read (%s); everybody has to log in again", file, error)
-
-    def _merge(self, file: Path) -> None:
-        """Take in what another console of this robot has written meanwhile."""
-        with contextlib.suppress(FileNotFoundError, ValueError):
-            self._take(_read(file))
 
     def _take(self, kept: _Kept) -> None:
         for role, before in kept.not_before.items():
@@ -158,6 +163,14 @@ class SessionRecords:
 
 def _read(file: Path) -> _Kept:
     return _Kept.model_validate_json(file.read_bytes())
+
+
+def _of_others(file: Path) -> _Kept:
+    """What another console of this robot may have written meanwhile."""
+    try:
+        return _read(file)
+    except (FileNotFoundError, ValueError):
+        return _Kept()
 
 
 @contextlib.contextmanager

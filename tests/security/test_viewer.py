@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import json
 import math
+import os
 import stat
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -30,6 +33,8 @@ from tests.support.processes import wait_until
 pytestmark = pytest.mark.ros
 
 HOUR = 3600.0
+# Whoever is still sending when the console has closed may not come to read why.
+TOO_LARGE = (1009, 1006)
 
 
 @contextlib.contextmanager
@@ -72,7 +77,7 @@ def test_a_large_scene_message_is_refused_by_its_size_alone(console: Served, kin
         large = {"type": kind, "payload": b"x" * 7_900_000, "render_uuid": "x"}
         with contextlib.suppress(ConnectionClosed):
             page.send(**large)
-        assert scene_closed_with(page) == 1009
+        assert scene_closed_with(page) in TOO_LARGE
 
 
 @pytest.mark.parametrize("path", ["/api/state", "/api/rules/live"])
@@ -80,7 +85,7 @@ def test_no_other_socket_takes_a_large_message(console: Served, path: str) -> No
     with console.client(Role.VIEWER) as client, opened(console, path, client) as socket:
         with contextlib.suppress(ConnectionClosed):
             socket.send("x" * 1_000_000)
-        assert closed_with(socket) == 1009
+        assert closed_with(socket) in TOO_LARGE
 
 
 def test_the_camera_of_viser_s_own_client_is_taken() -> None:
@@ -292,6 +297,22 @@ def test_two_consoles_of_a_robot_keep_each_other_s_log_outs(tmp_path: Path) -> N
     after = SessionRecords(file, 3.0)
     assert after.is_revoked(Role.VIEWER, "a", 1.0)
     assert after.is_revoked(Role.OPERATOR, "b", 2.0)
+
+
+def test_a_disk_that_takes_its_time_holds_nobody_up(tmp_path: Path) -> None:
+    records = SessionRecords(tmp_path / "sessions.json", 0.0)
+    folder = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(folder, fcntl.LOCK_EX)  # as if another console were writing, and never done
+    leaving = threading.Thread(target=records.revoke, args=(Role.VIEWER, "a", 1.0))
+    try:
+        leaving.start()
+        wait_until(lambda: records.is_revoked(Role.VIEWER, "a", 1.0), 5.0, "an answer")
+        records.saw(Role.OPERATOR, "b", 2.0)
+        assert leaving.is_alive()
+    finally:
+        os.close(folder)
+        leaving.join(patient(5.0))
+    assert SessionRecords(tmp_path / "sessions.json", 3.0).is_revoked(Role.VIEWER, "a", 1.0)
 
 
 @pytest.mark.parametrize("damage", ["", "{", '{"revoked": {"king": {}}}', "\x00" * 100])
