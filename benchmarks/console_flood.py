@@ -8,6 +8,7 @@ the time between two states (0.1 s when nothing is in the way); STOP is pressed 
 """
 
 import contextlib
+import logging
 import multiprocessing
 import os
 import socket
@@ -34,7 +35,7 @@ from tests.support.domains import next_domain
 
 IDLE = 300
 LARGE = msgspec.msgpack.encode(
-    {"type": "GetRenderResponseMessage", "payload": b"x" * 7_900_000, "render_uuid": 1}
+    {"type": "ViewerCameraMessage", "wxyz": b"x" * 7_900_000}  # which ends viser's handler
 )
 
 
@@ -126,6 +127,8 @@ def measure(console: Served, pid: int, attack: Callable[[Served, float], str], s
 
 def main() -> None:
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 6.0
+    # Who is cut off in the middle of a message is told so at length.
+    logging.getLogger("websockets.client").setLevel(logging.CRITICAL)
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     with tempfile.TemporaryDirectory() as folder:
         listening = socket.create_server(("127.0.0.1", 0), backlog=512)

@@ -12,6 +12,7 @@ who presses STOP sends a whole request at once, and is answered whoever else hol
 from __future__ import annotations
 
 import asyncio
+import select
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable
@@ -131,15 +132,26 @@ class ConnectionGate:
 
     def _make_room(self, among: list[Slot]) -> bool:
         waiting = [slot for slot in among if slot.waiting]
-        fresh = [slot for slot in waiting if not slot.served]
         if not waiting:
             return False
-        self._drop((fresh or waiting)[0])
+        # Of many who come at once one has sent its request already, though nobody has read it yet.
+        sent = _with_unread_input(waiting)
+        self._drop(min(waiting, key=lambda slot: (slot in sent, slot.served)))
         return True
 
     def _drop(self, slot: Slot) -> None:
         self._slots.pop(slot.transport, None)
         slot.transport.abort()
+
+
+def _with_unread_input(slots: list[Slot]) -> set[Slot]:
+    """Those of whom the kernel holds something that was not read yet."""
+    files = {slot.transport.get_extra_info("socket").fileno(): slot for slot in slots}
+    looking = select.poll()
+    for file in files:
+        if file >= 0:
+            looking.register(file, select.POLLIN)
+    return {files[file] for file, _ in looking.poll(0)}
 
 
 class GatedState(ServerState):

@@ -357,6 +357,19 @@ def test_stop_is_answered_however_many_connections_are_held(tmp_path: Path, doma
             )
 
 
+def test_a_request_that_comes_amid_a_burst_of_connections_is_answered(
+    tmp_path: Path, domain: int
+) -> None:
+    limits = ConnectionLimits(total=40, of_one_address=30)
+    with serving(tmp_path / "audit.jsonl", domain, limits=limits) as own:
+        for _ in range(20):
+            with contextlib.ExitStack() as held:
+                asking = held.enter_context(raw(own, request("/api/session")))
+                for _ in range(100):
+                    held.enter_context(raw(own))
+                assert status_of(asking.recv(65_536)) == 401
+
+
 def test_who_is_being_served_is_not_dropped_for_others(tmp_path: Path, domain: int) -> None:
     limits = ConnectionLimits(total=10, of_one_address=10)
     with (
