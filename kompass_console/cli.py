@@ -56,6 +56,30 @@ Token = Annotated[
         show_default=False,
     ),
 ]
+TlsCert = Annotated[
+    Path | None,
+    typer.Option(help="Certificate (PEM) to serve https with; goes with --tls-key."),
+]
+TlsKey = Annotated[
+    Path | None, typer.Option(help="Private key (PEM) of the certificate; goes with --tls-cert.")
+]
+TrustedProxy = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Address of a reverse proxy whose X-Forwarded-For and -Proto are believed; may be "
+        "given several times. Nobody's are, if it is left out.",
+        show_default=False,
+    ),
+]
+IdleLimit = Annotated[
+    float,
+    typer.Option(
+        min=0.01,
+        max=168,
+        help="Hours after which somebody has to log in again who had no page open.",
+    ),
+]
 Sim = Annotated[
     str | None,
     typer.Option(
@@ -109,6 +133,10 @@ def run(
     network: Network = None,
     name: Name = None,
     token: Token = None,
+    tls_cert: TlsCert = None,
+    tls_key: TlsKey = None,
+    trusted_proxy: TrustedProxy = None,
+    idle_limit: IdleLimit = 12.0,
     data_dir: DataDir = None,
     safe_mode: SafeMode = False,
     no_record: NoRecord = False,
@@ -120,10 +148,11 @@ def run(
     ros = choose_domain(domain_id, network)
     if single_process:
         os.environ["KOMPASS_MULTI_PROCESSING"] = "0"
-    from kompass_console.stack import ConsoleListener, run_recipe
+    from kompass_console.stack import ConsoleListener, Door, run_recipe
 
     robot = _prepare(name, sim, data_dir, safe_mode=safe_mode, no_record=no_record)
-    console = ConsoleListener(host, port, not no_browser, robot, token, ros)
+    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit)
+    console = ConsoleListener(host, port, not no_browser, robot, token, ros, door)
     run_recipe(recipe, console, sim, fault or [])
 
 
@@ -138,6 +167,10 @@ def demo(
     network: Network = None,
     name: Name = None,
     token: Token = None,
+    tls_cert: TlsCert = None,
+    tls_key: TlsKey = None,
+    trusted_proxy: TrustedProxy = None,
+    idle_limit: IdleLimit = 12.0,
     data_dir: DataDir = None,
     safe_mode: SafeMode = False,
     no_record: NoRecord = False,
@@ -145,10 +178,11 @@ def demo(
     """Try it: an embedded robot, the navigation stack and the console."""
     ros = choose_domain(domain_id, network)
     from kompass.share import recipe_path
-    from kompass_console.stack import ConsoleListener, run_recipe
+    from kompass_console.stack import ConsoleListener, Door, run_recipe
 
     robot = _prepare(name, world, data_dir, safe_mode=safe_mode, no_record=no_record)
-    console = ConsoleListener(host, port, not no_browser, robot, token, ros)
+    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit)
+    console = ConsoleListener(host, port, not no_browser, robot, token, ros, door)
     run_recipe(recipe_path("01_point_navigation.py"), console, world, fault or [])
 
 
@@ -161,13 +195,18 @@ def attach(
     network: Network = None,
     name: Name = None,
     token: Token = None,
+    tls_cert: TlsCert = None,
+    tls_key: TlsKey = None,
+    trusted_proxy: TrustedProxy = None,
+    idle_limit: IdleLimit = 12.0,
 ) -> None:
     """Show a stack that something else started, on this machine or another of the ROS domain."""
     ros = choose_domain(domain_id, network)
-    from kompass_console.stack import ConsoleListener, run_attached
+    from kompass_console.stack import ConsoleListener, Door, run_attached
 
+    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit)
     robot = name or _robot_name(None)
-    run_attached(ConsoleListener(host, port, not no_browser, robot, token, ros))
+    run_attached(ConsoleListener(host, port, not no_browser, robot, token, ros, door))
 
 
 def _prepare(

@@ -8,6 +8,7 @@ import logging
 import signal
 import socket
 import threading
+import time
 from collections.abc import Callable, Coroutine, Iterator, Sequence
 from typing import Any
 
@@ -16,6 +17,7 @@ from fastapi import FastAPI
 
 from kompass.supervisor.heartbeat import send_heartbeat
 from kompass_console.api.app import create_app
+from kompass_console.api.sockets import largest_message
 from kompass_console.audit.log import AuditLog
 from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
@@ -25,8 +27,16 @@ from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 from kompass_console.web.audit import AuditTrail
 from kompass_console.web.auth import Authenticator, LoginLimiter
+from kompass_console.web.connections import (
+    ConnectionGate,
+    GatedHttp,
+    GatedState,
+    GatedWebSocket,
+)
 from kompass_console.web.console import Console
+from kompass_console.web.open_sockets import OpenSockets
 from kompass_console.web.rules_feed import RulesFeed
+from kompass_console.web.session_records import SessionRecords
 from kompass_console.web.state_feed import StateFeed
 from kompass_console.web.views import ViewRegistry
 
@@ -36,6 +46,8 @@ _logger = logging.getLogger(__name__)
 # of a slow tablet; what waits here instead is replaced by what is newer.
 _NOT_SENT_LOW_WATER = 16_384
 MEET = 5.0  # s
+
+_TICKS_OF_SWEEP = 3  # of 0.1 s, between two looks for who keeps us waiting
 
 
 def run_console(
@@ -65,7 +77,7 @@ def run_console(
         beside: list[Coroutine[Any, Any, None]] = []
         if alone is not None:
             beside.append(_look_round(console.link, alone))
-        asyncio.run(_serve(sock, create_app(console), stop, beside))
+        asyncio.run(_serve(sock, create_app(console), settings, stop, beside))
 
 
 @contextlib.contextmanager
@@ -75,8 +87,14 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
     feed = StateFeed()
     rules_feed = RulesFeed()
     views = ViewRegistry(settings.theme)
+    auth = Authenticator(
+        settings.access_tokens,
+        SessionRecords(settings.sessions_file, time.time()),
+        lifetime=settings.session_lifetime,
+        idle_limit=settings.idle_limit,
+    )
     with contextlib.ExitStack() as closing:
-        scene = Scene(world, views.get)
+        scene = Scene(world, views.find)
         closing.callback(scene.stop)
         audit_log = AuditLog(settings.audit_folder)
         closing.callback(audit_log.close)
@@ -84,12 +102,13 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
         closing.callback(link.stop)
         yield Console(
             settings=settings,
-            auth=Authenticator(settings.access_tokens),
+            auth=auth,
             limiter=LoginLimiter(),
             audit=AuditTrail(audit_log),
             world=world,
             link=link,
             checker=GoalChecker(link, world),
+            sockets=OpenSockets(auth, settings.limits),
             views=views,
             scene=scene,
             feed=feed,
@@ -101,6 +120,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
 async def _serve(
     sock: socket.socket,
     app: FastAPI,
+    settings: ConsoleSettings,
     stop: threading.Event | None,
     beside: Sequence[Coroutine[Any, Any, None]],
 ) -> None:
@@ -108,15 +128,22 @@ async def _serve(
         app,
         log_level="warning",
         access_log=False,
-        ws="websockets-sansio",
+        http=GatedHttp,
+        ws=GatedWebSocket,
         ws_per_message_deflate=False,  # costs time, and pictures are compressed already
         ws_ping_interval=5.0,
         ws_ping_timeout=10.0,
         server_header=False,
+        proxy_headers=bool(settings.trusted_proxies),
+        forwarded_allow_ips=list(settings.trusted_proxies),
+        timeout_keep_alive=int(settings.limits.keep_alive),
         timeout_graceful_shutdown=1,  # s; pages are told, and not waited for any longer
+        ssl_certfile=settings.tls_cert,
+        ssl_keyfile=settings.tls_key,
         lifespan="on",
     )
-    server = _Server(config)
+    gate = ConnectionGate(settings.limits, settings.trusted_proxies)
+    server = _Server(config, gate)
     loop = asyncio.get_running_loop()
     if threading.current_thread() is threading.main_thread():
         for number in (signal.SIGTERM, signal.SIGINT):
@@ -132,7 +159,12 @@ async def _serve(
 
 
 class _Server(uvicorn.Server):
-    """uvicorn that leaves signals to whoever started it."""
+    """uvicorn with a gate, that leaves signals to whoever started it."""
+
+    def __init__(self, config: uvicorn.Config, gate: ConnectionGate) -> None:
+        super().__init__(config)
+        self.server_state = GatedState(gate, largest_message)
+        self._gate = gate
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -141,9 +173,32 @@ class _Server(uvicorn.Server):
     def end(self) -> None:
         self.should_exit = True
 
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """As uvicorn's, with a bound to the time that a TLS handshake may take."""
+        await super().startup([])
+        if self.should_exit:
+            return
+        loop = asyncio.get_running_loop()
+        tls = self.config.ssl
+        for sock in sockets or []:
+            serving = await loop.create_server(
+                self._protocol,
+                sock=sock,
+                ssl=tls,
+                ssl_handshake_timeout=self._gate.limits.header_time if tls else None,
+                backlog=self.config.backlog,
+            )
+            self.servers.append(serving)
+
+    def _protocol(self) -> GatedHttp:
+        assert isinstance(self.server_state, GatedState)
+        return GatedHttp(self.config, self.server_state, self.lifespan.state)
+
     async def on_tick(self, counter: int) -> bool:
         # Ten times a second; a loop that hangs is found by the supervisor.
         send_heartbeat("console")
+        if counter % _TICKS_OF_SWEEP == 0:
+            self._gate.sweep()
         return await super().on_tick(counter)
 
 

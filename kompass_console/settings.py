@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import ipaddress
 from pathlib import Path
+from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from kompass_console.schema.models import Theme
 from kompass_console.schema.roles import Role
 
 _SHORTEST_TOKEN = 16
+_DAY = 24 * 3600.0  # s
+
+Seconds = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Count = Annotated[int, Field(ge=1)]
 
 
 class TopicOverrides(BaseModel):
@@ -22,6 +28,37 @@ class TopicOverrides(BaseModel):
     map: str | None = None
     local_map: str | None = None
     plan: str | None = None
+
+
+class ConnectionLimits(BaseModel):
+    """How many connections there may be, and how long (s) one may keep the console waiting.
+
+    Attributes
+    ----------
+    total, of_one_address
+        Connections of any kind. Those of a trusted proxy count in the total only.
+    header_time, body_time
+        For the head and the body of one request to arrive.
+    keep_alive
+        Until a connection without a request is closed.
+    unread_time
+        Until a connection is dropped that takes nothing of what was sent.
+    sockets_of_session
+        Websockets of one log-in; a page has up to four.
+    sockets_of_viewers
+        Websockets of all viewers together, so that they leave room for those who drive.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    total: Count = 400
+    of_one_address: Count = 200
+    header_time: Seconds = 10.0
+    body_time: Seconds = 30.0
+    keep_alive: Seconds = 15.0
+    unread_time: Seconds = 10.0
+    sockets_of_session: Count = 32
+    sockets_of_viewers: Count = 160
 
 
 class ConsoleSettings(BaseModel):
@@ -40,6 +77,15 @@ class ConsoleSettings(BaseModel):
         Folder of the robot's recordings; None where it is not on this machine.
     domain_id
         None for the environment's ROS_DOMAIN_ID.
+    sessions_file
+        Remembers over a restart who has logged out; None to forget.
+    session_lifetime, idle_limit
+        Seconds after which somebody has to log in again: since the log-in, and since a page of
+        theirs was last open.
+    trusted_proxies
+        Addresses whose word on the client's own (X-Forwarded-For, -Proto) is believed.
+    tls_cert, tls_key
+        Files (PEM) to serve https with; both or none.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -52,6 +98,13 @@ class ConsoleSettings(BaseModel):
     audit_folder: Path | None = None
     recordings: Path | None = None
     domain_id: int | None = Field(default=None, ge=0, le=232)
+    sessions_file: Path | None = None
+    session_lifetime: Seconds = 7 * _DAY
+    idle_limit: Seconds = _DAY / 2
+    trusted_proxies: tuple[str, ...] = ()
+    tls_cert: Path | None = None
+    tls_key: Path | None = None
+    limits: ConnectionLimits = ConnectionLimits()
     static_dir: Path = Path(__file__).parent / "static"
 
     @field_validator("access_tokens")
@@ -66,3 +119,25 @@ class ConsoleSettings(BaseModel):
         if len(set(tokens.values())) != len(tokens):
             raise ValueError("access_tokens gives two roles the same token; give each its own")
         return tokens
+
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _proxies_are_addresses(cls, proxies: tuple[str, ...]) -> tuple[str, ...]:
+        for proxy in proxies:
+            try:
+                ipaddress.ip_address(proxy)
+            except ValueError:
+                raise ValueError(
+                    f"trusted_proxies has {proxy!r}; give the proxy's address, for example "
+                    "127.0.0.1 (names and networks are not taken)"
+                ) from None
+        return proxies
+
+    @model_validator(mode="after")
+    def _tls_is_whole(self) -> Self:
+        if (self.tls_cert is None) != (self.tls_key is None):
+            given, missing = (
+                ("tls_cert", "tls_key") if self.tls_key is None else ("tls_key", "tls_cert")
+            )
+            raise ValueError(f"{given} is given without {missing}; give both, or neither")
+        return self

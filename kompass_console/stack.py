@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ipaddress
 import logging
 import os
 import runpy
 import secrets
 import signal
 import socket
+import ssl
 import sys
 import threading
 import traceback
@@ -29,6 +31,56 @@ from kompass_console.cli_error import CliError
 from kompass_console.domain import look_elsewhere, where
 
 
+@dataclass(frozen=True)
+class Door:
+    """How the console is reached: TLS of its own (PEM files), proxies whose word on who comes is
+    believed, and the hours that an unused session lasts.
+
+    Raises
+    ------
+    CliError
+        When it cannot work.
+    """
+
+    tls_cert: Path | None = None
+    tls_key: Path | None = None
+    trusted_proxies: Sequence[str] = ()
+    idle_hours: float = 12.0
+
+    def __post_init__(self) -> None:
+        for proxy in self.trusted_proxies:
+            try:
+                ipaddress.ip_address(proxy)
+            except ValueError:
+                raise CliError(
+                    2,
+                    f"--trusted-proxy {proxy!r} is not an address; give the proxy's own, "
+                    "for example 127.0.0.1",
+                ) from None
+        if self.tls_cert is None and self.tls_key is None:
+            return
+        if self.tls_cert is None:
+            raise CliError(2, "--tls-key is given without --tls-cert; give both, or neither")
+        if self.tls_key is None:
+            raise CliError(2, "--tls-cert is given without --tls-key; give both, or neither")
+        try:
+            context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+            # An empty password: one that is asked for in the terminal would hold up everything.
+            context.load_cert_chain(self.tls_cert, self.tls_key, password="")
+        except OSError as error:
+            no_pair = isinstance(error, ssl.SSLError)
+            why = "they are no certificate and key that fit" if no_pair else error.strerror
+            raise CliError(
+                2,
+                f"cannot serve https with --tls-cert {self.tls_cert} and --tls-key "
+                f"{self.tls_key}: {why}; give a certificate and its own key, without a password",
+            ) from None
+
+    @property
+    def scheme(self) -> str:
+        return "http" if self.tls_cert is None else "https"
+
+
 @dataclass
 class ConsoleListener:
     """Where the console listens, who may come in, and where the robot is looked for."""
@@ -39,6 +91,7 @@ class ConsoleListener:
     robot_name: str
     token: str | None
     ros: str  # domain and network, in words
+    door: Door = Door()
 
     def __post_init__(self) -> None:
         if self.token is not None and len(self.token) < 16:
@@ -71,7 +124,7 @@ class ConsoleListener:
         """The address with the token of a role."""
         host = "127.0.0.1" if self.host in ("0.0.0.0", "::") else self.host
         shown = f"[{host}]" if ":" in host else host
-        return f"http://{shown}:{self.port}/#token={self.tokens[role]}"
+        return f"{self.door.scheme}://{shown}:{self.port}/#token={self.tokens[role]}"
 
     def announce(self) -> None:
         """Print the addresses."""
@@ -81,6 +134,12 @@ class ConsoleListener:
             f"\n  Engineer:   {self.url('engineer')}"
             f"\n  Robot:      {self.ros}\n"
         )
+        if self.door.scheme == "http" and not _is_loopback(self.host):
+            typer.echo(
+                "  Without TLS, whoever can listen in on this network reads tokens, sessions and "
+                "all that the\n  pages show, and can drive with them. Give --tls-cert and "
+                "--tls-key, or put a proxy in front.\n"
+            )
 
     def serve(self, report: Report | None = None) -> None:
         """Serve until SIGTERM or SIGINT.
@@ -97,6 +156,11 @@ class ConsoleListener:
                 "access_tokens": self.tokens,
                 "recordings": None if report is None else _recordings(),
                 "audit_folder": _audit_folder(self.robot_name),
+                "sessions_file": _sessions_file(),
+                "idle_limit": self.door.idle_hours * 3600.0,
+                "trusted_proxies": tuple(self.door.trusted_proxies),
+                "tls_cert": self.door.tls_cert,
+                "tls_key": self.door.tls_key,
             }
         )
         log_to_terminal("kompass_console", logging.WARNING)
@@ -132,6 +196,24 @@ def _audit_folder(robot: str) -> Path | None:
         return audit_folder({**os.environ, ROBOT_NAME: robot})
     except StoreUnwritable:  # the console says so
         return None
+
+
+def _sessions_file() -> Path | None:
+    """Where it is kept who has logged out; None where nothing can be kept."""
+    from kompass.store.errors import StoreUnwritable
+    from kompass.store.paths import robot_folder
+
+    try:
+        return robot_folder() / "sessions.json"
+    except StoreUnwritable:
+        return None
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 def _has_screen() -> bool:

@@ -69,11 +69,13 @@ def create_app(console: Console | None) -> FastAPI:
             asyncio.create_task(
                 console.rules_feed.run(console.link.rules, console.settings.robot_name)
             ),
+            asyncio.create_task(console.sockets.run()),
         )
         yield
         for task in feeding:
             task.cancel()
         await asyncio.gather(*feeding, return_exceptions=True)
+        await asyncio.to_thread(console.auth.save)
 
     app = FastAPI(
         title="Kompass Console",

@@ -16,6 +16,7 @@ from kompass_console.scene.layers.preview import Preview
 from kompass_console.scene.scene import PageNotConnected
 from kompass_console.schema.models import GestureCheck, GoalCheck, GoalRequest, GoalSent
 from kompass_console.schema.world import GoalMark
+from kompass_console.web.auth import LoginSession
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
 
@@ -33,14 +34,14 @@ _REMEDIES = {
 
 @router.post("/check")
 async def check(
-    body: GestureCheck | GoalRequest, _: LoggedIn, console: CurrentConsole
+    body: GestureCheck | GoalRequest, session: LoggedIn, console: CurrentConsole
 ) -> GoalCheck:
     """Would this goal be accepted? Nothing moves. The answer is drawn in the view."""
-    goal = await _picked(body, console) if isinstance(body, GestureCheck) else body
+    goal = await _picked(body, session, console) if isinstance(body, GestureCheck) else body
     if goal is None:
         return above_horizon()
     checked = await console.checker.check(goal.x, goal.y, goal.yaw)
-    if goal.view is not None:
+    if goal.view is not None and console.views.get(goal.view, session) is not None:
         _draw(console, goal.view, checked)
     return checked.check
 
@@ -63,7 +64,7 @@ async def send(goal: GoalRequest, session: Operator, console: CurrentConsole) ->
     goal_id = console.link.goals.send(
         goal.x, goal.y, goal.yaw, checked.topic, by=session.user, speed=speed
     )
-    if goal.view is not None:
+    if goal.view is not None and console.views.get(goal.view, session) is not None:
         console.scene.preview(goal.view, None)
     console.audit.record(
         session, "send goal", "sent", topic=checked.topic, before=running, after=goal_id, **what
@@ -97,9 +98,11 @@ def _under_way(console: Console) -> str | None:
     return None if goal is None or over else goal.id
 
 
-async def _picked(body: GestureCheck, console: Console) -> GoalRequest | None:
+async def _picked(
+    body: GestureCheck, session: LoginSession, console: Console
+) -> GoalRequest | None:
     """The goal a gesture means; None when it is not on the floor."""
-    if console.views.get(body.view) is None:
+    if console.views.get(body.view, session) is None:
         raise unknown_view()
     try:
         points = await console.scene.pick(

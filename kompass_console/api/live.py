@@ -7,36 +7,43 @@ from pydantic import ValidationError
 
 from kompass_console import __version__
 from kompass_console.api.access import console_of
-from kompass_console.api.sockets import admitted, telling, texts
+from kompass_console.api.sockets import Pace, admitted, telling, texts
 from kompass_console.schema.models import Hello, Ping, Pong, SessionInfo
 from kompass_console.web.rules_feed import RulesListener
 from kompass_console.web.state_feed import StateListener
 
 router = APIRouter()
 
+_LONGEST_PING = 200  # characters
+_PINGS = (5.0, 30)  # a second, and at once
+
 
 @router.websocket("/api/state")
 async def state(websocket: WebSocket) -> None:
     """Hello, then the newest state; see `StateMessage` in the schema."""
-    session = await admitted(websocket)
-    if session is None:
-        return
-    hello = Hello(session=SessionInfo(user=session.user, role=session.role), version=__version__)
-    with console_of(websocket).feed.listen() as listener:
-        async with telling(_push_state(websocket, hello, listener)):
-            async for text in texts(websocket):
-                await _answer(websocket, text)
+    async with admitted(websocket) as session:
+        if session is None:
+            return
+        await websocket.accept()
+        who = SessionInfo(user=session.user, role=session.role)
+        hello = Hello(session=who, version=__version__)
+        with console_of(websocket).feed.listen() as listener:
+            async with telling(_push_state(websocket, hello, listener)):
+                async for text in texts(websocket, Pace(*_PINGS)):
+                    await _answer(websocket, text)
 
 
 @router.websocket("/api/rules/live")
 async def rules_live(websocket: WebSocket) -> None:
     """See `RulesLive` in the schema. What the page says is not listened to."""
-    if await admitted(websocket) is None:
-        return
-    with console_of(websocket).rules_feed.listen() as listener:
-        async with telling(_push_rules(websocket, listener)):
-            async for _ in texts(websocket):
-                pass
+    async with admitted(websocket) as session:
+        if session is None:
+            return
+        await websocket.accept()
+        with console_of(websocket).rules_feed.listen() as listener:
+            async with telling(_push_rules(websocket, listener)):
+                async for _ in texts(websocket, Pace(*_PINGS)):
+                    pass
 
 
 async def _push_state(websocket: WebSocket, hello: Hello, listener: StateListener) -> None:
@@ -51,6 +58,8 @@ async def _push_rules(websocket: WebSocket, listener: RulesListener) -> None:
 
 
 async def _answer(websocket: WebSocket, text: str) -> None:
+    if len(text) > _LONGEST_PING:
+        return
     try:
         ping = Ping.model_validate_json(text)
     except ValidationError:

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Response
 from fastapi.responses import FileResponse
 
 from kompass_console.api.access import CurrentConsole
+from kompass_console.schema.plain import LONGEST_NAME, plain
 from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(include_in_schema=False)
@@ -33,7 +34,12 @@ def page(console: CurrentConsole) -> Response:
 def asset(path: str, console: CurrentConsole) -> Response:
     """A file of the built page."""
     root = console.settings.static_dir.resolve()
-    file = (root / path).resolve()
-    if not file.is_relative_to(root) or not file.is_file():
-        raise ConsoleError(404, f"There is no {Path(path).name!r} here.", "Open the address /.")
+    try:
+        file = (root / path).resolve()
+        found = file.is_relative_to(root) and file.is_file()
+    except (OSError, ValueError):  # no file can have such a name
+        found = False
+    if not found:
+        name = plain(Path(path).name, LONGEST_NAME)
+        raise ConsoleError(404, f"There is no {name!r} here.", "Open the address /.")
     return FileResponse(file, headers=_KEEP if path.startswith("assets/") else None)

@@ -9,7 +9,7 @@ from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
 
 from kompass_console.api.access import console_of
-from kompass_console.api.sockets import admitted, telling, texts
+from kompass_console.api.sockets import Pace, admitted, telling, texts
 from kompass_console.link.rules.probes import ConditionProbe
 from kompass_console.link.rules.topic_watch import TopicWatch
 from kompass_console.schema.roles import Role
@@ -19,6 +19,7 @@ router = APIRouter()
 
 _PERIOD = 0.2  # s between two readings
 _MOST_PROBES = 12  # of one page
+_REQUESTS = (10.0, 60)  # a second, and at once: one for each key that is pressed
 _LARGEST = 100_000  # characters of one request
 
 
@@ -83,15 +84,17 @@ class PageProbes:
 async def probe(websocket: WebSocket) -> None:
     """See `ProbeRequest` and `ProbeReading` in the schema. Takes an operator: it makes the console
     listen to whatever topic is named."""
-    if await admitted(websocket, Role.OPERATOR) is None:
-        return
-    probes = PageProbes(console_of(websocket).link.topics)
-    try:
-        async with telling(_tell(websocket, probes)):
-            async for text in texts(websocket):
-                probes.take(text)
-    finally:
-        probes.close()
+    async with admitted(websocket, Role.OPERATOR) as session:
+        if session is None:
+            return
+        await websocket.accept()
+        probes = PageProbes(console_of(websocket).link.topics)
+        try:
+            async with telling(_tell(websocket, probes)):
+                async for text in texts(websocket, Pace(*_REQUESTS)):
+                    probes.take(text)
+        finally:
+            probes.close()
 
 
 async def _tell(websocket: WebSocket, probes: PageProbes) -> None:

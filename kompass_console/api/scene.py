@@ -2,39 +2,47 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Response, WebSocket
+import contextlib
 
-from kompass_console.api.access import CurrentConsole, LoggedIn, console_of, session_of
-from kompass_console.api.sockets import NOT_LOGGED_IN
+from fastapi import APIRouter, Response, WebSocket, WebSocketDisconnect
+
+from kompass_console.api.access import CurrentConsole, LoggedIn, console_of
+from kompass_console.api.sockets import Pace, admitted
 from kompass_console.scene.client_page import SCENE_POLICY, scene_page
+from kompass_console.scene.viser_hub import SUBPROTOCOL
 from kompass_console.schema.models import View, ViewPatch
 from kompass_console.web.errors import ConsoleError
 
 views = APIRouter(prefix="/api/views", tags=["views"])
 router = APIRouter(include_in_schema=False)
 
-_NO_SUCH_VIEW = 4404  # close code
+_NO_SUCH_PROTOCOL = 4400  # close codes
+_NO_SUCH_VIEW = 4404
+_SCENE_ENDED = 1011
+
+_CAMERAS = (60.0, 300)  # a second, and at once: viser's client sends 20 while it is moved
 
 
 def unknown_view() -> ConsoleError:
     """The answer for a view this console does not know (any more)."""
     return ConsoleError(
         404,
-        "This console does not know the view: it was started again since the page was opened.",
+        "This console does not know the view: it or your session began anew since the page was "
+        "opened.",
         "Reload the page.",
     )
 
 
 @views.post("")
-def create_view(_: LoggedIn, console: CurrentConsole) -> View:
+def create_view(session: LoggedIn, console: CurrentConsole) -> View:
     """A new view, in the console's theme."""
-    return console.views.create()
+    return console.views.create(session)
 
 
 @views.patch("/{view_id}")
-def change_view(view_id: str, patch: ViewPatch, _: LoggedIn, console: CurrentConsole) -> View:
+def change_view(view_id: str, patch: ViewPatch, session: LoggedIn, console: CurrentConsole) -> View:
     """Change how a view is shown."""
-    view = console.views.patch(view_id, patch)
+    view = console.views.patch(view_id, session, patch)
     if view is None:
         raise unknown_view()
     console.scene.apply(view)
@@ -42,17 +50,17 @@ def change_view(view_id: str, patch: ViewPatch, _: LoggedIn, console: CurrentCon
 
 
 @views.delete("/{view_id}/preview", status_code=204)
-def clear_preview(view_id: str, _: LoggedIn, console: CurrentConsole) -> None:
+def clear_preview(view_id: str, session: LoggedIn, console: CurrentConsole) -> None:
     """Take the preview of a goal away from a view."""
-    if console.views.get(view_id) is None:
+    if console.views.get(view_id, session) is None:
         raise unknown_view()
     console.scene.preview(view_id, None)
 
 
 @router.get("/scene/{view_id}/")
-def scene(view_id: str, _: LoggedIn, console: CurrentConsole) -> Response:
+def scene(view_id: str, session: LoggedIn, console: CurrentConsole) -> Response:
     """The page for a view's frame."""
-    if console.views.get(view_id) is None:
+    if console.views.get(view_id, session) is None:
         raise unknown_view()
     headers = {"Content-Security-Policy": SCENE_POLICY}
     return Response(scene_page(), media_type="text/html", headers=headers)
@@ -61,13 +69,17 @@ def scene(view_id: str, _: LoggedIn, console: CurrentConsole) -> Response:
 @router.websocket("/scene/{view_id}")
 async def scene_socket(websocket: WebSocket, view_id: str) -> None:
     """viser's protocol."""
-    console = console_of(websocket)
-    try:
-        session_of(websocket)
-    except ConsoleError as error:
-        await websocket.close(NOT_LOGGED_IN, error.title)
+    if SUBPROTOCOL not in websocket.scope.get("subprotocols", []):
+        await websocket.close(_NO_SUCH_PROTOCOL, "This address speaks viser's protocol only.")
         return
-    if console.views.get(view_id) is None:
-        await websocket.close(_NO_SUCH_VIEW, unknown_view().title)
-        return
-    await console.scene.hub.serve(websocket, view_id)
+    async with admitted(websocket) as session:
+        if session is None:
+            return
+        console = console_of(websocket)
+        if console.views.get(view_id, session) is None:
+            await websocket.close(_NO_SUCH_VIEW, unknown_view().title)
+            return
+        await websocket.accept(subprotocol=SUBPROTOCOL)
+        await console.scene.hub.serve(websocket, view_id, Pace(*_CAMERAS).allows)
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # the page may have closed it
+            await websocket.close(_SCENE_ENDED, "The scene has ended; connect again.")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,10 +13,13 @@ from rclpy.node import Node
 from kompass_console.link.graph.discovery import Graph, status_topics
 from kompass_console.link.graph.reader import Reader
 from kompass_console.schema.models import ComponentInfo, ComponentState, InputInfo, ProcessInfo
+from kompass_console.schema.plain import LONGEST_LABEL, plain
 from kompass_console.schema.world import Latest
 
 SILENT_AFTER = 1.5  # s; components speak on change and at 5 Hz
 _FORGET_AFTER = 600.0  # s of silence, when its topic has gone as well
+
+_MOST_SOURCES = 50  # of whom one component complains
 
 _STATES: dict[int, ComponentState] = {
     ComponentStatus.STATUS_HEALTHY: "healthy",
@@ -62,11 +65,15 @@ def report_of(message: Any) -> Report:
     """Status message as data; an unknown code counts as a general failure."""
     return Report(
         _STATES.get(int(message.status), "general_failure"),
-        str(message.msg),
-        tuple(str(s) for s in message.src_topics),
-        tuple(str(s) for s in message.src_components),
-        tuple(str(s) for s in message.src_algorithms),
+        plain(message.msg),
+        _names(message.src_topics),
+        _names(message.src_components),
+        _names(message.src_algorithms),
     )
+
+
+def _names(said: Sequence[str]) -> tuple[str, ...]:
+    return tuple(plain(name, LONGEST_LABEL) for name in said[:_MOST_SOURCES])
 
 
 class Components:

@@ -16,6 +16,7 @@ from kompass_console.link.graph.discovery import Graph, of_type
 from kompass_console.link.graph.reader import Reader
 from kompass_console.link.graph.services import ServicePool
 from kompass_console.schema.models import DriveInfo
+from kompass_console.schema.plain import LONGEST_LABEL, plain
 from kompass_console.schema.world import Latest
 
 AVAILABLE_WITHIN = 1.5  # s; the drive manager speaks on change and at 5 Hz
@@ -75,7 +76,7 @@ class DriveLink:
         NoAnswer
             When there is none or one does not answer within `STOP_TIMEOUT`.
         """
-        request = StopRobot.Request(operator_name=operator, reason=reason)
+        request = StopRobot.Request(operator_name=operator, reason=plain(reason))
         return await _ask_all(self._stops, request)
 
     async def release(self, operator: str) -> DriveAnswer:
@@ -95,15 +96,15 @@ async def _ask_all(pool: ServicePool, request: Any) -> DriveAnswer:
         raise NoAnswer("no drive manager is there")
     answers = await asyncio.gather(*(pool.call(request, STOP_TIMEOUT, name) for name in names))
     refused = [a for a in answers if not a.success]
-    return DriveAnswer(not refused, str((refused or answers)[0].message))
+    return DriveAnswer(not refused, plain((refused or answers)[0].message))
 
 
 def _said_of(message: Any) -> _Said:
     return (
         bool(message.stopped),
         bool(message.standstill),
-        str(message.stopped_by),
-        str(message.reason),
-        str(message.limited_by),
+        plain(message.stopped_by, LONGEST_LABEL),
+        plain(message.reason),
+        plain(message.limited_by),
         float(message.speed_factor),
     )

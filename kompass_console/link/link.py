@@ -29,6 +29,7 @@ from kompass_console.link.rules.monitor import MonitorLink
 from kompass_console.link.rules.topic_watch import TopicWatch
 from kompass_console.link.rules.watch import RulesWatch
 from kompass_console.link.streams import Streams
+from kompass_console.schema.plain import plain
 from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 
@@ -144,7 +145,7 @@ class RosLink:
         return CheckAnswer(
             reachable=bool(answer.reachable),
             reason=int(answer.reason),
-            message=str(answer.message),
+            message=plain(answer.message),
             nearest=nearest,
             preview=convert.path(answer.preview),
             length=float(answer.length),

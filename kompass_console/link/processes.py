@@ -12,6 +12,7 @@ from rclpy.node import Node
 from kompass_console.link.graph.discovery import Graph, of_type
 from kompass_console.link.graph.reader import Reader
 from kompass_console.schema.models import ProcessInfo, ProcessPhase
+from kompass_console.schema.plain import LONGEST_LABEL, plain
 from kompass_console.schema.world import Latest
 
 _PHASES = frozenset(get_args(ProcessPhase))
@@ -67,9 +68,9 @@ def _processes_of(message: Any) -> _Processes:
 
 def _info_of(process: Any) -> ProcessInfo:
     return ProcessInfo(
-        name=str(process.name),
+        name=plain(process.name, LONGEST_LABEL),
         state=process.state if process.state in _PHASES else "unknown",
         pid=int(process.pid),
         restarts=int(process.restarts),
-        reason=str(process.reason),
+        reason=plain(process.reason),
     )

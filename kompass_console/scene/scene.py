@@ -18,7 +18,6 @@ from kompass_console.schema.world import WorldModel
 
 _PERIOD = 0.05  # s between two rounds while somebody watches
 _IDLE_PERIOD = 0.2
-_MOST_MEMORIES = 200
 
 _logger = logging.getLogger(__name__)
 
@@ -112,8 +111,8 @@ class Scene:
         if page is None or page.client is not client:
             return  # the page has already connected again
         self._memories[view_id] = page.memory
-        while len(self._memories) > _MOST_MEMORIES:
-            del self._memories[next(iter(self._memories))]
+        for forgotten in [v for v in self._memories if self._find_view(v) is None]:
+            del self._memories[forgotten]  # there are as many memories as views, and no more
         del self._pages[view_id]
 
     def _work(self) -> None:
@@ -133,7 +132,14 @@ class Scene:
 
     def _draw(self) -> None:
         try:
-            for page in self._pages.values():
-                page.draw(self._drawings)
+            for view_id, page in self._pages.items():
+                self._draw_page(view_id, page)
         finally:
             self._drawn.set()
+
+    def _draw_page(self, view_id: str, page: PageScene) -> None:
+        try:
+            page.draw(self._drawings)
+        except Exception:
+            # One page that cannot be drawn must not freeze all the others.
+            _logger.exception("the scene of view %s could not be drawn", view_id)

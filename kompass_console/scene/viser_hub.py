@@ -17,23 +17,20 @@ import logging
 import threading
 import types
 import warnings
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from typing import Any, TypeVar
 
-import msgspec
 import rich
 import viser
 import viser.infra._infra as viser_infra
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.exceptions import ConnectionClosedOK
 
+from kompass_console.scene.client_messages import allowed
+
 SUPPORTED_VISER = "1.1.1"
 
-# The page's camera, and pictures the server asked for. Clicks and drags are the page's own
-# overlay; everything else (GUI values, uploads, public share tunnels) has no business here.
-ALLOWED_MESSAGES = frozenset({"ViewerCameraMessage", "GetRenderResponseMessage"})
-
-_LARGEST_MESSAGE = 8_000_000  # bytes; a rendered picture is the largest legitimate one
+SUBPROTOCOL = f"viser-v{SUPPORTED_VISER}"
 
 _logger = logging.getLogger(__name__)
 _T = TypeVar("_T")
@@ -42,18 +39,24 @@ _T = TypeVar("_T")
 class _Connection:
     """The few members of websockets' ServerConnection that viser's handler touches."""
 
+    subprotocol = SUBPROTOCOL
+
     def __init__(
         self,
         websocket: WebSocket,
         web_loop: asyncio.AbstractEventLoop,
-        subprotocol: str,
+        viser_loop: asyncio.AbstractEventLoop,
         view_id: str,
     ) -> None:
-        self.subprotocol = subprotocol
         self.view_id = view_id
         self._websocket = websocket
         self._web_loop = web_loop
-        self._incoming: asyncio.Queue[bytes | None] = asyncio.Queue()
+        self._viser_loop = viser_loop
+        # Only cameras come in, and of those only the newest counts. So nothing queues up between
+        # the two loops, however much faster the one is than the other.
+        self._newest: bytes | None = None
+        self._lock = threading.Lock()
+        self._arrived = asyncio.Event()
         self._closed = False
 
     async def send(self, data: bytes) -> None:
@@ -69,23 +72,31 @@ class _Connection:
             raise ConnectionClosedOK(None, None) from error
 
     async def recv(self) -> bytes:
-        message = await self._incoming.get()
-        if message is None:
-            raise ConnectionClosedOK(None, None)
-        return message
+        while not self._closed:
+            await self._arrived.wait()
+            self._arrived.clear()
+            with self._lock:
+                message, self._newest = self._newest, None
+            if message is not None and not self._closed:
+                return message
+        raise ConnectionClosedOK(None, None)
 
-    async def close(self, code: int = 1000, reason: str = "") -> None:
-        if self._closed:
-            return
+    async def close(self, *_: object) -> None:
+        """The web server closes the socket when viser's handler has ended."""
         self.hang_up()
-        asyncio.run_coroutine_threadsafe(self._websocket.close(code, reason), self._web_loop)
 
-    def feed(self, message: bytes) -> None:
-        self._incoming.put_nowait(message)
+    def feed(self, camera: bytes) -> None:
+        """Take a camera in the place of the one before. On the web server's loop."""
+        with self._lock:
+            announced = self._newest is not None
+            self._newest = camera
+        if not announced:
+            self._viser_loop.call_soon_threadsafe(self._arrived.set)
 
     def hang_up(self) -> None:
+        """End viser's handler. On viser's loop."""
         self._closed = True
-        self._incoming.put_nowait(None)
+        self._arrived.set()
 
 
 class ViserHub:
@@ -103,7 +114,7 @@ class ViserHub:
         on_disconnect: Callable[[str, viser.ClientHandle], None],
     ) -> None:
         _check_version()
-        self._handler: Callable[[_Connection], Awaitable[None]]
+        self._handler: Callable[[_Connection], Coroutine[Any, Any, None]]
         # viser prints its banner through rich's shared console, and nobody else here uses that.
         rich.get_console().quiet = True
         # viser warns when a node of a page that has just gone is updated. A page may go at any
@@ -129,30 +140,24 @@ class ViserHub:
         self.server.on_client_connect(connected)
         self.server.on_client_disconnect(disconnected)
 
-    async def serve(self, websocket: WebSocket, view_id: str) -> None:
-        """Drive one page's scene until it closes. Authenticate before calling this."""
-        offered = [p for p in websocket.scope.get("subprotocols", []) if p.startswith("viser-v")]
-        if not offered:
-            await websocket.close(4400, "This address speaks viser's protocol only.")
-            return
-        await websocket.accept(subprotocol=offered[0])
-        connection = _Connection(websocket, asyncio.get_running_loop(), offered[0], view_id)
-        handling = asyncio.run_coroutine_threadsafe(self._handle(connection), self._loop)
+    async def serve(self, websocket: WebSocket, view_id: str, allows: Callable[[], bool]) -> None:
+        """Drive one page's scene until it closes. Accept the socket before, with `SUBPROTOCOL`.
+
+        `allows` is asked for each message; a page that sends more is left.
+        """
+        connection = _Connection(websocket, asyncio.get_running_loop(), self._loop, view_id)
+        handling = asyncio.wrap_future(
+            asyncio.run_coroutine_threadsafe(self._handler(connection), self._loop)
+        )
+        reading = asyncio.create_task(_read(websocket, connection, allows))
         try:
-            while True:
-                message = await websocket.receive()
-                data = message.get("bytes")
-                if message["type"] == "websocket.disconnect" or data is None:
-                    break
-                if len(data) > _LARGEST_MESSAGE:
-                    _logger.warning("a page sent %d bytes in one scene message; closed", len(data))
-                    break
-                if allowed(data):
-                    self._loop.call_soon_threadsafe(connection.feed, data)
+            await asyncio.wait((handling, reading), return_when=asyncio.FIRST_COMPLETED)
         finally:
+            reading.cancel()
             self._loop.call_soon_threadsafe(connection.hang_up)
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(asyncio.wrap_future(handling), 3.0)
+            await asyncio.wait((handling, reading), timeout=3.0)
+        if handling.done() and not handling.cancelled() and (error := handling.exception()):
+            _logger.error("the scene of a page has ended", exc_info=error)
 
     def post(self, change: Callable[[], None]) -> None:
         """Run `change` on viser's loop, soon; returns at once."""
@@ -169,9 +174,6 @@ class ViserHub:
     def stop(self) -> None:
         """End viser's thread."""
         self.server.stop()
-
-    async def _handle(self, connection: _Connection) -> None:
-        await self._handler(connection)
 
     @contextlib.contextmanager
     def _without_listener(self) -> Iterator[None]:
@@ -201,13 +203,15 @@ class ViserHub:
             module.serve = original
 
 
-def allowed(data: bytes) -> bool:
-    """Whether a scene message from a browser may reach viser."""
-    try:
-        message = msgspec.msgpack.decode(data)
-    except msgspec.DecodeError:
-        return False
-    return isinstance(message, dict) and message.get("type") in ALLOWED_MESSAGES
+async def _read(websocket: WebSocket, connection: _Connection, allows: Callable[[], bool]) -> None:
+    """Hand on what a page may send, until it has gone or sends too much."""
+    while True:
+        message = await websocket.receive()
+        if message["type"] == "websocket.disconnect" or not allows():
+            return
+        data = message.get("bytes")
+        if data is not None and allowed(data):
+            connection.feed(data)
 
 
 def _check_version() -> None:

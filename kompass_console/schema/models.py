@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from kompass.algorithms.planning.failure import Reason
+from kompass_console.schema.plain import plain
 from kompass_console.schema.roles import Role
 
 Theme = Literal["light", "dark"]
@@ -155,7 +156,7 @@ class GoalSent(BaseModel):
 class StopRequest(In):
     """Why STOP was pressed; may be empty."""
 
-    reason: str = Field(default="", max_length=200)
+    reason: Annotated[str, AfterValidator(plain)] = Field(default="", max_length=200)
 
 
 class StopAnswer(BaseModel):

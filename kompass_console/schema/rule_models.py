@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, Field
+from pydantic import AfterValidator, BaseModel, Field
 
 from kompass.backtest.report import BacktestReport
 from kompass.rulebook.schema.alarm import Alarm
@@ -14,9 +14,10 @@ from kompass.rulebook.schema.status import LeafReading, RuleStatus
 from kompass.rules.schema.conditions import Condition
 from kompass.rules.schema.table import Table
 from kompass_console.schema.models import ErrorAnswer, In
+from kompass_console.schema.plain import plain
 
 Revision = Annotated[int, Field(ge=0, le=2**32 - 1)]
-Reason = Annotated[str, Field(max_length=2000)]
+Reason = Annotated[str, Field(max_length=2000), AfterValidator(lambda said: plain(said, 2000))]
 
 
 class NoOptions(In):

@@ -18,12 +18,15 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from kompass_console.schema.plain import LONGEST_NAME, plain
 from kompass_console.schema.roles import Role
+from kompass_console.web.addresses import one_client
+from kompass_console.web.session_records import SessionRecords
 
 SESSION_LIFETIME = 7 * 24 * 3600.0  # s
+IDLE_LIMIT = 12 * 3600.0  # s
 
-_LONGEST_USER = 40
-_REVOKED_MAX = 10_000
+_LONGEST_COOKIE = 1000  # characters
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,26 +40,49 @@ class LoginSession:
 
 
 class Authenticator:
-    """Checks tokens and cookies. Keeps no secret but the tokens it was given."""
+    """Checks tokens and cookies. Keeps no secret but the tokens it was given.
+
+    Parameters
+    ----------
+    records
+        Who has logged out and who was seen; None to keep that in memory.
+    lifetime, idle_limit
+        Seconds that a session lasts since its log-in, and since it was last used.
+    """
 
     def __init__(
-        self, access_tokens: Mapping[Role, str], *, now: Callable[[], float] = time.time
+        self,
+        access_tokens: Mapping[Role, str],
+        records: SessionRecords | None = None,
+        *,
+        lifetime: float = SESSION_LIFETIME,
+        idle_limit: float = IDLE_LIMIT,
+        now: Callable[[], float] = time.time,
     ) -> None:
         self._tokens = dict(access_tokens)
+        self._records = SessionRecords(None, now()) if records is None else records
+        self.lifetime = lifetime
+        self._idle_limit = idle_limit
         self._now = now
-        self._revoked: OrderedDict[str, None] = OrderedDict()
 
-    def log_in(self, token: str, user: str | None) -> LoginSession | None:
-        """Session for a right token, None for a wrong one. Compares every token, always."""
+    def log_in(
+        self, token: str, user: str | None, before: LoginSession | None = None
+    ) -> LoginSession | None:
+        """Session for a right token, None for a wrong one. Compares every token, always.
+
+        `before` is the session that this browser has already; the same person in the same role
+        goes on with it.
+        """
         found: Role | None = None
         for role, expected in self._tokens.items():
             if secrets.compare_digest(token.encode(), expected.encode()):
                 found = role
         if found is None:
             return None
-        return LoginSession(
-            _clean_name(user) or str(found), found, secrets.token_hex(8), self._now()
-        )
+        name = _clean_name(user) or str(found)
+        same = before is not None and (before.role, before.user) == (found, name)
+        session_id = before.id if same and before is not None else secrets.token_hex(8)
+        return LoginSession(name, found, session_id, self._now())
 
     def cookie(self, session: LoginSession) -> str:
         """Signed cookie value of a session."""
@@ -65,27 +91,44 @@ class Authenticator:
 
     def session(self, cookie: str | None) -> LoginSession | None:
         """Session of a cookie, or None when it is missing, forged, expired or logged out."""
-        if not cookie:
-            return None
-        try:
-            encoded, signature = cookie.split(".")
-            body = _decode(encoded)
-            user, role_name, session_id, issued = json.loads(body)
-            role = Role(role_name)
-            signed = _decode(signature)
-        except (ValueError, TypeError, binascii.Error):
-            return None
-        if role not in self._tokens or not hmac.compare_digest(signed, self._sign(role, body)):
-            return None
-        if session_id in self._revoked or self._now() - issued > SESSION_LIFETIME:
-            return None
-        return LoginSession(user, role, session_id, issued)
+        session = self._signed(cookie)
+        return session if session is not None and self.is_open(session) else None
+
+    def is_open(self, session: LoginSession) -> bool:
+        """Whether a session has not ended yet; asking counts as using it."""
+        now = self._now()
+        if self._records.is_revoked(session.role, session.id, session.issued):
+            return False
+        if now - session.issued > self.lifetime:
+            return False
+        seen = self._records.last_seen(session.role, session.id)
+        if now - max(session.issued, seen or session.issued) > self._idle_limit:
+            return False
+        self._records.saw(session.role, session.id, now)
+        return True
 
     def log_out(self, session: LoginSession) -> None:
         """Refuse this session's cookie from now on, wherever a copy of it may be."""
-        self._revoked[session.id] = None
-        while len(self._revoked) > _REVOKED_MAX:
-            self._revoked.popitem(last=False)
+        self._records.revoke(session.role, session.id, session.issued)
+
+    def save(self) -> None:
+        """Write down who was seen; takes as long as the disk."""
+        self._records.save()
+
+    def _signed(self, cookie: str | None) -> LoginSession | None:
+        """What a cookie says, if we said it. Nothing that is not signed is looked into."""
+        if not cookie or len(cookie) > _LONGEST_COOKIE:
+            return None
+        try:
+            encoded, signature = cookie.split(".")
+            body, signed = _decode(encoded), _decode(signature)
+        except (ValueError, binascii.Error):
+            return None
+        signers = [r for r in self._tokens if hmac.compare_digest(signed, self._sign(r, body))]
+        if not signers:
+            return None
+        user, _, session_id, issued = json.loads(body)
+        return LoginSession(user, signers[0], session_id, issued)
 
     def _sign(self, role: Role, body: bytes) -> bytes:
         key = hashlib.sha256(b"kompass-console session " + self._tokens[role].encode()).digest()
@@ -93,7 +136,11 @@ class Authenticator:
 
 
 class LoginLimiter:
-    """Refuses addresses that fail too often.
+    """Slows down those who guess.
+
+    An address that fails too often is refused for a while. When many addresses fail, every log-in
+    waits a little before it is looked at; it is looked at in the end, so nobody who has the right
+    token is kept out by what others do.
 
     Parameters
     ----------
@@ -103,6 +150,10 @@ class LoginLimiter:
         Seconds.
     addresses
         Number of addresses that are remembered.
+    limit_of_all
+        Failed log-ins of all addresses within a period from which on log-ins are slowed down.
+    longest_delay
+        Seconds by which a log-in is slowed down at most.
     """
 
     def __init__(
@@ -112,35 +163,51 @@ class LoginLimiter:
         *,
         now: Callable[[], float] = time.monotonic,
         addresses: int = 1000,
+        limit_of_all: int = 60,
+        longest_delay: float = 2.0,
     ) -> None:
         self._limit = limit
         self._period = period
         self._now = now
         self._addresses = addresses
+        self._limit_of_all = limit_of_all
+        self._longest_delay = longest_delay
         self._failures: OrderedDict[str, deque[float]] = OrderedDict()
+        self._of_all: deque[float] = deque(maxlen=2 * limit_of_all)
 
     def wait(self, address: str) -> float:
         """Seconds until this address may try again; 0 when it may now."""
-        failures = self._failures.get(address)
+        failures = self._failures.get(one_client(address))
         if failures is None:
             return 0.0
-        while failures and self._now() - failures[0] > self._period:
-            failures.popleft()
+        self._forget(failures)
         if len(failures) < self._limit:
             return 0.0
         return self._period - (self._now() - failures[0])
 
+    def delay(self) -> float:
+        """Seconds that any log-in has to wait before it is looked at."""
+        self._forget(self._of_all)
+        excess = (len(self._of_all) - self._limit_of_all) / self._limit_of_all
+        return self._longest_delay * min(1.0, max(0.0, excess))
+
     def failed(self, address: str) -> None:
         """Count one failed log-in."""
-        self._failures.setdefault(address, deque(maxlen=self._limit)).append(self._now())
-        self._failures.move_to_end(address)
+        who = one_client(address)
+        self._failures.setdefault(who, deque(maxlen=self._limit)).append(self._now())
+        self._failures.move_to_end(who)
+        self._of_all.append(self._now())
         while len(self._failures) > self._addresses:
             self._failures.popitem(last=False)
 
+    def _forget(self, failures: deque[float]) -> None:
+        while failures and self._now() - failures[0] > self._period:
+            failures.popleft()
+
 
 def _clean_name(user: str | None) -> str:
-    printable = "".join(c for c in user or "" if c.isprintable())
-    return " ".join(printable.split())[:_LONGEST_USER]
+    printable = "".join(c for c in (user or "") if c.isprintable())
+    return plain(printable, LONGEST_NAME)
 
 
 def _encode(raw: bytes) -> str:

@@ -12,6 +12,7 @@ from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 from kompass_console.web.audit import AuditTrail
 from kompass_console.web.auth import Authenticator, LoginLimiter
+from kompass_console.web.open_sockets import OpenSockets
 from kompass_console.web.rules_feed import RulesFeed
 from kompass_console.web.state_feed import StateFeed
 from kompass_console.web.views import ViewRegistry
@@ -31,6 +32,7 @@ class Console:
     world: WorldModel
     link: RosLink
     checker: GoalChecker
+    sockets: OpenSockets
     views: ViewRegistry
     scene: Scene
     feed: StateFeed

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import logging
 from collections.abc import Iterator
 
@@ -15,6 +16,7 @@ from pydantic import TypeAdapter
 
 from kompass.rulebook.schema.status import RuleStatus
 from kompass_console.link.rules.watch import RulesWatch
+from kompass_console.schema.plain import plain, plain_json
 from kompass_console.schema.rule_models import RulesLive
 
 _PERIOD = 0.2  # s between two messages
@@ -113,14 +115,17 @@ class RulesFeed:
         assert self._rules is not None
         said = self._rules.statuses()
         if said is not self._seen[0]:
-            self._seen = said, said if _readable(said) else "[]"
+            self._seen = said, _plain_statuses(said)
         return self._seen[1]
 
 
-def _readable(statuses: str) -> bool:
+def _plain_statuses(said: str) -> str:
+    """What the monitor said, as it is to be shown."""
     try:
-        _STATUSES.validate_json(statuses)
+        statuses = _STATUSES.validate_json(said)
     except ValueError as error:
-        _logger.error("what the monitor says of the rules cannot be read: %s", error)
-        return False
-    return True
+        _logger.error("what the monitor says of the rules cannot be read: %s", plain(error))
+        return "[]"
+    if said.isprintable() and "\\u" not in said:
+        return said  # as good as always
+    return json.dumps([plain_json(status) for status in json.loads(_STATUSES.dump_json(statuses))])

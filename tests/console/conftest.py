@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import socket
+import ssl
 import subprocess
 import sys
 import threading
@@ -36,6 +37,7 @@ class Served:
 
     listening: socket.socket
     audit_folder: Path
+    certificate: Path | None = None
 
     @property
     def port(self) -> int:
@@ -43,7 +45,7 @@ class Served:
 
     @property
     def origin(self) -> str:
-        return f"http://127.0.0.1:{self.port}"
+        return f"{'https' if self.certificate else 'http'}://127.0.0.1:{self.port}"
 
     def audited(self) -> list[dict[str, Any]]:
         """All lines of the audit log about what was done so far, the oldest first."""
@@ -63,7 +65,10 @@ class Served:
     def client(self, role: Role | None = None, user: str | None = None) -> Iterator[httpx.Client]:
         """An HTTP client with the page's Origin, logged in when a role is given."""
         headers = {"Origin": self.origin}
-        with httpx.Client(base_url=self.origin, headers=headers, timeout=10.0) as client:
+        trusted = ssl.create_default_context(cafile=self.certificate)
+        with httpx.Client(
+            base_url=self.origin, headers=headers, timeout=10.0, verify=trusted
+        ) as client:
             if role is not None:
                 answer = client.post("/api/login", json={"token": TOKENS[role], "user": user})
                 assert answer.status_code == 200, answer.text
@@ -76,8 +81,10 @@ def cookie_of(client: httpx.Client) -> str:
 
 
 @contextlib.contextmanager
-def serving(audit_folder: Path, domain_id: int, recordings: Path | None = None) -> Iterator[Served]:
-    """Serve a console for as long as the block lasts."""
+def serving(
+    audit_folder: Path, domain_id: int, recordings: Path | None = None, **more: Any
+) -> Iterator[Served]:
+    """Serve a console for as long as the block lasts; `more` are other settings of it."""
     listening = socket.create_server(("127.0.0.1", 0))
     settings = ConsoleSettings(
         robot_name="test robot",
@@ -85,11 +92,12 @@ def serving(audit_folder: Path, domain_id: int, recordings: Path | None = None) 
         audit_folder=audit_folder,
         domain_id=domain_id,
         recordings=recordings,
+        **more,
     )
     stop = threading.Event()
     thread = threading.Thread(target=run_console, args=(listening, settings), kwargs={"stop": stop})
     thread.start()
-    served = Served(listening, audit_folder)
+    served = Served(listening, audit_folder, settings.tls_cert)
     try:
         with served.client() as client:
             wait_until(lambda: _answers(client), 20.0, "the console answers")

@@ -13,6 +13,30 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 
+def camera_message(
+    position: tuple[float, float, float] = (3.0, 3.0, 3.0),
+    look_at: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> dict[str, Any]:
+    """What viser's client says of its camera."""
+    z = np.subtract(look_at, position, dtype=float)
+    z /= np.linalg.norm(z)
+    x = np.cross(z, [0.0, 0.0, 1.0])
+    x /= np.linalg.norm(x)
+    rotation = np.column_stack([x, np.cross(z, x), z])
+    return {
+        "type": "ViewerCameraMessage",
+        "wxyz": tf.SO3.from_matrix(rotation).wxyz.tolist(),
+        "position": position,
+        "image_height": 600,
+        "image_width": 900,
+        "fov": 0.7,
+        "near": 0.01,
+        "far": 1000.0,
+        "look_at": look_at,
+        "up_direction": (0.0, 0.0, 1.0),
+    }
+
+
 class SceneClient:
     """One page's scene: messages by type, and nodes by name with their last position."""
 
@@ -41,23 +65,7 @@ class SceneClient:
         look_at: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> None:
         """Report a camera, as viser's client does on connecting and on every move."""
-        z = np.array(look_at) - np.array(position)
-        z /= np.linalg.norm(z)
-        x = np.cross(z, [0.0, 0.0, 1.0])
-        x /= np.linalg.norm(x)
-        rotation = np.column_stack([x, np.cross(z, x), z])
-        self.send(
-            type="ViewerCameraMessage",
-            wxyz=tf.SO3.from_matrix(rotation).wxyz.tolist(),
-            position=position,
-            image_height=600,
-            image_width=900,
-            fov=0.7,
-            near=0.01,
-            far=1000.0,
-            look_at=look_at,
-            up_direction=(0.0, 0.0, 1.0),
-        )
+        self.send(**camera_message(position, look_at))
 
     def send(self, **message: object) -> None:
         self.socket.send(msgspec.msgpack.encode(message))

@@ -11,10 +11,10 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from kompass_console.scene.viser_hub import allowed
+from kompass_console.scene.client_messages import allowed
 from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, cookie_of, running_stack
-from tests.console.scene_client import SceneClient
+from tests.console.scene_client import SceneClient, camera_message
 from tests.support.processes import wait_until
 
 pytestmark = pytest.mark.ros
@@ -82,7 +82,7 @@ def test_the_scene_page_has_its_own_policy(console: Served) -> None:
 )
 def test_messages_that_are_not_a_page_s_business_are_dropped(kind: str) -> None:
     assert not allowed(msgspec.msgpack.encode({"type": kind}))
-    assert allowed(msgspec.msgpack.encode({"type": "ViewerCameraMessage"}))
+    assert allowed(msgspec.msgpack.encode(camera_message()))
     assert not allowed(b"\xc1 nonsense")
     assert not allowed(msgspec.msgpack.encode(["ViewerCameraMessage"]))
 

@@ -201,7 +201,7 @@ PUBLIC = {
     *("kompass", "agents", "add_pkg", "components", "robot", "frames", "configure"),
     *("inputs", "outputs", "on", "bringup", "setup_launch_description", "enable_ui"),
     *("fallback_rate", "on_fail", "on_algorithm_fail", "on_component_fail", "on_system_fail"),
-    *("on_giveup", "on_process_fail", "add_py_executable", "add_method"),
+    *("on_giveup", "on_process_fail", "add_py_executable", "add_method", "open_to_rules"),
 }
 
 

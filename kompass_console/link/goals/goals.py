@@ -23,6 +23,7 @@ from kompass_console.link.graph.convert import seconds, yaw_of
 from kompass_console.link.graph.discovery import Graph, action_names
 from kompass_console.link.graph.reader import Reader
 from kompass_console.link.graph.services import ServicePool
+from kompass_console.schema.plain import plain
 from kompass_console.schema.world import WorldModel
 
 GoalTopic = Literal["/goal_pose", "/clicked_point"]
@@ -207,7 +208,7 @@ class Goals:
                 _logger.warning("%s: no result of goal %s", action, uuid)
                 return
             answer = done.result()
-            self.follower.result(uuid, Ending(int(answer.status), str(answer.result.message)))
+            self.follower.result(uuid, Ending(int(answer.status), plain(answer.result.message)))
 
         self._results[action].call_async(request).add_done_callback(ended)
 

@@ -9,6 +9,7 @@ from typing import Any, Generic, TypeVar
 from rclpy.node import Node
 
 from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, ReaderQoS, best_for
+from kompass_console.schema.plain import plain
 
 T = TypeVar("T")
 _logger = logging.getLogger(__name__)
@@ -84,6 +85,6 @@ class Reader(Generic[T]):
         except ValueError as error:
             if str(error) != self._complained:  # once, not at 50 Hz
                 self._complained = str(error)
-                _logger.warning("%s: message left out: %s", self.topic, error)
+                _logger.warning("%s: message left out: %s", self.topic, plain(error))
             return
         self._store(value)

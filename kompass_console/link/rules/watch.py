@@ -9,11 +9,13 @@ from kompass.monitor.client import MonitorClient, TableState
 from kompass.rulebook.schema.alarm import Alarm
 from kompass.rulebook.schema.journal import FiringStep
 from kompass_console.schema.models import RulesInfo
+from kompass_console.schema.plain import LONGEST_LABEL, plain, plain_json
 from kompass_console.schema.world import Latest
 
 AVAILABLE_WITHIN = 2.0  # s; the monitor speaks at 4 Hz while anybody listens
 
 _STEPS_KEPT = 200
+_MOST_ALARMS = 200  # at once; more nobody reads
 
 
 class RulesWatch:
@@ -52,7 +54,7 @@ class RulesWatch:
             revision=said.value.revision,
             confirmed=said.value.confirmed,
             probation_left=_left(said.value, age),
-            notice=said.value.notice,
+            notice=plain(said.value.notice),
             alarms=len(self.alarms()),
             age=age,
         )
@@ -84,14 +86,36 @@ class RulesWatch:
         self._heard()
 
     def _store_alarms(self, alarms: tuple[Alarm, ...]) -> None:
-        self._alarms.set(alarms)
+        self._alarms.set(tuple(_plain_alarm(alarm) for alarm in alarms[:_MOST_ALARMS]))
         self._changed()
         self._heard()
 
     def _stepped(self, step: FiringStep) -> None:
-        self._steps.append((self._count + 1, step))
+        self._steps.append((self._count + 1, _plain_step(step)))
         self._count += 1
         self._heard()
+
+
+def _plain_alarm(alarm: Alarm) -> Alarm:
+    return alarm.model_copy(
+        update={
+            "name": plain(alarm.name, LONGEST_LABEL),
+            "text": plain(alarm.text),
+            "rule_id": plain(alarm.rule_id, LONGEST_LABEL),
+            "severity": plain(alarm.severity, LONGEST_LABEL),
+        }
+    )
+
+
+def _plain_step(step: FiringStep) -> FiringStep:
+    return step.model_copy(
+        update={
+            "rule_id": plain(step.rule_id, LONGEST_LABEL),
+            "phase": plain(step.phase, LONGEST_LABEL),
+            "text": plain(step.text),
+            "details": plain_json(step.details),
+        }
+    )
 
 
 def _left(said: TableState, age: float) -> float:
