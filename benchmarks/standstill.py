@@ -99,6 +99,11 @@ def full_speed(robot: Watched, chance: random.Random) -> None:
     raise RuntimeError("the robot does not get to full speed")
 
 
+def another_than(stack: Stack, name: str, pid: int) -> None:
+    """Wait until a process was started again."""
+    wait_until(lambda: stack.pid_of(name) != pid, 10, f"another {name}")
+
+
 def of_process(name: str, number: signal.Signals, rounds: int) -> list[Halt]:
     """Signals to one process of a stack."""
     chance = random.Random(1)
@@ -114,7 +119,7 @@ def of_process(name: str, number: signal.Signals, rounds: int) -> list[Halt]:
             if number is signal.SIGSTOP:
                 os.kill(pid, signal.SIGCONT)
             else:
-                wait_until(lambda before=pid: stack.pid_of(name) != before, 10, f"another {name}")
+                another_than(stack, name, pid)
             time.sleep(1.0)  # whoever came back is found by the others
     finally:
         robot.close()

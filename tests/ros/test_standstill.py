@@ -15,7 +15,7 @@ from geometry_msgs.msg import Twist
 
 from kompass.components.drive.halt import HALT_NODE
 from tests.support.domains import give_back, next_domain
-from tests.support.processes import children, wait_until
+from tests.support.processes import children, end_with_parent, wait_until
 from tests.support.robot import Robot
 from tests.support.stack import RECIPE, Stack
 
@@ -113,6 +113,7 @@ def driven_from_outside(**environment: str) -> Iterator[tuple[Stack, Driver]]:
     base = subprocess.Popen(
         [sys.executable, "-m", "kompass.simulation", "hexagon"],
         env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
+        preexec_fn=end_with_parent,
     )
     try:
         command = ("run", str(RECIPE), "--no-browser", "--port", "0")

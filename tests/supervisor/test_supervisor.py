@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.patience import patient
-from tests.support.processes import wait_until
+from tests.support.processes import end_with_parent, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -120,7 +120,10 @@ class Program:
         self.output = folder / "output"
         self._file = self.output.open("w")
         self.process = subprocess.Popen(
-            [sys.executable, "-c", source], stdout=self._file, stderr=subprocess.STDOUT
+            [sys.executable, "-c", source],
+            stdout=self._file,
+            stderr=subprocess.STDOUT,
+            preexec_fn=end_with_parent,
         )
 
     def text(self) -> str:
