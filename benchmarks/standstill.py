@@ -108,21 +108,24 @@ def of_process(name: str, number: signal.Signals, rounds: int) -> list[Halt]:
     """Signals to one process of a stack."""
     chance = random.Random(1)
     stack = Stack.simulated()
-    robot = Watched(stack.domain)
     halts = []
     try:
         for _ in range(rounds):
-            robot.ready()
-            full_speed(robot, chance)
-            pid = stack.pid_of(name)
-            halts.append(robot.after(number, pid))
+            # A new one each time: the one before still asks a planner that is dead.
+            robot = Watched(stack.domain)
+            try:
+                robot.ready()
+                full_speed(robot, chance)
+                pid = stack.pid_of(name)
+                halts.append(robot.after(number, pid))
+            finally:
+                robot.close()
             if number is signal.SIGSTOP:
                 os.kill(pid, signal.SIGCONT)
             else:
                 another_than(stack, name, pid)
             time.sleep(1.0)  # whoever came back is found by the others
     finally:
-        robot.close()
         stack.close()
     return halts
 

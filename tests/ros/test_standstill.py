@@ -106,6 +106,22 @@ def test_the_drive_manager_halts_at_once_when_the_controller_is_killed(
     wait_until(lambda: robot.speed < 0.01, 2, "a standstill")
 
 
+def test_components_that_share_a_process_are_spoken_for_when_it_dies() -> None:
+    stack = Stack.simulated("--single-process")
+    robot = Driver(stack.domain)
+    try:
+        robot.ready()
+        wait_until(lambda: f"{HALT_NODE} is up" in stack.output, 10, "who halts the robot")
+        robot.drive()
+        robot.newest.pop("/cmd_vel")
+        with held(stack.pid_of("components")):
+            wait_until(robot.halts, 2, "a zero twist")
+            wait_until(lambda: robot.speed < 0.01, 2, "a standstill")
+    finally:
+        robot.close()
+        stack.close()
+
+
 @contextmanager
 def driven_from_outside(**environment: str) -> Iterator[tuple[Stack, Driver]]:
     """Recipe 01 on a robot that is no child of its supervisor, driven by commands of ours."""
