@@ -82,6 +82,14 @@ class Watched(Robot):
         return Halt(None, 0.0)
 
 
+def at_rest(robot: Watched) -> None:
+    """End the goal under way: what follows sets out from a standstill."""
+    robot.stop()
+    wait_until(lambda: robot.speed < STANDING, 5, "a standstill")
+    robot.release()
+    robot.track.clear()
+
+
 def full_speed(robot: Watched, chance: random.Random) -> None:
     """Drive somewhere, and return at full speed."""
     for _ in range(50):
@@ -115,6 +123,7 @@ def of_process(name: str, number: signal.Signals, rounds: int) -> list[Halt]:
             robot = Watched(stack.domain)
             try:
                 robot.ready()
+                at_rest(robot)
                 full_speed(robot, chance)
                 pid = stack.pid_of(name)
                 halts.append(robot.after(number, pid))
