@@ -1,11 +1,12 @@
 """Inside a child: give components their nodes, make them active, and spin until told to end."""
 
+import os
 import signal
 import threading
+from collections.abc import Mapping
 from functools import partial
 
 import rclpy
-from rclpy.executors import Executor
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.components.base.component import Component
@@ -13,6 +14,7 @@ from kompass.components.base.node import ComponentNode
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.heartbeat import send_heartbeat
+from kompass.supervisor.news import ProcessNews
 from kompass.supervisor.process import Report
 
 TWIN_CHECK_DELAY = 1.0  # s in which DDS finds the other participants
@@ -26,6 +28,8 @@ def host(
     *,
     namespace: str = "",
     first_start: bool = True,
+    inbox: int = -1,
+    feeders: Mapping[str, frozenset[str]] | None = None,
 ) -> None:
     """Run components in this process until SIGTERM.
 
@@ -46,6 +50,10 @@ def host(
     first_start
         Look for the same nodes elsewhere on the domain. Not after a crash: DDS remembers the
         dead one for a while.
+    inbox
+        File descriptor on which the supervisor tells of processes, a JSON line each; -1 for none.
+    feeders
+        Names of those whose loss each component, by name, is told of.
     """
     desired = activate
     if not isinstance(desired, DesiredState):
@@ -53,7 +61,7 @@ def host(
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    executors = []
+    executors: list[TaskExecutor] = []
     try:
         for component in components:
             node = component.create_node(namespace)
@@ -68,12 +76,36 @@ def host(
                     raise RuntimeError(f"{component.node_name}: {component.health.message}")
             if first_start:
                 _watch_for_twin(node, report)
+        running = list(zip(components, executors, strict=True))
+        if inbox >= 0:
+            _listen(inbox, running, feeders or {})
         report("active " + " ".join(component.node_name for component in components))
-        _spin(list(zip(components, executors, strict=True)), ended)
+        _spin(running, ended)
     finally:
         for component in components:
             component.leave()
         rclpy.shutdown()
+
+
+def _listen(
+    inbox: int, running: list[tuple[Component, TaskExecutor]], feeders: Mapping[str, frozenset[str]]
+) -> None:
+    """Tell components, each on the thread of its executor, when one that feeds them is lost."""
+
+    def read() -> None:
+        with os.fdopen(inbox) as lines:
+            for line in lines:
+                news = ProcessNews.of_line(line)
+                if not news.is_lost:
+                    continue
+                for component, executor in running:
+                    lost = feeders.get(component.node_name, frozenset()) & set(news.nodes)
+                    if lost:
+                        text = f"{', '.join(sorted(lost))}: {news.reason}"
+                        executor.create_task(component.on_feeder_lost, text)
+
+    # Blocked in a read nearly always.
+    threading.Thread(target=read, name="inbox", daemon=True).start()
 
 
 def _watch_for_twin(node: ComponentNode, report: Report) -> None:
@@ -91,8 +123,8 @@ def _watch_for_twin(node: ComponentNode, report: Report) -> None:
     timer = node.create_timer(TWIN_CHECK_DELAY, look)
 
 
-def _spin(running: list[tuple[Component, Executor]], ended: threading.Event) -> None:
-    def spin(component: Component, executor: Executor) -> None:
+def _spin(running: list[tuple[Component, TaskExecutor]], ended: threading.Event) -> None:
+    def spin(component: Component, executor: TaskExecutor) -> None:
         name = component.node_name
         try:
             while not ended.is_set():

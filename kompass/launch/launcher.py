@@ -14,6 +14,7 @@ from kompass.launch.companions import (
 )
 from kompass.launch.environment import check_environment, processes_wanted
 from kompass.launch.failure_policies import FailurePolicies
+from kompass.launch.gates import feeders_of, halt_process
 from kompass.launch.host import host
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.process import NAME, run_monitor
@@ -326,7 +327,8 @@ class Launcher:
             own.append(monitor)
         names = [name for spec in own for name in spec.names]
         # A node of the recipe's own takes the place of a companion of that name.
-        more = [*recorder, *companions()]
+        halt = halt_process(self._components, self.namespace)
+        more = [*halt, *recorder, *companions()]
         beside = [spec for spec in more if not set(spec.names) & set(names)]
         names += [name for spec in beside for name in spec.names]
         held = lock_instance(names, self.namespace)
@@ -466,6 +468,7 @@ class Launcher:
     def _spec(self, group: list[Component]) -> ProcessSpec:
         names = [component.node_name for component in group]
         desired_state = DesiredState({name: name in self._activate for name in names})
+        stops_robot = any(component.stops_robot for component in group)
 
         def main(report: Report) -> None:
             host(
@@ -474,13 +477,20 @@ class Launcher:
                 report,
                 namespace=self.namespace,
                 first_start=spec.starts == 1,
+                inbox=spec.inbox,
+                feeders={
+                    component.node_name: feeders_of(component, self._components)
+                    for component in group
+                    if component.stops_robot
+                },
             )
 
         spec = ProcessSpec(
             name=names[0] if len(names) == 1 else "components",
             main=main,
             names=names,
-            stops_robot=any(component.stops_robot for component in group),
+            stops_robot=stops_robot,
+            listens=stops_robot,
             allowed={component.node_name: component.longest_step for component in group},
         )
         return spec

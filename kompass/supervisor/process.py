@@ -40,6 +40,7 @@ class ProcessSpec:
     listens: bool = False  # wants to be told how the other processes are doing
     inbox: int = -1  # in the child: where it is told, a JSON line each
     allowed: dict[str, float] = field(default_factory=dict)  # s that a step of a node may take
+    outlives: bool = False  # learns of its supervisor's death from its inbox, and then ends itself
     heartbeat: Heartbeat = field(init=False)  # of it and of each node
 
     def __post_init__(self) -> None:
@@ -64,6 +65,7 @@ class Child:
     pending: bytes = b""
     active: bool = False
     stopped: float | None = None  # since when a signal (SIGSTOP) holds it
+    told_stopped: bool = False  # whether those who listen know that
     killed: str = ""  # why the supervisor killed it
     cpu_usage: CpuUsage = field(default_factory=CpuUsage)
     conditions: dict[str, Condition] = field(default_factory=dict)  # of each member
@@ -130,13 +132,17 @@ def _run(spec: ProcessSpec, parent: int, reports: int, close: list[int]) -> None
     try:
         for descriptor in close:
             os.close(descriptor)
-        # Whatever happens to the supervisor, its children do not outlive it.
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+        # Whatever happens to the supervisor, its children do not outlive it. Who has something to
+        # do first is only woken, should a signal (SIGSTOP) hold it: SIGTERM would have to wait.
+        farewell = signal.SIGCONT if spec.outlives else signal.SIGTERM
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, farewell)
         if os.getppid() != parent:
             os._exit(1)
         signal.set_wakeup_fd(-1)
-        # Ctrl-C reaches the whole group; the supervisor decides in which order things stop.
+        # Ctrl-C, and the end of a terminal, reach the whole group; the supervisor decides in which
+        # order things stop.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         start_heartbeat(spec.heartbeat)
@@ -152,6 +158,9 @@ def _run(spec: ProcessSpec, parent: int, reports: int, close: list[int]) -> None
         except Exception as error:  # noqa: BLE001 - reported to the supervisor, which decides
             report(f"failed {type(error).__name__}: {error}")
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(code)
+        try:
+            sys.stdout.flush()
+            sys.stderr.flush()
+        finally:
+            # Also when the terminal is gone: what is forked must never go on as its supervisor.
+            os._exit(code)

@@ -6,7 +6,6 @@ hangs show in heartbeats that are missing.
 """
 
 import gc
-import json
 import logging
 import os
 import selectors
@@ -14,7 +13,9 @@ import signal
 import time
 from dataclasses import dataclass
 
+from kompass.supervisor.guard import guard_process
 from kompass.supervisor.liveness import LivenessLimits, Observation, assess_liveness
+from kompass.supervisor.news import ProcessCondition, ProcessNews
 from kompass.supervisor.process import Child, ProcessSpec, fork
 from kompass.supervisor.restarts import Restarts
 
@@ -36,7 +37,9 @@ class _PendingStart:
 
 
 class Supervisor:
-    """Runs a list of processes until SIGINT or SIGTERM.
+    """Runs a list of processes until SIGINT, SIGTERM, or SIGHUP where it is not ignored (nohup).
+
+    Beside them runs a guard, which ends them when the supervisor itself is killed.
 
     Parameters
     ----------
@@ -61,7 +64,8 @@ class Supervisor:
         restarts: Restarts | None = None,
         activation_timeout: float | None = None,
     ) -> None:
-        self._specs = specs
+        self._guard = guard_process(END_TIME)
+        self._specs = [self._guard, *specs]
         self._limits = limits or LivenessLimits()
         self._restarts = restarts or Restarts()
         self._activation_timeout = activation_timeout
@@ -84,7 +88,10 @@ class Supervisor:
             When a process cannot start at all.
         """
         self._started = time.monotonic()
-        numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGCHLD)
+        numbers = [signal.SIGINT, signal.SIGTERM, signal.SIGCHLD]
+        # A terminal that is closed, or a connection that is lost, must not end the gate unhalted.
+        if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+            numbers.append(signal.SIGHUP)
         before = {number: signal.getsignal(number) for number in numbers}
         self._wakeup, write = os.pipe()
         os.set_blocking(self._wakeup, False)
@@ -151,6 +158,9 @@ class Supervisor:
             if changed is not None:
                 stopped = changed.si_code == os.CLD_STOPPED
                 child.stopped = time.monotonic() if stopped else None
+                if stopped:
+                    # The robot may have to be halted: that waits for no look at the heartbeats.
+                    self._assess(child, time.monotonic())
 
     def _assess(self, child: Child, now: float) -> None:
         if not child.active:
@@ -174,13 +184,16 @@ class Supervisor:
                 ),
                 limits,
             )
-            if condition != child.conditions.get(member, "active"):
+            newly_stopped = child.stopped is not None and not child.told_stopped
+            if condition != child.conditions.get(member, "active") or newly_stopped:
                 if condition == "stuck":
                     log.warning("%s is stuck: %s", member, reason)
                 elif child.conditions.get(member) == "stuck":
                     log.info("%s is no longer stuck", member)
                 child.conditions[member] = condition
-                self._tell_member(child.spec, member, condition, child.pid, reason)
+                stopped = child.stopped is not None
+                self._tell_member(child.spec, member, condition, child.pid, reason, stopped)
+        child.told_stopped = child.stopped is not None
         if "stuck" not in child.conditions.values():
             child.stuck_since = None
         elif child.stuck_since is None:
@@ -263,10 +276,11 @@ class Supervisor:
         lived = time.monotonic() - child.started
         self._release(child)
         how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"ended with {code}"
-        log.warning("%s %s after %.1f s", child.spec.name, how, lived)
         name = child.spec.name
         reason = f"the process was {how}" if code < 0 else how
+        # Before anything is written to a terminal, which may not take it: the robot may be moving.
         self._tell(child.spec, "dead", child.pid, child.killed or reason)
+        log.warning("%s %s after %.1f s", name, how, lived)
         if not child.active and not self._restarts.ever_died(name) and code != 0:
             raise StartupError(f"{name} could not start; its reason is above")
         if not child.spec.restart or self._stop is not None:
@@ -280,27 +294,25 @@ class Supervisor:
         log.warning("%s starts again in %.1f s", name, delay)
         self._pending.append(_PendingStart(child.spec, time.monotonic() + delay))
 
-    def _tell(self, spec: ProcessSpec, state: str, pid: int, reason: str = "") -> None:
+    def _tell(self, spec: ProcessSpec, state: ProcessCondition, pid: int, reason: str = "") -> None:
         """Tell those who listen how a process is doing."""
         for member in spec.members:
             self._tell_member(spec, member, state, pid, reason)
 
     def _tell_member(
-        self, spec: ProcessSpec, member: str, state: str, pid: int, reason: str
+        self,
+        spec: ProcessSpec,
+        member: str,
+        state: ProcessCondition,
+        pid: int,
+        reason: str,
+        stopped: bool = False,
     ) -> None:
         """Tell those who listen of one node of a process."""
         shared = len(spec.members) > 1
         name = member if shared else spec.name
-        line = json.dumps(
-            {
-                "name": name,
-                "nodes": [member] if shared else spec.names,
-                "state": state,
-                "pid": pid,
-                "restarts": spec.starts - 1,
-                "reason": reason,
-            }
-        )
+        nodes = [member] if shared else spec.names
+        line = ProcessNews(name, nodes, state, pid, spec.starts - 1, reason, stopped).to_line()
         self._states[name] = line
         for child in self._children.values():
             if child.outbox >= 0:
@@ -316,11 +328,13 @@ class Supervisor:
     def _end_all(self) -> None:
         """Halt the robot first, then end all; what does not end is killed. Nothing is left."""
         # A second Ctrl-C while ending must not leave half of them running.
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, signal.SIG_IGN)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         gates = [child for child in self._children.values() if child.spec.stops_robot]
         self._end(gates, STOP_ROBOT_TIME)
+        # The guard goes last: until then the supervisor itself may be killed.
+        self._end([c for c in self._children.values() if c.spec is not self._guard], END_TIME)
         self._end(list(self._children.values()), END_TIME)
 
     def _end(self, children: list[Child], timeout: float) -> None:
@@ -346,3 +360,5 @@ class Supervisor:
             # A stopped process (SIGSTOP) dies of SIGKILL all the same, so this returns.
             os.waitpid(child.pid, 0)
             self._release(child)
+            # Those who are still there must know that it could not do what it does at its end.
+            self._tell(child.spec, "dead", child.pid, "it did not end, and was killed")

@@ -54,7 +54,9 @@ class Alive:
             executor.spin_once(timeout_sec=0.05)
 
     def close(self) -> None:
-        """End the component as its process would."""
+        """End the component as its process would; nothing happens the second time."""
+        if self._ended.is_set():
+            return
         self._ended.set()
         for thread in self._threads:
             thread.join()

@@ -1,11 +1,20 @@
 """Components that really run."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 from kompass.components import Component
 from tests.components.alive import Alive
+
+
+@pytest.fixture(autouse=True)
+def data_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where the robot of a test keeps its data: a STOP must not outlive the test."""
+    monkeypatch.setenv("KOMPASS_DATA_DIR", str(tmp_path))
+    monkeypatch.setenv("KOMPASS_ROBOT_NAME", "tested")
+    return tmp_path / "tested"
 
 
 @pytest.fixture

@@ -19,10 +19,10 @@ default_inputs default_outputs destroy_timer fails frames get_in_topic get_out_t
 ignored_settings in_topic_name init_variables input inputs inputs_keys is_active is_starting leave
 longest_step loop_rate main_action_name main_action_type node on_activate on_algorithm_fail
 on_callback_error on_cleanup on_component_fail on_config_changed on_configure on_deactivate on_fail
-on_giveup on_shutdown on_system_fail on_transition_error out_topic_name outputs outputs_keys publish
-publish_status qos reconfigure replace_topic restart robot run_type set_input set_output set_param
-set_params settings_of_file sleep start status_topic steps_in_any_run_type stop stops_robot
-ui_main_action_input wants_input warn
+on_feeder_lost on_giveup on_shutdown on_system_fail on_transition_error out_topic_name outputs
+outputs_keys publish publish_status qos reconfigure replace_topic restart robot run_type set_input
+set_output set_param set_params settings_of_file sleep start status_topic steps_in_any_run_type stop
+stops_robot ui_main_action_input wants_input warn
 """
 OF_AN_OBJECT = "action_problem config fallbacks health node_name on_intent"
 OWN = {

@@ -3,6 +3,8 @@
 import os
 import signal
 import socket
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,6 +12,7 @@ from pathlib import Path
 import httpx
 import pytest
 
+from tests.support.domains import give_back, next_domain
 from tests.support.patience import patient
 from tests.support.processes import children, wait_until
 from tests.support.robot import Robot
@@ -64,6 +67,30 @@ def test_children_do_not_outlive_a_killed_supervisor(stack: Stack) -> None:
     pids = list(children(stack.process.pid))
     os.kill(stack.process.pid, signal.SIGKILL)
     wait_until(lambda: not [pid for pid in pids if alive(pid)], 5, "the end of all children")
+
+
+def test_a_run_of_the_tests_that_is_killed_leaves_no_stack_behind(tmp_path: Path) -> None:
+    domain = next_domain(stack=True)
+    program = (
+        "from tests.support.stack import RECIPE, Stack; import time; "
+        "command = ('run', str(RECIPE), '--sim', '--no-browser', '--port', '0'); "
+        f"stack = Stack(*command, domain={domain}); "
+        "stack.wait_for_line('all components active', 20); "
+        "print(stack.process.pid, flush=True); time.sleep(60)"
+    )
+    # Its folder of data is nobody's to remove then.
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    run = subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, env=environment
+    )
+    assert run.stdout is not None
+    with run.stdout:
+        supervisor = int(run.stdout.readline())
+    pids = [supervisor, *children(supervisor)]
+    run.kill()
+    run.wait()
+    wait_until(lambda: not [pid for pid in pids if alive(pid)], 5, "the end of the stack")
+    give_back(domain)
 
 
 def test_a_killed_console_does_not_stop_the_robot_and_comes_back(

@@ -174,7 +174,7 @@ def test_random_rules_of_an_operator_change_nothing_that_is_protected(
         assert limited(robot) == "stop"
     assert passed < tried
     names = {info.node_name for info in robot.node.get_publishers_info_by_topic("/cmd_vel")}
-    assert names == {"drive_manager"}
+    assert names == {"drive_manager", "halt"}
     assert any(each.id == "keep" and each.enabled for each in rules.view().table.rules)
     assert {each.author for each in rules.history().revisions} <= {"tester", "monitor"}
     assert robot.distance_to(*place) < 0.01

@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import textwrap
@@ -13,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.patience import patient
-from tests.support.processes import wait_until
+from tests.support.processes import end_with_parent, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -35,6 +36,15 @@ PROGRAM = """
             os._exit(0)
 
         signal.signal(signal.SIGTERM, end)
+        while True:
+            time.sleep(60)
+
+    def holds_a_port(report):
+        import signal, socket
+        signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
+        taken = socket.create_server(("127.0.0.1", 0))
+        said.write(f"port {{taken.getsockname()[1]}}\\n")
+        report("active")
         while True:
             time.sleep(60)
 
@@ -110,7 +120,10 @@ class Program:
         self.output = folder / "output"
         self._file = self.output.open("w")
         self.process = subprocess.Popen(
-            [sys.executable, "-c", source], stdout=self._file, stderr=subprocess.STDOUT
+            [sys.executable, "-c", source],
+            stdout=self._file,
+            stderr=subprocess.STDOUT,
+            preexec_fn=end_with_parent,
         )
 
     def text(self) -> str:
@@ -133,6 +146,15 @@ class Program:
         code = self.process.wait(10)
         self._file.close()
         return code
+
+
+def alive(pid: int) -> bool:
+    """Whether a process runs; one that only waits to be reaped does not."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state != "Z"
 
 
 @pytest.fixture
@@ -208,6 +230,79 @@ def test_what_does_not_end_is_killed(tmp_path: Path, programs: list[Program]) ->
     assert not Path(f"/proc/{pid}").exists()
 
 
+def port_of(program: Program) -> int:
+    wait_until(lambda: "port " in program.said.read_text(), 10, "a port that is held")
+    return int(program.said.read_text().split("port ")[1].split()[0])
+
+
+@pytest.mark.parametrize("stopped", ["a", "b", "guard"])
+def test_nothing_outlives_a_killed_supervisor_though_a_signal_holds_it(
+    tmp_path: Path, programs: list[Program], stopped: str
+) -> None:
+    program = Program(tmp_path, "specs = [ProcessSpec('a', holds_a_port), ProcessSpec('b', waits)]")
+    programs.append(program)
+    for name in ("guard", "a", "b"):
+        program.wait_for(f"{name} is up")
+    port = port_of(program)
+    pids = {name: program.pid_of(name) for name in ("guard", "a", "b")}
+    os.kill(pids[stopped], signal.SIGSTOP)
+    os.kill(program.process.pid, signal.SIGKILL)
+    wait_until(lambda: not [pid for pid in pids.values() if alive(pid)], 3.0, "the end of all")
+    with socket.create_server(("127.0.0.1", port)):
+        pass  # free for the next one
+
+
+def test_nothing_outlives_a_killed_supervisor_though_it_does_not_obey(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    program = Program(tmp_path, "specs = [ProcessSpec('a', stubborn)]")
+    programs.append(program)
+    program.wait_for("a is up")
+    program.wait_for("guard is up")
+    # Also one that came to life after the guard did, and a guard in its second life.
+    os.kill(program.pid_of("a"), signal.SIGKILL)
+    wait_until(lambda: program.text().count("a is up") == 2, 5, "a second life")
+    os.kill(program.pid_of("guard"), signal.SIGKILL)
+    wait_until(lambda: program.text().count("guard is up") == 2, 5, "another guard")
+    pid = program.pid_of("a")
+    os.kill(program.process.pid, signal.SIGKILL)
+    wait_until(lambda: not alive(pid), 3.0, "its end")
+
+
+def test_a_terminal_that_is_closed_ends_all_in_their_order(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    program = Program(
+        tmp_path,
+        "specs = [ProcessSpec('b', waits), ProcessSpec('a', waits, stops_robot=True)]",
+    )
+    programs.append(program)
+    program.wait_for("a is up")
+    program.wait_for("b is up")
+    gate = program.pid_of("a")
+    # As the kernel sends it: to everybody at once.
+    for pid in (program.pid_of("b"), gate, program.process.pid):
+        os.kill(pid, signal.SIGHUP)
+    assert program.process.wait(10) == 0
+    assert program.said.read_text().splitlines()[0] == f"{gate} ended"
+
+
+def test_who_is_still_there_at_the_end_hears_of_a_gate_that_had_to_be_killed(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    program = Program(
+        tmp_path,
+        "ear = ProcessSpec('m', listens, listens=True); "
+        "specs = [ProcessSpec('a', stubborn, stops_robot=True), ear]",
+        name="ear",
+    )
+    programs.append(program)
+    program.wait_for("a is up")
+    program.wait_for("m is up")
+    assert program.close() == 0
+    assert program.told("a")[-1] == "dead"
+
+
 def test_who_listens_is_told_how_the_others_are_doing(
     tmp_path: Path, programs: list[Program]
 ) -> None:
@@ -270,6 +365,8 @@ def test_a_glance_of_a_debugger_is_no_failure(tmp_path: Path, programs: list[Pro
     program = listened(tmp_path, programs, limits="stopped=1.0")
     os.kill(program.pid_of("a"), signal.SIGSTOP)
     wait_until(lambda: program.told("a")[-1] == "busy", 1.0, "word of it")
+    said = [line for line in program.said.read_text().splitlines() if '"name": "a"' in line]
+    assert json.loads(said[-1])["stopped"] is True
     os.kill(program.pid_of("a"), signal.SIGCONT)
     wait_until(lambda: program.told("a")[-1] == "active", 2.0, "word of its recovery")
     assert "stuck" not in program.told("a")

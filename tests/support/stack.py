@@ -12,7 +12,7 @@ from pathlib import Path
 
 from tests.support.domains import give_back, next_domain
 from tests.support.patience import patient
-from tests.support.processes import wait_until
+from tests.support.processes import end_with_parent, wait_until
 
 TOKEN = "operator-token-for-tests"
 RECIPE = Path(__file__).parents[2] / "recipes" / "01_point_navigation.py"
@@ -45,6 +45,7 @@ class Stack:
             stderr=subprocess.STDOUT,
             text=True,
             start_new_session=True,
+            preexec_fn=end_with_parent,
             env={
                 **os.environ,
                 "PYTHONUNBUFFERED": "1",

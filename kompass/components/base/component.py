@@ -440,6 +440,12 @@ class Component:
     def custom_on_shutdown(self) -> None:
         """Before the process ends."""
 
+    def on_feeder_lost(self, reason: str) -> None:
+        """One that publishes its commands has died, hangs, or was stopped by a signal.
+
+        Told only to those that stop the robot, configured or not, within milliseconds.
+        """
+
     @property
     def longest_step(self) -> float:
         """How long a step may take by design before its process counts as stuck [s].

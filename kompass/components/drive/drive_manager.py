@@ -28,12 +28,17 @@ from kompass.components.base.robot_limits import velocity_limits
 from kompass.components.drive.command_queue import STILL, CommandQueue, Twist2D
 from kompass.components.drive.config import DriveManagerConfig
 from kompass.components.drive.drive_gate import DriveGate, GateInput, GateLimits
+from kompass.components.drive.halt import HALT_NODE
 from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
 from kompass.components.drive.publisher_watch import PublisherWatch, WatchedTopic
+from kompass.components.drive.stop_file import StopFile, StopKeeper, stop_path
 from kompass.components.drive.stop_latch import StopLatch
 from kompass.printable import printable
+from kompass.rclpy_ext.deferred_service import create_deferred_service
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 from kompass.robot import RobotType
+from kompass.store.errors import StoreUnwritable
+from kompass.store.paths import robot_folder
 
 EMERGENCY_PERIOD = 0.5  # s between repetitions of an unchanged emergency flag
 STATE_PERIOD = 0.2  # s
@@ -43,13 +48,17 @@ USEFUL = 0.05  # m; a shorter way frees nothing
 HELD = 0.7  # s of being held back after which it is given up; a late scan passes sooner
 LONGEST_NAME = 40  # characters of who pressed STOP, in the log
 REST = 1.0  # s at most for the robot to come to rest
+SLOW_DISK = 0.7  # s; a release that is not on disk by then is answered all the same
+LATE = 0.3  # s in which commands of somebody who is lost may still come in
 
 
 class DriveManager(Component):
     """Takes commands, gives the wheels only what is safe now, and says what held it back.
 
     Its loop runs whether or not commands flow. STOP is a service of its own; it is latched, no rule
-    or component can reset it, and it survives the death of this process.
+    or component can reset it, and it survives the death of this process and of the whole stack.
+
+    When one that sends it commands dies or hangs, it halts at once.
 
     ``emergency_stop`` is a level: true while a wanted motion is fully blocked by the stop zone, or,
     with none wanted, something is inside the critical zone the way that the robot went last; false
@@ -89,9 +98,11 @@ class DriveManager(Component):
     def __init__(self, component_name: str = "drive_manager", **kwargs: Any) -> None:
         super().__init__(component_name, **kwargs)
         self._latch = StopLatch()
+        self._keeper: StopKeeper | None = None
 
     def init_variables(self) -> None:
         self._queue = CommandQueue(self.config.command_timeout)
+        self._deaf_until = -float("inf")
         self._gate = DriveGate(self._gate_limits())
         self._standstill = Standstill()
         self._points: NDArray[np.float64] = np.empty((0, 2))
@@ -131,7 +142,10 @@ class DriveManager(Component):
         )
         name = self.node_name
         self.node.create_service(StopRobot, f"{name}/stop", self._on_stop)
-        self.node.create_service(ReleaseStop, f"{name}/release_stop", self._on_release)
+        create_deferred_service(
+            self.node, ReleaseStop, f"{name}/release_stop", self._on_release, _not_released
+        )
+        self._restore_stop()
 
     def custom_on_activate(self) -> None:
         self._location = LocationSource(self)
@@ -154,14 +168,28 @@ class DriveManager(Component):
             publisher.wait_for_all_acked(Duration(seconds=0.2))
         self._location.close()
 
+    def custom_on_shutdown(self) -> None:
+        if self._keeper is not None:
+            self._keeper.close()
+            self._keeper = None
+
+    def on_feeder_lost(self, reason: str) -> None:
+        # Commands that were under way when it was lost come in after its loss is told.
+        self._deaf_until = time.monotonic() + LATE
+        self._queue.clear()
+        if not self._busy:  # a motion of our own needs nobody
+            self._send_halt()
+            self.node.get_logger().warning(f"halted: {reason}")
+
     # -- STOP ---------------------------------------------------------------------------------
 
     def _on_stop(
         self, request: StopRobot.Request, response: StopRobot.Response
     ) -> StopRobot.Response:
         operator = printable(request.operator_name, LONGEST_NAME) or "somebody"
-        self._latch.set(operator, request.reason)
+        self._latch.set(operator, request.reason, time.time())
         self._halt()
+        self._keep_stop()
         self._publish_state(time.monotonic(), "stop", 0.0)
         reason = printable(request.reason) or "no reason given"
         self.node.get_logger().warning(f"STOP by {operator}: {reason}")
@@ -169,18 +197,73 @@ class DriveManager(Component):
         response.message = "stopped; a person must release it"
         return response
 
-    def _on_release(
+    async def _on_release(
         self, request: ReleaseStop.Request, response: ReleaseStop.Response
     ) -> ReleaseStop.Response:
+        operator = printable(request.operator_name, LONGEST_NAME) or "somebody"
+        presses = self._latch.presses
+        problem = await self._keep_release()
+        if self._latch.presses != presses:
+            response.message = "STOP was pressed again meanwhile"
+            return response
         response.success = True
         response.message = "released" if self._latch.is_set else "it was not stopped"
+        if problem:
+            # Whoever released it is there, and must get the robot out of the way; what is not on
+            # disk errs to the safe side.
+            response.message += f", but it may come up stopped when it is started anew: {problem}"
         # Commands from before the release are not carried out after it.
         self._queue.clear()
         self._latch.release()
         self._publish_state(time.monotonic(), "", 1.0)
-        operator = printable(request.operator_name, LONGEST_NAME) or "somebody"
         self.node.get_logger().warning(f"STOP released by {operator}")
         return response
+
+    def _restore_stop(self) -> None:
+        """Come up as the robot was: stopped, when nobody has released it."""
+        log = self.node.get_logger()
+        try:
+            file = StopFile(stop_path(robot_folder(), self.node_name))
+        except StoreUnwritable as error:
+            self._latch.load(None)
+            log.error(f"STOP is not kept over a restart of the whole stack: {error}")
+            return
+        self._keeper = StopKeeper(
+            file, lambda problem: log.error(f"STOP is not kept as it is over a restart: {problem}")
+        )
+        if not self._latch.is_loaded:
+            self._latch.load(file.load())
+            if self._latch.is_set:
+                log.warning(f"STOP by {self._latch.operator}: {self._latch.account}")
+            else:
+                # The file is there before it is needed: room for it may be scarce then.
+                self._keeper.keep(None)
+        if self._latch.is_set:
+            self._keep_stop()
+
+    def _keep_stop(self) -> None:
+        if self._keeper is not None:
+            self._keeper.keep(self._latch.record)
+
+    async def _keep_release(self) -> str:
+        """Until the release is on disk; what is wrong when it is not."""
+        if self._keeper is None:
+            return ""
+        executor = self.node.executor
+        done = Future(executor=executor)
+
+        def finish(problem: str) -> None:
+            if not done.done():
+                done.set_result(problem)
+
+        timer = self.node.create_timer(
+            SLOW_DISK, lambda: finish(f"the disk has not answered for {SLOW_DISK:g} s")
+        )
+        self._keeper.keep(None, lambda problem: executor.create_task(finish, problem))
+        try:
+            return str(await done)
+        finally:
+            self.node.destroy_timer(timer)
 
     def _halt(self) -> None:
         self._queue.clear()
@@ -193,18 +276,18 @@ class DriveManager(Component):
     # -- inputs -------------------------------------------------------------------------------
 
     def _on_command(self, message: Twist) -> None:
-        if self._busy:
+        if self._busy or time.monotonic() < self._deaf_until:
             return
         command = (message.linear.x, message.linear.y, message.angular.z)
         self._queue.put([command], 0.0, time.monotonic())
 
     def _on_commands(self, message: TwistArray) -> None:
-        if not self._busy:
+        if not self._busy and time.monotonic() >= self._deaf_until:
             self._queue.put_array(message, time.monotonic())
 
     def _watched_topics(self) -> list[WatchedTopic]:
         """The topics on which nobody, or nobody else, may speak."""
-        own = frozenset({self.node_name})
+        own = frozenset({self.node_name, HALT_NODE})
         most = self.config.command_publishers
         heard = [self.input(key).topic.name for key in ("command", "multi_command")]
         return [
@@ -353,7 +436,7 @@ class DriveManager(Component):
             stopped=self._latch.is_set,
             standstill=self._standstill.reached(now, self.config.odometry_timeout),
             stopped_by=self._latch.operator if self._latch.is_set else "",
-            reason=self._latch.reason if self._latch.is_set else "",
+            reason=self._latch.account if self._latch.is_set else "",
             speed_factor=round(factor, 2),
             limited_by=limited_by,
         )
@@ -510,6 +593,11 @@ class DriveManager(Component):
         if self._ended is not None:
             ended, self._ended = self._ended, None
             ended.set_result(problem)
+
+
+def _not_released(response: ReleaseStop.Response, error: Exception) -> ReleaseStop.Response:
+    response.message = f"not released: {type(error).__name__}: {error}"
+    return response
 
 
 def _for(age: float) -> str:

@@ -1,9 +1,26 @@
 """The STOP that a person pressed, remembered outside the process that obeys it."""
 
 import mmap
+import struct
+import time
+from dataclasses import dataclass
 
-SIZE = 512
-TEXT = 240
+TEXT = 240  # bytes of a name, or of a reason
+_SET, _LOADED, _RESTORED = 0, 1, 2
+_PRESSES = struct.Struct("I")
+_AT = struct.Struct("d")
+_PRESSES_AT, _AT_AT, _OPERATOR_AT = 4, 8, 16
+_REASON_AT = _OPERATOR_AT + TEXT
+SIZE = _REASON_AT + TEXT
+
+
+@dataclass(frozen=True)
+class StopRecord:
+    """Who pressed STOP, why, and when [s since the epoch; 0 when that is not known]."""
+
+    operator: str
+    reason: str
+    at: float
 
 
 class StopLatch:
@@ -19,28 +36,66 @@ class StopLatch:
     @property
     def is_set(self) -> bool:
         """Whether STOP is latched."""
-        return self._memory[0] == 1
+        return self._memory[_SET] == 1
 
     @property
     def operator(self) -> str:
         """Who pressed it."""
-        return self._read(1)
+        return self._read(_OPERATOR_AT)
 
     @property
     def reason(self) -> str:
         """What was given as the reason."""
-        return self._read(1 + TEXT)
+        return self._read(_REASON_AT)
 
-    def set(self, operator: str, reason: str) -> None:
+    @property
+    def account(self) -> str:
+        """The reason; and when it was pressed, where that was before this start of the stack."""
+        if not self._memory[_RESTORED]:
+            return self.reason
+        at = self.record.at
+        if not at:
+            return self.reason
+        when = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(at))
+        return f"{self.reason or 'no reason given'} (pressed {when}, before this start)"
+
+    @property
+    def record(self) -> StopRecord:
+        """All that is known of the press."""
+        (at,) = _AT.unpack_from(self._memory, _AT_AT)
+        return StopRecord(self.operator, self.reason, at)
+
+    @property
+    def presses(self) -> int:
+        """How often it was pressed, while it was set too."""
+        (count,) = _PRESSES.unpack_from(self._memory, _PRESSES_AT)
+        return int(count)
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether what was kept from before this start of the stack has been taken over."""
+        return self._memory[_LOADED] == 1
+
+    def set(self, operator: str, reason: str, at: float = 0.0) -> None:
         """Latch. Who and why go in first, so that a set latch always tells them."""
         if not self.is_set:
-            self._write(1, operator)
-            self._write(1 + TEXT, reason)
-        self._memory[0] = 1
+            self._write(_OPERATOR_AT, operator)
+            self._write(_REASON_AT, reason)
+            _AT.pack_into(self._memory, _AT_AT, at)
+            self._memory[_RESTORED] = 0
+        self._memory[_SET] = 1
+        _PRESSES.pack_into(self._memory, _PRESSES_AT, (self.presses + 1) % 2**32)
+
+    def load(self, kept: StopRecord | None) -> None:
+        """Take over what was kept from before this start of the stack; None for no STOP."""
+        if kept is not None and not self.is_set:
+            self.set(kept.operator, kept.reason, kept.at)
+            self._memory[_RESTORED] = 1
+        self._memory[_LOADED] = 1
 
     def release(self) -> None:
         """Let the robot move again; only ever on behalf of a person."""
-        self._memory[0] = 0
+        self._memory[_SET] = 0
 
     def _write(self, offset: int, text: str) -> None:
         data = text.encode()[: TEXT - 1]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 
 from builtin_interfaces.msg import Time
@@ -11,6 +10,7 @@ from rclpy.node import Node
 
 from kompass.monitor.reporting.status_proxy import StatusProxy
 from kompass.rclpy_ext.topic import LATCHED
+from kompass.supervisor.news import ProcessNews
 
 SILENT = ("stuck", "dead", "given up")  # states of a process whose components say nothing
 
@@ -45,7 +45,15 @@ class ProcessStates:
 
     def changed(self, line: str) -> None:
         """Take the state of one process, as the supervisor tells it (a JSON line)."""
-        process = ProcessState(**json.loads(line))
+        news = ProcessNews.of_line(line)
+        process = ProcessState(
+            name=news.name,
+            nodes=news.nodes,
+            state=news.state,
+            pid=news.pid,
+            restarts=news.restarts,
+            reason=news.reason,
+        )
         self._processes[process.name] = process
         processes = [*self._processes.values()]
         self._publisher.publish(StackState(stamp=self._stamp(), processes=processes))

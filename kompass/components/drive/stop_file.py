@@ -1,0 +1,200 @@
+"""STOP on disk: a robot that was stopped comes up stopped, when all of its programs start anew.
+
+One small file, as large as it will ever be from the first start on, and overwritten in place: that
+needs no room on a full disk. A write that is cut short leaves a file that cannot be read, and such
+a file counts as stopped.
+"""
+
+import fcntl
+import json
+import os
+import queue
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+from kompass.components.drive.stop_latch import StopRecord
+from kompass.store.durable import sync_folder
+from kompass.store.paths import safe_name
+
+SIZE = 4096  # bytes
+RETRY = 5.0  # s after which a disk that could not be written is tried again
+
+
+def stop_path(folder: Path, node_name: str) -> Path:
+    """Where a drive manager keeps STOP in the folder of its robot."""
+    return folder / f"stop-{safe_name(node_name)}.json"
+
+
+class StopFile:
+    """Reads and writes the file. Its owner alone may do either; one process at a time does.
+
+    Parameters
+    ----------
+    path
+        Of the file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._descriptor = -1
+
+    def load(self) -> StopRecord | None:
+        """The STOP that was pressed and not released; None for none.
+
+        What is there and cannot be read, or makes no sense, counts as a STOP.
+        """
+        try:
+            data = self.path.read_bytes()
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        except OSError as error:
+            return _unknown(f"{self.path} cannot be read: {error.strerror}")
+        try:
+            return _of_text(data.decode())
+        except (ValueError, TypeError, KeyError):
+            return _unknown(f"{self.path} is damaged")
+
+    def write(self, record: StopRecord | None) -> None:
+        """Bring a STOP to the disk, or its release (None); on return it is there.
+
+        Raises
+        ------
+        OSError
+            The disk cannot be written, or another stack has the file; the message says which.
+        """
+        data = _to_text(record).encode().ljust(SIZE)
+        self._open(data)
+        os.pwrite(self._descriptor, data, 0)
+        os.fdatasync(self._descriptor)
+
+    def close(self) -> None:
+        """Let another process have the file."""
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1
+
+    def _open(self, data: bytes) -> None:
+        """Open the file that has the name now; make it where there is none."""
+        if self._descriptor >= 0:
+            mine = os.fstat(self._descriptor)
+            if self.path.exists() and os.path.samestat(mine, self.path.stat()):
+                return
+            self.close()
+        if not self.path.exists():
+            self._make(data)
+        flags = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC
+        descriptor = os.open(self.path, flags)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            os.fchmod(descriptor, 0o600)
+        except BlockingIOError as error:
+            os.close(descriptor)
+            raise OSError(
+                error.errno, f"another stack keeps its STOP in {self.path}; give this one a --name"
+            ) from None
+        except BaseException:
+            os.close(descriptor)
+            raise
+        self._descriptor = descriptor
+
+    def _make(self, data: bytes) -> None:
+        """Make it under another name first: what has the name is always complete."""
+        self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        growing = self.path.with_name(f"{self.path.name}.new")
+        growing.unlink(missing_ok=True)
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
+        descriptor = os.open(growing, flags, 0o600)
+        try:
+            os.write(descriptor, data)
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+        growing.rename(self.path)
+        for folder in (self.path.parent, self.path.parent.parent):
+            sync_folder(folder)
+
+
+class StopKeeper:
+    """Writes the file from a thread of its own: nobody who halts a robot waits for a disk.
+
+    Parameters
+    ----------
+    file
+        Written in the order of the calls of :meth:`keep`.
+    complain
+        Takes what is wrong with the disk, from that thread. What could not be written is tried
+        again until something newer is to be kept.
+    """
+
+    def __init__(self, file: StopFile, complain: Callable[[str], None]) -> None:
+        self._file, self._complain = file, complain
+        self._orders: queue.Queue[_Order | None] = queue.Queue()
+        self._thread = threading.Thread(target=self._run, name="stop file", daemon=True)
+        self._thread.start()
+
+    def keep(self, record: StopRecord | None, written: Callable[[str], None] | None = None) -> None:
+        """Have a STOP, or its release (None), written.
+
+        Parameters
+        ----------
+        record
+            What to write.
+        written
+            Called once from the thread: with "" when it is on disk, else with what is wrong.
+        """
+        self._orders.put((record, written))
+
+    def close(self) -> None:
+        """Write what waits, and end."""
+        self._orders.put(None)
+        self._thread.join()
+        self._file.close()
+
+    def _run(self) -> None:
+        failed: _Order | None = None
+        while True:
+            try:
+                order = self._orders.get(timeout=RETRY if failed else None)
+            except queue.Empty:
+                order = failed
+            if order is None:
+                return
+            record, written = order
+            problem = self._write(record)
+            if written is not None:
+                written(problem)
+            if problem and failed is None:
+                self._complain(problem)
+            failed = (record, None) if problem else None
+
+    def _write(self, record: StopRecord | None) -> str:
+        try:
+            self._file.write(record)
+        except OSError as error:
+            return f"cannot write {self._file.path}: {error.strerror}; see to its disk and owner"
+        return ""
+
+
+_Order = tuple[StopRecord | None, Callable[[str], None] | None]
+
+
+def _unknown(what: str) -> StopRecord:
+    return StopRecord("somebody", f"{what}, so the robot counts as stopped", 0.0)
+
+
+def _to_text(record: StopRecord | None) -> str:
+    if record is None:
+        return json.dumps({"stopped": False})
+    values = {"operator": record.operator, "reason": record.reason, "at": record.at}
+    return json.dumps({"stopped": True, **values}, ensure_ascii=False)
+
+
+def _of_text(text: str) -> StopRecord | None:
+    """As :func:`_to_text` wrote it; raises ValueError, TypeError or KeyError otherwise."""
+    values = json.loads(text)
+    if values == {"stopped": False}:
+        return None
+    if values["stopped"] is not True:
+        raise ValueError("stopped is neither true nor false")
+    return StopRecord(str(values["operator"]), str(values["reason"]), float(values["at"]))
