@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from typing import Any
 
@@ -78,6 +79,15 @@ def test_what_a_robot_says_is_shown_in_short_lines(console: Served) -> None:
     assert len(component["sources"]) <= 50
 
 
+async def first_message(watch: RulesWatch) -> str:
+    feed = RulesFeed()
+    running = asyncio.create_task(feed.run(watch, "ava"))
+    await asyncio.sleep(0)  # it has begun
+    text, _ = feed.message(0)
+    running.cancel()
+    return text
+
+
 def test_what_the_monitor_says_of_rules_is_shown_in_short_lines(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -85,9 +95,7 @@ def test_what_the_monitor_says_of_rules_is_shown_in_short_lines(
     statuses = [RuleStatus(rule_id="a", state="ready", text=NASTY).model_dump(mode="json")]
     for said in (json.dumps(statuses), json.dumps(statuses, ensure_ascii=False)):
         monkeypatch.setattr(watch, "statuses", lambda said=said: said)
-        feed = RulesFeed()
-        feed._rules = watch
-        text, _ = feed.message(0)
+        text = asyncio.run(first_message(watch))
         status = json.loads(text)["statuses"][0]
         assert (status["rule_id"], status["state"]) == ("a", "ready")
         assert is_fit(status["text"])
