@@ -72,4 +72,13 @@ def _literal(value: Scalar | tuple[Scalar, ...]) -> str:
         return "[" + ", ".join(_literal(item) for item in value) + "]"
     if isinstance(value, bool):
         return "true" if value else "false"
-    return f'"{value}"' if isinstance(value, str) else f"{value:g}"
+    return f'"{value}"' if isinstance(value, str) else _number(value)
+
+
+def _number(value: float) -> str:
+    """The short form, where it is the same number: two that differ are told apart."""
+    try:
+        short = f"{value:g}"
+    except OverflowError:  # a whole number beyond all floats
+        return str(value)
+    return short if float(short) == value else str(value)
