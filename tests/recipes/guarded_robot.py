@@ -1,9 +1,18 @@
 """For tests: the four components, with a rule that nobody may take away, and one name opened."""
 
+import os
+
 import numpy as np
 
 from kompass.actions import LogInfo
-from kompass.components import Controller, DriveManager, LocalMapper, Planner, PlannerConfig
+from kompass.components import (
+    Controller,
+    DriveManager,
+    DriveManagerConfig,
+    LocalMapper,
+    Planner,
+    PlannerConfig,
+)
 from kompass.control import ControllersID
 from kompass.robot import (
     AngularCtrlLimits,
@@ -19,7 +28,11 @@ planner.run_type = "ActionServer"
 controller = Controller(component_name="controller")
 controller.algorithm = ControllersID.PURE_PURSUIT
 mapper = LocalMapper(component_name="mapper")
-driver = DriveManager(component_name="drive_manager")
+# Where a test commands it beside the controller, it is told to let it.
+driver = DriveManager(
+    component_name="drive_manager",
+    config=DriveManagerConfig(command_publishers=int(os.environ.get("COMMAND_PUBLISHERS", "1"))),
+)
 
 emergency = Topic(name="emergency_stop", msg_type="Bool")
 blocked = Event(emergency.msg.data == True).as_rule("keep", protected=True)  # noqa: E712

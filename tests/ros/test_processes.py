@@ -143,7 +143,7 @@ def test_a_second_stack_on_the_domain_is_refused(stack: Stack) -> None:
 
 def one_line(stack: Stack) -> str:
     """The only thing that a command which could not run may say, after its addresses."""
-    said = [line for line in stack.output.splitlines() if line and "http://" not in line]
+    said = [line for line in stack.output.splitlines() if line and not line.startswith("  ")]
     assert len(said) == 1, stack.output
     return said[0]
 

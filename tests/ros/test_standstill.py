@@ -17,9 +17,10 @@ from kompass.components.drive.halt import HALT_NODE
 from tests.support.domains import give_back, next_domain
 from tests.support.processes import children, end_with_parent, wait_until
 from tests.support.robot import Robot
-from tests.support.stack import RECIPE, Stack
+from tests.support.stack import Stack
 
 pytestmark = pytest.mark.ros
+GUARDED = Path(__file__).parents[1] / "recipes" / "guarded_robot.py"
 
 
 class Driver(Robot):
@@ -124,7 +125,7 @@ def test_components_that_share_a_process_are_spoken_for_when_it_dies() -> None:
 
 @contextmanager
 def driven_from_outside(**environment: str) -> Iterator[tuple[Stack, Driver]]:
-    """Recipe 01 on a robot that is no child of its supervisor, driven by commands of ours."""
+    """A recipe on a robot that is no child of its supervisor, driven by commands of ours."""
     domain = next_domain(stack=True)
     base = subprocess.Popen(
         [sys.executable, "-m", "kompass.simulation", "hexagon"],
@@ -132,8 +133,8 @@ def driven_from_outside(**environment: str) -> Iterator[tuple[Stack, Driver]]:
         preexec_fn=end_with_parent,
     )
     try:
-        command = ("run", str(RECIPE), "--no-browser", "--port", "0")
-        stack = Stack(*command, domain=domain, **environment)
+        command = ("run", str(GUARDED), "--no-browser", "--port", "0")
+        stack = Stack(*command, domain=domain, COMMAND_PUBLISHERS="2", **environment)
         robot = Driver(domain)
         try:
             stack.wait_for_line("all components active", 20)

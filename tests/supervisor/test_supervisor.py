@@ -108,6 +108,12 @@ PROGRAM = """
 """
 
 
+def begin_afresh() -> None:
+    """End with the test, and obey SIGHUP though the tests themselves may run under nohup."""
+    end_with_parent()
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 class Program:
     def __init__(
         self, folder: Path, specs: str, name: str = "None", hang: str = "", options: str = "{}"
@@ -123,7 +129,7 @@ class Program:
             [sys.executable, "-c", source],
             stdout=self._file,
             stderr=subprocess.STDOUT,
-            preexec_fn=end_with_parent,
+            preexec_fn=begin_afresh,
         )
 
     def text(self) -> str:
