@@ -155,7 +155,9 @@ def _expect_inside(element: Locator, width: int, height: int) -> None:
 def test_a_dead_console_freezes_the_view_visibly_and_comes_back_by_itself(
     page: ConsolePage, stack: Stack
 ) -> None:
-    page.get("top-view").click()
+    # What the console has not answered before it hangs, the page takes back.
+    with page.page.expect_response(lambda answer: answer.request.method == "PATCH"):
+        page.get("top-view").click()
     expect(page.get("top-view")).to_have_attribute("aria-pressed", "true")
     before = page.view
     killed = stack.pid_of("console")
