@@ -207,9 +207,11 @@ class Permissions:
         if action.component not in self.gates:
             return
         for name, value in action.parameters.items():
-            text = f"{name} of {action.component} has a part in when the robot stops"
-            only = "only the recipe may do that"
-            yield Refusal("opens-gate", f"parameters.{name}", value, text, only)
+            text = (
+                f"the settings of {action.component}, the gate before the wheels, are the recipe's"
+            )
+            remedy = f"leave {name} out, or let a rule of the recipe set it"
+            yield Refusal("opens-gate", f"parameters.{name}", value, text, remedy)
 
     # -- the graph ----------------------------------------------------------------------------
 

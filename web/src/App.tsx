@@ -60,7 +60,8 @@ export function App({ token }: { token: string | null }) {
         if (session === null) {
           setGate({
             at: "login",
-            notice: "Your session has ended: the console was restarted. Use its new address.",
+            notice:
+              "Your session has ended: it was logged out, unused for long, or the console was started anew. Log in again.",
           });
         }
       },

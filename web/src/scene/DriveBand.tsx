@@ -1,13 +1,16 @@
 import { useRobot } from "../state/RobotContext";
 import { Band } from "../ui/Band";
+import { silentDriveText } from "./driveText";
 
 /** STOP goes through the drive manager: say so when there is none, before it is needed. */
 export function DriveBand() {
-  const { state, frozen } = useRobot();
-  if (state === null || frozen || state.drive?.available) return null;
+  const { state, frozen, elapsed } = useRobot();
+  if (state === null || frozen) return null;
+  const text = silentDriveText(state.drive, elapsed);
+  if (text === null) return null;
   return (
     <Band tone="notice" testId="drive-band" title="STOP cannot reach the robot from here.">
-      No drive manager was found on the network. Start the stack, or use the robot's own button.
+      {text}
     </Band>
   );
 }
