@@ -11,6 +11,7 @@ from kompass.rulebook.permissions import FOREIGN, Permissions
 from kompass.rulebook.schema.report import Finding
 from kompass.rulebook.views.recipe_code import functions_of
 from kompass.rules.engine.arbitrate import components_of
+from kompass.rules.schema.actions import Lifecycle, Method
 from kompass.rules.schema.conditions import CallableCondition, leaves
 from kompass.rules.schema.table import Rule, Table, rule_hash
 
@@ -110,6 +111,7 @@ def _protection(
             continue  # an engineer has taken the protection off first
         yield from _kept(recipe[rule.id] if from_recipe else rule, rule, new, from_recipe)
         yield from _outranked(before, after, place, new)
+    yield from _undone(after, recipe)
     for rule in after.rules:
         yield from _flag(rule, was.get(rule.id), recipe.get(rule.id), role)
 
@@ -223,6 +225,41 @@ def _outranked(before: Table, after: Table, place: int, rule: Rule) -> Iterator[
         )
 
 
+def _undone(after: Table, recipe: dict[str, Rule]) -> Iterator[Finding]:
+    """Check that nobody starts again what a protected rule stops."""
+    stopped = {
+        component: rule
+        for rule in after.rules
+        if rule.protected
+        for component in _asked(rule, ("stop",))
+    }
+    for rule in after.rules:
+        own = recipe.get(rule.id)
+        if rule.protected or (own is not None and rule_hash(own) == rule_hash(rule)):
+            continue
+        for component in stopped.keys() & set(_asked(rule, ("start", "restart", "configure"))):
+            keeper = stopped[component]
+            yield _error(
+                rule,
+                "undoes-protected",
+                "actions",
+                component,
+                f"it would start {component}, which the protected rule "
+                f"'{keeper.name or keeper.id}' stops",
+                "leave it out: a person starts it again",
+            )
+
+
+def _asked(rule: Rule, words: tuple[str, ...]) -> Iterator[str]:
+    """Walk the components of which a rule asks one of these."""
+    for action in rule.actions:
+        if not isinstance(action, Lifecycle | Method):
+            continue
+        word = action.action if isinstance(action, Lifecycle) else action.method
+        if word in words:
+            yield action.component
+
+
 def _place(table: Table, rule_id: str) -> int:
     for place, rule in enumerate(table.rules):
         if rule.id == rule_id:
@@ -236,7 +273,7 @@ def _place(table: Table, rule_id: str) -> int:
 def forbidden(rule: Rule, permissions: Permissions) -> Iterator[Finding]:
     """Walk what the actions of a rule may not touch, as errors."""
     for index, action in enumerate(rule.actions):
-        for code, field, value, text, remedy in permissions.refusals(rule.id, rule.source, action):
+        for code, field, value, text, remedy in permissions.refusals(rule, action):
             where = f"actions[{index}].{field}" if field else f"actions[{index}]"
             yield _error(rule, code, where, value, text, remedy)
 

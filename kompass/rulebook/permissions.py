@@ -25,7 +25,7 @@ from kompass.rules.schema.actions import (
     UpdateParameters,
 )
 from kompass.rules.schema.model import topic_key
-from kompass.rules.schema.table import Source, Table
+from kompass.rules.schema.table import Rule, Source, Table
 
 RELEASE = "release_stop"
 RELEASE_TYPE = "kompass_interfaces/srv/ReleaseStop"
@@ -123,7 +123,7 @@ class Permissions:
     ) -> None:
         self._components = components
         self._functions = functions_of(recipe)
-        self._own = {rule.id: tuple(map(_essence, rule.actions)) for rule in recipe.rules}
+        self._own = {rule.id: rule for rule in recipe.rules}
         self.gates = frozenset(
             {DRIVE_MANAGER, *(name for name, spec in components.items() if spec.gate)}
         )
@@ -139,21 +139,15 @@ class Permissions:
         self._served = frozenset[str]().union(*(spec.serves for spec in components.values()))
         self._opened = _with_recipe(opened, recipe)
 
-    def refusal(self, rule_id: str, source: Source, action: Action) -> Refusal | None:
-        """Why a rule may not do something; None if it may.
+    def refusal(self, rule: Rule, action: Action) -> Refusal | None:
+        """Why a rule may not do something; None if it may."""
+        return next(self.refusals(rule, action), None)
 
-        Parameters
-        ----------
-        rule_id, source
-            Of the rule.
-        """
-        return next(self.refusals(rule_id, source, action), None)
-
-    def refusals(self, rule_id: str, source: Source, action: Action) -> Iterator[Refusal]:
+    def refusals(self, rule: Rule, action: Action) -> Iterator[Refusal]:
         """Walk the reasons for which a rule may not do something; none if it may."""
-        if self.is_own(rule_id, source, action):
+        if self.is_own(rule):
             return
-        engineer = source == "engineer"
+        engineer = rule.source == "engineer"
         if isinstance(action, Python):
             if action.name not in self._functions:
                 yield Refusal("foreign-function", "name", action.name, *FOREIGN)
@@ -173,9 +167,19 @@ class Permissions:
         elif isinstance(action, SendGoal | CancelGoal):
             yield from self._goal(action, engineer)
 
-    def is_own(self, rule_id: str, source: Source, action: Action) -> bool:
-        """Whether the recipe itself lets a rule do something."""
-        return source == "recipe" or _essence(action) in self._own.get(rule_id, ())
+    def is_own(self, rule: Rule) -> bool:
+        """Whether a rule is the recipe's, but for its timing and what it is called.
+
+        What the recipe lets it do, it lets it do then and there: on this condition, and together
+        with its other actions.
+        """
+        own = self._own.get(rule.id)
+        if rule.source == "recipe" or own is None:
+            return rule.source == "recipe"
+        now, then = rule.event, own.event
+        return (now.condition, now.clear, now.trigger, now.once) == (
+            *(then.condition, then.clear, then.trigger, then.once),
+        ) and list(map(_essence, rule.actions)) == list(map(_essence, own.actions))
 
     # -- components ---------------------------------------------------------------------------
 
@@ -185,7 +189,9 @@ class Permissions:
             return
         spec = self._components.get(action.component)
         known = spec.methods.get(action.method) if spec is not None else None
-        if action.component in self.gates and action.method in ("stop", "configure"):
+        if action.component in self.gates and (
+            action.method in ("stop", "configure") or (action.method == "restart" and action.kwargs)
+        ):
             yield _keeps_running(action.component, "method", action.method)
         elif action.method in _SETTERS or (known is not None and known.recipe_only):
             text = f"{action.component}.{action.method} is for rules of the recipe only"
@@ -207,9 +213,7 @@ class Permissions:
         if action.component not in self.gates:
             return
         for name, value in action.parameters.items():
-            text = (
-                f"the settings of {action.component}, the gate before the wheels, are the recipe's"
-            )
+            text = f"settings of {action.component}, the gate before the wheels, are the recipe's"
             remedy = f"leave {name} out, or let a rule of the recipe set it"
             yield Refusal("opens-gate", f"parameters.{name}", value, text, remedy)
 

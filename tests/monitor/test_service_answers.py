@@ -19,6 +19,7 @@ from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema.actions import Action, CallService, Log, Method
 from kompass.rules.schema.table import Severity, Table
+from tests.rules.building import received, rule
 from tests.support.spinning import Spinning
 
 pytestmark = pytest.mark.ros
@@ -48,6 +49,9 @@ def test_an_answer_says_no_only_where_custom_says_so(answer: Any, words: str) ->
     assert refusal(answer) == words
 
 
+OWN = rule(received("a"), "r", source="recipe")
+
+
 class Robot:
     """Actions of a rule, and the services that answer them, on one executor."""
 
@@ -68,7 +72,7 @@ class Robot:
         """How a run of these ends, and each of its actions."""
         told: list[ActionOutcome] = []
         more: dict[str, Any] = {"lane": "normal", "severity": Severity.INFO, "actions": actions}
-        firing = Firing("r", 1, 0.0, 0.0, "hash", None, None, {}, (), source="recipe", **more)
+        firing = Firing("r", 1, 0.0, 0.0, "hash", None, None, {}, (), rule=OWN, **more)
         ended = self._spinning.executor.create_task(self.runner.run, firing, told.append)
         self._spinning.until(ended.done, 20.0)
         result: tuple[bool, str] = ended.result()

@@ -417,6 +417,28 @@ def test_a_reset_rule_starts_afresh_and_makes_no_revision(changes: Changes) -> N
     assert changes.said == ["ann has reset the rule 'first'"]
 
 
+def test_only_an_engineer_lets_a_protected_rule_start_afresh(tmp_path: Path) -> None:
+    recipe = [{**BASE[0], "protected": True, "source": "recipe"}, *BASE[1:]]
+    changes = Changes(tmp_path, recipe)
+    refused = changes.manager.reset("first", OPERATOR)
+    assert (refused.outcome, "protected" in refused.message) == ("refused", True)
+    rules = [json.loads(rule.model_dump_json()) for rule in changes.manager.in_force.table.rules]
+    again = changes.apply(rules, reset=["first"])
+    assert (again.outcome, "protected" in again.message) == ("refused", True)
+    assert changes.manager.reset("first", Who("eva", "engineer")).ok
+
+
+def test_a_table_that_would_listen_to_a_thousand_topics_is_refused_at_once(
+    changes: Changes,
+) -> None:
+    topics = [compare(f"t{number}", ">", 1) for number in range(1000)]
+    crowd = rule("crowd", {"kind": "any", "conditions": topics})
+    answer = changes.apply([*BASE, crowd])
+    assert answer.outcome == "refused"
+    assert "more than 500 topics" in answer.message
+    assert changes.manager.in_force.revision == 1
+
+
 def test_after_a_start_on_a_read_only_disk_the_rules_can_be_edited_again_once_it_is_writable(
     tmp_path: Path, databases: Databases
 ) -> None:

@@ -250,7 +250,10 @@ def test_the_recipe_itself_may_do_what_people_may_not_and_its_timing_may_be_edit
 
     slower = Lifecycle(component="drive_manager", action="stop", timeout=60.0)
     assert codes_of(own("night", stops, Python(name="shout"), cooldown=9.0)) == []
-    assert codes_of(own("night", slower, cooldown=9.0)) == []
+    assert codes_of(own("night", slower, Python(name="shout"), cooldown=9.0)) == []
+    assert codes_of(own("night", stops, cooldown=9.0)) == ["opens-gate"]
+    other = compare("a", "<", 2)
+    assert codes_of(own("night", stops, Python(name="shout"), condition=other)) == ["opens-gate"]
     assert codes_of(own("copied", stops)) == ["opens-gate"]
     assert codes_of(own("copied", Python(name="shout"))) == []
 
@@ -272,3 +275,24 @@ def test_the_gate_is_known_by_what_it_is_and_not_only_by_its_name() -> None:
             Table(), after, role="engineer", recipe_table=Table(), permissions=permissions
         )
         assert finding.code in ("opens-gate", "bypasses-gate")
+
+
+@pytest.mark.parametrize("role", ["operator", "engineer"])
+@pytest.mark.parametrize("word", ["start", "restart", "configure"])
+def test_nobody_starts_again_what_a_protected_rule_stops(role: str, word: str) -> None:
+    stops = own("halt", Lifecycle(component="controller", action="stop"), protected=True)
+    stops = stops.model_copy(update={"source": "recipe"})
+    declares = Table(rules=(stops,))
+    for action in (
+        Lifecycle.model_validate({"component": "controller", "action": word}),
+        Method(component="controller", method=word),
+    ):
+        after = Table(rules=(stops, own("again", action)))
+        (finding,) = guard(
+            declares,
+            with_sources(after, declares, role),
+            role=role,
+            recipe_table=declares,
+            permissions=Permissions({}, declares),
+        )
+        assert (finding.code, finding.rule_id) == ("undoes-protected", "again")

@@ -1,5 +1,7 @@
 """What the rules of people may touch, by whose hand is in them."""
 
+from typing import Any
+
 import pytest
 
 from kompass.rulebook.permissions import Opened, Permissions, opened
@@ -17,7 +19,7 @@ from kompass.rules.schema.actions import (
     UpdateParameters,
 )
 from kompass.rules.schema.table import Source, Table
-from tests.rules.building import compare, rule
+from tests.rules.building import compare, received, rule
 
 TEXT = "std_msgs/msg/String"
 STACK = {
@@ -62,7 +64,8 @@ PERMISSIONS = Permissions(
 
 
 def code(action: Action, source: Source = "edited", rule_id: str = "new") -> str:
-    refusal = PERMISSIONS.refusal(rule_id, source, action)
+    by = rule(compare("a", "<", 1), rule_id, actions=(action,), source=source)
+    refusal = PERMISSIONS.refusal(by, action)
     if refusal is None:
         return ""
     assert refusal.text
@@ -113,6 +116,10 @@ def publish(topic: str, kind: str = TEXT) -> Publish:
         (Method(component="controller", method="reconfigure"), "recipe-only"),
         (Method(component="controller", method="set_param"), "recipe-only"),
         (Method(component="lamp", method="flash"), "recipe-only"),
+        (
+            Method(component="drive_manager", method="restart", kwargs={"wait_time": 20}),
+            "opens-gate",
+        ),
         (UpdateParameters(component="drive_manager", parameters={"robot": {}}), "opens-gate"),
     ],
 )
@@ -173,8 +180,31 @@ def test_what_is_allowed_is_allowed_to_all(action: Action) -> None:
 def test_what_the_recipe_lets_one_rule_do_no_other_rule_may() -> None:
     past = RECIPE.rules[0].actions[1]
     assert code(past, "recipe", "declared") == ""
-    assert code(past, "edited", "declared") == ""
     assert code(past, "engineer", "copied") == "bypasses-gate"
+
+
+@pytest.mark.parametrize(
+    ("change", "allowed"),
+    [
+        ({"cooldown": 9.0}, True),
+        ({"hold": 1.0}, True),
+        ({"condition": compare("a", "<", 2)}, False),
+        ({"condition": received("press")}, False),
+        ({"clear": compare("a", ">", 9)}, False),
+        ({"actions": RECIPE.rules[0].actions[:1]}, True),  # what is left is open to all
+        ({"actions": RECIPE.rules[0].actions[1:]}, False),
+    ],
+)
+def test_what_the_recipe_lets_a_rule_do_it_lets_it_do_on_that_condition_only(
+    change: dict[str, Any], allowed: bool
+) -> None:
+    """Its timing may be edited; who changes when it acts must be allowed to do what it does."""
+    actions = change.pop("actions", RECIPE.rules[0].actions)
+    condition = change.pop("condition", compare("a", "<", 1))
+    for source in ("edited", "engineer"):
+        edited = rule(condition, "declared", actions=actions, source=source, **change)
+        refused = [each for action in actions for each in PERMISSIONS.refusals(edited, action)]
+        assert (refused == []) is allowed
 
 
 def test_names_are_opened_however_they_are_spelled() -> None:

@@ -133,13 +133,14 @@ class ActionRunner:
 
     def _check_permitted(self, action: kinds.Action, firing: Firing) -> None:
         """Look again: the table may be older than what is allowed today, and so may a topic."""
-        refusal = self._permissions.refusal(firing.rule_id, firing.source, action)
+        rule = firing.rule
+        if rule is None:
+            raise Failed("refused: nobody knows whose rule this is")
+        refusal = self._permissions.refusal(rule, action)
         if refusal is not None:
-            whose = rights_text(firing.source)
+            whose = rights_text(rule.source)
             raise Failed(f"refused: {refusal.text} (this rule has the rights of {whose})")
-        if isinstance(action, kinds.Publish) and not self._permissions.is_own(
-            firing.rule_id, firing.source, action
-        ):
+        if isinstance(action, kinds.Publish) and not self._permissions.is_own(rule):
             listening = self._node.get_subscriptions_info_by_topic(action.topic)
             gates = self._permissions.gates.intersection(info.node_name for info in listening)
             if gates:

@@ -145,6 +145,8 @@ class TableManager:
         unknown = set(reset) - {rule.id for rule in table.rules}
         if unknown:
             return self._refuse(f"reset names rules that the table has not: {sorted(unknown)}")
+        if problem := self._barred_from_resetting(who, reset):
+            return self._refuse(problem)
         wait = self._probation if probation < 0 else probation
         with self._lock:
             if expected != self.in_force.revision:
@@ -224,6 +226,8 @@ class TableManager:
             now = self.in_force
             if all(rule.id != rule_id for rule in now.table.rules):
                 return self._refuse(f"there is no rule {rule_id[:100]!r} in the table in force")
+            if problem := self._barred_from_resetting(who, [rule_id]):
+                return self._refuse(problem)
             self._history.forget_use(rule_id)
             self._engine.swap(compile_table(now.table), now.revision, [rule_id], "")
             self._announce(f"{who.author or who.role} has reset the rule '{rule_id}'")
@@ -336,6 +340,14 @@ class TableManager:
         return ChangeAnswer(
             "applied", f"revision {made.number} is in force{wait}", made.number, body
         )
+
+    def _barred_from_resetting(self, who: Who, ids: Sequence[str]) -> str:
+        """Why somebody may not let these rules start afresh; empty if they may."""
+        protected = {rule.id for rule in self.in_force.table.rules if rule.protected}
+        if who.role == "engineer" or not (kept := protected & set(ids)):
+            return ""
+        # A rule that begins its hold anew again and again never fires.
+        return f"'{min(kept)}' is protected, and starts afresh for an engineer only; ask one"
 
     def _conflict(self, table: Table, expected: int) -> ChangeAnswer:
         now = self.in_force

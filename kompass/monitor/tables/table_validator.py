@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 
 from kompass.monitor.tables.live_lints import LiveLints
@@ -16,9 +16,13 @@ from kompass.rulebook.schema.report import CheckReport, Effect, Finding
 from kompass.rulebook.sources import with_sources
 from kompass.rules.checks.catalog import Catalog
 from kompass.rules.engine.compiled_table import CompiledTable
+from kompass.rules.schema.actions import topics_in
+from kompass.rules.schema.conditions import CallableCondition, leaves, topic_of
 from kompass.rules.schema.identity_cache import IdentityCache
 from kompass.rules.schema.table import Rule, Table, rule_hash
 from kompass.rules.schema.values import Verdict
+
+MOST_TOPICS = 500  # of a table; each is a subscription
 
 
 class TableValidator:
@@ -61,6 +65,8 @@ class TableValidator:
 
     def errors(self, now: InForce, table: Table, role: str) -> list[Finding]:
         """What forbids a table to follow on the one in force; empty if nothing does."""
+        if crowd := _too_many_topics(table):
+            return [crowd]  # looking at each would take minutes
         found = guard(
             now.table, table, role=role, recipe_table=self._recipe, permissions=self._permissions
         )
@@ -121,6 +127,33 @@ class TableValidator:
             diff=diff_tables(now.table, table, before_revision=now.revision),
             effect=_effect(now.table, table, running),
         )
+
+
+def _too_many_topics(table: Table) -> Finding | None:
+    """The rule with which a table comes to listen to more topics than the monitor can."""
+    topics: set[str] = set()
+    for rule in table.rules:
+        topics |= set(_topics_of(rule))
+        if len(topics) > MOST_TOPICS:
+            return Finding(
+                level="error",
+                code="too-many-topics",
+                rule_id=rule.id,
+                field="event.condition",
+                value=len(topics),
+                text=f"with it the rules listen to more than {MOST_TOPICS} topics",
+                remedy="look at fewer topics",
+            )
+    return None
+
+
+def _topics_of(rule: Rule) -> Iterator[str]:
+    for condition in (rule.event.condition, rule.event.clear):
+        for _, leaf in leaves(condition) if condition is not None else ():
+            if not isinstance(leaf, CallableCondition):
+                yield topic_of(leaf)
+    for action in rule.actions:
+        yield from topics_in(action)
 
 
 def sentence(errors: Sequence[Finding]) -> str:

@@ -5,7 +5,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 
 from kompass.rules.schema.actions import Action
 from kompass.rules.schema.conditions import TreePath
-from kompass.rules.schema.table import Lane, Severity, Source
+from kompass.rules.schema.table import Lane, Rule, Severity
 from kompass.rules.schema.values import Verdict
 
 
@@ -80,8 +80,8 @@ class Firing(NamedTuple):
     shadow
         Whether the rule is in shadow: nothing is to be done but to record it. The run has ended
         already, and no ``RunEnded`` is expected.
-    source
-        Of the rule: with whose rights it acts.
+    rule
+        With whose rights it acts; None for one that nobody knows.
     """
 
     rule_id: str
@@ -98,7 +98,7 @@ class Firing(NamedTuple):
     severity: Severity
     cancels: tuple[int, ...] = ()
     shadow: bool = False
-    source: Source = "edited"
+    rule: Rule | None = None
 
 
 class Note(NamedTuple):

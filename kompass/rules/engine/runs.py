@@ -144,7 +144,7 @@ def _start(
             severity=plan.rule.severity,
             cancels=cancels,
             shadow=plan.shadow,
-            source=plan.rule.source,
+            rule=plan.rule,
         )
     )
     return True

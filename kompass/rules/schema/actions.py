@@ -87,7 +87,7 @@ class Publish(_Action):
     topic: TopicName
     type: TypeName
     message: Arguments = Field(default_factory=dict)
-    rate: Annotated[float, Field(gt=0.0)] | None = None
+    rate: Annotated[float, Field(gt=0.0, le=1000.0)] | None = None
     period: PositiveSeconds | None = None
 
 
