@@ -270,7 +270,7 @@ def test_an_engineer_sees_who_did_what_and_everybody_when_that_is_not_written(
     folder.write_text("no folder")
     try:
         operator.page.post("/api/stop", {"reason": "all the same"})
-        assert robot.newest["/drive_state"].stopped
+        wait_until(lambda: robot.newest["/drive_state"].stopped, 5, "the stop")
         operator.get("rules-close").click()
         expect(operator.get("audit-band")).to_contain_text("The audit log is not written")
     finally:

@@ -99,6 +99,11 @@ PROGRAM = """
             if '"stuck"' in line and {hang!r} == "never returns":
                 report("restart node_a")
 
+    def listens_to_the_end(report):
+        import signal
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        listens(report)
+
     {specs}
     try:
         Supervisor(specs, announced=["a"], **{options}).run()
@@ -298,7 +303,7 @@ def test_who_is_still_there_at_the_end_hears_of_a_gate_that_had_to_be_killed(
 ) -> None:
     program = Program(
         tmp_path,
-        "ear = ProcessSpec('m', listens, listens=True); "
+        "ear = ProcessSpec('m', listens_to_the_end, listens=True); "
         "specs = [ProcessSpec('a', stubborn, stops_robot=True), ear]",
         name="ear",
     )
