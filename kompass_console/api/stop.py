@@ -50,9 +50,10 @@ async def release(session: Operator, console: CurrentConsole) -> StopAnswer:
     return StopAnswer(accepted=answer.accepted, message=answer.message)
 
 
-def _stopped(console: Console) -> dict[str, object]:
+def _stopped(console: Console) -> str:
     """How the robot was before, for the audit log."""
     drive = console.link.drive.info()
     if drive is None or not drive.available:
-        return {"stopped": None}
-    return {"stopped": drive.stopped, "by": drive.stopped_by, "standstill": drive.standstill}
+        return "unknown"
+    motion = "standing" if drive.standstill else "moving"
+    return f"stopped by {drive.stopped_by}, {motion}" if drive.stopped else motion

@@ -298,6 +298,12 @@ def test_rules_are_a_tab_of_a_small_screen_and_stop_stays_free(
     expect(rules.get("cooldown")).to_be_visible()
     _stop_is_free(page.get("stop-button"))
     assert page.page.evaluate("() => document.documentElement.scrollWidth") <= width
+    page.get("stop-button").tap()
+    expect(page.get("stop-band")).to_be_visible()
+    assert page.get("stop-band").count() == 1
+    page.keep(f"stopped-over-rules-{width}")
+    page.release_stop()
+    expect(page.get("stop-band")).to_be_hidden()
 
 
 # As high as Mantine goes, over the whole page: a dialog, a drawer, a notification.

@@ -159,7 +159,7 @@ def test_engineers_read_it_and_take_it_along_whole(recorded: Served, tmp_path: P
         assert page["problem"] == ""
         [line] = page["lines"]
         assert (line["who"], line["what"], line["address"]) == ("ada", "stop", "127.0.0.1")
-        assert line["details"]["before"] == {"stopped": None}
+        assert line["details"]["before"] == "unknown"
         newest = client.get("/api/audit", params={"count": 2}).json()
         assert newest["more"]
         last = newest["lines"][-1]["seq"]

@@ -8,6 +8,8 @@ import { OPENERS, useNav } from "../rules/context/RulesNav";
 import { DraftBar } from "../rules/DraftBar";
 import { FiringsPanel } from "../rules/firings/FiringsPanel";
 import { RulesSheet } from "../rules/RulesSheet";
+import { DriveBand } from "../scene/DriveBand";
+import { StopBand } from "../stop/StopBand";
 import { StopPlace } from "../stop/StopButton";
 import classes from "./BottomPanel.module.css";
 
@@ -18,10 +20,13 @@ const TABS: { key: Tab; label: string; Icon: typeof IconHeartbeat }[] = [
   { key: "data", label: "Data", Icon: IconDatabase },
 ];
 
-/** What the right column is on a tablet or a phone: a sheet that opens from the bottom. */
-export function BottomPanel({ startOpen }: { startOpen: boolean }) {
+/**
+ * What the right column is on a tablet or a phone: a sheet that opens from the bottom. On a phone
+ * the rules cover the scene: what stops the robot is then told, and released, above them.
+ */
+export function BottomPanel({ phone }: { phone: boolean }) {
   const rules = useNav();
-  const [tab, setTab] = useState<Tab | null>(startOpen ? "health" : null);
+  const [tab, setTab] = useState<Tab | null>(phone ? null : "health");
   const open = rules.open ? null : tab;
   const show = (next: Tab | null) => {
     rules.close();
@@ -43,6 +48,8 @@ export function BottomPanel({ startOpen }: { startOpen: boolean }) {
       )}
       {rules.open && (
         <div className={classes.rules} id="sheet">
+          {phone && <StopBand />}
+          {phone && <DriveBand />}
           <RulesSheet />
           <div className={classes.draft}>
             <DraftBar />

@@ -100,7 +100,7 @@ function Workplace() {
       <div className={classes.page} data-rules={rules.open || undefined}>
         <TopBar />
         <main className={scene.scene}>
-          <SceneStack handle={handle} goal={goal} />
+          <SceneStack handle={handle} goal={goal} covered={phone && rules.open} />
           {helpOpen && <HelpPanel onClose={() => setHelpOpen(false)} />}
         </main>
         <ToolRail
@@ -112,7 +112,7 @@ function Workplace() {
           onHelp={() => setHelpOpen(!helpOpen)}
         />
         <StatusLine />
-        {narrow ? <BottomPanel startOpen={!phone} /> : <SidePanel />}
+        {narrow ? <BottomPanel phone={phone} /> : <SidePanel />}
       </div>
       <StopButton />
     </>
@@ -120,7 +120,15 @@ function Workplace() {
 }
 
 /** The scene, and what lies over it, from far to near. */
-function SceneStack({ handle, goal }: { handle: ViewHandle; goal: GoalTool }) {
+function SceneStack({
+  handle,
+  goal,
+  covered,
+}: {
+  handle: ViewHandle;
+  goal: GoalTool;
+  covered: boolean;
+}) {
   const { view, error } = handle;
   const { open: rulesOpen } = useNav();
   return (
@@ -141,9 +149,9 @@ function SceneStack({ handle, goal }: { handle: ViewHandle; goal: GoalTool }) {
         </>
       )}
       <div className={scene.bands}>
-        <StopBand />
+        {!covered && <StopBand />}
         <StaleBand />
-        <DriveBand />
+        {!covered && <DriveBand />}
         <AuditBand />
         <AlarmsBand />
         {!rulesOpen && <ProbationBand />}

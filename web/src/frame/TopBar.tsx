@@ -36,8 +36,9 @@ export function TopBar() {
 }
 
 function OverallState() {
-  const { state, elapsed, frozen } = useRobot();
+  const { state, elapsed } = useRobot();
   const { stop, drive } = useStop();
+  const wasStopped = drive === null && state?.drive?.stopped === true;
   const { level, text } = overall(state, elapsed);
   return (
     <span className={classes.states}>
@@ -45,9 +46,13 @@ function OverallState() {
         <StatusMark level={level} />
         {text}
       </span>
-      {!frozen && drive?.stopped && (
-        <span className={classes.stopped} data-testid="stopped-hint">
-          {stop.phase === "stopped" ? "Stopped" : "Stopping"}
+      {(drive?.stopped || wasStopped) && (
+        <span
+          className={classes.stopped}
+          data-stale={wasStopped || undefined}
+          data-testid="stopped-hint"
+        >
+          {wasStopped ? "Was stopped" : stop.phase === "stopped" ? "Stopped" : "Stopping"}
         </span>
       )}
     </span>

@@ -57,6 +57,20 @@ test("all is well only when every component and stream is", () => {
   expect(overall(state(), 0.1)).toEqual({ level: "healthy", text: "All well" });
 });
 
+test("a stopped robot has no faults, but is not called well", () => {
+  const drive = {
+    available: true,
+    stopped: true,
+    standstill: true,
+    stopped_by: "ava",
+    reason: "",
+    limited_by: "stop",
+    speed_factor: 0,
+    age: 0,
+  };
+  expect(overall(state({ drive }), 0).text).toBe("No faults");
+});
+
 test("the worst component is named first", () => {
   const components = [
     component({ status: "algorithm_failure" }),

@@ -83,5 +83,6 @@ export function overall(state: State | null, elapsed: number): Overall {
   if (state.pose === null) return { level: "unknown", text: "Position unknown" };
   const late = state.streams.find((s) => s.age !== null && streamStale(s, elapsed));
   if (late !== undefined) return { level: "degraded", text: `${late.label} is late` };
-  return { level: "healthy", text: "All well" };
+  // A robot that may not move is not well, whatever its components say.
+  return { level: "healthy", text: state.drive?.stopped ? "No faults" : "All well" };
 }

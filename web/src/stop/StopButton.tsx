@@ -28,6 +28,7 @@ export function StopButton() {
       <span className={classes.word}>{word}</span>
       {stop.phase === "idle" && <span className={classes.hint}>Space</span>}
       {stop.phase === "stopped" && <span className={classes.hint}>standstill ✓</span>}
+      {stop.phase === "silent" && <span className={classes.hint}>was stopped</span>}
       {stop.phase === "unconfirmed" && <span className={classes.hint}>press again</span>}
     </UnstyledButton>
   );

@@ -35,6 +35,18 @@ test("stopped is shown only with the latch and a measured standstill", () => {
   expect(after(pressed, see(latched, 300), see(still, 900)).phase).toBe("stopped");
 });
 
+test("a stopped robot that falls silent was stopped, and is so again when it speaks", () => {
+  const silent = after(pressed, see(still, 300), see(null, 2000));
+  expect(silent.phase).toBe("silent");
+  expect(stopReducer(silent, see(null, 60_000)).phase).toBe("silent");
+  expect(stopReducer(silent, see(still, 60_000)).phase).toBe("stopped");
+  const back = stopReducer(silent, see(latched, 60_000));
+  expect(back.phase).toBe("stopping");
+  expect(stopReducer(back, see(still, 60_100)).phase).toBe("stopped");
+  expect(stopReducer(silent, see(free, 60_000)).phase).toBe("idle");
+  expect(stopReducer(silent, pressed).phase).toBe("stopping");
+});
+
 test("without a standstill in time the stop is not confirmed", () => {
   const state = after(pressed, see(latched, 300), see(latched, CONFIRM_WITHIN_MS));
   expect(state.phase).toBe("unconfirmed");
@@ -80,7 +92,7 @@ test("a report from before the press does not end it", () => {
 });
 
 test("when the robot falls silent, its last standstill is no longer shown as the present", () => {
-  expect(after(see(still, 100), see(null, 5000)).phase).toBe("idle");
+  expect(after(see(still, 100), see(null, 5000)).phase).not.toBe("stopped");
 });
 
 test("an alarm can be put away only while nothing is latched", () => {

@@ -2,9 +2,10 @@ import type { Drive } from "../api/types";
 
 /**
  * What STOP shows. Honest by construction: "stopped" only while the drive manager says that it is
- * latched *and* odometry says standstill, never because a request was answered.
+ * latched *and* odometry says standstill, never because a request was answered. "silent" is a robot
+ * that was stopped when it was last heard of: it comes back as it was.
  */
-export type StopPhase = "idle" | "stopping" | "stopped" | "unconfirmed";
+export type StopPhase = "idle" | "stopping" | "stopped" | "unconfirmed" | "silent";
 
 export interface StopState {
   phase: StopPhase;
@@ -67,7 +68,7 @@ function observe(state: StopState, drive: Drive | null, now: number): StopState 
       // Somebody else pressed it: count from when we heard.
       return drive?.stopped ? { ...IDLE, phase: "stopping", since: now, latched: true } : state;
     case "stopped":
-      if (drive === null) return IDLE; // silence is unknown: the frozen view says so
+      if (drive === null) return { ...IDLE, phase: "silent", latched: true };
       return { ...IDLE, phase: "unconfirmed", latched: true, problem: MOVING, remedy: LOOK };
     case "stopping": {
       const latched = state.latched || drive?.stopped === true;
@@ -76,6 +77,9 @@ function observe(state: StopState, drive: Drive | null, now: number): StopState 
       }
       return { ...state, phase: "unconfirmed", latched, problem: why(drive), remedy: LOOK };
     }
+    case "silent":
+      // It is back, stopped still, and its standstill is yet to be measured.
+      return drive === null ? state : { ...state, phase: "stopping", since: now };
     case "unconfirmed":
       return drive?.stopped && !state.latched ? { ...state, latched: true } : state;
   }
@@ -100,6 +104,11 @@ export function stopLabel(phase: StopPhase): { word: string; spoken: string } {
       return {
         word: "Stopped",
         spoken: "Robot stopped, standstill confirmed. Press to stop again",
+      };
+    case "silent":
+      return {
+        word: "STOP",
+        spoken: "Stop the robot. It was stopped when it was last heard of",
       };
     case "unconfirmed":
       return { word: "Not confirmed", spoken: "Stop not confirmed. Press to stop again" };

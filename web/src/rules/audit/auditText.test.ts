@@ -13,8 +13,10 @@ test("what was before and after is told, and what says nothing is left out", () 
       x: 1.23456,
       yaw: null,
     }),
-  ).toBe("before: 3 · after: 4 · rules: (changed: near, stuck · added: new) · x: 1.235");
-  expect(detailsText({ before: { stopped: null } })).toBe("before: none");
+  ).toBe("3 → 4 · rules: changed near, stuck, added new · x: 1.235");
+  expect(detailsText({ reason: "wet floor", before: "moving" })).toBe(
+    "before: moving · reason: wet floor",
+  );
 });
 
 test("what was refused stands out", () => {
