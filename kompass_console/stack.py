@@ -30,6 +30,8 @@ from kompass.supervisor.supervisor import StartupError
 from kompass_console.cli_error import CliError
 from kompass_console.domain import look_elsewhere, where
 
+_LOOPBACK = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # of those that listen on every interface
+
 
 @dataclass(frozen=True)
 class Door:
@@ -120,18 +122,26 @@ class ConsoleListener:
             ) from None
         return listening
 
-    def url(self, role: str = "operator") -> str:
-        """The address with the token of a role."""
-        host = "127.0.0.1" if self.host in ("0.0.0.0", "::") else self.host
+    def url(self, role: str = "operator", *, here: bool = True) -> str:
+        """The address with the token of a role.
+
+        Parameters
+        ----------
+        here
+            For a browser on this machine; else for one on the network, where that differs.
+        """
+        host = self.host
+        if host in _LOOPBACK:
+            host = _LOOPBACK[host] if here else outward_address(host)
         shown = f"[{host}]" if ":" in host else host
         return f"{self.door.scheme}://{shown}:{self.port}/#token={self.tokens[role]}"
 
     def announce(self) -> None:
         """Print the addresses."""
         typer.echo(
-            f"\n  Console:    {self.url()}"
-            f"\n  To watch:   {self.url('viewer')}"
-            f"\n  Engineer:   {self.url('engineer')}"
+            f"\n  Console:    {self.url(here=False)}"
+            f"\n  To watch:   {self.url('viewer', here=False)}"
+            f"\n  Engineer:   {self.url('engineer', here=False)}"
             f"\n  Robot:      {self.ros}\n"
         )
         if self.door.scheme == "http" and not _is_loopback(self.host):
@@ -207,6 +217,21 @@ def _sessions_file() -> Path | None:
         return robot_folder() / "sessions.json"
     except StoreUnwritable:
         return None
+
+
+def outward_address(host: str) -> str:
+    """This machine's address on the network; loopback when it has none.
+
+    Nothing is sent: a UDP socket that is connected knows which interface it would use.
+    """
+    family = socket.AF_INET6 if host == "::" else socket.AF_INET
+    beyond = "2001:db8::1" if host == "::" else "192.0.2.1"  # of documentation, RFC 3849 and 5737
+    try:
+        with socket.socket(family, socket.SOCK_DGRAM) as probe:
+            probe.connect((beyond, 9))
+            return str(probe.getsockname()[0])
+    except OSError:
+        return _LOOPBACK[host]
 
 
 def _is_loopback(host: str) -> bool:

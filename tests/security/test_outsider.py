@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import ipaddress
 import json
 import logging
 import os
 import random
+import re
 import shutil
 import socket
 import ssl
@@ -498,6 +500,20 @@ def test_who_opens_the_console_to_a_network_is_told_what_is_overheard(
     with listener.socket:
         listener.announce()
     assert ("Without TLS" in capsys.readouterr().out) is warned
+
+
+def test_the_printed_address_is_one_that_others_on_the_network_can_open(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    listener = ConsoleListener("0.0.0.0", 0, False, "ava", None, "here")
+    with listener.socket:
+        listener.announce()
+        hosts = set(re.findall(r"http://([^/:]+):", capsys.readouterr().out))
+        [host] = hosts
+        socket.create_connection((host, listener.port), timeout=5).close()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as anywhere:
+            on_a_network = anywhere.connect_ex(("192.0.2.1", 9)) == 0
+        assert ipaddress.ip_address(host).is_loopback is not on_a_network
 
 
 def test_with_tls_the_address_says_so_and_nothing_is_warned_of(
