@@ -189,17 +189,18 @@ def attended(
             client.post("/api/goals", json=place)  # refused where there is a pillar
             ages += json.loads(process.stdout.readline())
             most = max(most, pss(pid))
-        share = (cpu_seconds(pid) - used) / (time.monotonic() - began)
+        busy = (cpu_seconds(pid) - used) / (time.monotonic() - began)
     finally:
         process.kill()
         process.wait()
         assert process.stdout is not None
         process.stdout.close()
     time.sleep(20.0)
+    median, late, worst = (1000 * percentile(ages, share) for share in (0.5, 0.95, 1.0))
     print(
-        f"| {pages}{' and nuisances' if nuisances else ''} | {100 * share:.0f} % | "
-        f"{before:.0f} MiB, at most {most - before:+.0f}, afterwards {pss(pid) - before:+.0f} | {1000 * percentile(ages, 0.5):.0f} ms, "
-        f"{1000 * percentile(ages, 0.95):.0f}, {1000 * max(ages):.0f} | {len(ages)} |",
+        f"| {pages}{' and nuisances' if nuisances else ''} | {100 * busy:.0f} % | "
+        f"{before:.0f} MiB, at most {most - before:+.0f}, afterwards {pss(pid) - before:+.0f} | {median:.0f} ms, "
+        f"{late:.0f}, {worst:.0f} | {len(ages)} |",
         flush=True,
     )
 
