@@ -197,10 +197,10 @@ def attended(
         process.stdout.close()
     time.sleep(20.0)
     median, late, worst = (1000 * percentile(ages, share) for share in (0.5, 0.95, 1.0))
+    grown = f"at most {most - before:+.0f}, afterwards {pss(pid) - before:+.0f}"
     print(
         f"| {pages}{' and nuisances' if nuisances else ''} | {100 * busy:.0f} % | "
-        f"{before:.0f} MiB, at most {most - before:+.0f}, afterwards {pss(pid) - before:+.0f} | {median:.0f} ms, "
-        f"{late:.0f}, {worst:.0f} | {len(ages)} |",
+        f"{before:.0f} MiB, {grown} | {median:.0f} ms, {late:.0f}, {worst:.0f} | {len(ages)} |",
         flush=True,
     )
 
