@@ -41,6 +41,14 @@ def rules(new_page: OpenPage) -> RulesPage:
 
 def test_a_cooldown_is_changed_reviewed_applied_and_kept(rules: RulesPage, stack: Stack) -> None:
     rules.edit(STUCK)
+    rules.get("cooldown").fill("-5")
+    expect(rules.get("rule-editor")).to_contain_text("It stays 30 s")
+    expect(rules.get("draft-state")).to_contain_text("No unsaved changes")
+    rules.page.keep("duration-refused")
+    rules.get("cooldown").fill("2 min")
+    expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
+    rules.get("hold").focus()
+    expect(rules.get("cooldown")).to_have_value("2 min")
     rules.get("cooldown").fill("45")
     expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
     rules.review()

@@ -1,5 +1,6 @@
 import type { Mode, RuleEvent, Trigger } from "../../api/ruleTypes";
 import { Choice } from "../../ui/controls/Choice";
+import { DurationField } from "../../ui/controls/DurationField";
 import { NumberField } from "../../ui/controls/NumberField";
 import { Toggle } from "../../ui/controls/Toggle";
 import page from "../../ui/page.module.css";
@@ -40,18 +41,14 @@ export function TimingFields({ event, onChange }: Props) {
           onChange={(trigger) => put({ trigger: trigger as Trigger })}
           data-testid="trigger"
         />
-        <NumberField
+        <DurationField
           label="once true for"
-          suffix=" s"
-          min={0}
           value={event.hold}
           onChange={(hold) => put({ hold })}
           testId="hold"
         />
-        <NumberField
+        <DurationField
           label="cooldown after it"
-          suffix=" s"
-          min={0}
           value={event.cooldown}
           onChange={(cooldown) => put({ cooldown })}
           testId="cooldown"
@@ -118,10 +115,9 @@ export function TimingFields({ event, onChange }: Props) {
               onChange={(count) => put({ max_rate: { ...limit, count } })}
             />
             in
-            <NumberField
+            <DurationField
               aria-label="Seconds for them"
-              suffix=" s"
-              w={96}
+              inline
               min={0.01}
               value={limit.window}
               onChange={(window) => put({ max_rate: { ...limit, window } })}

@@ -1,6 +1,7 @@
 import { TextInput } from "@mantine/core";
 import type { Action } from "../../../api/ruleTypes";
 import { Choice } from "../../../ui/controls/Choice";
+import { DurationField } from "../../../ui/controls/DurationField";
 import { NumberField } from "../../../ui/controls/NumberField";
 import { Toggle } from "../../../ui/controls/Toggle";
 import page from "../../../ui/page.module.css";
@@ -36,10 +37,9 @@ export function ActionEditor(props: Props) {
           {action.timeout === null ? "may take as long as it needs" : "fails after"}
         </Toggle>
         {action.timeout !== null && (
-          <NumberField
+          <DurationField
             aria-label="Seconds after which it has failed"
-            suffix=" s"
-            w={88}
+            inline
             min={0.01}
             value={action.timeout}
             onChange={(timeout) => onChange({ ...action, timeout })}
@@ -190,10 +190,9 @@ function Fields({ action, references, onChange }: Props) {
                   onChange={(rate) => onChange({ ...action, rate })}
                 />
                 for
-                <NumberField
+                <DurationField
                   aria-label="For how many seconds"
-                  suffix=" s"
-                  w={88}
+                  inline
                   min={0.01}
                   value={action.period ?? 5}
                   onChange={(period) => onChange({ ...action, period })}

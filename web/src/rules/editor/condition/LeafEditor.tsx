@@ -1,6 +1,7 @@
 import type { ReactNode } from "react";
 import type { Condition, Leaf, Signal } from "../../../api/ruleTypes";
 import { Choice } from "../../../ui/controls/Choice";
+import { DurationField } from "../../../ui/controls/DurationField";
 import { NumberField } from "../../../ui/controls/NumberField";
 import { Toggle } from "../../../ui/controls/Toggle";
 import { bare, slashed } from "../../model/actions";
@@ -114,9 +115,8 @@ function KindFields({ leaf, onChange }: { leaf: Leaf; onChange: (leaf: Leaf) => 
     case "absent":
       return (
         <>
-          <NumberField
+          <DurationField
             label="for longer than"
-            suffix=" s"
             min={0.01}
             value={leaf.seconds}
             onChange={(seconds) => onChange({ ...leaf, seconds })}
@@ -153,9 +153,8 @@ function KindFields({ leaf, onChange }: { leaf: Leaf; onChange: (leaf: Leaf) => 
             value={bound}
             onChange={(hz) => put(below, hz)}
           />
-          <NumberField
+          <DurationField
             label="measured over"
-            suffix=" s"
             min={0.1}
             max={3600}
             value={leaf.window}
@@ -184,10 +183,9 @@ function Timeout(props: { signal: Signal; onChange: (timeout: number | null) => 
         <span>{ages ? "unknown when older than" : "counts until the next message"}</span>
       </Toggle>
       {signal.timeout !== null && (
-        <NumberField
+        <DurationField
           aria-label="Seconds after which the value is unknown"
-          suffix=" s"
-          w={88}
+          inline
           min={0.01}
           value={signal.timeout}
           onChange={onChange}
