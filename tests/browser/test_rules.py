@@ -39,6 +39,21 @@ def rules(new_page: OpenPage) -> RulesPage:
     return RulesPage.opened(new_page(1280, 800), TOKEN)
 
 
+def test_a_double_click_on_review_discards_nothing_and_discard_leads_back(
+    rules: RulesPage,
+) -> None:
+    rules.edit(STUCK)
+    rules.get("cooldown").fill("45")
+    rules.get("draft-review").dblclick()
+    expect(rules.get("diff")).to_contain_text("cooldown 30 s → 45 s")
+    expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
+    rules.get("draft-discard").click()
+    expect(rules.rule(STUCK)).to_be_visible()
+    expect(rules.get("draft-state")).to_contain_text("No unsaved changes")
+    rules.get("draft-undo").click()
+    expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
+
+
 def test_a_cooldown_is_changed_reviewed_applied_and_kept(rules: RulesPage, stack: Stack) -> None:
     rules.edit(STUCK)
     rules.get("cooldown").fill("-5")

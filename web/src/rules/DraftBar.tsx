@@ -29,6 +29,7 @@ export function DraftBar() {
       </div>
     );
   }
+  const reviewing = nav.place.at === "review" || nav.place.at === "conflict";
   const errors = check.findings.filter((finding) => finding.level === "error").length;
   return (
     <div className={classes.draft}>
@@ -41,17 +42,24 @@ export function DraftBar() {
           Undo
         </Button>
       )}
-      <Button variant="default" onClick={draft.discardAll} data-testid="draft-discard">
+      <Button
+        variant="default"
+        onClick={() => {
+          draft.discardAll();
+          if (reviewing) nav.go({ at: "table" });
+        }}
+        data-testid="draft-discard"
+      >
         Discard
       </Button>
-      {nav.place.at !== "review" && nav.place.at !== "conflict" && (
-        <Button
-          onClick={() => nav.go({ at: draft.overtaken ? "conflict" : "review" })}
-          data-testid="draft-review"
-        >
-          {draft.overtaken ? "Merge" : "Review & apply"}
-        </Button>
-      )}
+      {/* It keeps its place while it is not there: a second click must not meet another button. */}
+      <Button
+        style={reviewing ? { visibility: "hidden" } : undefined}
+        onClick={() => nav.go({ at: draft.overtaken ? "conflict" : "review" })}
+        data-testid="draft-review"
+      >
+        {draft.overtaken ? "Merge" : "Review & apply"}
+      </Button>
     </div>
   );
 }
