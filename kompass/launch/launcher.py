@@ -9,6 +9,7 @@ from typing import Any
 from kompass.arguments import named_arguments
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import NO_ROBOT
+from kompass.components.base.config_file import sections_of_nobody
 from kompass.components.base.parameter import with_values
 from kompass.launch.companions import (
     add_companion,
@@ -96,6 +97,7 @@ class Launcher:
         self._threaded: list[Component] = []
         self._events_actions: dict[Any, Any] = {}
         self._opened = NOTHING_OPENED
+        self._files = [config_file] if config_file else []
         # Given before there were components; those that come take them.
         self._robot: RobotConfig | None = None
         self._frames: RobotFrames | None = None
@@ -300,6 +302,7 @@ class Launcher:
             raise ValueError(f"configure: no component '{component_name}'; there are {known}")
         for component in chosen:
             component.apply_config_file(config_file)
+        self._files.append(config_file)
 
     # -- topics -------------------------------------------------------------------------------
 
@@ -374,6 +377,7 @@ class Launcher:
         if config_file:
             for component in self._components:
                 component.apply_config_file(config_file)
+            self._files.append(config_file)
         if ros_log_level is not None:
             for component in self._components:
                 component.config = with_values(
@@ -386,6 +390,7 @@ class Launcher:
             monitor, recorder = self._monitor()
             own.append(monitor)
         self._judge_robot()
+        self._judge_files()
         names = [name for spec in own for name in spec.names]
         # A node of the recipe's own takes the place of a companion of that name.
         halt = halt_process(self._components, self.namespace)
@@ -414,6 +419,12 @@ class Launcher:
         if self.activation_timeout is not None and set(lacking) & set(self._activate):
             raise ValueError(f"activation_timeout = {self.activation_timeout:g}: {text}")
         logging.getLogger("kompass").warning(text)
+
+    def _judge_files(self) -> None:
+        """Say which sections of the configuration files are read by nobody."""
+        names = [component.node_name for component in self._components]
+        for text in {t: None for path in self._files for t in sections_of_nobody(path, names)}:
+            logging.getLogger("kompass").warning(text)
 
     # -- failures -----------------------------------------------------------------------------
 

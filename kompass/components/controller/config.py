@@ -43,7 +43,7 @@ class ControllerConfig(ComponentConfig):
     """How a path becomes commands."""
 
     ignored_settings: ClassVar[Mapping[str, str]] = {
-        "DVZ": "the algorithm is not offered here",
+        **dict.fromkeys(ELSEWHERE.values(), "the algorithm is not offered here"),
         "prediction_horizon": "it is a setting of the algorithm's section",
         "debug": "what the controller does is on its topics and in its log",
     }

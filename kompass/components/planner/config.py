@@ -70,6 +70,12 @@ class PlannerConfig(ComponentConfig):
         "algorithm": "the planner is always one of OMPL",
         "depth_conversion_factor": "the planner takes no depth images",
         "depth_range": "the planner takes no depth images",
+        "visualization": "the page shows the path",
+        "detailed_logging": "log_level says how much is written",
+        "number_of_sent_cmds": "the planner sends paths, and no commands",
+        "safety_stop_dist": "the drive manager stops the robot, at its critical_zone_distance",
+        "stop_angle_range": "the drive manager stops the robot, for what is in its way",
+        "retries": "a goal is pursued as long as its patience lasts",
     }
 
     loop_rate: float = Field(default=1.0, ge=0.01, le=100, description="Hz; replanning checks")
