@@ -1,7 +1,9 @@
 """The launcher of a recipe: components in, a supervised stack out."""
 
 import logging
+import math
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -38,6 +40,8 @@ from kompass.supervisor.process import ProcessSpec, Report
 from kompass.supervisor.restarts import Restarts
 from kompass.supervisor.supervisor import Supervisor
 
+NAMESPACE = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*/?", re.ASCII)
+
 
 class Launcher:
     """Collects the components of a recipe and runs them.
@@ -62,7 +66,8 @@ class Launcher:
     Raises
     ------
     ValueError
-        When a robot plugin is given, or both spellings of one argument and they differ.
+        When a robot plugin is given, a namespace that ROS does not have, no time for
+        ``activation_timeout``, or both spellings of one argument and they differ.
     """
 
     @named_arguments
@@ -83,6 +88,15 @@ class Launcher:
             raise ValueError(
                 "robot_plugin: plugins of robots are not offered here; connect the robot's own "
                 "topics with launcher.inputs(…) and launcher.outputs(…)"
+            )
+        if activation_timeout is not None and not 0 < activation_timeout < math.inf:
+            raise ValueError(
+                f"activation_timeout = {activation_timeout!r}: give seconds above 0, or None"
+            )
+        if namespace and not NAMESPACE.fullmatch(namespace):
+            raise ValueError(
+                f"namespace = {namespace!r} is none in ROS; give words of letters, digits and "
+                "underscores between slashes, e.g. 'fleet/robot1'"
             )
         self.namespace = namespace
         self.config_file = config_file

@@ -227,6 +227,11 @@ MISTYPED: Any = {"name_space": "robot1"}
         ),
         (lambda it: it.add_pkg([Planner()], package="kompass"), "did you mean 'package_name'"),
         (lambda it: it.bringup(configfile="x"), "did you mean 'config_file'"),
+        (lambda _: Planner(confg=None), r"has no argument 'confg'; did you mean 'config'"),
+        (
+            lambda _: Topic(name="a", msg_type="Bool", use_plugin=True),
+            r"Topic\(\) has no argument 'use_plugin'; known are name, msg_type",
+        ),
         (lambda _: Launcher(**MISTYPED), "did you mean 'namespace'"),
         (lambda it: it.kompass([Planner()], xyz=1), "has no argument 'xyz'; known are components"),
         (lambda it: it.kompass(Planner()), r"components = .* is a component; give a list, \[plann"),
@@ -279,6 +284,8 @@ def test_an_argument_of_a_wrong_kind_is_refused(call: Callable[[Any], Any], mess
             lambda it: it.inputs(location=Topic(name="/odom", msg_type="Odometry")),
             "no component was added yet",
         ),
+        (lambda _: Launcher(activation_timeout=-1.0), "activation_timeout = -1.0: give seconds"),
+        (lambda _: Launcher(namespace="robot 1"), "namespace = 'robot 1' is none in ROS"),
         (lambda it: setattr(it, "fallback_rate", 1.0), "no component was added yet"),
     ],
 )

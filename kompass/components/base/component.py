@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.task import Future
 
+from kompass.arguments import named_arguments
 from kompass.components.base.actions import ActionRefused, actions_of, check_call, component_action
 from kompass.components.base.component_config import (
     NO_ROBOT,
@@ -77,6 +78,7 @@ class Component:
     # Whether the main loop does its step in every run type, not only in the timed one.
     steps_in_any_run_type: ClassVar[bool] = False
 
+    @named_arguments
     def __init__(
         self,
         component_name: str | None = None,
