@@ -212,6 +212,7 @@ def test_recipes_find_all_that_they_may_ask_for_and_nothing_else() -> None:
     assert {name for name in dir(Launcher()) if not name.startswith("_")} == PUBLIC
 
 
+PLUGIN: Any = {"use_plugin": True}
 MISTYPED: Any = {"name_space": "robot1"}
 
 
@@ -229,7 +230,7 @@ MISTYPED: Any = {"name_space": "robot1"}
         (lambda it: it.bringup(configfile="x"), "did you mean 'config_file'"),
         (lambda _: Planner(confg=None), r"has no argument 'confg'; did you mean 'config'"),
         (
-            lambda _: Topic(name="a", msg_type="Bool", use_plugin=True),
+            lambda _: Topic(name="a", msg_type="Bool", **PLUGIN),
             r"Topic\(\) has no argument 'use_plugin'; known are name, msg_type",
         ),
         (lambda _: Launcher(**MISTYPED), "did you mean 'namespace'"),
