@@ -12,6 +12,8 @@ from automatika_ros_sugar.srv import (
 )
 from geometry_msgs.msg import Twist, TwistStamped
 from lifecycle_msgs.msg import TransitionEvent
+from rclpy.impl.logging_severity import LoggingSeverity
+from rclpy.logging import get_logger
 
 from kompass.components import (
     DriveManager,
@@ -218,3 +220,15 @@ def test_a_topic_that_does_not_fit_is_refused(run: Run, old: str, kind: str, mes
     assert not answer.success
     assert message in answer.error_msg
     assert driver.get_in_topic("command") == Topic(name="/control", msg_type="Twist")
+
+
+def test_the_log_level_is_that_of_the_nodes_own_log_and_changes_while_it_runs(run: Run) -> None:
+    driver = DriveManager(config=DriveManagerConfig(log_level="error"))
+    alive = run(driver)
+    logger = driver.node.get_logger()
+    assert logger.get_effective_level() is LoggingSeverity.ERROR
+    assert get_logger("rcl").get_effective_level() is LoggingSeverity.WARN
+    assert set_one(alive, "log_level", "debug").success
+    assert logger.get_effective_level() is LoggingSeverity.DEBUG
+    assert set_one(alive, "rclpy_log_level", "error").success
+    assert get_logger("rcl").get_effective_level() is LoggingSeverity.ERROR

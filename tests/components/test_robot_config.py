@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from kompass import settings
 from kompass.components import DriveManager, DriveManagerConfig, Planner, PlannerConfig
+from kompass.components.controller.follower_settings import make_follower
+from kompass.control import StanleyConfig
 from kompass.robot import (
     AngularCtrlLimits,
     LinearCtrlLimits,
@@ -189,3 +192,24 @@ def test_a_frame_without_a_name_is_refused() -> None:
 def test_what_other_settings_are_asked_is_answered(name: str, remedy: str) -> None:
     with pytest.raises(AttributeError, match=f"RobotConfig.{name} is not here: use {remedy}"):
         getattr(described_robot(), name)
+
+
+def test_nobody_creeps_slower_than_the_base_can_drive() -> None:
+    robot = described_robot(
+        ctrl_vx_limits=LinearCtrlLimits(max_vel=1.0, min_absolute_val=0.08),
+        ctrl_omega_limits=AngularCtrlLimits(max_vel=5.0, min_absolute_val=0.3),
+    )
+    follower = make_follower(StanleyConfig(), robot)
+    assert (follower.config.min_speed, follower.config.min_turn_rate) == (0.08, 0.3)
+    stated = make_follower(StanleyConfig(min_speed=0.05), robot)
+    assert stated.config.min_speed == 0.05
+
+
+def test_steered_wheels_are_told_what_is_not_done_for_them(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(settings, "_told", set())
+    make_follower(StanleyConfig(), described_robot())
+    assert "ACKERMANN" not in caplog.text
+    make_follower(StanleyConfig(), described_robot(model_type="ACKERMANN"))
+    assert "model_type = ACKERMANN: the algorithms here turn on the spot" in caplog.text
