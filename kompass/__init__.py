@@ -3,9 +3,11 @@
 import os
 import sys
 
+from kompass.porting import answer_absent_modules
 from kompass.rclpy_ext.middleware import prepare_middleware
 
 prepare_middleware()
+answer_absent_modules()
 
 # Numeric libraries start a thread pool at import otherwise; the supervisor forks, and a fork
 # must find one thread only.

@@ -1,5 +1,6 @@
 """The actions of recipes."""
 
+from kompass.porting import absent_names
 from kompass.recipe.action import Action
 from kompass.recipe.service_classes import make_services_instantiable
 from kompass.recipe.verbs import (
@@ -42,3 +43,5 @@ __all__ = [
     "update_parameter",
     "update_parameters",
 ]
+
+__getattr__ = absent_names("kompass.actions")

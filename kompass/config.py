@@ -1,6 +1,7 @@
 """Configuration: validated models, and the files that fill them."""
 
 from kompass.components.base.component_config import ComponentConfig, ComponentRunType
+from kompass.porting import absent_names
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.settings import Settings
 
@@ -14,3 +15,5 @@ __all__ = [
     "RobotFrames",
     "Settings",
 ]
+
+__getattr__ = absent_names("kompass.config")

@@ -7,6 +7,7 @@ from kompass.components.controller.follower_settings import (
     StanleyConfig,
 )
 from kompass.components.mapping.mapper import MapConfig
+from kompass.porting import absent_names
 
 __all__ = [
     "ControllersID",
@@ -15,3 +16,5 @@ __all__ = [
     "PurePursuitConfig",
     "StanleyConfig",
 ]
+
+__getattr__ = absent_names("kompass.control")

@@ -1,5 +1,6 @@
 """The named events of recipes: ``event.OnEqual("name", topic, value, "field")``."""
 
+from kompass.porting import absent_names
 from kompass.recipe.event import (
     Event,
     OnAny,
@@ -31,3 +32,5 @@ __all__ = [
     "OnGreater",
     "OnLess",
 ]
+
+__getattr__ = absent_names("kompass.event")

@@ -2,16 +2,28 @@
 
 import enum
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import AliasChoices, BeforeValidator, Field, PlainSerializer, model_validator
+from numpy.typing import ArrayLike, NDArray
+from pydantic import (
+    AliasChoices,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    model_validator,
+)
 
 from kompass.settings import Settings
 
+# What no robot on the ground has: a slip of units, or of a digit.
+LARGEST = 100.0  # m, any measure of its shape
+FASTEST = 100.0  # m/s, and rad/s
+HARDEST = 1e4  # m/s², and rad/s²
 
-class RobotType(enum.Enum):
+
+class RobotType(enum.StrEnum):
     """How the robot moves."""
 
     ACKERMANN = "ACKERMANN"
@@ -22,7 +34,7 @@ class RobotType(enum.Enum):
 class RobotGeometry:
     """Shapes a robot may have, and what follows from their parameters (metres)."""
 
-    class Type(enum.Enum):
+    class Type(enum.StrEnum):
         """Shape; the parameters of each are in the table below."""
 
         BOX = "BOX"  # length, width, height
@@ -48,10 +60,14 @@ class RobotGeometry:
         if params.shape != (len(names),):
             raise ValueError(
                 f"geometry_params of a {kind.name} are {len(names)} numbers "
-                f"({', '.join(names)}, in metres), not {params.tolist()}"
+                f"({', '.join(names)}, in metres), not {params.tolist()}; to change the type and "
+                "its parameters together, make a new RobotConfig"
             )
-        if not np.all(np.isfinite(params)) or not np.all(params > 0):
-            raise ValueError(f"geometry_params must all be greater than 0, not {params.tolist()}")
+        if not np.all((params > 0) & (params <= LARGEST)):
+            raise ValueError(
+                f"geometry_params must all be greater than 0 and at most {LARGEST:g} m, "
+                f"not {params.tolist()}"
+            )
 
     @classmethod
     def get_radius(cls, kind: Type, params: NDArray[np.float64]) -> float:
@@ -87,28 +103,91 @@ class RobotGeometry:
         return np.stack([params[0] * np.cos(angles), y_axis * np.sin(angles)], axis=1)
 
 
-class LinearCtrlLimits(Settings):
-    """Limits along one axis [m/s, m/s²]; a command below ``min_absolute_val`` is zero."""
+class _Limits(Settings):
+    """What the limits of all axes have in common."""
 
-    max_vel: float = Field(default=0.0, ge=0)
-    max_acc: float = Field(default=0.0, ge=0)
-    max_decel: float = Field(default=0.0, ge=0)
+    # Whoever is given limits takes a copy: a later change of the giver's is none of the taker's.
+    model_config = ConfigDict(revalidate_instances="always")
+
+    max_vel: float
+    max_acc: float | None
+    max_decel: float | None
+    min_absolute_val: float
+
+    @model_validator(mode="after")
+    def _can_move(self) -> Self:
+        if self.max_vel == 0:
+            return self
+        for name, value in (("max_acc", self.max_acc), ("max_decel", self.max_decel)):
+            if value == 0:
+                raise ValueError(
+                    f"{name} = 0 with max_vel = {self.max_vel:g}: the axis could never "
+                    f"{'start' if name == 'max_acc' else 'stop'}; give a {name} above 0, or leave "
+                    "it out for half a second between 0 and max_vel"
+                )
+        if self.min_absolute_val > self.max_vel:
+            raise ValueError(
+                f"min_absolute_val = {self.min_absolute_val:g} is above max_vel = "
+                f"{self.max_vel:g}: no command would be large enough; give a smaller one"
+            )
+        return self
+
+
+class LinearCtrlLimits(_Limits):
+    """Limits along one axis [m/s, m/s²].
+
+    Raises
+    ------
+    ValueError
+        When a limit is negative, not finite or beyond any robot, when an axis that moves has an
+        acceleration of 0, or when no command would reach ``min_absolute_val``.
+    """
+
+    max_vel: float = Field(default=0.0, ge=0, le=FASTEST, description="m/s; 0 for no motion")
+    max_acc: float | None = Field(
+        default=None, ge=0, le=HARDEST, description="m/s²; left out: reaches max_vel in 0.5 s"
+    )
+    max_decel: float | None = Field(
+        default=None, ge=0, le=HARDEST, description="m/s²; left out: stops from max_vel in 0.5 s"
+    )
     min_absolute_val: float = Field(
-        default=0.01, ge=0, validation_alias=AliasChoices("min_absolute_val", "min_vel")
+        default=0.01,
+        ge=0,
+        le=FASTEST,
+        validation_alias=AliasChoices("min_absolute_val", "min_vel"),
+        description="m/s; what is slower is sent as 0",
     )
 
 
-class AngularCtrlLimits(Settings):
-    """Limits of rotation [rad/s, rad/s²] and of steering [rad]."""
+class AngularCtrlLimits(_Limits):
+    """Limits of rotation [rad/s, rad/s²] and of steering [rad]; see :class:`LinearCtrlLimits`."""
 
-    max_vel: float = Field(default=0.0, ge=0, validation_alias=AliasChoices("max_vel", "max_omega"))
+    max_vel: float = Field(
+        default=0.0,
+        ge=0,
+        le=FASTEST,
+        validation_alias=AliasChoices("max_vel", "max_omega"),
+        description="rad/s; 0 for no rotation",
+    )
     max_steer: float = Field(
-        default=math.pi, ge=0, validation_alias=AliasChoices("max_steer", "max_ang")
+        default=math.pi,
+        ge=0,
+        le=math.pi,
+        validation_alias=AliasChoices("max_steer", "max_ang"),
+        description="rad; read, and not used: no algorithm here steers wheels",
     )
-    max_acc: float = Field(default=0.0, ge=0)
-    max_decel: float = Field(default=0.0, ge=0)
+    max_acc: float | None = Field(
+        default=None, ge=0, le=HARDEST, description="rad/s²; left out: reaches max_vel in 0.5 s"
+    )
+    max_decel: float | None = Field(
+        default=None, ge=0, le=HARDEST, description="rad/s²; left out: stops from max_vel in 0.5 s"
+    )
     min_absolute_val: float = Field(
-        default=0.01, ge=0, validation_alias=AliasChoices("min_absolute_val", "min_omega")
+        default=0.01,
+        ge=0,
+        le=FASTEST,
+        validation_alias=AliasChoices("min_absolute_val", "min_omega"),
+        description="rad/s; what is slower is sent as 0",
     )
 
 
@@ -122,52 +201,98 @@ class RobotCtrlLimits(Settings):
 
 def _member_of(kind: type[enum.Enum]) -> Any:
     def read(value: Any) -> Any:
-        if isinstance(value, str):
-            try:
-                return kind[value.strip().upper().replace(" ", "_")]
-            except KeyError:
-                names = ", ".join(member.name for member in kind)
-                raise ValueError(f"{value!r} is none of {names}") from None
-        return value
+        if isinstance(value, kind) or not isinstance(value, str):
+            return value
+        # Other releases write "Type.CYLINDER".
+        name = value.strip().rpartition(".")[2].upper().replace(" ", "_")
+        if name not in kind.__members__:
+            raise ValueError(f"{value!r} is none of {', '.join(kind.__members__)}")
+        return kind[name]
 
     return BeforeValidator(read)
 
 
+def _own_numbers(value: ArrayLike) -> NDArray[np.float64]:
+    """A copy that nobody can write to: what is checked stays as it was checked."""
+    try:
+        numbers = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{value!r} is no list of numbers") from None
+    numbers.setflags(write=False)
+    return numbers
+
+
 Vector = Annotated[
     np.ndarray,
-    BeforeValidator(lambda value: np.asarray(value, dtype=np.float64)),
+    BeforeValidator(_own_numbers),
     PlainSerializer(lambda value: value.tolist(), return_type=list),
 ]
 
 
 class RobotConfig(Settings):
-    """What the stack must know of the robot.
+    """What the stack must know of the robot; nothing of it is guessed.
+
+    It is a value: given to a component or a launcher, it is copied, and so is the array of
+    ``geometry_params``, which cannot be written to afterwards (assign another). What is refused
+    leaves it as it was. ``model_dump_json()`` and ``model_validate_json()`` are each other's
+    inverse.
 
     Raises
     ------
     ValueError
-        When ``geometry_params`` do not fit ``geometry_type``, or a limit is negative.
+        When something was left out, ``geometry_params`` do not fit ``geometry_type``, a limit
+        cannot be meant, or the robot could neither drive nor turn.
     """
 
-    model_type: Annotated[RobotType, _member_of(RobotType)] = RobotType.ACKERMANN
-    geometry_type: Annotated[RobotGeometry.Type, _member_of(RobotGeometry.Type)] = (
-        RobotGeometry.Type.CYLINDER
+    model_config = ConfigDict(revalidate_instances="always")
+
+    model_type: Annotated[RobotType, _member_of(RobotType)]
+    geometry_type: Annotated[RobotGeometry.Type, _member_of(RobotGeometry.Type)]
+    geometry_params: Vector = Field(description="m; as many as the type has")
+    ctrl_vx_limits: LinearCtrlLimits = Field(description="forwards and backwards")
+    ctrl_omega_limits: AngularCtrlLimits = Field(description="rotation")
+    ctrl_vy_limits: LinearCtrlLimits = Field(
+        default_factory=LinearCtrlLimits, description="sideways; none unless stated"
     )
-    geometry_params: Vector = Field(default_factory=lambda: np.array([0.2, 1.0]))
-    ctrl_vx_limits: LinearCtrlLimits = Field(
-        default_factory=lambda: LinearCtrlLimits(max_vel=1.0, max_acc=3.0, max_decel=5.0)
-    )
-    ctrl_omega_limits: AngularCtrlLimits = Field(
-        default_factory=lambda: AngularCtrlLimits(
-            max_vel=5.0, max_steer=math.pi, max_acc=10.0, max_decel=10.0
-        )
-    )
-    ctrl_vy_limits: LinearCtrlLimits = Field(default_factory=LinearCtrlLimits)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _is_whole(cls, given: Any) -> Any:
+        if isinstance(given, dict):
+            needed = [name for name, field in cls.model_fields.items() if field.is_required()]
+            left_out = [name for name in needed if name not in given]
+            if left_out:
+                raise ValueError(
+                    f"{', '.join(left_out)} left out; a robot is described whole: "
+                    f"RobotConfig({', '.join(f'{name}=…' for name in needed)})"
+                )
+        return given
 
     @model_validator(mode="after")
-    def _shape_is_possible(self) -> "RobotConfig":
+    def _is_possible(self) -> Self:
         RobotGeometry.check(self.geometry_type, self.geometry_params)
+        for name, limits, what in (
+            ("ctrl_vx_limits", self.ctrl_vx_limits, "drive"),
+            ("ctrl_omega_limits", self.ctrl_omega_limits, "turn"),
+        ):
+            if limits.max_vel == 0:
+                raise ValueError(
+                    f"{name}.max_vel = 0: the robot could not {what}; give what it can do"
+                )
         return self
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, RobotConfig):
+            return NotImplemented
+        return self.model_dump() == other.model_dump()
+
+    def __copy__(self) -> Self:
+        return self.__deepcopy__()
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        copied = super().__deepcopy__(memo)
+        copied.geometry_params.setflags(write=False)
+        return copied
 
     @property
     def radius(self) -> float:
@@ -188,13 +313,15 @@ class RobotConfig(Settings):
 class RobotFrames(Settings):
     """Names of the coordinate frames. What a message says in its header comes before these."""
 
-    robot_base: str = "base_link"
-    odom: str = "odom"
-    world: str = "map"
-    scan: str = "base_link"
-    rgb: str = "camera_link"
-    depth: str = "camera_depth_link"
-    point_cloud: str = "point_cloud_link"
+    model_config = ConfigDict(revalidate_instances="always")
+
+    robot_base: str = Field(default="base_link", min_length=1)
+    odom: str = Field(default="odom", min_length=1)
+    world: str = Field(default="map", min_length=1)
+    scan: str = Field(default="base_link", min_length=1)
+    rgb: str = Field(default="camera_link", min_length=1)
+    depth: str = Field(default="camera_depth_link", min_length=1)
+    point_cloud: str = Field(default="point_cloud_link", min_length=1)
 
 
 __all__ = [

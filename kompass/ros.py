@@ -4,6 +4,7 @@ import logging
 
 from kompass import actions
 from kompass.launch.launcher import Launcher
+from kompass.porting import absent_names
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.recipe.action import Action
 from kompass.recipe.clients import ActionClientConfig, ServiceClientConfig
@@ -23,3 +24,5 @@ __all__ = [
     "actions",
     "logger",
 ]
+
+__getattr__ = absent_names("kompass.ros")

@@ -129,7 +129,7 @@ def type_text(kind: Any, nested: dict[str, type[BaseModel]]) -> str:
     if origin in (list, tuple):
         inner = [one for one in get_args(kind) if one is not Ellipsis]
         return "list of " + ", ".join(dict.fromkeys(type_text(one, nested) for one in inner))
-    if origin is np.ndarray:
+    if np.ndarray in (origin, kind):
         return "list of numbers"
     if kind is type(None):
         return "none"

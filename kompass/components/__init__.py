@@ -12,6 +12,7 @@ from kompass.components.mapping.mapper import LocalMapper, LocalMapperConfig, Ma
 from kompass.components.planner.config import PlannerConfig
 from kompass.components.planner.planner import Planner
 from kompass.components.topics_keys import TopicsKeys
+from kompass.porting import absent_names
 
 __all__ = [
     "Component",
@@ -31,3 +32,5 @@ __all__ = [
     "TopicsKeys",
     "component_action",
 ]
+
+__getattr__ = absent_names("kompass.components")

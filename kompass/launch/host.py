@@ -71,9 +71,11 @@ def host(
             component.on_intent = partial(desired.set, component.node_name)
             if desired.is_active(component.node_name):
                 node.trigger_configure()
-                node.trigger_activate()
-                if not component.health.is_healthy:
-                    raise RuntimeError(f"{component.node_name}: {component.health.message}")
+                # What nobody described a robot to waits for one, and its health says so.
+                if not component.lacks_robot:
+                    node.trigger_activate()
+                    if not component.health.is_healthy:
+                        raise RuntimeError(f"{component.node_name}: {component.health.message}")
             if first_start:
                 _watch_for_twin(node, report)
         running = list(zip(components, executors, strict=True))

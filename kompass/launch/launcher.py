@@ -1,11 +1,18 @@
 """The launcher of a recipe: components in, a supervised stack out."""
 
+import logging
+import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from kompass.arguments import named_arguments
 from kompass.components.base.component import Component
+from kompass.components.base.component_config import NO_ROBOT
+from kompass.components.base.config_file import sections_of_nobody
+from kompass.components.base.parameter import with_values
 from kompass.launch.companions import (
     add_companion,
     companions,
@@ -33,6 +40,8 @@ from kompass.supervisor.process import ProcessSpec, Report
 from kompass.supervisor.restarts import Restarts
 from kompass.supervisor.supervisor import Supervisor
 
+NAMESPACE = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*/?", re.ASCII)
+
 
 class Launcher:
     """Collects the components of a recipe and runs them.
@@ -57,9 +66,11 @@ class Launcher:
     Raises
     ------
     ValueError
-        When a robot plugin is given.
+        When a robot plugin is given, a namespace that ROS does not have, no time for
+        ``activation_timeout``, or both spellings of one argument and they differ.
     """
 
+    @named_arguments
     def __init__(
         self,
         namespace: str = "",
@@ -78,12 +89,21 @@ class Launcher:
                 "robot_plugin: plugins of robots are not offered here; connect the robot's own "
                 "topics with launcher.inputs(…) and launcher.outputs(…)"
             )
+        if activation_timeout is not None and not 0 < activation_timeout < math.inf:
+            raise ValueError(
+                f"activation_timeout = {activation_timeout!r}: give seconds above 0, or None"
+            )
+        if namespace and not NAMESPACE.fullmatch(namespace):
+            raise ValueError(
+                f"namespace = {namespace!r} is none in ROS; give words of letters, digits and "
+                "underscores between slashes, e.g. 'fleet/robot1'"
+            )
         self.namespace = namespace
         self.config_file = config_file
         self.enable_monitoring = enable_monitoring
         self.activation_timeout = activation_timeout
         self.patience = patience or LivenessLimits()
-        self._in_processes = _either(multi_processing, multiprocessing)
+        self._in_processes = _either("Launcher", multi_processing, multiprocessing)
         self._activates = activate_all_components_on_start
         self._components: list[Component] = []
         self._failure_policies = FailurePolicies()
@@ -91,7 +111,12 @@ class Launcher:
         self._threaded: list[Component] = []
         self._events_actions: dict[Any, Any] = {}
         self._opened = NOTHING_OPENED
+        self._files = [config_file] if config_file else []
+        # Given before there were components; those that come take them.
+        self._robot: RobotConfig | None = None
+        self._frames: RobotFrames | None = None
 
+    @named_arguments
     def kompass(
         self,
         components: list[Component],
@@ -104,7 +129,7 @@ class Launcher:
         *,
         multi_processing: bool | None = None,
     ) -> None:
-        """Add components.
+        """Add components; when one is refused, none is added.
 
         Parameters
         ----------
@@ -113,47 +138,74 @@ class Launcher:
         events_actions
             An action, or a list of them, for each event.
         activate_all_components_on_start, components_to_activate_on_start
-            Which become active at once.
+            Which become active at once: those of the list, or else all or none.
         multi_processing, multiprocessing
             A process for each (the default), or one for all of them; both spellings are in use.
-        ros_log_level, rclpy_log_level
-            Of the components' loggers.
+        ros_log_level
+            From which on the components' logs are written: their ``log_level``.
+        rclpy_log_level
+            From which on ROS' own log of their processes is.
 
         Raises
         ------
         ValueError
-            When two components have one name.
+            When two components have one name, one is to be activated that is not added here, a
+            level does not exist, or both spellings are given and differ.
         TypeError
-            When something in the list is not a component.
+            When something in the list is not a component, or an argument is of another kind.
         """
-        all_active = activate_all_components_on_start
-        if all_active is None:
-            all_active = self._activates
-        for component in components:
-            if not isinstance(component, Component):
-                raise TypeError(f"components holds {component!r}, which is not a component")
-            if any(component.node_name == other.node_name for other in self._components):
-                raise ValueError(
-                    f"two components are called '{component.node_name}'; names must differ"
-                )
-            if self.config_file:
-                component.apply_config_file(self.config_file)
-            self._components.append(component)
-            chosen = components_to_activate_on_start
-            if component in chosen if chosen is not None else all_active:
-                self._activate.append(component.node_name)
-            for level in (ros_log_level, rclpy_log_level):
-                if level is not None:
-                    component.config.rclpy_log_level = level
+        added = _listed("components", components)
+        self._refuse_twins(added)
+        chosen = _chosen(added, components_to_activate_on_start)
+        if events_actions is not None and not isinstance(events_actions, Mapping):
+            raise TypeError(
+                f"events_actions = {events_actions!r} is no mapping; give {{event: action}}"
+            )
+        in_processes = _either("kompass", multi_processing, multiprocessing)
+        if in_processes is None:
+            in_processes = self._in_processes
+        apart = processes_wanted(in_processes)
+        if chosen is None:
+            all_active = activate_all_components_on_start
+            chosen = added if (self._activates if all_active is None else all_active) else []
+        levels = {"log_level": ros_log_level, "rclpy_log_level": rclpy_log_level}
+        before = [component.config.model_copy(deep=True) for component in added]
+        try:
+            for component in added:
+                self._set_up(component, levels)
+        except ValueError:
+            for component, config in zip(added, before, strict=True):
+                component.config = config
+            raise
+        self._components += added
+        self._activate += [one.node_name for one in chosen]
         self._events_actions.update(events_actions or {})
-        stated = _either(multi_processing, multiprocessing)
-        if not processes_wanted(self._in_processes if stated is None else stated):
-            self._threaded += components
+        if not apart:
+            self._threaded += added
+
+    def _refuse_twins(self, added: list[Component]) -> None:
+        names = [component.node_name for component in (*self._components, *added)]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"two components are called '{name}'; names must differ")
+
+    def _set_up(self, component: Component, levels: Mapping[str, str | None]) -> None:
+        """Give a new component what the launcher was given for all."""
+        given = {name: level for name, level in levels.items() if level is not None}
+        if given:
+            component.config = with_values(component.config, given, component.node_name)
+        if self.config_file:
+            component.apply_config_file(self.config_file)
+        if self._robot is not None:
+            component.robot = self._robot
+        if self._frames is not None:
+            component.frames = self._frames
 
     def agents(self, components: list[Component], *args: Any, **kwargs: Any) -> None:
         """As :meth:`kompass`."""
         self.kompass(components, *args, **kwargs)
 
+    @named_arguments
     def add_pkg(
         self,
         components: list[Component],
@@ -223,12 +275,15 @@ class Launcher:
         return list(self._components)
 
     @property
-    def robot(self) -> dict[str, RobotConfig]:
-        """The robot that each component assumes, by node name."""
+    def robot(self) -> dict[str, RobotConfig | None]:
+        """The robot that each component works for, by node name; None where nobody told."""
         return {component.node_name: component.robot for component in self._components}
 
     @robot.setter
     def robot(self, value: RobotConfig) -> None:
+        if not isinstance(value, RobotConfig):
+            raise TypeError(f"launcher.robot = {value!r} is no robot; give a RobotConfig(…)")
+        self._robot = value.model_copy()
         for component in self._components:
             component.robot = value
 
@@ -239,6 +294,9 @@ class Launcher:
 
     @frames.setter
     def frames(self, value: RobotFrames) -> None:
+        if not isinstance(value, RobotFrames):
+            raise TypeError(f"launcher.frames = {value!r} are no frames; give RobotFrames(…)")
+        self._frames = value.model_copy()
         for component in self._components:
             component.frames = value
 
@@ -258,6 +316,7 @@ class Launcher:
             raise ValueError(f"configure: no component '{component_name}'; there are {known}")
         for component in chosen:
             component.apply_config_file(config_file)
+        self._files.append(config_file)
 
     # -- topics -------------------------------------------------------------------------------
 
@@ -282,12 +341,17 @@ class Launcher:
         self._spread("set_output", "allowed_outputs", topics)
 
     def _spread(self, setter: str, allowed: str, topics: Mapping[str, Any]) -> None:
+        if not self._components:
+            raise ValueError(
+                f"{', '.join(topics)}: no component was added yet; launcher.kompass(…) comes first"
+            )
         for key, value in topics.items():
             taken = [getattr(component, setter)(**{key: value}) for component in self._components]
             if not any(taken):
                 known = sorted({k for c in self._components for k in getattr(c, allowed)})
                 raise ValueError(f"no component has '{key}'; known are {', '.join(known)}")
 
+    @named_arguments
     def bringup(
         self,
         config_file: str | None = None,
@@ -301,13 +365,15 @@ class Launcher:
         ----------
         config_file
             Laid over the settings of all components.
-        introspect, launch_debug, ros_log_level
-            Accepted from older recipes; without effect.
+        introspect, launch_debug
+            Refused when true: nothing is launched by ROS 2 Launch here.
+        ros_log_level
+            From which on the logs of all components are written.
 
         Raises
         ------
         ValueError
-            When no component was added.
+            When no component was added, or one that can never become active is waited for.
         AlreadyRunning
             When another stack runs the same nodes.
         StartupError
@@ -315,16 +381,30 @@ class Launcher:
         """
         if not self._components:
             raise ValueError("the launcher has no components; add them with launcher.kompass(…)")
+        for name, given in (("introspect", introspect), ("launch_debug", launch_debug)):
+            if given:
+                raise ValueError(
+                    f"bringup: {name} = {given!r} is of ROS 2 Launch, which runs nothing here; "
+                    "leave it out: the page and the log show what is done"
+                )
         check_environment()
         if config_file:
             for component in self._components:
                 component.apply_config_file(config_file)
+            self._files.append(config_file)
+        if ros_log_level is not None:
+            for component in self._components:
+                component.config = with_values(
+                    component.config, {"log_level": ros_log_level}, component.node_name
+                )
         self._failure_policies.apply(self._components)
         log_to_terminal("kompass")
         own, recorder = self._specs(), list[ProcessSpec]()
         if self.enable_monitoring:
             monitor, recorder = self._monitor()
             own.append(monitor)
+        self._judge_robot()
+        self._judge_files()
         names = [name for spec in own for name in spec.names]
         # A node of the recipe's own takes the place of a companion of that name.
         halt = halt_process(self._components, self.namespace)
@@ -344,6 +424,22 @@ class Launcher:
             for descriptor in held:
                 os.close(descriptor)
 
+    def _judge_robot(self) -> None:
+        """Say which components will not become active, for want of a robot."""
+        lacking = [one.node_name for one in self._components if one.lacks_robot]
+        if not lacking:
+            return
+        text = f"{', '.join(lacking)} cannot become active: {NO_ROBOT}"
+        if self.activation_timeout is not None and set(lacking) & set(self._activate):
+            raise ValueError(f"activation_timeout = {self.activation_timeout:g}: {text}")
+        logging.getLogger("kompass").warning(text)
+
+    def _judge_files(self) -> None:
+        """Say which sections of the configuration files are read by nobody."""
+        names = [component.node_name for component in self._components]
+        for text in {t: None for path in self._files for t in sections_of_nobody(path, names)}:
+            logging.getLogger("kompass").warning(text)
+
     # -- failures -----------------------------------------------------------------------------
 
     @property
@@ -353,6 +449,11 @@ class Launcher:
 
     @fallback_rate.setter
     def fallback_rate(self, value: float) -> None:
+        if not self._components:
+            raise ValueError(
+                f"fallback_rate = {value!r}: no component was added yet; launcher.kompass(…) comes "
+                "first"
+            )
         for component in self._components:
             component.config.fallback_rate = value
 
@@ -496,5 +597,38 @@ class Launcher:
         return spec
 
 
-def _either(one: bool | None, other: bool | None) -> bool | None:
+def _either(where: str, one: bool | None, other: bool | None) -> bool | None:
+    """What is given in one of two spellings."""
+    for name, value in (("multi_processing", one), ("multiprocessing", other)):
+        if value is not None and not isinstance(value, bool):
+            raise TypeError(f"{where}: {name} = {value!r} is neither True nor False")
+    if one is not None and other is not None and one != other:
+        raise ValueError(
+            f"{where}: multi_processing = {one} and multiprocessing = {other} are one thing in two "
+            "spellings; give one"
+        )
     return one if one is not None else other
+
+
+def _listed(name: str, given: Any) -> list[Component]:
+    if isinstance(given, Component):
+        raise TypeError(f"{name} = {given!r} is a component; give a list, [{given.node_name}]")
+    if not isinstance(given, Iterable):
+        raise TypeError(f"{name} = {given!r} is no list of components")
+    found = list(given)
+    for one in found:
+        if not isinstance(one, Component):
+            raise TypeError(f"{name} holds {one!r}, which is not a component")
+    return found
+
+
+def _chosen(added: list[Component], given: Any) -> list[Component] | None:
+    """The components to activate, all of which are among those added; None when none is said."""
+    if given is None:
+        return None
+    name = "components_to_activate_on_start"
+    found = _listed(name, given)
+    for one in found:
+        if one not in added:
+            raise ValueError(f"{name} holds '{one.node_name}', which is not among the components")
+    return found

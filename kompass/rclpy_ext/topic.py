@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import Field
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+from kompass.arguments import named_arguments
 from kompass.expressions import Expression, MessageField, condition_of
 from kompass.settings import Settings
 
@@ -87,6 +88,7 @@ class Topic:
         When the name is empty, the type does not exist, or ``data_timeout`` is not positive.
     """
 
+    @named_arguments
     def __init__(
         self,
         *,

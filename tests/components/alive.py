@@ -14,6 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.components import Component
+from tests.support.described import described_robot
 from tests.support.domains import give_back, next_domain
 from tests.support.processes import wait_until
 
@@ -21,10 +22,14 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Alive:
-    """Runs one component on a ROS domain of its own."""
+    """Runs one component on a ROS domain of its own, for a robot that is described unless told."""
 
-    def __init__(self, component: Component, *, activate: bool = True) -> None:
+    def __init__(
+        self, component: Component, *, activate: bool = True, describe: bool = True
+    ) -> None:
         self.component = component
+        if describe and component.lacks_robot:
+            component.robot = described_robot()
         self._domain = domain = next_domain()
         rclpy.init(args=[], domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
         self.client_context = rclpy.Context()
@@ -35,7 +40,8 @@ class Alive:
         executor.add_node(node)
         if activate:
             node.trigger_configure()
-            node.trigger_activate()
+            if not component.lacks_robot:
+                node.trigger_activate()
         self.node = rclpy.create_node("tester", context=self.client_context)
         self.statuses: list[ComponentStatus] = []
         self.node.create_subscription(

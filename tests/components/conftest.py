@@ -22,8 +22,8 @@ def run() -> Iterator[Callable[..., Alive]]:
     """Run a component until the end of the test."""
     running: list[Alive] = []
 
-    def start(component: Component, *, activate: bool = True) -> Alive:
-        running.append(Alive(component, activate=activate))
+    def start(component: Component, **how: bool) -> Alive:
+        running.append(Alive(component, **how))
         return running[-1]
 
     yield start

@@ -280,8 +280,11 @@ def test_sections_of_the_file_set_up_the_algorithms(tmp_path: Any) -> None:
     ("text", "message"),
     [
         ("DWA: {path_weigt: 5.0}", "did you mean 'path_weight'?"),
-        ("Stanley: {wheel_base: 0.0}", "wheel_base: 0.0 m; give a number above 0"),
-        ("DWA: {linear_samples: 1}", "linear_samples: 1; give 2 or more"),
+        (
+            "Stanley: {wheel_base: 0.0}",
+            "= 0.0: Input should be greater than or equal to 0.001; allowed is ≥ 0.001 and ≤ 100",
+        ),
+        ("DWA: {linear_samples: 1}", "allowed is ≥ 2 and ≤ 100"),
     ],
 )
 def test_a_wrong_setting_of_an_algorithm_names_the_remedy(

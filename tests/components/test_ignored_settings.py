@@ -1,10 +1,12 @@
 """A setting without effect: read from older recipes and files, told once, closed to rules."""
 
+import json
 import logging
 from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
+import yaml
 from automatika_ros_sugar.srv import ChangeParameter
 
 from kompass.actions import update_parameter
@@ -21,6 +23,7 @@ from kompass.components import (
     Planner,
     PlannerConfig,
 )
+from kompass.components.base.config_file import sections_of_nobody
 from kompass.components.base.parameter import ParameterError
 from kompass.control import DWAConfig
 from kompass.monitor.introspection.component_specs import component_spec
@@ -33,8 +36,15 @@ NAMES = {
         *("cmd_rate", "closed_loop", "closed_loop_span", "cmd_tolerance", "smooth_commands"),
         *("critical_zone_angle", "use_gpu", "pointcloud_angle_resolution"),
     },
-    "planner": {"algorithm", "depth_conversion_factor", "depth_range", "ompl.log_level"},
-    "controller": {"DVZ", "prediction_horizon", "debug", "DWA.costs_weights"},
+    "planner": {
+        *("algorithm", "depth_conversion_factor", "depth_range", "ompl.log_level", "retries"),
+        *("visualization", "detailed_logging", "number_of_sent_cmds", "safety_stop_dist"),
+        "stop_angle_range",
+    },
+    "controller": {
+        *("DVZ", "prediction_horizon", "debug", "DWA.costs_weights"),
+        *("VisionRGBFollower", "VisionRGBDFollower"),
+    },
     "mapper": {
         "scan_model",
         *(
@@ -44,9 +54,15 @@ NAMES = {
         "map_params.bayesian_update",
         "map_params.baysian_update",
     },
-    "map_server": set[str](),
+    "map_server": {
+        *("map_file_read_rate", "pc_publish_row", "pc_frame", "grid_resolution"),
+        "z_ground_limit",
+    },
 }
-OF_ALL = {"topic_try_wait_timeout", "executor_spin_timeout", "wait_for_restart_time"}
+OF_ALL = {
+    *("topic_try_wait_timeout", "executor_spin_timeout", "wait_for_restart_time"),
+    "core_log_level",
+}
 
 
 def all_components() -> list[Component]:
@@ -165,3 +181,75 @@ def test_plain_settings_ignore_nothing() -> None:
 
     with pytest.raises(ValueError, match="colour"):
         Plain(colour="red")  # type: ignore[call-arg]
+
+
+# Keys of the files that come with the original packages, over their releases.
+ORIGINAL = """
+/**: {frames: {robot_base: base_link, odom: map, world: map, scan: hokuyo}}
+mapper: {loop_rate: 10.0, map_params: {width: 3.0, padding: 0.0}, scan_model: {p_prior: 0.6}}
+drive_manager:
+  cmd_rate: 10.0
+  critical_zone_angle: 90.0
+  closed_loop: false
+  use_gpu: false
+  outputs: {robot_command: {name: cmd_vel, msg_type: Twist}}
+controller:
+  control_time_step: 0.1
+  ctrl_publish_type: Array
+  Stanley: {cross_track_gain: 1.0, heading_gain: 2.0}
+  DVZ: {K_angular: 1.0, min_front_margin: 1.0}
+  DWA: {control_horizon: 6, prediction_horizon: 40, costs_weights: {jerk_weight: 0.0}}
+  VisionRGBFollower: {speed_gain: 0.7}
+  VisionRGBDFollower: {target_distance: 1.0}
+planner:
+  inputs:
+    map_layer: {name: /map, msg_type: OccupancyGrid}
+    goal_point: {name: /clicked_point, msg_type: PointStamped}
+  visualization: true
+  detailed_logging: true
+  number_of_sent_cmds: 5
+  safety_stop_dist: 0.1
+  stop_angle_range: 0.52
+  retries: 0
+  algorithm: ompl
+  ompl: {log_level: WARN, planner_id: ompl.geometric.KPIECE1, KPIECE1: {goal_bias: 0.1}}
+map_server: {map_file_read_rate: 0.0, pc_publish_row: true, z_ground_limit: 0.01}
+"""
+
+
+@pytest.mark.parametrize("suffix", ["yaml", "json", "toml"])
+def test_the_files_of_the_original_packages_are_read(
+    suffix: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = tmp_path / f"original.{suffix}"
+    content = yaml.safe_load(ORIGINAL)
+    path.write_text(
+        {"yaml": ORIGINAL, "json": json.dumps(content), "toml": as_toml(content)}[suffix]
+    )
+    components = [Planner(), Controller(), LocalMapper(), DriveManager(), MapServer()]
+    for component in components:
+        component.apply_config_file(str(path))
+    assert components[3].out_topic_name("robot_command") == "cmd_vel"
+    assert f"{path}, section 'planner': 'safety_stop_dist' is ignored: the drive manager" in (
+        caplog.text
+    )
+
+
+def as_toml(sections: dict[str, Any]) -> str:
+    """Inline tables all the way down."""
+
+    def value(given: Any) -> str:
+        if isinstance(given, dict):
+            return "{" + ", ".join(f'"{k}" = {value(v)}' for k, v in given.items()) + "}"
+        return json.dumps(given)
+
+    return "".join(f'"{name}" = {value(given)}\n' for name, given in sections.items())
+
+
+def test_a_section_for_nobody_is_told_with_the_nearest_name(tmp_path: Path) -> None:
+    path = tmp_path / "robot.yaml"
+    path.write_text("/**: {loop_rate: 1.0}\nplaner: {loop_rate: 2.0}\nplanner: {}\narm: {}\n")
+    assert sections_of_nobody(str(path), ["planner", "controller"]) == [
+        f"{path}: the section 'planer' is for no component; did you mean 'planner'?",
+        f"{path}: the section 'arm' is for no component; there are planner, controller",
+    ]

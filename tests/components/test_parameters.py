@@ -12,11 +12,20 @@ from automatika_ros_sugar.srv import (
 )
 from geometry_msgs.msg import Twist, TwistStamped
 from lifecycle_msgs.msg import TransitionEvent
+from rclpy.impl.logging_severity import LoggingSeverity
+from rclpy.logging import get_logger
 
-from kompass.components import DriveManager, DriveManagerConfig, LocalMapper, LocalMapperConfig
+from kompass.components import (
+    DriveManager,
+    DriveManagerConfig,
+    LocalMapper,
+    LocalMapperConfig,
+    MapServerConfig,
+)
 from kompass.components.base.parameter import ParameterError, read_values, with_values
 from kompass.rclpy_ext.topic import Topic
 from tests.components.alive import Alive
+from tests.support.described import described_robot
 from tests.support.processes import wait_until
 
 pytestmark = pytest.mark.ros
@@ -50,13 +59,16 @@ def test_a_truth_value_is_read_as_a_person_writes_it(text: str, value: bool) -> 
         ("critical_zone_distance", "1e-1", 0.1),
         ("log_level", "debug", "debug"),
         ("log_level", '"debug"', "debug"),
-        ("log_level", "3", "3"),
     ],
 )
 def test_the_field_decides_the_type(name: str, text: str, value: object) -> None:
     values, refused = read_values(DriveManagerConfig(), {name: text})
     assert not refused
     assert getattr(with_values(DriveManagerConfig(), values), name) == value
+
+
+def test_a_text_that_reads_as_a_number_stays_a_text_where_a_text_belongs() -> None:
+    assert read_values(MapServerConfig(), {"map_file_path": "3"}) == ({"map_file_path": "3"}, {})
 
 
 def test_a_dotted_name_leads_into_a_nested_setting() -> None:
@@ -71,7 +83,9 @@ def test_a_dotted_name_leads_into_a_nested_setting() -> None:
         ("critical_zone_distanse", 0.1, "did you mean 'critical_zone_distance'?"),
         ("critical_zone_distance", -1, "greater than 0"),
         ("critical_zone_distance", "near", "valid number"),
-        ("loop_rate.x", 1, "'loop_rate' holds no settings; those that do are robot, frames"),
+        ("loop_rate.x", 1, "'loop_rate' holds no settings; those that do are frames"),
+        ("robot.model_type", "OMNI", "nobody gave 'robot' yet; give it whole"),
+        ("critical_zone_distance", 1e9, "less than or equal to 10; allowed is > 0 and ≤ 10"),
         ("critical_zone_distance", 0.5, "must be greater than critical_zone_distance = 0.5"),
     ],
 )
@@ -99,7 +113,7 @@ def test_a_change_that_is_refused_changes_nothing_and_says_why(run: Run) -> None
     answer = set_one(run(driver), "critical_zone_distance", "far")
     assert not answer.success
     assert "drive_manager: 'critical_zone_distance' = 'far'" in answer.error_msg
-    assert driver.config.model_dump() == DriveManagerConfig().model_dump()
+    assert driver.config == DriveManagerConfig(robot=described_robot())
 
 
 def test_of_several_changes_all_or_none_are_made(run: Run) -> None:
@@ -116,7 +130,7 @@ def test_of_several_changes_all_or_none_are_made(run: Run) -> None:
     assert list(answer.success) == [False, False]
     assert "because 'command_timeout' was refused" in answer.error_msg[0]
     assert "greater than 0" in answer.error_msg[1]
-    assert driver.config.model_dump() == DriveManagerConfig().model_dump()
+    assert driver.config == DriveManagerConfig(robot=described_robot())
 
     # Neither of these is possible alone.
     answer = change(critical_zone_distance="0.3", slowdown_zone_distance="0.4")
@@ -206,3 +220,15 @@ def test_a_topic_that_does_not_fit_is_refused(run: Run, old: str, kind: str, mes
     assert not answer.success
     assert message in answer.error_msg
     assert driver.get_in_topic("command") == Topic(name="/control", msg_type="Twist")
+
+
+def test_the_log_level_is_that_of_the_nodes_own_log_and_changes_while_it_runs(run: Run) -> None:
+    driver = DriveManager(config=DriveManagerConfig(log_level="error"))
+    alive = run(driver)
+    logger = driver.node.get_logger()
+    assert logger.get_effective_level() is LoggingSeverity.ERROR
+    assert get_logger("rcl").get_effective_level() is LoggingSeverity.WARN
+    assert set_one(alive, "log_level", "debug").success
+    assert logger.get_effective_level() is LoggingSeverity.DEBUG
+    assert set_one(alive, "rclpy_log_level", "error").success
+    assert get_logger("rcl").get_effective_level() is LoggingSeverity.ERROR

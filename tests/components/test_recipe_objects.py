@@ -20,8 +20,9 @@ from kompass.components import (
 from kompass.components.base.config_file import ConfigFileError
 from kompass.control import ControllersID
 from kompass.rclpy_ext.topic import Topic
-from kompass.robot import AngularCtrlLimits, LinearCtrlLimits, RobotConfig, RobotGeometry
+from kompass.robot import AngularCtrlLimits, LinearCtrlLimits, RobotGeometry
 from kompass.ros import Launcher
+from tests.support.described import described_robot
 
 
 def name_of(topic: Topic | list[Topic] | None) -> str:
@@ -104,7 +105,7 @@ def test_both_spellings_of_the_angular_limits_are_read() -> None:
 def test_radius_and_height_follow_from_the_shape(
     kind: Any, params: Any, radius: float, height: float
 ) -> None:
-    robot = RobotConfig(geometry_type=kind, geometry_params=params)
+    robot = described_robot(geometry_type=kind, geometry_params=params)
     assert robot.radius == pytest.approx(radius)
     assert robot.height == pytest.approx(height)
     assert np.hypot(*robot.footprint.T).max() == pytest.approx(radius)
@@ -112,7 +113,7 @@ def test_radius_and_height_follow_from_the_shape(
 
 def test_a_shape_with_the_wrong_number_of_parameters_says_which_it_needs() -> None:
     with pytest.raises(ValidationError, match="BOX are 3 numbers"):
-        RobotConfig(geometry_type=RobotGeometry.Type.BOX, geometry_params=np.array([1.0]))
+        described_robot(geometry_type=RobotGeometry.Type.BOX, geometry_params=np.array([1.0]))
 
 
 def test_a_negative_limit_is_refused() -> None:
@@ -177,9 +178,9 @@ def test_the_launcher_gives_the_robot_and_topics_to_all(processes: bool) -> None
     planner, driver = Planner(), DriveManager()
     launcher = Launcher()
     launcher.kompass(components=[planner, driver], multi_processing=processes)
-    launcher.robot = RobotConfig(geometry_params=np.array([0.3, 0.5]))
+    launcher.robot = described_robot(geometry_params=np.array([0.3, 0.5]))
     launcher.inputs(location=Topic(name="/odometry/filtered", msg_type="Odometry"))
-    assert planner.robot.radius == driver.robot.radius == 0.3
+    assert [robot and robot.radius for robot in launcher.robot.values()] == [0.3, 0.3]
     assert planner.get_in_topic("location") == driver.get_in_topic("location")
 
 

@@ -1,15 +1,20 @@
 """The launcher takes what recipes of every generation ask of it."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from kompass.components import Controller, DriveManager, LocalMapper, Planner
+from kompass.components.base.config_file import ConfigFileError
 from kompass.launch.companions import companions
 from kompass.launcher import Launcher
+from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import recipe_rules
+from kompass.robot import RobotFrames
 from kompass.supervisor.process import ProcessSpec
+from tests.support.described import described_robot
 
 
 def processes(launcher: Launcher) -> list[list[str]]:
@@ -137,8 +142,6 @@ def test_one_component_may_be_configured_apart(tmp_path: Path) -> None:
 
 
 def test_frames_and_log_levels_reach_all() -> None:
-    from kompass.robot import RobotFrames
-
     planner, controller = Planner(), Controller()
     launcher = Launcher()
     launcher.kompass([planner, controller], rclpy_log_level="error")
@@ -207,3 +210,135 @@ PUBLIC = {
 
 def test_recipes_find_all_that_they_may_ask_for_and_nothing_else() -> None:
     assert {name for name in dir(Launcher()) if not name.startswith("_")} == PUBLIC
+
+
+PLUGIN: Any = {"use_plugin": True}
+MISTYPED: Any = {"name_space": "robot1"}
+
+
+# -- every argument does what it says, or is refused with a sentence -----------------------------
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda it: it.kompass([Planner()], multiprocesing=True),
+            r"Launcher\.kompass\(\) has no argument 'multiprocesing'; did you mean 'multiproc",
+        ),
+        (lambda it: it.add_pkg([Planner()], package="kompass"), "did you mean 'package_name'"),
+        (lambda it: it.bringup(configfile="x"), "did you mean 'config_file'"),
+        (lambda _: Planner(confg=None), r"has no argument 'confg'; did you mean 'config'"),
+        (
+            lambda _: Topic(name="a", msg_type="Bool", **PLUGIN),
+            r"Topic\(\) has no argument 'use_plugin'; known are name, msg_type",
+        ),
+        (lambda _: Launcher(**MISTYPED), "did you mean 'namespace'"),
+        (lambda it: it.kompass([Planner()], xyz=1), "has no argument 'xyz'; known are components"),
+        (lambda it: it.kompass(Planner()), r"components = .* is a component; give a list, \[plann"),
+        (lambda it: it.kompass(3), "components = 3 is no list"),
+        (lambda it: it.kompass(["planner"]), "components holds 'planner', which is not"),
+        (lambda it: it.kompass([Planner()], [1]), r"events_actions = \[1\] is no mapping"),
+        (
+            lambda it: it.kompass([Planner()], multi_processing="no"),
+            "multi_processing = 'no' is nei",
+        ),
+        (
+            lambda it: it.kompass([Planner()], components_to_activate_on_start=Planner("other")),
+            "components_to_activate_on_start = .* is a component; give a list",
+        ),
+        (
+            lambda it: setattr(it, "robot", {"radius": 1}),
+            r"launcher\.robot = .* give a RobotConfig",
+        ),
+        (lambda it: setattr(it, "frames", "map"), r"launcher\.frames = 'map' are no frames"),
+    ],
+)
+def test_an_argument_of_a_wrong_kind_is_refused(call: Callable[[Any], Any], message: str) -> None:
+    launcher = Launcher()
+    with pytest.raises(TypeError, match=message):
+        call(launcher)
+    assert launcher.components == []
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda it: it.kompass([Planner()], multi_processing=True, multiprocessing=False),
+            "multi_processing = True and multiprocessing = False are one thing",
+        ),
+        (
+            lambda it: it.kompass([Planner()], components_to_activate_on_start=[Controller()]),
+            "holds 'controller', which is not among the components",
+        ),
+        (lambda it: it.kompass([DriveManager(), Planner(), Planner()]), "two components"),
+        (
+            lambda it: it.kompass([Planner(), Controller()], ros_log_level="loud"),
+            "planner: 'log_level' = 'loud'",
+        ),
+        (
+            lambda it: it.kompass([Planner()], rclpy_log_level="loud"),
+            "planner: 'rclpy_log_level' = 'loud'",
+        ),
+        (
+            lambda it: it.inputs(location=Topic(name="/odom", msg_type="Odometry")),
+            "no component was added yet",
+        ),
+        (lambda _: Launcher(activation_timeout=-1.0), "activation_timeout = -1.0: give seconds"),
+        (lambda _: Launcher(namespace="robot 1"), "namespace = 'robot 1' is none in ROS"),
+        (lambda it: setattr(it, "fallback_rate", 1.0), "no component was added yet"),
+    ],
+)
+def test_what_cannot_be_carried_out_is_refused_and_adds_nothing(
+    call: Callable[[Any], Any], message: str
+) -> None:
+    launcher = Launcher()
+    with pytest.raises(ValueError, match=message):
+        call(launcher)
+    assert launcher.components == []
+
+
+@pytest.mark.parametrize("name", ["introspect", "launch_debug"])
+def test_what_another_launch_system_does_is_refused(name: str) -> None:
+    launcher = Launcher()
+    launcher.kompass([Planner()])
+    given: Any = {name: True}
+    with pytest.raises(ValueError, match=rf"bringup: {name} = True is of ROS 2 Launch"):
+        launcher.bringup(**given)
+
+
+def test_log_levels_are_each_their_own() -> None:
+    launcher, planner = Launcher(), Planner()
+    launcher.kompass([planner], ros_log_level="DEBUG", rclpy_log_level="warning")
+    assert (planner.config.log_level, planner.config.rclpy_log_level) == ("debug", "warn")
+
+
+def test_robot_and_frames_may_come_before_the_components() -> None:
+    launcher, planner = Launcher(), Planner()
+    launcher.robot = described_robot(geometry_params=[0.3, 0.5])
+    launcher.frames = RobotFrames(world="world")
+    launcher.kompass([planner])
+    assert planner.robot == described_robot(geometry_params=[0.3, 0.5])
+    assert planner.frames.world == "world"
+
+
+def test_a_robot_may_come_from_the_file_and_must_be_whole(tmp_path: Path) -> None:
+    path = tmp_path / "robot.json"
+    path.write_text(f'{{"/**": {{"robot": {described_robot().model_dump_json()}}}}}')
+    launcher, driver = Launcher(config_file=str(path)), DriveManager()
+    launcher.kompass([driver])
+    assert driver.robot == described_robot()
+    assert not driver.lacks_robot
+    path.write_text('{"/**": {"robot": {"model_type": "OMNI"}}}')
+    other = Launcher(config_file=str(path))
+    with pytest.raises(ConfigFileError, match=r"robot\.json: 'robot' .*geometry_params.* left out"):
+        other.kompass([Planner()])
+    assert other.components == []
+
+
+def test_waiting_for_who_can_never_become_active_is_refused() -> None:
+    launcher = Launcher(activation_timeout=5.0)
+    launcher.kompass([Planner(), LocalMapper()])
+    with pytest.raises(ValueError, match=r"activation_timeout = 5: planner cannot become active"):
+        launcher.bringup()

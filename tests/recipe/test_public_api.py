@@ -122,6 +122,9 @@ PUBLIC: dict[str, list[str]] = {
     ],
     "kompass_core.control": [
         "ControllersID",
+        "DWAConfig",
+        "PurePursuitConfig",
+        "StanleyConfig",
     ],
     "ros_sugar": [
         "Launcher",
@@ -147,15 +150,36 @@ PUBLIC: dict[str, list[str]] = {
     ],
     "ros_sugar.core": [
         "Action",
+        "BaseComponent",
         "Event",
     ],
     "ros_sugar.core.action": [
         "Action",
+        "BaseComponent",
         "Event",
     ],
     "ros_sugar.core.event": [
         "Action",
+        "BaseComponent",
         "Event",
+    ],
+    "ros_sugar.config": [
+        "AngularCtrlLimits",
+        "BaseComponentConfig",
+        "ComponentRunType",
+        "LinearCtrlLimits",
+        "QoSConfig",
+        "RobotConfig",
+        "RobotFrames",
+        "RobotGeometryType",
+        "RobotType",
+    ],
+    "ros_sugar.io": [
+        "AllowedTopics",
+        "Topic",
+    ],
+    "ros_sugar.utils": [
+        "component_action",
     ],
     "ros_sugar.events": [
         "Event",

@@ -11,7 +11,9 @@ distance to the path are then look-ups.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +25,10 @@ from kompass.algorithms.geometry import Floats, inverse, transform_points, wrap_
 
 # What must be free beyond the braking distance of a velocity for it to be admissible [m].
 _BEYOND_BRAKING = 0.1
+# Of all rollouts together: 300 times the usual, and more than any robot has time for.
+MOST_PLACES = 2_000_000
+# Along one side of the grid around the robot.
+MOST_CELLS = 2000
 # How much free way makes a direction worth turning to [m].
 _OPEN_AHEAD = 0.3
 
@@ -57,6 +63,17 @@ class DWAParams(FollowerParams):
         On the change of command, as a share of the largest velocities.
     """
 
+    bounds: ClassVar[Mapping[str, tuple[float, float]]] = {
+        **FollowerParams.bounds,
+        "prediction_time": (0.05, 10.0),
+        "time_step": (0.01, 1.0),
+        "linear_samples": (2, 100),
+        "angular_samples": (2, 200),
+        "clearance": (0.0, 10.0),
+        "resolution": (0.005, 1.0),
+        "obstacle_range": (0.001, 10.0),
+    }
+
     prediction_time: float = 1.6
     time_step: float = 0.1
     linear_samples: int = 12
@@ -71,12 +88,12 @@ class DWAParams(FollowerParams):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("prediction_time", "time_step", "resolution", "obstacle_range"):
-            if getattr(self, name) == 0:
-                raise ValueError(f"{name}: 0; give a number above 0")
-        for name in ("linear_samples", "angular_samples"):
-            if getattr(self, name) < 2:
-                raise ValueError(f"{name}: {getattr(self, name)}; give 2 or more")
+        places = self.linear_samples * self.angular_samples * self.prediction_time / self.time_step
+        if places > MOST_PLACES:
+            raise ValueError(
+                f"linear_samples × angular_samples × prediction_time / time_step: {places:.0f} "
+                f"places looked at, more than {MOST_PLACES}; give fewer samples or a longer step"
+            )
 
 
 class DWA(PathFollower[DWAParams]):
@@ -106,6 +123,12 @@ class DWA(PathFollower[DWAParams]):
             raise ValueError(f"robot_radius: {robot_radius} m; give a finite number above 0")
         reach = self._linear.max_vel * self.config.prediction_time + robot_radius
         self._half = math.ceil((reach + self.config.obstacle_range + 0.2) / self.config.resolution)
+        if 2 * self._half > MOST_CELLS:
+            raise ValueError(
+                f"resolution: {self.config.resolution} m is too fine for a grid that holds "
+                f"max_v × prediction_time = {self._linear.max_vel:g} m/s × "
+                f"{self.config.prediction_time:g} s; give a coarser one, or a shorter time"
+            )
 
     def _curvature(self, situation: Situation) -> float:
         raise AssertionError("DWA chooses velocities, not a curvature")

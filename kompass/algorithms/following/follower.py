@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Generic, TypeVar, cast
 
@@ -20,9 +21,13 @@ class NoCommand(Exception):
     """No direction is free of obstacles: the robot must stop, and wait or be freed."""
 
 
+# Least and largest value of a parameter that has no bounds of its own.
+USUAL_BOUNDS = (0.0, 1000.0)
+
+
 @dataclass(frozen=True, kw_only=True)
 class FollowerParams:
-    """Common to all followers.
+    """Common to all followers; what is not finite or out of its bounds is a ValueError.
 
     Attributes
     ----------
@@ -46,6 +51,19 @@ class FollowerParams:
         Least rate of turning on the spot [rad/s].
     """
 
+    # Least and largest values by name, where they are not the usual ones.
+    bounds: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "lookahead_distance": (0.001, 100.0),
+        "goal_tolerance": (0.001, 10.0),
+        "heading_tolerance": (0.001, math.pi),
+        "turn_in_place_angle": (0.0, math.pi),
+        "turn_done_angle": (0.0, math.pi),
+        "lateral_acceleration": (0.0, 100.0),
+        "approach_deceleration": (0.0, 100.0),
+        "min_speed": (0.0, 10.0),
+        "min_turn_rate": (0.0, 10.0),
+    }
+
     lookahead_distance: float = 0.35
     goal_tolerance: float = 0.03
     heading_tolerance: float = 0.05
@@ -59,11 +77,10 @@ class FollowerParams:
     def __post_init__(self) -> None:
         for item in fields(self):
             value = getattr(self, item.name)
-            if isinstance(value, (int, float)) and not (math.isfinite(value) and value >= 0):
-                raise ValueError(f"{item.name}: {value}; give a finite number, 0 or more")
-        for name in ("lookahead_distance", "goal_tolerance", "heading_tolerance"):
-            if getattr(self, name) == 0:
-                raise ValueError(f"{name}: 0; give a number above 0")
+            least, most = self.bounds.get(item.name, USUAL_BOUNDS)
+            # Not a number is in no bounds.
+            if isinstance(value, (int, float)) and not least <= value <= most:
+                raise ValueError(f"{item.name}: {value}; give from {least:g} to {most:g}")
         if not self.turn_done_angle < self.turn_in_place_angle:
             raise ValueError(
                 f"turn_done_angle: {self.turn_done_angle} rad; give less than "

@@ -7,7 +7,9 @@ for Off-Road Driving: Controller Design, Experimental Validation and Racing", AC
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from kompass.algorithms.following.follower import FollowerParams, PathFollower, Situation
 from kompass.algorithms.geometry import wrap_angle
@@ -31,18 +33,18 @@ class StanleyParams(FollowerParams):
         Of the (virtual) steering angle [rad].
     """
 
+    bounds: ClassVar[Mapping[str, tuple[float, float]]] = {
+        **FollowerParams.bounds,
+        "cross_track_min_linear_vel": (0.001, 10.0),
+        "wheel_base": (0.001, 100.0),
+        "max_steer": (0.001, 1.57),
+    }
+
     heading_gain: float = 1.0
     cross_track_gain: float = 1.5
     cross_track_min_linear_vel: float = 0.1
     wheel_base: float = 0.16
     max_steer: float = 1.2
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not self.wheel_base > 0:
-            raise ValueError(f"wheel_base: {self.wheel_base} m; give a number above 0")
-        if not 0 < self.max_steer < math.pi / 2:
-            raise ValueError(f"max_steer: {self.max_steer} rad; give between 0 and π/2")
 
 
 class Stanley(PathFollower[StanleyParams]):

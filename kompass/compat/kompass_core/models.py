@@ -1,5 +1,6 @@
 """Robot models under the older import name."""
 
+from kompass.porting import absent_names
 from kompass.robot import (
     AngularCtrlLimits,
     LinearCtrlLimits,
@@ -15,3 +16,5 @@ __all__ = [
     "RobotGeometry",
     "RobotType",
 ]
+
+__getattr__ = absent_names("kompass_core.models")

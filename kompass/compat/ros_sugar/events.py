@@ -1,3 +1,4 @@
 """Events under the older import name."""
 
 from kompass.event import *  # noqa: F403
+from kompass.event import __getattr__  # noqa: F401

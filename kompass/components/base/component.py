@@ -11,8 +11,13 @@ from typing import Any, ClassVar
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.task import Future
 
+from kompass.arguments import named_arguments
 from kompass.components.base.actions import ActionRefused, actions_of, check_call, component_action
-from kompass.components.base.component_config import ComponentConfig, ComponentRunType
+from kompass.components.base.component_config import (
+    NO_ROBOT,
+    ComponentConfig,
+    ComponentRunType,
+)
 from kompass.components.base.config_file import ConfiguredTopics, settings_of_file
 from kompass.components.base.fallbacks import Fallbacks, make_fallback
 from kompass.components.base.health import Health, StatusPublisher
@@ -64,6 +69,8 @@ class Component:
     ignored_inputs: ClassVar[Mapping[str, str]] = {}
     # Quality of service of keys whose message type alone does not tell it.
     qos: ClassVar[Mapping[str, QoSConfig]] = {}
+    # Whether it does not become active before somebody described the robot.
+    needs_robot: ClassVar[bool] = False
     # Whether it must end before all others, because it is what halts the robot.
     stops_robot: ClassVar[bool] = False
     # The ROS action by which it is asked to do its work, when it has one.
@@ -71,6 +78,7 @@ class Component:
     # Whether the main loop does its step in every run type, not only in the timed one.
     steps_in_any_run_type: ClassVar[bool] = False
 
+    @named_arguments
     def __init__(
         self,
         component_name: str | None = None,
@@ -176,12 +184,12 @@ class Component:
         self._run_type = run_type
 
     @property
-    def robot(self) -> RobotConfig:
-        """The robot that the component assumes."""
+    def robot(self) -> RobotConfig | None:
+        """The robot that the component works for; None until somebody describes it."""
         return self.config.robot
 
     @robot.setter
-    def robot(self, value: RobotConfig) -> None:
+    def robot(self, value: RobotConfig | None) -> None:
         self.config.robot = value
 
     @property
@@ -320,6 +328,7 @@ class Component:
     def create_node(self, namespace: str = "") -> ComponentNode:
         """Make the ROS node and the services that everybody offers; rclpy must be initialised."""
         self._node = ComponentNode(self.node_name, self, namespace)
+        self._node.set_log_levels(self.config.log_level, self.config.rclpy_log_level)
         self._status = StatusPublisher(self._node, self.config.status_rate)
         self.init_variables()
         self.create_interfaces()
@@ -338,7 +347,14 @@ class Component:
 
     # -- transitions --------------------------------------------------------------------------
 
+    @property
+    def lacks_robot(self) -> bool:
+        """Whether it cannot become active, because nobody described the robot."""
+        return self.needs_robot and self.config.robot is None
+
     def on_configure(self) -> None:
+        if self.lacks_robot:
+            raise ValueError(NO_ROBOT)
         try:
             self._outputs.make(self.node, self._topics_out)
             self._inputs.make(self._topics_in)
@@ -700,10 +716,18 @@ class Component:
         old, self.config = self.config, config
         before, after = old.model_dump(), config.model_dump()
         names = {name for name in after if after[name] != before[name]}
-        if not names or self._node is None or self._node.state == "unconfigured":
+        if not names or self._node is None:
+            return
+        self._node.set_log_levels(config.log_level, config.rclpy_log_level)
+        if self._node.state == "unconfigured":
             return
         try:
+            if self.lacks_robot:
+                raise ParameterError(f"{self.node_name}: 'robot' = None: {NO_ROBOT}")
             self.on_config_changed(names)
+        except ParameterError:
+            self.config = old
+            raise
         except Exception:
             self.config = old
             self.on_config_changed(names)

@@ -2,9 +2,9 @@
 
 import enum
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.settings import Settings
@@ -36,6 +36,21 @@ class ComponentRunType(enum.Enum):
         raise ValueError(f"run_type = {value!r} is none of {names}")
 
 
+def _read_level(value: Any) -> Any:
+    name = value.strip().lower() if isinstance(value, str) else value
+    return "warn" if name == "warning" else name
+
+
+LogLevel = Annotated[
+    Literal["debug", "info", "warn", "error", "fatal"], BeforeValidator(_read_level)
+]
+
+NO_ROBOT = (
+    "nobody described the robot; set launcher.robot = RobotConfig(…) in the recipe, or give it in "
+    "the section 'robot' of the configuration file"
+)
+
+
 class ComponentConfig(Settings):
     """Settings that all components share.
 
@@ -47,20 +62,40 @@ class ComponentConfig(Settings):
         "topic_try_wait_timeout": "nobody waits for a topic; a component starts without it",
         "executor_spin_timeout": "the executor sleeps until there is something to do",
         "wait_for_restart_time": "the supervisor decides when a process is started again",
+        "core_log_level": "there is no other core than the components",
     }
 
     loop_rate: float = Field(default=10.0, ge=1e-4, le=1e3, description="Hz")
     status_rate: float = Field(
         default=5.0, ge=0.1, le=100, description="Hz; a change is published at once besides"
     )
-    robot: RobotConfig = Field(default_factory=RobotConfig)
+    robot: RobotConfig | None = Field(
+        default=None, description="what drives must be told; nothing of it is guessed"
+    )
     frames: RobotFrames = Field(default_factory=RobotFrames)
     topic_subscription_timeout: float = Field(
-        default=5.0, ge=1e-3, description="s to wait for the first message of an input"
+        default=5.0, ge=1e-3, le=3600, description="s to wait for the first message of an input"
     )
     fallback_rate: float = Field(
-        default=100.0, gt=0, description="Hz; fallbacks are tried no more often, nor than at 0.5 Hz"
+        default=100.0,
+        gt=0,
+        le=1e3,
+        description="Hz; fallbacks are tried no more often, nor than at 0.5 Hz",
     )
-    log_level: str = "info"
-    core_log_level: str = "warn"
-    rclpy_log_level: str = "warn"
+    log_level: LogLevel = Field(default="info", description="from which on its log is written")
+    rclpy_log_level: LogLevel = Field(
+        default="warn", description="of ROS' own log, for its whole process"
+    )
+
+    @property
+    def described_robot(self) -> RobotConfig:
+        """The robot, for what cannot work without one.
+
+        Raises
+        ------
+        ValueError
+            When nobody described it; with what to do about that.
+        """
+        if self.robot is None:
+            raise ValueError(NO_ROBOT)
+        return self.robot

@@ -1,9 +1,10 @@
 """Read a component's section of a configuration file (yaml, toml or json)."""
 
 import copy
+import difflib
 import json
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -53,6 +54,23 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise ConfigFileError(f"{path}: expected sections by node name, found {content!r}")
     return content
+
+
+def sections_of_nobody(path: str, names: Collection[str]) -> list[str]:
+    """A sentence for each section of a file that is for none of the nodes ``names``.
+
+    Raises
+    ------
+    ConfigFileError
+        When the file cannot be used.
+    """
+    told = []
+    for section in read_config_file(path):
+        if section != COMMON and section not in names:
+            close = difflib.get_close_matches(section, names, n=1)
+            remedy = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(names)}"
+            told.append(f"{path}: the section '{section}' is for no component; {remedy}")
+    return told
 
 
 def settings_of_file(

@@ -2,7 +2,9 @@
 
 from typing import Protocol
 
+from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.logging import set_logger_level
 
 from kompass.rclpy_ext.node import NoEventCallbacks, lifecycle_state
 
@@ -24,6 +26,11 @@ class ComponentNode(NoEventCallbacks, LifecycleNode):  # type: ignore[misc]  # r
     def __init__(self, name: str, component: Transitions, namespace: str = "") -> None:
         super().__init__(name, namespace=namespace or None)
         self._component = component
+
+    def set_log_levels(self, own: str, ros: str) -> None:
+        """From which level on is written: its own log, and ROS' one, of the whole process."""
+        for name, level in ((self.get_logger().name, own), ("rcl", ros), ("rclpy", ros)):
+            set_logger_level(name, LoggingSeverity[level.upper()])
 
     @property
     def state(self) -> str:

@@ -115,6 +115,10 @@ def _set(plain: dict[str, Any], name: str, value: Any, where: str) -> None:
         inner = inner.get(part) if isinstance(inner, dict) else None
         if not isinstance(inner, dict):
             prefix = f"{where}: " if where else ""
+            if inner is None and ".".join(path[: depth + 1]) in plain:
+                raise ParameterError(
+                    f"{prefix}'{name}' = {value!r}: nobody gave '{part}' yet; give it whole"
+                )
             known = ", ".join(key for key, held in plain.items() if isinstance(held, dict))
             raise ParameterError(
                 f"{prefix}'{name}' = {value!r}: '{'.'.join(path[: depth + 1])}' holds no settings; "

@@ -1,6 +1,7 @@
 """Settings of the controller."""
 
 import enum
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
@@ -42,14 +43,16 @@ class ControllerConfig(ComponentConfig):
     """How a path becomes commands."""
 
     ignored_settings: ClassVar[Mapping[str, str]] = {
-        "DVZ": "the algorithm is not offered here",
+        **dict.fromkeys(ELSEWHERE.values(), "the algorithm is not offered here"),
         "prediction_horizon": "it is a setting of the algorithm's section",
         "debug": "what the controller does is on its topics and in its log",
     }
 
     loop_rate: float = Field(default=20.0, ge=0.1, le=1e3, description="Hz")
     algorithm: Annotated[ControllersID, _by_value(ControllersID)] = ControllersID.DWA
-    control_time_step: float = Field(default=0.1, gt=0, description="s that one command holds")
+    control_time_step: float = Field(
+        default=0.1, gt=0, le=10, description="s that one command holds"
+    )
     ctrl_publish_type: Annotated[CmdPublishType, _by_value(CmdPublishType)] = (
         CmdPublishType.TWIST_ARRAY
     )
@@ -58,14 +61,14 @@ class ControllerConfig(ComponentConfig):
         description="DWA takes obstacles from the scan itself instead of the local map",
     )
     sensor_timeout: float = Field(
-        default=0.5, gt=0, description="s; an older scan or local map stops the robot"
+        default=0.5, gt=0, le=60, description="s; an older scan or local map stops the robot"
     )
-    location_timeout: float = Field(default=0.5, gt=0, description="s; an older pose stops")
+    location_timeout: float = Field(default=0.5, gt=0, le=60, description="s; an older pose stops")
     progress_timeout: float = Field(
-        default=5.0, gt=0, description="s; a robot that gets nowhere for so long is stuck"
+        default=5.0, gt=0, le=3600, description="s; a robot that gets nowhere for so long is stuck"
     )
-    goal_dist_tolerance: float = Field(default=0.03, gt=0, description="m")
-    goal_orientation_tolerance: float = Field(default=0.05, gt=0, description="rad")
+    goal_dist_tolerance: float = Field(default=0.03, gt=0, le=10, description="m")
+    goal_orientation_tolerance: float = Field(default=0.05, gt=0, le=math.pi, description="rad")
     DWA: DWAConfig = Field(default_factory=DWAConfig)
     Stanley: StanleyConfig = Field(default_factory=StanleyConfig)
     PurePursuit: PurePursuitConfig = Field(default_factory=PurePursuitConfig)

@@ -44,6 +44,7 @@ class Controller(Component):
 
     config: ControllerConfig
     config_class = ControllerConfig
+    needs_robot = True
     allowed_run_types = (ComponentRunType.TIMED,)
     allowed_inputs: ClassVar = {
         "plan": AllowedTopics(["Path"]),
@@ -121,7 +122,8 @@ class Controller(Component):
     # -- life ---------------------------------------------------------------------------------
 
     def init_variables(self) -> None:
-        self._follower = self._make_follower()
+        if not self.lacks_robot:  # without one it is not configured
+            self._follower = self._make_follower()
         self._incoming: PathFollower[Any] | None = None
         self._incoming_since = 0.0
         self._has_path = False
@@ -161,7 +163,7 @@ class Controller(Component):
     def _make_follower(self) -> PathFollower[Any]:
         return make_follower(
             self._section(self.config.algorithm),
-            self.config.robot,
+            self.config.described_robot,
             goal_tolerance=self.config.goal_dist_tolerance,
             heading_tolerance=self.config.goal_orientation_tolerance,
         )

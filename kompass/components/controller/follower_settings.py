@@ -7,13 +7,13 @@ from typing import Any, ClassVar, Self, get_type_hints
 from pydantic import Field, create_model, model_validator
 
 from kompass.algorithms.following.dwa import DWA
-from kompass.algorithms.following.follower import PathFollower
+from kompass.algorithms.following.follower import USUAL_BOUNDS, PathFollower
 from kompass.algorithms.following.pure_pursuit import PurePursuit
 from kompass.algorithms.following.stanley import Stanley
 from kompass.components.base.robot_limits import velocity_limits
 from kompass.components.controller.controllers_id import ControllersID
-from kompass.robot import RobotConfig
-from kompass.settings import Settings
+from kompass.robot import RobotConfig, RobotType
+from kompass.settings import Settings, notice_once
 
 # Facing farther off than this the robot turns first: swinging in while driving would take it off
 # the path by more than the clearance that the path keeps.
@@ -91,7 +91,12 @@ def _section(
     fields: dict[str, Any] = {
         item.name: (
             kinds[item.name] | None,
-            Field(default=None, description=f"left out: {left_out[item.name]}"),
+            Field(
+                default=None,
+                description=f"left out: {left_out[item.name]}",
+                ge=params.bounds.get(item.name, USUAL_BOUNDS)[0],
+                le=params.bounds.get(item.name, USUAL_BOUNDS)[1],
+            ),
         )
         for item in dataclasses.fields(params)
     }
@@ -156,8 +161,23 @@ def make_follower(
         Parameters for what the section leaves out.
     """
     limits = velocity_limits(robot)
+    if robot.model_type is RobotType.ACKERMANN:
+        notice_once(
+            "model_type = ACKERMANN: the algorithms here turn on the spot where a path asks for "
+            "it, which steered wheels cannot; max_steer and the turning circle are not looked at"
+        )
+    params = settings.params(**{**settings.defaults, **defaults})
+    # What is slower never reaches the wheels, unless the section itself wants it so.
+    crawl = {
+        name: max(getattr(params, name), axis.min_absolute_val)
+        for name, axis in (
+            ("min_speed", robot.ctrl_vx_limits),
+            ("min_turn_rate", robot.ctrl_omega_limits),
+        )
+        if getattr(settings, name) is None
+    }
     return settings.follower(
-        settings.params(**{**settings.defaults, **defaults}),
+        dataclasses.replace(params, **crawl),
         robot_radius=robot.radius,
         max_v=limits.vx.max_vel,
         max_omega=limits.omega.max_vel,

@@ -24,18 +24,20 @@ class DriveManagerConfig(ComponentConfig):
 
     loop_rate: float = Field(default=20.0, ge=1.0, le=1e3, description="Hz")
     critical_zone_distance: float = Field(
-        default=0.05, gt=0, description="m from the footprint; nearer means stop"
+        default=0.05, gt=0, le=10, description="m from the footprint; nearer means stop"
     )
     slowdown_zone_distance: float = Field(
-        default=0.2, gt=0, description="m from the footprint; nearer means slower"
+        default=0.2, gt=0, le=100, description="m from the footprint; nearer means slower"
     )
     disable_safety_stop: bool = False
-    scan_timeout: float = Field(default=0.5, gt=0, description="s; an older scan stops the robot")
+    scan_timeout: float = Field(
+        default=0.5, gt=0, le=60, description="s; an older scan stops the robot"
+    )
     odometry_timeout: float = Field(
-        default=0.5, gt=0, description="s; an older odometry stops the robot"
+        default=0.5, gt=0, le=60, description="s; an older odometry stops the robot"
     )
     command_timeout: float = Field(
-        default=0.3, gt=0, description="s after the last command has run out"
+        default=0.3, gt=0, le=60, description="s after the last command has run out"
     )
     use_without_scan_sensor: bool = Field(
         default=False, description="drive without a scan too; one that is there still counts"
@@ -44,6 +46,7 @@ class DriveManagerConfig(ComponentConfig):
     command_publishers: int = Field(
         default=1,
         ge=1,
+        le=100,
         description="nodes that may publish on each of its command topics; more stop the robot",
     )
 

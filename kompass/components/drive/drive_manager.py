@@ -71,6 +71,7 @@ class DriveManager(Component):
 
     config: DriveManagerConfig
     config_class = DriveManagerConfig
+    needs_robot = True
     stops_robot = True
     steps_in_any_run_type = True
     allowed_run_types = (ComponentRunType.TIMED, ComponentRunType.EVENT)
@@ -103,7 +104,8 @@ class DriveManager(Component):
     def init_variables(self) -> None:
         self._queue = CommandQueue(self.config.command_timeout)
         self._deaf_until = -float("inf")
-        self._gate = DriveGate(self._gate_limits())
+        # Without a robot it is not configured, and can be told to halt, and nothing else.
+        self._gate = None if self.lacks_robot else DriveGate(self._gate_limits())
         self._standstill = Standstill()
         self._points: NDArray[np.float64] = np.empty((0, 2))
         self._points_of: object = None
@@ -117,10 +119,10 @@ class DriveManager(Component):
         self._ended: Future | None = None
 
     def _gate_limits(self) -> GateLimits:
-        config = self.config
+        config, robot = self.config, self.config.described_robot
         return GateLimits(
-            velocity=velocity_limits(config.robot),
-            radius=config.robot.radius,
+            velocity=velocity_limits(robot),
+            radius=robot.radius,
             critical_distance=config.critical_zone_distance,
             slowdown_distance=config.slowdown_zone_distance,
             odometry_timeout=config.odometry_timeout,
@@ -130,6 +132,7 @@ class DriveManager(Component):
         )
 
     def on_config_changed(self, names: set[str]) -> None:
+        assert self._gate is not None
         self._gate.set_limits(self._gate_limits())
         self._queue.timeout = self.config.command_timeout
 
@@ -156,7 +159,7 @@ class DriveManager(Component):
         footprint = PolygonStamped()
         footprint.header.frame_id = self.frames.robot_base
         footprint.polygon.points = [
-            Point32(x=float(x), y=float(y)) for x, y in self.config.robot.footprint
+            Point32(x=float(x), y=float(y)) for x, y in self.config.described_robot.footprint
         ]
         self._footprint_publisher.publish(footprint)
 
@@ -270,7 +273,8 @@ class DriveManager(Component):
         self._send_halt()
 
     def _send_halt(self) -> None:
-        self._gate.halted()
+        if self._gate is not None:
+            self._gate.halted()
         self._send(STILL)
 
     # -- inputs -------------------------------------------------------------------------------
@@ -349,9 +353,10 @@ class DriveManager(Component):
             stopped=self._latch.is_set,
             intruded=bool(intruders),
         )
+        assert self._gate is not None
         verdict = self._gate.judge(given, now)
         if verdict.twist is not None:
-            self._send(verdict.twist)
+            self._send(self._worth_sending(verdict.twist))
         self._publish_emergency(now, verdict.emergency)
         self._judge_manoeuvre(verdict.factor, verdict.limited_by)
         self._publish_state(now, verdict.limited_by, verdict.factor)
@@ -397,6 +402,16 @@ class DriveManager(Component):
                 self.publish("robot_command", message, index)
             else:
                 self.publish("robot_command", twist, index)
+
+    def _worth_sending(self, twist: Twist2D) -> Twist2D:
+        """A twist without what is slower than the base can drive: ``min_absolute_val``."""
+        robot = self.config.described_robot
+        axes = (robot.ctrl_vx_limits, robot.ctrl_vy_limits, robot.ctrl_omega_limits)
+        vx, vy, omega = (
+            value if abs(value) >= axis.min_absolute_val else 0.0
+            for value, axis in zip(twist, axes, strict=True)
+        )
+        return vx, vy, omega
 
     def _judge_intruders(self, intruders: Mapping[str, tuple[str, ...]]) -> None:
         texts = [f"{' and '.join(nodes)} on /{topic}" for topic, nodes in intruders.items()]
@@ -513,7 +528,7 @@ class DriveManager(Component):
             points = self._obstacles()
             if points is None:
                 return self.fails("there is no scan to choose a way by")
-            radius = self.config.robot.radius
+            radius = self.config.described_robot.radius
             room = {
                 -1.0: (free_way(points, radius, math.pi), max_distance_backwards),
                 1.0: (free_way(points, radius), max_distance_forward),
@@ -549,13 +564,13 @@ class DriveManager(Component):
             self._halt()
 
     async def _go(self, distance: float) -> bool:
-        limits = self.config.robot.ctrl_vx_limits
+        limits = velocity_limits(self.config.described_robot).vx
         return await self._perform(distance, limits.max_vel, limits.max_decel, turns=False)
 
     async def _rotate(
         self, angle: float, points: NDArray[np.float64] | None, margin: float | None
     ) -> bool:
-        robot = self.config.robot
+        robot = self.config.described_robot
         if robot.model_type is RobotType.ACKERMANN:
             return self.fails("a robot with steered wheels cannot turn on the spot")
         room = 0.05 * robot.radius if margin is None else margin
@@ -563,7 +578,7 @@ class DriveManager(Component):
             nearest = float(np.hypot(points[:, 0], points[:, 1]).min()) - robot.radius
             if nearest < room:
                 return self.fails(f"{nearest:.3f} m around the robot are free, not {room:.3f} m")
-        limits = robot.ctrl_omega_limits
+        limits = velocity_limits(robot).omega
         return await self._perform(angle, limits.max_vel, limits.max_decel, turns=True)
 
     async def _perform(self, amount: float, top: float, decel: float, *, turns: bool) -> bool:
@@ -573,7 +588,7 @@ class DriveManager(Component):
         if speed <= 0:
             return self.fails("the robot's limits do not allow that motion")
         self._ended = Future(executor=self.node.executor)
-        self._manoeuvre = Manoeuvre(amount, speed, decel or 2 * top, turns)
+        self._manoeuvre = Manoeuvre(amount, speed, decel, turns)
         problem: str = await self._ended
         self._halt()
         await self._rest()

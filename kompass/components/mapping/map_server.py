@@ -1,5 +1,6 @@
 """Serves a map from a file, latched, and loads another when asked."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 from urllib.parse import unquote, urlparse
@@ -17,6 +18,14 @@ from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 
 class MapServerConfig(ComponentConfig):
     """Settings of the map server."""
+
+    ignored_settings: ClassVar[Mapping[str, str]] = {
+        "map_file_read_rate": "a map is read when it is asked for, and stays",
+        **dict.fromkeys(
+            ("pc_publish_row", "pc_frame", "grid_resolution", "z_ground_limit"),
+            "maps come from an image with its yaml file, not from a point cloud",
+        ),
+    }
 
     loop_rate: float = Field(default=1.0, ge=0.01, le=1e3, description="Hz")
     map_file_path: str | None = Field(default=None, description="yaml file to serve at the start")

@@ -1,6 +1,7 @@
 """Settings of the planner."""
 
 import difflib
+import math
 from collections.abc import Mapping
 from typing import ClassVar
 
@@ -69,30 +70,42 @@ class PlannerConfig(ComponentConfig):
         "algorithm": "the planner is always one of OMPL",
         "depth_conversion_factor": "the planner takes no depth images",
         "depth_range": "the planner takes no depth images",
+        "visualization": "the page shows the path",
+        "detailed_logging": "log_level says how much is written",
+        "number_of_sent_cmds": "the planner sends paths, and no commands",
+        "safety_stop_dist": "the drive manager stops the robot, at its critical_zone_distance",
+        "stop_angle_range": "the drive manager stops the robot, for what is in its way",
+        "retries": "a goal is pursued as long as its patience lasts",
     }
 
     loop_rate: float = Field(default=1.0, ge=0.01, le=100, description="Hz; replanning checks")
-    points_per_meter: float = Field(default=10, ge=1, le=1000)
+    points_per_meter: float = Field(default=10, ge=1, le=1000, description="of the path")
     distance_tolerance: float = Field(
-        default=0.05, gt=0, description="m; for goals that state no tolerance"
+        default=0.05, gt=0, le=10, description="m; for goals that state no tolerance"
     )
     orientation_tolerance: float = Field(
-        default=0.1, gt=0, description="rad; for goals with a heading that state no tolerance"
+        default=0.1,
+        gt=0,
+        le=math.pi,
+        description="rad; for goals with a heading that state no tolerance",
     )
     clearance: float = Field(
-        default=0.1, ge=0, description="m between footprint and obstacle along the path"
+        default=0.1, ge=0, le=10, description="m between footprint and obstacle along the path"
     )
     unknown_is_obstacle: bool = True
     planner_id: str = Field(default="RRTConnect", description="geometric planner of OMPL")
     planning_timeout: float = Field(default=1.0, gt=0, le=60, description="s")
     patience: float = Field(
-        default=15.0, gt=0, description="s without a plan or progress before a goal is given up"
+        default=15.0,
+        gt=0,
+        le=86400,
+        description="s without a plan or progress before a goal is given up",
     )
     goals_from_topics: bool = Field(
         default=False,
         description="as an ActionServer, send oneself a goal for each message on goal_point",
     )
-    location_timeout: float = Field(default=0.5, gt=0, description="s")
+    location_timeout: float = Field(default=0.5, gt=0, le=60, description="s")
     ompl: OmplConfig = Field(
         default_factory=OmplConfig, description="from older files; comes before the fields above"
     )

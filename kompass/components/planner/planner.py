@@ -49,6 +49,7 @@ class Planner(Component):
 
     config: PlannerConfig
     config_class = PlannerConfig
+    needs_robot = True
     steps_in_any_run_type = True
     allowed_run_types = (
         ComponentRunType.TIMED,
@@ -145,7 +146,7 @@ class Planner(Component):
             return
         self._planner = GlobalPlanner(
             grid,
-            robot_radius=self.config.robot.radius,
+            robot_radius=self.config.described_robot.radius,
             clearance=self.config.clearance,
             unknown_is_obstacle=self.config.unknown_is_obstacle,
             points_per_meter=self.config.points_per_meter,
@@ -382,7 +383,9 @@ class Planner(Component):
             response.reason = code_of("no_pose")
             response.message = "The planner is not active; start it first."
             return response
-        return check_goal(self._ready, self.config.robot, self._path_msg, request, response)
+        return check_goal(
+            self._ready, self.config.described_robot, self._path_msg, request, response
+        )
 
     def _path_msg(self, poses: Any) -> Path:
         return path_msg(poses, self.frames.world, self.node.get_clock().now().to_msg())

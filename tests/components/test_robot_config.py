@@ -1,0 +1,215 @@
+"""A robot is described whole, belongs to whoever has it, and is never left half changed."""
+
+import copy
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from kompass import settings
+from kompass.components import DriveManager, DriveManagerConfig, Planner, PlannerConfig
+from kompass.components.controller.follower_settings import make_follower
+from kompass.control import StanleyConfig
+from kompass.robot import (
+    AngularCtrlLimits,
+    LinearCtrlLimits,
+    RobotConfig,
+    RobotFrames,
+    RobotGeometry,
+    RobotType,
+)
+from tests.support.described import described_robot
+
+Change = Callable[[RobotConfig], Any]
+
+
+def put(*path: str, to: Any) -> Change:
+    """An assignment, e.g. to ``robot.ctrl_vx_limits.max_vel``."""
+
+    def change(robot: RobotConfig) -> None:
+        inner: Any = robot
+        for name in path[:-1]:
+            inner = getattr(inner, name)
+        setattr(inner, path[-1], to)
+
+    return change
+
+
+def write(robot: RobotConfig) -> None:
+    robot.geometry_params[0] = -1.0
+
+
+def scale(robot: RobotConfig) -> None:
+    robot.geometry_params *= -1.0
+
+
+REFUSED = [
+    (
+        put("geometry_params", to=[-0.1, 0.3]),
+        r"greater than 0 and at most 100 m, not \[-0\.1, 0\.3",
+    ),
+    (put("geometry_params", to=[0.0, 0.3]), "greater than 0"),
+    (put("geometry_params", to=[math.nan, 0.3]), r"not \[nan, 0\.3\]"),
+    (put("geometry_params", to=[math.inf, 0.3]), "at most 100 m"),
+    (put("geometry_params", to=[1e9, 0.3]), "at most 100 m"),
+    (put("geometry_params", to=[0.1]), "CYLINDER are 2 numbers"),
+    (put("geometry_params", to=[[0.1, 0.3]]), "CYLINDER are 2 numbers"),
+    (put("geometry_params", to="wide"), "'wide' is no list of numbers"),
+    (put("geometry_params", to=None), "geometry_params of a CYLINDER are 2 numbers"),
+    (put("geometry_params", to={"radius": 1}), "is no list of numbers"),
+    (put("geometry_type", to="BOX"), "BOX are 3 numbers.* make a new RobotConfig"),
+    (put("geometry_type", to="CUBE"), "'CUBE' is none of BOX, CYLINDER"),
+    (put("model_type", to="HOVERCRAFT"), "none of ACKERMANN, DIFFERENTIAL_DRIVE, OMNI"),
+    (put("model_type", to=3), "ACKERMANN"),
+    (put("ctrl_vx_limits", to=LinearCtrlLimits()), "ctrl_vx_limits.max_vel = 0.*not drive"),
+    (put("ctrl_omega_limits", to=AngularCtrlLimits()), "ctrl_omega_limits.max_vel = 0.*not turn"),
+    (put("ctrl_vx_limits", "max_vel", to=-1.0), "max_vel"),
+    (put("ctrl_vx_limits", "max_vel", to=math.nan), "max_vel"),
+    (put("ctrl_vx_limits", "max_vel", to=1e9), "less than or equal to 100"),
+    (put("ctrl_vx_limits", "max_acc", to=0.0), "max_acc = 0 with max_vel = 1.*never start"),
+    (put("ctrl_vx_limits", "max_decel", to=0.0), "max_decel = 0 with max_vel = 1.*never stop"),
+    (
+        put("ctrl_vx_limits", "min_absolute_val", to=2.0),
+        "min_absolute_val = 2 is above max_vel = 1",
+    ),
+    (put("ctrl_omega_limits", "max_steer", to=4.0), "max_steer"),
+    (put("model_typ", to="OMNI"), "'model_typ' is not a setting .* did you mean 'model_type'"),
+    (write, "read-only"),
+    (scale, "read-only"),
+]
+
+
+@pytest.mark.parametrize(("change", "message"), REFUSED)
+def test_what_is_refused_leaves_the_robot_as_it_was(change: Change, message: str) -> None:
+    robot, before = described_robot(), described_robot()
+    with pytest.raises(ValueError, match=rf"(?s){message}"):
+        change(robot)
+    assert robot == before
+    assert robot.geometry_params.tolist() == [0.2, 1.0]
+
+
+def test_settings_of_components_are_left_as_they_were_too() -> None:
+    config = DriveManagerConfig(critical_zone_distance=0.1, slowdown_zone_distance=0.2)
+    with pytest.raises(ValidationError, match="must be greater than critical_zone_distance"):
+        config.critical_zone_distance = 0.3
+    assert config.critical_zone_distance == 0.1
+
+
+def test_the_callers_array_is_copied() -> None:
+    mine = np.array([0.1, 0.3])
+    robot = described_robot(geometry_params=mine)
+    mine[0] = 5.0
+    assert robot.radius == 0.1
+
+
+def test_the_callers_limits_are_copied() -> None:
+    mine = LinearCtrlLimits(max_vel=0.2)
+    robot = described_robot(ctrl_vx_limits=mine)
+    mine.max_vel = 5.0
+    assert robot.ctrl_vx_limits.max_vel == 0.2
+
+
+def test_a_component_has_a_robot_of_its_own() -> None:
+    mine = described_robot()
+    planner, driver = Planner(config=PlannerConfig(robot=mine)), DriveManager()
+    driver.robot = mine
+    mine.ctrl_vx_limits.max_vel = 0.1
+    assert driver.robot is not None
+    driver.robot.ctrl_vx_limits.max_vel = 0.3
+    assert planner.robot is not None
+    assert planner.robot.ctrl_vx_limits.max_vel == 1.0
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, RobotConfig.model_copy])
+def test_a_copy_is_equal_and_apart(copied: Callable[[RobotConfig], RobotConfig]) -> None:
+    robot = described_robot()
+    other = copied(robot)
+    assert other == robot
+    other.ctrl_vx_limits.max_vel = 0.4
+    assert other != robot
+    with pytest.raises(ValueError, match="read-only"):
+        other.geometry_params[0] = -1.0
+
+
+def test_a_copy_with_an_update_is_checked() -> None:
+    robot = described_robot()
+    with pytest.raises(ValidationError, match="greater than 0"):
+        robot.model_copy(update={"geometry_params": [-1.0, 1.0]})
+    box = robot.model_copy(update={"geometry_type": "BOX", "geometry_params": [1, 1, 1]})
+    assert box.geometry_type == RobotGeometry.Type.BOX
+
+
+def test_it_comes_back_from_json_as_it_was() -> None:
+    robot = described_robot(ctrl_vy_limits=LinearCtrlLimits(max_vel=0.1, max_acc=1.0))
+    assert RobotConfig.model_validate_json(robot.model_dump_json()) == robot
+    assert RobotConfig.model_validate(robot.model_dump()) == robot
+
+
+@pytest.mark.parametrize("given", ["ACKERMANN", "ackermann", "RobotType.ACKERMANN"])
+def test_kinds_are_equal_to_their_names(given: Any) -> None:
+    robot = described_robot(model_type=given, geometry_type="Type.CYLINDER")
+    assert robot.model_type == "ACKERMANN"
+    assert robot.model_type is RobotType.ACKERMANN
+    assert robot.geometry_type == "CYLINDER"
+    assert f"{robot.geometry_type}" == "CYLINDER"
+
+
+@pytest.mark.parametrize("left_out", ["model_type", "geometry_params", "ctrl_omega_limits"])
+def test_nothing_of_a_robot_is_guessed(left_out: str) -> None:
+    fields = dict(described_robot())
+    del fields[left_out]
+    with pytest.raises(ValidationError, match=rf"{left_out} left out; a robot is described whole"):
+        RobotConfig(**fields)
+
+
+def test_a_mistyped_field_is_offered_the_nearest() -> None:
+    with pytest.raises(ValidationError, match="did you mean 'geometry_params'"):
+        described_robot(geometry_parms=[1, 2])
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -0.1, 101.0, "fast", None])
+@pytest.mark.parametrize("kind", [LinearCtrlLimits, AngularCtrlLimits])
+def test_a_speed_that_cannot_be_meant_is_refused(kind: type[Any], value: Any) -> None:
+    with pytest.raises(ValidationError, match="max_vel"):
+        kind(max_vel=value)
+
+
+def test_an_axis_that_does_not_move_needs_no_acceleration() -> None:
+    assert LinearCtrlLimits(max_vel=0.0, max_acc=0.0, max_decel=0.0).max_acc == 0.0
+
+
+def test_a_frame_without_a_name_is_refused() -> None:
+    with pytest.raises(ValidationError, match="robot_base"):
+        RobotFrames(robot_base="")
+
+
+@pytest.mark.parametrize(
+    ("name", "remedy"), [("to_json", r"model_dump_json\(\)"), ("asdict", r"model_dump\(\)")]
+)
+def test_what_other_settings_are_asked_is_answered(name: str, remedy: str) -> None:
+    with pytest.raises(AttributeError, match=f"RobotConfig.{name} is not here: use {remedy}"):
+        getattr(described_robot(), name)
+
+
+def test_nobody_creeps_slower_than_the_base_can_drive() -> None:
+    robot = described_robot(
+        ctrl_vx_limits=LinearCtrlLimits(max_vel=1.0, min_absolute_val=0.08),
+        ctrl_omega_limits=AngularCtrlLimits(max_vel=5.0, min_absolute_val=0.3),
+    )
+    follower = make_follower(StanleyConfig(), robot)
+    assert (follower.config.min_speed, follower.config.min_turn_rate) == (0.08, 0.3)
+    stated = make_follower(StanleyConfig(min_speed=0.05), robot)
+    assert stated.config.min_speed == 0.05
+
+
+def test_steered_wheels_are_told_what_is_not_done_for_them(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(settings, "_told", set())
+    make_follower(StanleyConfig(), described_robot())
+    assert "ACKERMANN" not in caplog.text
+    make_follower(StanleyConfig(), described_robot(model_type="ACKERMANN"))
+    assert "model_type = ACKERMANN: the algorithms here turn on the spot" in caplog.text
