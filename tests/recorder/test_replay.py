@@ -384,6 +384,51 @@ def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_befor
     assert (report.new, report.gone) == (0, 0)
 
 
+def held(seconds: float, rule_id: str) -> dict[str, Any]:
+    """A rule that fires once the level was above 5 for so long."""
+    (made,) = table(5.0).model_dump(mode="json")["rules"]
+    return {**made, "id": rule_id, "event": {**made["event"], "hold": seconds}}
+
+
+def test_a_table_applied_in_the_middle_finds_what_the_engine_knew_then(
+    session: StackSession,
+) -> None:
+    """The level is above 5 from 1 s on; the stretch begins at 20 s and ends at 30 s."""
+    in_force = Table.model_validate({"rules": [held(25.0, "kept"), held(28.0, "changed")]})
+    proposed = [held(25.0, "kept"), held(3.0, "changed"), held(2.0, "new")]
+    fired: list[Firing] = []
+    engine = EngineLoop(
+        compile_table(in_force),
+        1,
+        "first",
+        handle=lambda outputs, *_: fired.extend(o for o in outputs if isinstance(o, Firing)),
+        wake=lambda _: None,
+        event_log=session.event_log,
+        clock=lambda: session.now_ns,
+        wall=lambda: (session.now_ns + session.queue.offset_ns) * 1e-9,
+    )
+    for count in range(300):
+        session.now_ns += NS // 10
+        value = 7.0 if count >= 10 else 0.0
+        engine.heard("level", FLOAT, Float64(data=value), level(value))
+        if fired and fired[-1].rule_id == "changed":
+            engine.ended(fired[-1].rule_id, fired.pop().run_id, True, "")
+    session.recorder.close()
+    files = rotation_files(session.recordings / "ring")
+
+    report, _ = backtest_files(Table.model_validate({"rules": proposed}), files, 10.0)
+
+    found = [(f.rule_id, f.verdict, round(f.at, 1), f.assumed) for f in report.firings]
+    # What is new or changed begins with the first message that the table takes.
+    assert found == [
+        ("new", "new", 2.0, False),
+        ("changed", "new", 3.0, False),
+        ("kept", "same", 6.1, False),
+        ("changed", "gone", 9.1, False),
+    ]
+    assert report.warm_up == 0.0
+
+
 def test_only_the_end_is_replayed_when_only_the_end_is_asked_for(session: StackSession) -> None:
     session.begin(table(5.0))
     for value in range(50):

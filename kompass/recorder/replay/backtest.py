@@ -79,6 +79,7 @@ def backtest_files(
             table,
             replay.events(),
             did,
+            before=replay.before(),
             total=replay.total,
             progress=_seldom(progress),
             clock=time.monotonic,
