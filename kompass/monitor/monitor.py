@@ -13,6 +13,7 @@ from kompass.monitor.engine_loop import EngineLoop
 from kompass.monitor.execution.action_runner import ActionRunner
 from kompass.monitor.execution.runs import Runs
 from kompass.monitor.inputs.polled_functions import PolledFunctions
+from kompass.monitor.inputs.previews import Previews
 from kompass.monitor.inputs.rule_inputs import RuleInputs
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.introspection.graph import Graph
@@ -125,6 +126,7 @@ class Monitor:
         )
         engine = LiveEngine(main, loop, inputs, self._polled, runs)
         graph = Graph(node, catalog, inputs.counts)
+        previews = Previews(node, main)
         active = ActiveTable(
             InForce(start.table, start.revision, start.revision, notice=start.notice),
             start.merge,
@@ -139,7 +141,7 @@ class Monitor:
             recipe=recipe.table,
             permissions=permissions,
             robot=settings.robot,
-            lints=LiveLints(engine, graph),
+            lints=LiveLints(engine, graph, previews),
             announce=lambda text: main.post(partial(firings.announce, text)),
             later=self._worker.post,
             safe_mode=settings.safe_mode,
@@ -166,6 +168,7 @@ class Monitor:
 
         timers.every(STORE_PERIOD, look_at_store)
         timers.every(FIT_PERIOD, inputs.fit)
+        timers.every(FIT_PERIOD, previews.tidy)
         timers.every(REPEAT_PERIOD, proxy.repeat)
         timers.every(RATE_PERIOD, graph.measure)
         timers.every(PROBATION_PERIOD, look_at_probation)
