@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 
 from builtin_interfaces.msg import Time
@@ -39,6 +39,7 @@ from kompass.rclpy_ext.timers import MovableTimer, Timers
 from kompass.recipe.table import RecipeRules
 from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.schema.table import Table, table_hash
 from kompass.store import RuleStore
 
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
@@ -106,6 +107,7 @@ class Monitor:
             handle=lambda outputs, table, revision: runs.take(outputs, table, revision),
             wake=wake_up.set,
             used=start.used,
+            recipe=_recipe_key(recipe.table, catalog.components()),
             event_log=recording.event_log if recording else None,
         )
         firings = Firings(node, loop, store, stamp, recording.fired if recording else None)
@@ -194,3 +196,8 @@ class Monitor:
         self._runner.close()
         if self._recording is not None:
             self._recording.close()
+
+
+def _recipe_key(rules: Table, components: Iterable[str]) -> str:
+    """Tell recipes apart: by their components, and by the rules that they bring."""
+    return f"{' '.join(sorted(components))} {table_hash(rules)}"

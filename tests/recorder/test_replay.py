@@ -28,6 +28,7 @@ from kompass.backtest.event_log import (
 )
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.recorder.clip_writer import ClipNotSaved, save_clip
+from kompass.recorder.engine_memory import EngineMemory
 from kompass.recorder.event_log import RecorderEventLog
 from kompass.recorder.mcap.contents import NotMcap
 from kompass.recorder.mcap.definitions import definition
@@ -103,10 +104,10 @@ class StackSession:
         kind, data = to_data(event)
         self.event_log.event(kind, data, self.now_ns)
 
-    def begin(self, first: Table, epoch: str = "first") -> None:
+    def begin(self, first: Table, epoch: str = "first", recipe: str = "") -> None:
         now = self.now_ns * 1e-9
         wall = (self.now_ns + self.queue.offset_ns) * 1e-9
-        self.event(Began(now, wall, epoch, 1, first))
+        self.event(Began(now, wall, epoch, 1, first, (), recipe))
 
     def hear(self, value: float, topic: str = "level") -> None:
         self.now_ns += NS // 10 + 7
@@ -344,6 +345,57 @@ def test_a_backtest_over_two_lives_of_the_stack_finds_the_firings_of_both(tmp_pa
     assert (other.same, other.new, other.gone) == (0, 2, 4)
     assert same.messages == 8
     assert remark == ""
+
+
+def test_a_stretch_that_reaches_into_another_recipes_time_says_so(tmp_path: Path) -> None:
+    rules = table(5.0)
+    for recipe in ("indoors", "outdoors"):
+        session = StackSession(tmp_path)
+        session.now_ns += {"indoors": 0, "outdoors": 60}[recipe] * NS
+        session.begin(rules, recipe, recipe)
+        session.hear(1.0)
+        session.recorder.close()
+    files = recorded_files(tmp_path, "")
+
+    _, remark = backtest_files(rules, files)
+    _, of_the_end = backtest_files(rules, files, 1.0)
+
+    assert remark.startswith("up to 60 s into it another recipe was running")
+    assert of_the_end == ""
+
+
+def test_what_was_applied_meanwhile_is_said(session: StackSession) -> None:
+    session.begin(table(5.0))
+    session.hear(1.0)
+    session.now_ns += 20 * NS
+    session.event(Swapped(session.now_ns * 1e-9, 2, table(6.0)))
+    session.hear(1.0)
+    session.event(Swapped(session.now_ns * 1e-9, 2, table(6.0), ("above-6",)))
+    session.recorder.close()
+
+    _, remark = backtest_files(table(7.0), rotation_files(session.recordings / "ring"))
+
+    assert remark == (
+        "other rules were applied meanwhile (revision 2 20 s into it): these are taken to be in "
+        "force from its start to its end all the same"
+    )
+
+
+def test_a_rule_that_was_changed_is_not_used_up_any_more() -> None:
+    """It fired once, and once more after it was changed: so it would have, applied in between."""
+    first, second = table(5.0, once=True), table(5.0)
+    memory = EngineMemory()
+    rule = first.rules[0]
+    memory.take(Began(0.0, 0.0, "first", 1, first))
+    memory.take(Fired(1.0, rule.id, 1, 1.0, 1, rule_hash(rule)))
+    kept = memory.resumed(2.0)
+    assert kept is not None
+    assert kept.used == (rule.id,)
+    memory.take(Swapped(2.0, 2, second))
+    memory.take(Swapped(3.0, 3, first))
+    anew = memory.resumed(4.0)
+    assert anew is not None
+    assert anew.used == ()
 
 
 def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_before(
