@@ -41,7 +41,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass.rulebook": (
         ("schema",),
         ("sources", "views"),
-        ("diff", "lint", "permissions"),
+        ("diff", "lint", "outlook", "permissions"),
         ("guard", "merge"),
     ),
     "kompass.components": (("base", "topics_keys"), ("controller", "drive", "mapping", "planner")),

@@ -1,12 +1,18 @@
-"""What a table would have done on a recording: the same engine, fed with what it took then.
+"""What a table would have done, had it been applied at the start of a recorded stretch.
+
+The same engine is fed with what it took then. Up to the start it goes on with the tables that were
+in force; there the proposed one is applied, as the monitor applies one: what is unchanged goes on,
+what is new or changed begins afresh with the values of that moment. It stays to the end of the
+stretch, whatever else was applied meanwhile.
 
 Where the table fires as the recorded one did, its runs end when the recorded runs ended. A run that
 did not happen then is taken to last as long as that rule's runs usually did; what its actions would
 have changed in the world nobody knows, and what fires after it is marked as assumed.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from heapq import heappop, heappush
+from itertools import chain
 from typing import NamedTuple
 
 from kompass.backtest.event_log import (
@@ -20,6 +26,7 @@ from kompass.backtest.event_log import (
     Swapped,
 )
 from kompass.backtest.notes import ReplayNotes
+from kompass.backtest.past import Inherited, Past, remind
 from kompass.backtest.recorded_runs import RecordedRuns
 from kompass.backtest.report import BacktestFiring, BacktestReport, RuleTally
 from kompass.rulebook.schema.status import LeafReading
@@ -28,7 +35,7 @@ from kompass.rules.engine.compiled_table import CompiledTable, RulePlan, compile
 from kompass.rules.engine.firing import Firing, Input, RunEnded, Sample, Tick
 from kompass.rules.engine.migration import migrate_state
 from kompass.rules.engine.schedule import next_deadline
-from kompass.rules.engine.state import WAITS_FOR_FALSE, EngineState, counters
+from kompass.rules.engine.state import EngineState, counters
 from kompass.rules.engine.step import initial_state, step
 from kompass.rules.schema.conditions import Absent, Rate, timeout_of
 from kompass.rules.schema.table import Table, rule_hash
@@ -42,26 +49,32 @@ def backtest(
     events: Iterable[LoggedEvent],
     recorded: Iterable[LoggedEvent] = (),
     *,
+    before: Iterable[LoggedEvent] = (),
     total: int = 0,
     progress: Callable[[float], None] | None = None,
     clock: Callable[[], float] | None = None,
     limit: int = FIRINGS,
 ) -> BacktestReport:
-    """Replay a recording with a table.
+    """Tell what a table would have done, had it been applied at the start of a stretch.
 
     Parameters
     ----------
     table
         The proposed table.
     events
-        The event log, in its order. Without a ``Began`` or ``Resumed`` at its beginning (a
-        recording that no monitor made) the engine begins with the first message, whose ``now``
-        then counts as seconds since the epoch.
+        The event log of the stretch, in its order. Where it begins with ``Resumed``, the table is
+        applied at that moment; where the engine itself begins (``Began``), it begins with the
+        table. Without either (a recording that no monitor made) the engine begins with the first
+        message, whose ``now`` then counts as seconds since the epoch.
     recorded
         The events of the same time other than ``Heard``, read beforehand: the
         firings to compare with, and how long runs took. Empty when there are none.
+    before
+        The event log of the same session up to the stretch, as far back as there is: what the
+        engine knew when the table is applied is worked out of it. Without it, that is the newest
+        values and what :class:`~kompass.backtest.event_log.Resumed` tells.
     total
-        Number of events, for the progress.
+        Number of events, those before the stretch included, for the progress.
     progress
         Called now and then with the share that is done, 0 to 1; may raise to cancel.
     clock
@@ -71,8 +84,12 @@ def backtest(
     """
     begun = clock() if clock else 0.0
     replay = _Replay(table, RecordedRuns(recorded))
-    for number, event in enumerate(events):
-        replay.take(event)
+    steps = chain(
+        ((replay.take_before, event) for event in before),
+        ((replay.take, event) for event in events),
+    )
+    for number, (take, event) in enumerate(steps):
+        take(event)
         if progress and number % _STRIDE == 0 and total:
             progress(min(number / total, 1.0))
     replay.end()
@@ -101,9 +118,14 @@ class _Replay:
         self._types = self._compiled.topic_types()
         self._notes = ReplayNotes(self._compiled)
         self._state: EngineState | None = None
-        self._live: dict[str, str] = {}  # rule hashes of the table in force in the recording
+        self._past: Past | None = None  # until the table is applied
+        self._resumed: Resumed | None = None  # where it is to be applied
+        self._waiting: list[Heard] = []  # of that very moment, for the new table
+        self._known: list[str] = []  # topics that had a value then
+        self._applied = 0.0  # s of the engine's clock
         self._epoch = ""
         self._offset = 0.0
+        self._is_known = False  # whether the past tells more than the newest values
         self._runs: dict[int, int] = {}  # recorded run id -> ours
         self._ends: list[
             tuple[float, int, str]
@@ -121,13 +143,26 @@ class _Replay:
 
     # -- the event log ------------------------------------------------------------------------
 
+    def take_before(self, event: LoggedEvent) -> None:
+        """Take the next event of before the stretch."""
+        if isinstance(event, Began | Resumed):
+            if self._past is None or isinstance(event, Began) or event.epoch != self._past.epoch:
+                self._past = Past(event)
+        elif self._past is not None:
+            self._past.take(event)
+
     def take(self, event: LoggedEvent) -> None:
-        """Take the next event."""
+        """Take the next event of the stretch."""
         if isinstance(event, (Began, Resumed)):
             self._begin(event)
             return
         if isinstance(event, Lost):
             return
+        if self._resumed is not None:
+            if isinstance(event, Heard) and event.now <= self._resumed.now:
+                self._meanwhile(event)
+                return
+            self._apply()
         if isinstance(event, Fired):
             self._compare(event)
             if self._state is not None:
@@ -136,7 +171,7 @@ class _Replay:
                 self._reach(event.now)
             return
         if self._state is None:
-            self._start(event.now, 0.0, "", ())
+            self._start_foreign(event.now)
         self._catch_up(event.now)
         if isinstance(event, Heard):
             self._hear(event)
@@ -145,7 +180,7 @@ class _Replay:
             if run is not None:
                 self._feed(RunEnded(event.rule_id, run, event.ok, event.error), event.now)
         elif isinstance(event, Swapped):
-            self._swap(event)
+            self._reset(event)
         self._reach(event.now)
 
     def _reach(self, now: float) -> None:
@@ -154,53 +189,91 @@ class _Replay:
         self._last = self._reached + self._offset
 
     def _begin(self, event: Began | Resumed) -> None:
-        hashes = {rule.id: rule_hash(rule) for rule in event.table.rules}
-        if isinstance(event, Resumed) and self._state is not None and event.epoch == self._epoch:
+        if isinstance(event, Resumed) and self._is_same(event.epoch):
             return  # the next file of the same session
         self._close()
-        self._start(event.now, event.wall - event.now, event.epoch, event.used)
-        if isinstance(event, Resumed):
-            self._midway(event.now)
-            self._recall(event, hashes)
-        self._live = hashes
+        if isinstance(event, Began):
+            self._past = None
+            state = initial_state(self._compiled, event.now, event.used)
+            self._start(state, event.now, event.wall - event.now, event.epoch)
+            return
+        if self._past is None or self._past.epoch != event.epoch:
+            self._past, self._is_known = Past(event), False
+        else:
+            self._is_known = True
+        self._resumed = event
 
-    def _start(self, now: float, offset: float, epoch: str, used: tuple[str, ...]) -> None:
-        self._state = initial_state(self._compiled, now, used)
+    def _is_same(self, epoch: str) -> bool:
+        begun = self._state is not None and epoch == self._epoch
+        return begun or (self._resumed is not None and epoch == self._resumed.epoch)
+
+    def _meanwhile(self, event: Heard) -> None:
+        """Take what was heard before the stretch, or at its very start."""
+        if not event.again:
+            self._waiting.append(event)
+            return
+        self._messages += 1
+        self._known.append(event.topic.removeprefix("/"))
+        if not self._is_known and self._past is not None:
+            self._past.take(event)
+
+    def _apply(self) -> None:
+        """Put the table in force as the monitor would have done then."""
+        assert self._resumed is not None
+        assert self._past is not None
+        event, self._resumed = self._resumed, None
+        inherited, self._past = self._past.apply(self._compiled, event.now), None
+        self._start(inherited.state, event.now, event.wall - event.now, event.epoch)
+        self._applied = event.now
+        self._runs = inherited.runs
+        for untold in inherited.untold:
+            twin = self._recorded.match(self._epoch, untold.rule_id, untold.at)
+            if twin is not None:
+                self._runs[twin.run_id] = untold.run_id
+        # What carried rules have counted was before the stretch.
+        for plan in self._compiled.rules:
+            numbers = counters(self._compiled, inherited.state, plan.rule.id)
+            evaluated, true = self._totals.get(plan.rule.id, (0, 0))
+            self._totals[plan.rule.id] = (evaluated - numbers.evaluated, true - numbers.true)
+        self._doubt(inherited)
+        for topic in self._known:
+            self._notes.heard(inherited.state, topic)
+        self._known.clear()
+        waiting, self._waiting = self._waiting, []
+        for heard in waiting:
+            self._catch_up(heard.now)
+            self._hear(heard)
+
+    def _start(self, state: EngineState, now: float, offset: float, epoch: str) -> None:
+        self._state = state
         self._offset, self._epoch = offset, epoch
+        self._applied = now
         self._unsure.clear()
         self._notes.begin(now)
         if self._first is None:
             self._first = now + offset
-            if not epoch:
-                self._midway(now)
         self._reached = now
         self._last = now + offset
 
-    def _midway(self, now: float) -> None:
-        """Take note that something was before of which nothing is known."""
-        lasts = {plan.rule.id: _memory(self._compiled, plan) for plan in self._compiled.rules}
-        self._unsure = {rule_id: now + seconds for rule_id, seconds in lasts.items()}
-        self._warm_up = max(self._warm_up, *lasts.values(), 0.0)
-
-    def _recall(self, event: Resumed, hashes: Mapping[str, str]) -> None:
-        """Let rules that were in force then cool down and run as they did.
-
-        One whose condition is true at first may have been true for long: that is no edge.
-        """
-        state = self._state
-        assert state is not None
+    def _doubt(self, inherited: Inherited) -> None:
+        """Take note of rules for which something may matter that was before all that is known."""
+        if inherited.since is None:
+            return
+        carried = frozenset(inherited.report.carried)
         for plan in self._compiled.rules:
-            rule, rule_id = state.rules[plan.index], plan.rule.id
-            if plan.trigger == "edge" and plan.evaluate(state.verdicts) is not False:
-                rule.armed = WAITS_FOR_FALSE
-            if hashes.get(rule_id) != plan.hash:
-                continue
-            if rule_id in event.ended:
-                rule.cooldown_end = event.ended[rule_id] + plan.cooldown
-            for run, began in event.running.get(rule_id, {}).items():
-                rule.runs[state.next_run] = began
-                self._runs[int(run)] = state.next_run
-                state.next_run += 1
+            seconds = _memory(self._compiled, plan, carried=plan.rule.id in carried)
+            left = inherited.since + seconds - self._applied
+            if left > 0:
+                self._unsure[plan.rule.id] = self._applied + left
+                self._warm_up = max(self._warm_up, left)
+
+    def _start_foreign(self, now: float) -> None:
+        """Begin with a message of a recording that no monitor made."""
+        self._start(initial_state(self._compiled, now), now, 0.0, "")
+        for plan in self._compiled.rules:
+            seconds = _memory(self._compiled, plan, carried=False)
+            self._unsure[plan.rule.id] = now + seconds
+            self._warm_up = max(self._warm_up, seconds)
 
     def _hear(self, event: Heard) -> None:
         self._messages += 1
@@ -209,41 +282,34 @@ class _Replay:
         if event.type and expected and event.type not in expected:
             return  # the rules ask for another type: the monitor would not have heard it
         if event.again:
-            self._remind(event)
+            assert self._state is not None
+            remind(self._compiled, self._state, event)
+            self._notes.passed(self._state, event.now)
         else:
             self._feed(Sample(event.topic, event.message), event.now)
         assert self._state is not None
         self._notes.heard(self._state, topic)
 
-    def _remind(self, event: Heard) -> None:
-        """Let the engine know a message that it has handled before: nothing fires on it again."""
-        state = self._state
-        assert state is not None
-        ends = [rule.cooldown_end for rule in state.rules]
-        for rule in state.rules:
-            rule.cooldown_end = float("inf")
-        step(self._compiled, state, Sample(event.topic, event.message), event.now)
-        for rule, end in zip(state.rules, ends, strict=True):
-            rule.cooldown_end = end
-        self._notes.passed(state, event.now)
+    def _reset(self, event: Swapped) -> None:
+        """Have rules start afresh that a person let start afresh.
 
-    def _swap(self, event: Swapped) -> None:
-        """Have rules start afresh where they did: on request, and where they came into force."""
+        What else was changed then makes no difference: the proposed table has been in force from
+        the start.
+        """
         assert self._state is not None
         self._feed(Tick(), event.now)
         hashes = {rule.id: rule_hash(rule) for rule in event.table.rules}
-        afresh = {
-            plan.rule.id
-            for plan in self._compiled.rules
-            if hashes.get(plan.rule.id) == plan.hash
-            and (plan.rule.id in event.reset or self._live.get(plan.rule.id) != plan.hash)
-        }
-        self._live = hashes
+        afresh = tuple(
+            rule_id
+            for rule_id in event.reset
+            if rule_id in self._compiled.by_id
+            and hashes.get(rule_id) == self._compiled.by_id[rule_id].hash
+        )
         if afresh:
             for rule_id in afresh:
                 self._count(rule_id)
             self._state, _ = migrate_state(
-                self._compiled, self._state, self._compiled, event.now, tuple(afresh)
+                self._compiled, self._state, self._compiled, event.now, afresh
             )
 
     def end(self) -> None:
@@ -252,6 +318,8 @@ class _Replay:
 
     def _close(self) -> None:
         """End a session of the engine."""
+        if self._resumed is not None:
+            self._apply()
         if self._state is None:
             return
         self._catch_up(self._reached)
@@ -259,6 +327,8 @@ class _Replay:
         for plan in self._compiled.rules:
             self._count(plan.rule.id)
         for rule_id, gone in self._recorded.unmatched(self._epoch):
+            if gone.now < self._applied:
+                continue  # of the table of before, and told late
             self._add(gone.now, rule_id, "gone", gone.leaves, self._why_gone(gone), False)
         self._runs.clear()
         self._ends.clear()
@@ -403,10 +473,15 @@ def _listed(found: _Found, start: float) -> BacktestFiring:
     )
 
 
-def _memory(compiled: CompiledTable, plan: RulePlan) -> float:
-    """Return for how many seconds messages and firings before a recording may matter to a rule."""
+def _memory(compiled: CompiledTable, plan: RulePlan, *, carried: bool) -> float:
+    """Return for how many seconds messages and firings of before may matter to a rule.
+
+    Its own hold, cooldown and firings do so only for a rule that is carried on.
+    """
     event = plan.rule.event
-    longest = max(event.hold, event.cooldown, event.max_rate.window if event.max_rate else 0.0)
+    longest = 0.0
+    if carried:
+        longest = max(event.hold, event.cooldown, event.max_rate.window if event.max_rate else 0.0)
     for _, index in (*plan.leaves, *plan.clear_leaves):
         condition = compiled.leaves[index].condition
         if isinstance(condition, Absent):

@@ -29,6 +29,8 @@ class Began(NamedTuple):
         Name of this session of the monitor, as in the journal.
     used
         Ids of ``once`` rules that had fired before, since the stack was started.
+    recipe
+        Tells recipes apart; empty where it is not known.
     """
 
     now: float
@@ -37,6 +39,7 @@ class Began(NamedTuple):
     revision: int
     table: Table
     used: tuple[str, ...] = ()
+    recipe: str = ""
 
 
 class Resumed(NamedTuple):
@@ -59,6 +62,7 @@ class Resumed(NamedTuple):
     revision: int
     table: Table
     used: tuple[str, ...] = ()
+    recipe: str = ""
     ended: Mapping[str, float] = {}
     running: Mapping[str, Mapping[str, float]] = {}
 

@@ -62,6 +62,8 @@ class EngineLoop:
         Told when :meth:`tick` is due, in monotonic seconds; None for not at all.
     used
         Ids of ``once`` rules that have fired in an earlier session of the same stack.
+    recipe
+        Tells recipes apart, for who reads the event log.
     event_log
         Takes down all that the engine takes; None for nothing.
     clock, wall
@@ -77,6 +79,7 @@ class EngineLoop:
         handle: Callable[[list[Output], CompiledTable, int], None],
         wake: Callable[[float | None], None],
         used: Iterable[str] = (),
+        recipe: str = "",
         event_log: EventLog | None = None,
         clock: Callable[[], int] = time.monotonic_ns,
         wall: Callable[[], float] = time.time,
@@ -91,7 +94,7 @@ class EngineLoop:
         for rule_id in used:
             self.state.rules[table.by_id[rule_id].index].fired = 1
         now = began * 1e-9
-        self._log(Began(now, wall(), epoch, revision, table.table, used), began)
+        self._log(Began(now, wall(), epoch, revision, table.table, used, recipe), began)
 
     @property
     def now(self) -> float:

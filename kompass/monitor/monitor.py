@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 
 from builtin_interfaces.msg import Time
@@ -13,6 +13,7 @@ from kompass.monitor.engine_loop import EngineLoop
 from kompass.monitor.execution.action_runner import ActionRunner
 from kompass.monitor.execution.runs import Runs
 from kompass.monitor.inputs.polled_functions import PolledFunctions
+from kompass.monitor.inputs.previews import Previews
 from kompass.monitor.inputs.rule_inputs import RuleInputs
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.introspection.graph import Graph
@@ -38,6 +39,7 @@ from kompass.rclpy_ext.timers import MovableTimer, Timers
 from kompass.recipe.table import RecipeRules
 from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.compiled_table import compile_table
+from kompass.rules.schema.table import Table, table_hash
 from kompass.store import RuleStore
 
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
@@ -105,6 +107,7 @@ class Monitor:
             handle=lambda outputs, table, revision: runs.take(outputs, table, revision),
             wake=wake_up.set,
             used=start.used,
+            recipe=_recipe_key(recipe.table, catalog.components()),
             event_log=recording.event_log if recording else None,
         )
         firings = Firings(node, loop, store, stamp, recording.fired if recording else None)
@@ -125,6 +128,7 @@ class Monitor:
         )
         engine = LiveEngine(main, loop, inputs, self._polled, runs)
         graph = Graph(node, catalog, inputs.counts)
+        previews = Previews(node, main)
         active = ActiveTable(
             InForce(start.table, start.revision, start.revision, notice=start.notice),
             start.merge,
@@ -139,7 +143,7 @@ class Monitor:
             recipe=recipe.table,
             permissions=permissions,
             robot=settings.robot,
-            lints=LiveLints(engine, graph),
+            lints=LiveLints(engine, graph, previews),
             announce=lambda text: main.post(partial(firings.announce, text)),
             later=self._worker.post,
             safe_mode=settings.safe_mode,
@@ -166,6 +170,7 @@ class Monitor:
 
         timers.every(STORE_PERIOD, look_at_store)
         timers.every(FIT_PERIOD, inputs.fit)
+        timers.every(FIT_PERIOD, previews.tidy)
         timers.every(REPEAT_PERIOD, proxy.repeat)
         timers.every(RATE_PERIOD, graph.measure)
         timers.every(PROBATION_PERIOD, look_at_probation)
@@ -191,3 +196,8 @@ class Monitor:
         self._runner.close()
         if self._recording is not None:
             self._recording.close()
+
+
+def _recipe_key(rules: Table, components: Iterable[str]) -> str:
+    """Tell recipes apart: by their components, and by the rules that they bring."""
+    return f"{' '.join(sorted(components))} {table_hash(rules)}"

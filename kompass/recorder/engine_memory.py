@@ -32,11 +32,12 @@ class EngineMemory:
         elif self._last is None:
             return
         elif isinstance(event, Swapped):
-            self._forget_changed(event)
+            same = self._unchanged(event)
+            self._ended = {rule_id: at for rule_id, at in self._ended.items() if rule_id in same}
             self._last = self._last._replace(
                 table=event.table,
                 revision=event.revision,
-                used=tuple(sorted(set(self._last.used) - set(event.reset))),
+                used=tuple(rule_id for rule_id in self._last.used if rule_id in same),
             )
             self._follow()
         elif isinstance(event, Fired) and not event.shadow:
@@ -48,13 +49,12 @@ class EngineMemory:
             self._ended[event.rule_id] = event.now
             self._running.get(event.rule_id, {}).pop(str(event.run_id), None)
 
-    def _forget_changed(self, event: Swapped) -> None:
-        """Rules that changed, or were reset, start afresh: they do not cool down."""
+    def _unchanged(self, event: Swapped) -> set[str]:
+        """Rules that go on: all others start afresh, neither cooling down nor used up."""
         assert self._last is not None
         before = {rule.id: rule_hash(rule) for rule in self._last.table.rules}
         same = {rule.id for rule in event.table.rules if before.get(rule.id) == rule_hash(rule)}
-        same -= set(event.reset)
-        self._ended = {rule_id: at for rule_id, at in self._ended.items() if rule_id in same}
+        return same - set(event.reset)
 
     def _follow(self) -> None:
         assert self._last is not None

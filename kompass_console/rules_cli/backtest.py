@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from kompass_console.rules_cli.options import RobotOptions, command
+from kompass_console.rules_cli.options import ROLE, RobotOptions, command
 
 
 def add_to(app: typer.Typer) -> None:
@@ -26,7 +26,7 @@ def backtest(
     ] = "",
     seconds: Annotated[float, typer.Option(min=0.0, help="The last ones of it; 0 for all.")] = 0.0,
 ) -> None:
-    """Try a table on a recording: what would have fired, beside what did."""
+    """Try a table on a recording: what would have fired, had it been applied at its start."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     from kompass_console.rules_cli import printing
@@ -43,6 +43,9 @@ def backtest(
         disable=robot.json,
     )
     with robot.connect() as client, bar:
+        if table is not None and not robot.json:
+            # The recording tells of then; somebody who is about to apply it asks about now, too.
+            printing.show_now(client.get(client.monitor.check(table.model_dump_json(), ROLE)))
         task = bar.add_task("back-test", total=1.0)
 
         def show(progress: float, text: str) -> None:

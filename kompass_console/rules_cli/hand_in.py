@@ -70,6 +70,7 @@ def hand_in(
     text = table.model_dump_json()
     report = client.get(client.monitor.check(text, ROLE))
     if not robot.json:
+        printing.show_now(report)
         printing.show_diff(report.diff, title=f"against revision {report.revision}")
         printing.show_findings(report.findings, map(locate, report.findings) if locate else None)
     if not report.ok:

@@ -62,6 +62,7 @@ def check(
         report = client.get(client.monitor.check(source.table.model_dump_json(), ROLE))
 
     def tell() -> None:
+        printing.show_now(report)
         printing.show_findings(report.findings, map(source.locate, report.findings))
         printing.show_diff(report.diff, title=f"against revision {report.revision}")
         printing.show_effect(report.effect, done=False)

@@ -14,7 +14,7 @@ from kompass.backtest.report import BacktestReport
 from kompass.rulebook.schema.diff_models import TableDiff
 from kompass.rulebook.schema.explanation import ExplanationView
 from kompass.rulebook.schema.journal import FiringRecord, Journal
-from kompass.rulebook.schema.report import ApplyReport, Conflict, Effect, Finding
+from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Effect, Finding
 from kompass.rulebook.schema.revision import History, Revision
 from kompass.rulebook.schema.status import LeafReading, RuleStatus
 from kompass.rulebook.schema.table_view import TableView
@@ -36,6 +36,8 @@ _STATES = {
     "shadow": ("◍", "magenta"),
     "broken": ("■", "red"),
 }
+# Of what a rule is to be expected: it fires by itself.
+FIRES = ("soon", "with a message", "if silent")
 _OUTCOMES = {"confirmed": "green", "active": "cyan", "taken back": "red", "superseded": "dim"}
 _CHANGES = {"added": "green", "removed": "red", "changed": "yellow", "moved": "cyan"}
 _VERDICTS = {True: ("true", "green"), False: ("false", "red"), None: ("unknown", "yellow")}
@@ -128,6 +130,18 @@ def show_findings(findings: Iterable[Finding], places: Iterable[str] | None = No
         text = Text(f"{mark}  ", colour)
         text.append(line or _sentence(finding), "default")
         out.print(text)
+
+
+def show_now(report: CheckReport) -> None:
+    """What the rules would do as soon as they are applied: the first line of an answer."""
+    if not report.now:
+        return
+    warn = any(each.acts and each.fires in FIRES for each in report.prospects)
+    mark = Text("▲ ", "bold yellow") if warn else Text("● ", "dim")
+    out = console()
+    out.print(mark + Text(report.now, "bold" if warn else "default"))
+    if warn:
+        out.print("  this may stop or move the robot: try it in shadow first, or be ready for it")
 
 
 def show_effect(effect: Effect, *, done: bool) -> None:

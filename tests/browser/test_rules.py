@@ -136,6 +136,36 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
     expect(kept.get_by_test_id("recording-delete")).to_have_count(0)
 
 
+def test_a_rule_that_is_true_already_says_so_before_it_stops_the_robot(
+    rules: RulesPage, robot: Robot
+) -> None:
+    """Something is nearer than 20 m all the time; no rule in force looks at the scan."""
+    rules.get("rule-add").click()
+    rules.get("rule-name").fill("Walls: stop")
+    condition = rules.get("event.condition")
+    rules.choose(condition.get_by_test_id("topic-picker"), "/scan")
+    rules.choose(condition.get_by_test_id("field-picker"), re.compile("nearest obstacle"))
+    rules.choose(condition.get_by_test_id("operator"), re.compile("less than"))
+    condition.get_by_test_id("literal").fill("20")
+    rules.get("hold").fill("2")
+    rules.choose(rules.get("add-action"), "Stop the robot")
+    rules.review()
+    said = "is true now: it will fire in 2.0 s after Apply"
+    expect(rules.get("true-now")).to_contain_text(f"'Walls: stop' {said}")
+    expect(rules.get("acts-at-once")).to_contain_text("This may stop or move the robot")
+    rules.get("backtest-start").click()
+    expect(rules.get("backtest-report")).to_contain_text("1 new", timeout=20_000)
+    rules.apply("to see it")
+    rules.get("rules-tab-firings").click()
+    expect(rules.get("firing-walls-stop").first).to_contain_text("ok", timeout=10_000)
+    assert robot.newest["/drive_state"].stopped
+    rules.get("firing-walls-stop").first.click()
+    rules.get("firing-rollback").click()
+    rules.get("rules-tab-table").click()
+    expect(rules.rule("walls-stop")).to_have_count(0)
+    robot.release()
+
+
 def test_a_draft_outlives_a_reload_and_is_taken_back_change_by_change(rules: RulesPage) -> None:
     rules.rule(STUCK).get_by_test_id("rule-toggle").click()
     rules.edit("click-to-goal")

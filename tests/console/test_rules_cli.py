@@ -4,14 +4,15 @@ import json
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
 import yaml
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, Float32
 
 from kompass.backtest.report import BacktestReport
 from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict
@@ -60,6 +61,20 @@ class Ran(NamedTuple):
     error: str
 
 
+NEAR = """
+- id: too-near
+  name: Too near
+  event:
+    condition:
+      kind: compare
+      signal: {topic: nearest, type: std_msgs/msg/Float32, path: [data], timeout: 1.0}
+      operator: "<"
+      value: 0.5
+    trigger: edge
+    hold: 2.0
+  actions:
+    - {kind: publish, topic: halt, type: std_msgs/msg/Bool, message: {data: true}}
+"""
 Run = Callable[..., Ran]
 
 
@@ -321,6 +336,59 @@ def test_a_table_is_tried_on_what_was_recorded(run: Run, edited: Path) -> None:
     report = BacktestReport.model_validate_json(tried.out)
     assert edited.parent.name in [tally.rule_id for tally in report.tallies]
     assert "replayed in" in run("backtest").out
+
+
+@contextmanager
+def saying(stack: Stack, topic: str, value: float) -> Iterator[None]:
+    """Ten times a second, on a topic that no rule in force looks at."""
+    robot, ending = Robot(stack.domain), threading.Event()
+    publisher = robot.node.create_publisher(Float32, topic, 10)
+
+    def say() -> None:
+        while not ending.wait(0.1):
+            publisher.publish(Float32(data=value))
+
+    thread = threading.Thread(target=say)
+    thread.start()
+    try:
+        yield
+    finally:
+        ending.set()
+        thread.join()
+        robot.close()
+
+
+def with_rule(run: Run, file: Path, rule: str) -> Path:
+    """The rules in force as a file, with another one."""
+    assert run("export", "-o", str(file)).code == 0
+    file.write_text(file.read_text().rstrip() + rule)
+    return file
+
+
+@pytest.mark.ros
+def test_what_is_true_now_is_said_first_and_fires_then(
+    run: Run, stack: Stack, tmp_path: Path
+) -> None:
+    """Nobody listened to the nearest obstacle before; it has been near for long."""
+    file = with_rule(run, tmp_path / "near.yaml", NEAR)
+    said = "'Too near' is true now: it will fire in 2.0 s after Apply (publish on /halt)"
+    unknown = run("check", str(file)).out.splitlines()[0]
+    assert "not known yet whether 'Too near' is true now: nothing received on nearest" in unknown
+    with saying(stack, "/nearest", 0.41):
+
+        def first_line() -> str:
+            return run("check", str(file)).out.splitlines()[0]
+
+        wait_until(lambda: first_line() == f"▲ {said}", 10, "the check to know")
+        assert run("backtest", str(file)).out.splitlines()[0] == f"▲ {said}"
+        applied = run("apply", str(file), "--yes", "--probation", "off", "--json")
+        revision = json.loads(applied.out)["revision"]
+        wait_until(lambda: "too-near" in run("firings").out, 10, "the rule to fire")
+    (firing,) = json.loads(run("firings", "--rule", "too-near", "--json").out)["firings"]
+    history = json.loads(run("history", "--json").out)["revisions"]
+    (made,) = (each for each in history if each["number"] == revision)
+    assert firing["time"] - made["time"] == pytest.approx(2.05, abs=0.5)
+    assert run("rollback", "--yes").code == 0
 
 
 @pytest.mark.ros

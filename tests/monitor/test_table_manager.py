@@ -13,9 +13,10 @@ from kompass.monitor.engine_loop import Swap
 from kompass.monitor.introspection.message_types import MessageTypes
 from kompass.monitor.live_engine import LiveEngine
 from kompass.monitor.tables.active_table import ActiveTable
-from kompass.monitor.tables.live_lints import LiveLints
+from kompass.monitor.tables.live_lints import Foreseen, LiveLints
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import ChangeAnswer, InForce, Who
+from kompass.rulebook.outlook import Outlook
 from kompass.rulebook.permissions import Permissions
 from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict, Finding
 from kompass.rules.checks.catalog import Catalog, FieldType
@@ -76,8 +77,8 @@ class NoLints(LiveLints):
     def __init__(self) -> None:
         self.problem: Exception | None = None
 
-    def foreseen(self, table: CompiledTable) -> list[Finding]:
-        return []
+    def foreseen(self, table: CompiledTable) -> Foreseen:
+        return Foreseen([], Outlook({}, (), ""))
 
     def found(self, table: Table, verdicts: Mapping[str, Verdict]) -> list[Finding]:
         if self.problem is not None:

@@ -35,6 +35,7 @@ ODOMETRY = {"topic": "odometry/filtered", "type": "nav_msgs/msg/Odometry"}
 STATUS = {"topic": "controller/status", "type": "automatika_ros_sugar/msg/ComponentStatus"}
 TWIST = ["twist", "twist", "angular", "z"]
 NEAR = "near"
+TRUE_BEFORE = "true-before"
 EDITED = 0.05  # m by which the threshold is moved
 
 
@@ -250,6 +251,50 @@ def recorded(path: Path) -> Record:
                 time_ = data["now"] + offset
                 found.append(Firing(data["rule_id"], data["run_id"], time_, leaves))
     return Record(in_force, found, shift)
+
+
+class Applied(NamedTuple):
+    """When a table came into force, as a recording has it."""
+
+    seconds: float  # before the end of the recording
+    time: float  # s since the epoch
+    firings: list[Firing]  # since then
+
+
+def last_applied(path: Path) -> Applied:
+    """The last table of a recording that was applied, read with the mcap package alone."""
+    offset, logged, found = 0.0, 0, Applied(0.0, 0.0, [])
+    with path.open("rb") as stream:
+        reader = make_reader(stream)
+        for _, _, message in reader.iter_messages("/monitor/engine"):
+            event = json.loads(message.data)
+            if event["kind"] in ("began", "resumed"):
+                offset = event["data"]["wall"] - event["data"]["now"]
+            elif event["kind"] == "swapped":
+                found = Applied(0.0, event["data"]["now"] + offset, [])
+                logged = message.log_time
+        summary = reader.get_summary()
+    assert summary is not None
+    assert summary.statistics is not None
+    assert logged, "no table was applied in it"
+    seconds = (summary.statistics.message_end_time - logged) * 1e-9
+    firings = [each for each in recorded(path).firings if each.time > found.time]
+    return found._replace(seconds=seconds, firings=firings)
+
+
+def applied_table(threshold: float) -> Table:
+    """Rules of :func:`reality_table`: some as they are, one changed, one gone, and new ones."""
+    nearest = {**SCAN, "path": ["ranges"], "aggregate": "min", "timeout": 0.5}
+    hears_transforms = {"topic": "tf", "type": "tf2_msgs/msg/TFMessage", "above": 1.0}
+    kept = [r for r in reality_table(threshold).rules if r.id not in (NEAR, "once")]
+    data = {"rules": [each.model_dump(mode="json") for each in kept]}
+    data["rules"] += [
+        rule(NEAR, compare(nearest, "<", threshold - EDITED), trigger="edge"),
+        # True before it is applied, on a topic that rules listen to, and on one that none did.
+        rule(TRUE_BEFORE, compare(nearest, "<", 20.0), trigger="edge", hold=2.0),
+        rule("transforms", {"kind": "rate", **hears_transforms, "window": 1.0}, trigger="edge"),
+    ]
+    return Table.model_validate(data)
 
 
 def since(report: BacktestReport, in_force: float) -> list[BacktestFiring]:

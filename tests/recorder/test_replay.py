@@ -28,6 +28,7 @@ from kompass.backtest.event_log import (
 )
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.recorder.clip_writer import ClipNotSaved, save_clip
+from kompass.recorder.engine_memory import EngineMemory
 from kompass.recorder.event_log import RecorderEventLog
 from kompass.recorder.mcap.contents import NotMcap
 from kompass.recorder.mcap.definitions import definition
@@ -103,10 +104,10 @@ class StackSession:
         kind, data = to_data(event)
         self.event_log.event(kind, data, self.now_ns)
 
-    def begin(self, first: Table, epoch: str = "first") -> None:
+    def begin(self, first: Table, epoch: str = "first", recipe: str = "") -> None:
         now = self.now_ns * 1e-9
         wall = (self.now_ns + self.queue.offset_ns) * 1e-9
-        self.event(Began(now, wall, epoch, 1, first))
+        self.event(Began(now, wall, epoch, 1, first, (), recipe))
 
     def hear(self, value: float, topic: str = "level") -> None:
         self.now_ns += NS // 10 + 7
@@ -346,6 +347,57 @@ def test_a_backtest_over_two_lives_of_the_stack_finds_the_firings_of_both(tmp_pa
     assert remark == ""
 
 
+def test_a_stretch_that_reaches_into_another_recipes_time_says_so(tmp_path: Path) -> None:
+    rules = table(5.0)
+    for recipe in ("indoors", "outdoors"):
+        session = StackSession(tmp_path)
+        session.now_ns += {"indoors": 0, "outdoors": 60}[recipe] * NS
+        session.begin(rules, recipe, recipe)
+        session.hear(1.0)
+        session.recorder.close()
+    files = recorded_files(tmp_path, "")
+
+    _, remark = backtest_files(rules, files)
+    _, of_the_end = backtest_files(rules, files, 1.0)
+
+    assert remark.startswith("up to 60 s into it another recipe was running")
+    assert of_the_end == ""
+
+
+def test_what_was_applied_meanwhile_is_said(session: StackSession) -> None:
+    session.begin(table(5.0))
+    session.hear(1.0)
+    session.now_ns += 20 * NS
+    session.event(Swapped(session.now_ns * 1e-9, 2, table(6.0)))
+    session.hear(1.0)
+    session.event(Swapped(session.now_ns * 1e-9, 2, table(6.0), ("above-6",)))
+    session.recorder.close()
+
+    _, remark = backtest_files(table(7.0), rotation_files(session.recordings / "ring"))
+
+    assert remark == (
+        "other rules were applied meanwhile (revision 2 20 s into it): these are taken to be in "
+        "force from its start to its end all the same"
+    )
+
+
+def test_a_rule_that_was_changed_is_not_used_up_any_more() -> None:
+    """It fired once, and once more after it was changed: so it would have, applied in between."""
+    first, second = table(5.0, once=True), table(5.0)
+    memory = EngineMemory()
+    rule = first.rules[0]
+    memory.take(Began(0.0, 0.0, "first", 1, first))
+    memory.take(Fired(1.0, rule.id, 1, 1.0, 1, rule_hash(rule)))
+    kept = memory.resumed(2.0)
+    assert kept is not None
+    assert kept.used == (rule.id,)
+    memory.take(Swapped(2.0, 2, second))
+    memory.take(Swapped(3.0, 3, first))
+    anew = memory.resumed(4.0)
+    assert anew is not None
+    assert anew.used == ()
+
+
 def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_before(
     session: StackSession,
 ) -> None:
@@ -382,6 +434,51 @@ def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_befor
 
     assert report.same > 5
     assert (report.new, report.gone) == (0, 0)
+
+
+def held(seconds: float, rule_id: str) -> dict[str, Any]:
+    """A rule that fires once the level was above 5 for so long."""
+    (made,) = table(5.0).model_dump(mode="json")["rules"]
+    return {**made, "id": rule_id, "event": {**made["event"], "hold": seconds}}
+
+
+def test_a_table_applied_in_the_middle_finds_what_the_engine_knew_then(
+    session: StackSession,
+) -> None:
+    """The level is above 5 from 1 s on; the stretch begins at 20 s and ends at 30 s."""
+    in_force = Table.model_validate({"rules": [held(25.0, "kept"), held(28.0, "changed")]})
+    proposed = [held(25.0, "kept"), held(3.0, "changed"), held(2.0, "new")]
+    fired: list[Firing] = []
+    engine = EngineLoop(
+        compile_table(in_force),
+        1,
+        "first",
+        handle=lambda outputs, *_: fired.extend(o for o in outputs if isinstance(o, Firing)),
+        wake=lambda _: None,
+        event_log=session.event_log,
+        clock=lambda: session.now_ns,
+        wall=lambda: (session.now_ns + session.queue.offset_ns) * 1e-9,
+    )
+    for count in range(300):
+        session.now_ns += NS // 10
+        value = 7.0 if count >= 10 else 0.0
+        engine.heard("level", FLOAT, Float64(data=value), level(value))
+        if fired and fired[-1].rule_id == "changed":
+            engine.ended(fired[-1].rule_id, fired.pop().run_id, True, "")
+    session.recorder.close()
+    files = rotation_files(session.recordings / "ring")
+
+    report, _ = backtest_files(Table.model_validate({"rules": proposed}), files, 10.0)
+
+    found = [(f.rule_id, f.verdict, round(f.at, 1), f.assumed) for f in report.firings]
+    # What is new or changed begins with the first message that the table takes.
+    assert found == [
+        ("new", "new", 2.0, False),
+        ("changed", "new", 3.0, False),
+        ("kept", "same", 6.1, False),
+        ("changed", "gone", 9.1, False),
+    ]
+    assert report.warm_up == 0.0
 
 
 def test_only_the_end_is_replayed_when_only_the_end_is_asked_for(session: StackSession) -> None:

@@ -19,8 +19,11 @@ from kompass.rules.schema.table import Table
 from tests.recorder.reality import (
     EDITED,
     NEAR,
+    TRUE_BEFORE,
     Reality,
+    applied_table,
     expected_near,
+    last_applied,
     reality_table,
     recorded,
     same_times,
@@ -233,3 +236,23 @@ def test_what_surrounds_a_severe_firing_is_kept(robot: Robot, reality: Reality) 
     end = summary.statistics.message_end_time * 1e-9
     assert 4.0 < end - firing.time < 6.0
     assert time.time() - firing.time < 30
+
+
+def test_a_table_applied_while_it_drives_fires_as_a_back_test_from_then_says(
+    reality: Reality,
+) -> None:
+    table = applied_table(THRESHOLD)
+    reality.apply(reality_table(THRESHOLD))
+    reality.drive(6.0)
+    reality.apply(table)
+    reality.drive(8.0)
+    applied = last_applied(reality.save("applied"))
+
+    report = reality.backtest(table, "applied", seconds=applied.seconds)
+
+    assert report.start == pytest.approx(applied.time, abs=1e-3)
+    assert {f.verdict for f in report.firings} == {"same"}
+    assert [f.rule_id for f in report.firings] == [f.rule_id for f in applied.firings]
+    assert same_times([f.time for f in report.firings], [f.time for f in applied.firings])
+    (held,) = [f for f in report.firings if f.rule_id == TRUE_BEFORE]
+    assert held.at == pytest.approx(2.0, abs=0.5), "it was true already, and its hold began then"

@@ -4,8 +4,9 @@ from typing import Any
 
 import pytest
 
-from kompass.rulebook.lint.context import LintContext, TopicFacts, verdicts_after
+from kompass.rulebook.lint.context import LintContext, TopicFacts
 from kompass.rulebook.lint.lint import findings_of, lint_table
+from kompass.rulebook.outlook import outlook
 from kompass.rulebook.schema.report import Finding
 from kompass.rules.checks.catalog import ComponentSpec
 from kompass.rules.checks.problem import Problem
@@ -195,7 +196,7 @@ def test_what_is_true_now_fires_when_it_is_applied() -> None:
         rule(compare("a", "<", 2), "edge", trigger="edge", first_true_is_edge=False),
     ]
     after = Robot(*new).table
-    verdicts = verdicts_after(robot.table, robot.state, after, robot.now)
+    verdicts = outlook(robot.table, robot.state, after, robot.now).verdicts
     assert verdicts == {"now": True, "held": True, "false": False, "edge": True}
     found = lints(*new, verdicts=verdicts)
     assert [(f.rule_id, f.code) for f in found] == [("now", "true-now"), ("held", "true-now")]

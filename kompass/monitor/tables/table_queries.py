@@ -70,7 +70,9 @@ class TableQueries:
             robot=self._robot,
             probation_left=self._active.probation_left,
             notice=now.notice,
-            findings=tuple(self._validator.foreseen(compile_table(table))) if current else (),
+            findings=tuple(self._validator.foreseen(compile_table(table)).findings)
+            if current
+            else (),
             merge=self._active.merge if current else None,
             safe_mode=self._safe_mode,
         )
@@ -111,6 +113,7 @@ class TableQueries:
             return self._validator.unreadable(now, error)
         table = self._validator.with_true_sources(table, role, self._active.known)
         findings = self._validator.errors(now, table, role)
-        if not findings:
-            findings = self._validator.foreseen(compile_table(table))
-        return self._validator.report(now, table, findings, self._running())
+        if findings:
+            return self._validator.report(now, table, findings, self._running())
+        lints, outlook = self._validator.foreseen(compile_table(table))
+        return self._validator.report(now, table, lints, self._running(), outlook)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 
-from kompass.monitor.tables.live_lints import LiveLints
+from kompass.monitor.tables.live_lints import Foreseen, LiveLints
 from kompass.monitor.tables.recipe_check import faults_of
 from kompass.monitor.tables.table_reader import Unreadable
 from kompass.monitor.tables.types import InForce
 from kompass.rulebook.diff import diff_tables
 from kompass.rulebook.guard import guard
+from kompass.rulebook.outlook import Outlook
 from kompass.rulebook.permissions import Permissions
 from kompass.rulebook.schema.report import CheckReport, Effect, Finding
 from kompass.rulebook.sources import with_sources
@@ -74,8 +75,8 @@ class TableValidator:
             found += self._faults(rule)
         return found
 
-    def foreseen(self, table: CompiledTable) -> list[Finding]:
-        """What there would be to think about, were a table in force now."""
+    def foreseen(self, table: CompiledTable) -> Foreseen:
+        """What there would be to think about, were a table applied now, and what it would do."""
         return self._lints.foreseen(table)
 
     def found(self, table: Table, verdicts: Mapping[str, Verdict]) -> tuple[Finding, ...]:
@@ -105,7 +106,12 @@ class TableValidator:
         return CheckReport(ok=False, revision=now.revision, findings=tuple(error.findings))
 
     def report(
-        self, now: InForce, table: Table, findings: Collection[Finding], running: Collection[str]
+        self,
+        now: InForce,
+        table: Table,
+        findings: Collection[Finding],
+        running: Collection[str],
+        outlook: Outlook | None = None,
     ) -> CheckReport:
         """What is answered to whoever asks about a table.
 
@@ -119,6 +125,8 @@ class TableValidator:
             Errors and lints.
         running
             Ids of rules whose actions are running.
+        outlook
+            What the table would do at once; None where that was not looked at.
         """
         return CheckReport(
             ok=all(finding.level != "error" for finding in findings),
@@ -126,6 +134,8 @@ class TableValidator:
             findings=tuple(findings),
             diff=diff_tables(now.table, table, before_revision=now.revision),
             effect=_effect(now.table, table, running),
+            prospects=() if outlook is None else outlook.prospects,
+            now="" if outlook is None else outlook.text,
         )
 
 

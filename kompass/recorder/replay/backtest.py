@@ -8,15 +8,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 from kompass.backtest.engine import backtest
-from kompass.backtest.event_log import LoggedEvent, Lost
+from kompass.backtest.event_log import Began, LoggedEvent, Lost, Resumed, Swapped
 from kompass.backtest.report import BacktestReport
 from kompass.recorder.mcap.reader import Recording
 from kompass.recorder.places import known_recording, rotation_folder
 from kompass.recorder.replay.replay import Replay
 from kompass.recorder.rotating_recording import rotation_files
+from kompass.rulebook.views.wording import seconds as seconds_text
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Table
 
+_TOLD = 3  # changes of the rules that a remark names
 REPORT_PERIOD = 0.1  # s between two words of progress
 
 
@@ -79,16 +81,51 @@ def backtest_files(
             table,
             replay.events(),
             did,
+            before=replay.before(),
             total=replay.total,
             progress=_seldom(progress),
             clock=time.monotonic,
         )
-        return Backtested(report, _remark(replay.has_engine, did))
+        if not replay.has_engine:
+            return Backtested(
+                report,
+                "the recording has no rule engine in it: there are no firings to compare with",
+            )
+        remarks = (_of_another_recipe(report.start, did), _of_changes(report.start, did))
+        return Backtested(report, "; ".join(filter(None, (*remarks, _of_losses(did)))))
 
 
-def _remark(has_engine: bool, did: Sequence[LoggedEvent]) -> str:
-    if not has_engine:
-        return "the recording has no rule engine in it: there are no firings to compare with"
+def _of_another_recipe(start: float, did: Sequence[LoggedEvent]) -> str:
+    begins = [event for event in did if isinstance(event, Began | Resumed) and event.recipe]
+    others = [place for place, event in enumerate(begins) if event.recipe != begins[-1].recipe]
+    if not others:
+        return ""
+    left = begins[others[-1] + 1].wall - start
+    return (
+        f"up to {seconds_text(left)} into it another recipe was running: what is said of that time "
+        "is of a robot that was set up otherwise"
+    )
+
+
+def _of_changes(start: float, did: Sequence[LoggedEvent]) -> str:
+    """Say that rules were applied meanwhile: firings differ for that alone."""
+    offset, revision, found = 0.0, 0, []
+    for event in did:
+        if isinstance(event, Began | Resumed):
+            offset, revision = event.wall - event.now, event.revision
+        elif isinstance(event, Swapped) and event.revision != revision:
+            revision = event.revision
+            found.append(f"revision {revision} {seconds_text(event.now + offset - start)} into it")
+    if not found:
+        return ""
+    more = f" and {len(found) - _TOLD} more" if len(found) > _TOLD else ""
+    return (
+        f"other rules were applied meanwhile ({', '.join(found[:_TOLD])}{more}): these are taken "
+        "to be in force from its start to its end all the same"
+    )
+
+
+def _of_losses(did: Sequence[LoggedEvent]) -> str:
     lost = [event for event in did if isinstance(event, Lost)]
     if not lost:
         return ""

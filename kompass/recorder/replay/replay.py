@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -35,11 +35,8 @@ class Replay:
     """
 
     def __init__(self, recording: Recording, table: CompiledTable, seconds: float = 0.0) -> None:
-        self._types = table.topic_types()
-        self._callables = {plan.name for plan in table.topics if plan.callable}
-        self._paths = _paths(table)
-        self._classes: dict[str, type[Any] | None] = {}
-        self._decoders: dict[tuple[str, str], Decode] = {}
+        self._table = table
+        self._ears = _Ears([table])
         self._lives = sessions_of(recording.files)
         self._start = 0
         if seconds:
@@ -54,13 +51,31 @@ class Replay:
             for file in files
             if file.contents.end_time >= self._start
             for number, track in file.tracks.items()
-            if self._wanted(track) or is_event(track)
+            if self._ears.want(track) or is_event(track)
         )
 
     @property
     def has_engine(self) -> bool:
         """Whether a rule engine was recorded too, to compare with."""
         return any(_has_engine(files) for files in self._lives)
+
+    def before(self) -> Iterator[LoggedEvent]:
+        """What the engine took before the stretch, in the session in whose middle that begins.
+
+        With it a replay comes to know what the engine knew when the stretch began: all that its
+        tables of then looked at is read. Nothing where the stretch begins with a session.
+
+        Raises
+        ------
+        NotMcap
+            When the recording is damaged.
+        """
+        for files in self._lives:
+            if not self._start or not _has_engine(files):
+                continue
+            if any(file.contents.end_time >= self._start for file in files):
+                yield from self._past(files)
+                return  # what is later begins later
 
     def recorded(self) -> Iterator[LoggedEvent]:
         """What the engine did, without the messages that it heard."""
@@ -80,11 +95,36 @@ class Replay:
         for files in self._lives:
             yield from self._ours(files) if _has_engine(files) else self._others(files)
 
+    def _past(self, files: list[File]) -> Iterator[LoggedEvent]:
+        events = clip_messages(files, is_event, end=self._start)
+        tables = [
+            event.table
+            for event, _ in (_read(message) for message in events if is_event(message.track))
+            if isinstance(event, Began | Resumed | Swapped)
+        ]
+        # What the proposed table looks at is read, too: it begins with the newest values.
+        ears = _Ears([self._table, *map(compile_table, tables)])
+
+        def by_engine(track: Track) -> bool:
+            return track.source.removesuffix(REPEAT) == "engine" and ears.want(track)
+
+        shift: int | None = None
+        for message in clip_messages(files, by_engine, end=self._start):
+            track = message.track
+            if is_event(track):
+                event, now_ns = _read(message)
+                shift = message.log_time - now_ns
+                if not isinstance(event, Heard) or event.topic in ears.callables:
+                    yield event
+            elif shift is not None:
+                heard = ears.heard(message, (message.log_time - shift) * 1e-9)
+                yield heard._replace(again=track.source.endswith(REPEAT))
+
     def _ours(self, files: list[File]) -> Iterator[LoggedEvent]:
         shift: int | None = None  # from monotonic nanoseconds to those of the recording
         head: int | None = None  # time of the beginning, if that is in the middle of a life
         heard: frozenset[str] = frozenset()  # what the engine listened to
-        for message in clip_messages(files, self._wanted, self._start):
+        for message in clip_messages(files, self._ears.want, self._start):
             track = message.track
             if is_event(track):
                 event, now_ns = _read(message)
@@ -93,7 +133,7 @@ class Replay:
                 if isinstance(event, Began | Swapped) or shift is None:
                     heard = _topics(event)
                 shift = message.log_time - now_ns
-                if not isinstance(event, Heard) or event.topic in self._callables:
+                if not isinstance(event, Heard) or event.topic in self._ears.callables:
                     yield event
                 continue
             if shift is None:
@@ -103,18 +143,50 @@ class Replay:
                 continue
             if source == "tap" and track.rule_topic in heard:
                 continue
-            taken = self._heard(message, (message.log_time - shift) * 1e-9)
+            taken = self._ears.heard(message, (message.log_time - shift) * 1e-9)
             # What the engine listens to only now, it would be given by a publisher that latches.
             again = source != track.source and source == "engine"
             yield taken._replace(again=again)
 
     def _others(self, files: list[File]) -> Iterator[LoggedEvent]:
         """A recording without an engine: from another tool, or of a stack without a monitor."""
-        for message in messages(files, self._wanted, self._start):
+        for message in messages(files, self._ears.want, self._start):
             if not message.track.source.endswith(REPEAT):
-                yield self._heard(message, message.log_time * 1e-9)
+                yield self._ears.heard(message, message.log_time * 1e-9)
 
-    def _heard(self, message: Recorded, now: float) -> Heard:
+
+class _Ears:
+    """What tables listen to, and how to read it."""
+
+    def __init__(self, tables: Sequence[CompiledTable]) -> None:
+        self.callables = frozenset(
+            plan.name for table in tables for plan in table.topics if plan.callable
+        )
+        self._types: dict[str, set[str]] = {}
+        self._paths: dict[str, list[Path]] = {}
+        for table in tables:
+            for name, kinds in table.topic_types().items():
+                self._types.setdefault(name, set()).update(kinds)
+            for name, paths in _paths(table).items():
+                known = self._paths.setdefault(name, [])
+                known += [path for path in paths if path not in known]
+        self._classes: dict[str, type[Any] | None] = {}
+        self._decoders: dict[tuple[str, str], Decode] = {}
+
+    def want(self, track: Track) -> bool:
+        """Whether one of the tables looks at a channel."""
+        if track.encoding != "cdr" or track.type not in self._types.get(track.rule_topic, ()):
+            return False
+        return self._class(track.type) is not None
+
+    def heard(self, message: Recorded, now: float) -> Heard:
+        """A message as the engine takes it; ``now`` in its own seconds.
+
+        Raises
+        ------
+        NotMcap
+            When it is no message of its type.
+        """
         track = message.track
         decode = self._decoder(track)
         try:
@@ -122,11 +194,6 @@ class Replay:
         except Exception as error:
             raise NotMcap(f"a message on {track.topic} is no {track.type}: {error}") from error
         return Heard(now, track.rule_topic, track.type, content)
-
-    def _wanted(self, track: Track) -> bool:
-        if track.encoding != "cdr" or track.type not in self._types.get(track.rule_topic, ()):
-            return False
-        return self._class(track.type) is not None
 
     def _decoder(self, track: Track) -> Decode:
         key = (track.rule_topic, track.type)

@@ -4,10 +4,6 @@ from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 from kompass.rules.checks.catalog import ComponentSpec
-from kompass.rules.engine.compiled_table import CompiledTable
-from kompass.rules.engine.explain import verdict_of
-from kompass.rules.engine.migration import migrate_state
-from kompass.rules.engine.state import EngineState
 from kompass.rules.schema.values import Verdict
 
 
@@ -41,7 +37,7 @@ class LintContext(NamedTuple):
         Of the stack, by node name.
     verdicts
         What the conditions of new and changed rules would say if the table were in force now
-        (:func:`verdicts_after`).
+        (:func:`kompass.rulebook.outlook.outlook`).
     publishes
         Topics that each component publishes on, without the leading slash.
     """
@@ -52,18 +48,3 @@ class LintContext(NamedTuple):
     components: Mapping[str, ComponentSpec] | None = None
     verdicts: Mapping[str, Verdict] = {}
     publishes: Mapping[str, Collection[str]] = {}
-
-
-def verdicts_after(
-    old: CompiledTable, state: EngineState, new: CompiledTable, now: float
-) -> dict[str, Verdict]:
-    """Return what the conditions of new and changed rules would say right after a swap.
-
-    Unchanged rules go on as they were: nothing new is to be said of them. ``now`` is in monotonic
-    seconds; nothing is changed.
-    """
-    state_after, report = migrate_state(old, state, new, now)
-    return {
-        rule_id: verdict_of(new, state_after, new.by_id[rule_id], now)
-        for rule_id in (*report.added, *report.reset)
-    }

@@ -43,14 +43,51 @@ class Effect(Model):
     running: tuple[str, ...] = ()
 
 
+class Prospect(Model):
+    """What is to be expected of a new or changed rule as soon as the table is applied.
+
+    Attributes
+    ----------
+    fires
+        ``soon``: ``seconds`` after it is applied. ``with a message``: ``seconds`` after the next
+        message. ``when next true``: its condition is true, and must be false first. ``with a
+        change``: its condition is true, and a value must change. ``if silent``: ``seconds`` after
+        it is applied, unless a message comes. ``unknown``: no value is known yet.
+    acts
+        Whether it may stop or move the robot, or something of it.
+    text
+        ``true now: it will fire in 2.0 s after Apply``.
+    """
+
+    rule_id: str
+    fires: Literal[
+        "soon", "with a message", "when next true", "with a change", "if silent", "unknown"
+    ]
+    seconds: float | None = None
+    acts: bool
+    text: str
+
+
 class CheckReport(Model):
-    """``ok`` when there is no error; lints do not forbid anything."""
+    """``ok`` when there is no error; lints do not forbid anything.
+
+    Attributes
+    ----------
+    revision
+        In force, against which it was checked.
+    prospects
+        New and changed rules that are true at this moment, or not known to be false.
+    now
+        The same in one line; empty where nothing is new or changed, or there are errors.
+    """
 
     ok: bool
-    revision: int  # in force, against which it was checked
+    revision: int
     findings: tuple[Finding, ...] = ()
     diff: TableDiff = TableDiff()
     effect: Effect = Effect()
+    prospects: tuple[Prospect, ...] = ()
+    now: str = ""
 
 
 class ApplyReport(Model):

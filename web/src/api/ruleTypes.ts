@@ -23,6 +23,7 @@ export type Action = Rule["actions"][number];
 export type TableView = Sent<Schemas["TableView"]>;
 export type Finding = Sent<Schemas["Finding"]>;
 export type CheckReport = Sent<Schemas["CheckReport"]>;
+export type Prospect = CheckReport["prospects"][number];
 export type ApplyReport = Sent<Schemas["ApplyReport"]>;
 export type Effect = CheckReport["effect"];
 export type TableDiff = CheckReport["diff"];

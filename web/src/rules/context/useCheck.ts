@@ -21,6 +21,8 @@ export interface Check {
 const REST_MS = 350;
 /** A robot that could not answer is asked again. */
 const AGAIN_MS = 1500;
+/** What all questions of this kind begin with. */
+export const CHECK = ["check"];
 const NONE: Finding[] = [];
 
 /** A table that is refused has an answer all the same: the report that says why. */
@@ -42,7 +44,7 @@ export function useCheck(draft: Draft | null, view: TableView | null): Check {
     [rested],
   );
   const { data, error, fresh } = useAsked({
-    key: ["check", text, view?.revision],
+    key: [...CHECK, text, view?.revision],
     enabled: text !== null,
     ask: (signal) => check(JSON.parse(text ?? ""), signal),
     again: (_, failure) => (failure === null ? false : AGAIN_MS),

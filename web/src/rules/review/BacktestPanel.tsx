@@ -35,7 +35,9 @@ export function BacktestPanel({ table, names, ready }: Props) {
     <section className={page.section} aria-label="Back-test">
       <h3>Back-test first</h3>
       <div className={page.line}>
-        <span className={page.muted}>What would it have done over</span>
+        <span className={page.muted}>
+          What would it have done, had it been applied at the start of
+        </span>
         <Choice
           aria-label="Over which stretch"
           data={

@@ -1,6 +1,6 @@
 import { Button, Radio, Textarea } from "@mantine/core";
-import { useMutation } from "@tanstack/react-query";
-import { useState } from "react";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useEffect, useState } from "react";
 import { applyRules, conflictOf, reportOf } from "../../api/rulesClient";
 import type { ApplyReport, Finding } from "../../api/ruleTypes";
 import { Choice } from "../../ui/controls/Choice";
@@ -9,6 +9,7 @@ import page from "../../ui/page.module.css";
 import type { Draft } from "../changes/draft";
 import { useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
+import { CHECK } from "../context/useCheck";
 import { ruleName } from "../model/words";
 import { DiffList } from "../parts/DiffList";
 import { FindingList } from "../parts/FindingList";
@@ -17,6 +18,7 @@ import { Applied } from "./Applied";
 import { BacktestPanel } from "./BacktestPanel";
 import { EffectView } from "./EffectView";
 import classes from "./Review.module.css";
+import { ActsAtOnce, TrueNow } from "./TrueNow";
 
 /** What will change, what it would have done, and the button that does it. */
 export function ReviewPage() {
@@ -41,6 +43,7 @@ export function ReviewPage() {
   );
 }
 
+const AGAIN_MS = 2000;
 const PROBATIONS = [
   { value: "60", label: "60 s on probation, then back unless kept" },
   { value: "300", label: "5 min on probation" },
@@ -59,11 +62,15 @@ function Review({ draft, onApplied }: Props) {
   const [probation, setProbation] = useState("60");
   const [cancelRunning, setCancelRunning] = useState(false);
   const report = check.report;
+  useAskedAgain();
   const names = new Map(
     [...draft.baseTable.rules, ...draft.table.rules].map((rule) => [rule.id, ruleName(rule)]),
   );
   const errors = check.findings.filter((finding) => finding.level === "error");
-  const lints = check.findings.filter((finding) => finding.level === "lint");
+  // What is true now stands above it all, with when it fires.
+  const lints = check.findings.filter(
+    (finding) => finding.level === "lint" && finding.code !== "true-now",
+  );
   const running = report?.effect.running ?? [];
 
   const apply = useMutation({
@@ -90,6 +97,7 @@ function Review({ draft, onApplied }: Props) {
 
   return (
     <>
+      {report !== null && <TrueNow report={report} />}
       <section className={page.section} aria-label="Changes">
         <DiffList changes={report?.diff.changes ?? handle.changes} />
         {report !== null && <EffectView effect={report.effect} names={names} />}
@@ -124,6 +132,7 @@ function Review({ draft, onApplied }: Props) {
             <Radio value="cancel" label="cancel their actions" mt={4} />
           </Radio.Group>
         )}
+        {report !== null && <ActsAtOnce prospects={report.prospects} names={names} />}
         <div className={classes.apply}>
           <Choice
             aria-label="Probation"
@@ -146,6 +155,16 @@ function Review({ draft, onApplied }: Props) {
       </section>
     </>
   );
+}
+
+/** The robot goes on while somebody reads: what is true now is asked again and again. */
+function useAskedAgain() {
+  const client = useQueryClient();
+  useEffect(() => {
+    const again = () => void client.invalidateQueries({ queryKey: CHECK });
+    const timer = window.setInterval(again, AGAIN_MS);
+    return () => window.clearInterval(timer);
+  }, [client]);
 }
 
 function Findings(props: {

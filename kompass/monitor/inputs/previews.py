@@ -1,0 +1,115 @@
+"""Hear for a moment what a table would look at that nobody has applied yet."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message
+
+from kompass.rclpy_ext.main_thread import MainThread
+from kompass.rclpy_ext.messages import ros_class
+from kompass.rclpy_ext.qos import best_for
+from kompass.rulebook.outlook import Newest
+
+PATIENCE = 0.5  # s that a check waits for messages of topics that nobody listened to
+KEPT = 10.0  # s for which a topic is listened to after it was last asked for
+AT_ONCE = 16  # topics; whoever may check a table shall not have the monitor listen to all there is
+_ENOUGH = 2  # messages that tell that more come by themselves
+
+
+@dataclass
+class _Preview:
+    """One subscription, and the newest that came."""
+
+    kind: type[Any]
+    subscription: Any
+    latched: bool
+    asked: float
+    count: int = 0
+    raw: bytes = b""
+    received: float = 0.0
+
+    @property
+    def settled(self) -> bool:
+        """Whether waiting would tell nothing more."""
+        return self.count >= (1 if self.latched else _ENOUGH)
+
+
+class Previews:
+    """Subscriptions of a few seconds, whose messages no rule gets.
+
+    Parameters
+    ----------
+    node, main
+        Subscribes, and its executor's thread.
+    """
+
+    def __init__(self, node: Node, main: MainThread) -> None:
+        self._node, self._main = node, main
+        self._open: dict[str, _Preview] = {}
+        self._came = threading.Condition()
+
+    def newest(self, topics: Mapping[str, str]) -> dict[str, Newest]:
+        """The newest messages of topics, without those on which none came; called on a worker.
+
+        It waits for a topic that it did not listen to, for :data:`PATIENCE` seconds at most.
+
+        Parameters
+        ----------
+        topics
+            Types (``package/msg/Name``) by name, without a leading slash.
+        """
+        asked = self._main.call(partial(self._listen, topics))
+        with self._came:
+            self._came.wait_for(lambda: all(each.settled for each in asked.values()), PATIENCE)
+            return {name: _newest(each) for name, each in asked.items() if each.count}
+
+    def tidy(self) -> None:
+        """Listen no more to what was last asked for long ago; on the executor's thread."""
+        until = time.monotonic() - KEPT
+        for name in [name for name, each in self._open.items() if each.asked < until]:
+            self._node.destroy_subscription(self._open.pop(name).subscription)
+
+    def _listen(self, topics: Mapping[str, str]) -> dict[str, _Preview]:
+        now = time.monotonic()
+        for name, type_name in topics.items():
+            known = self._open.get(name)
+            if known is not None:
+                known.asked = now
+            elif type_name and len(self._open) < AT_ONCE:
+                self._begin(name, type_name, now)
+        return {name: self._open[name] for name in topics if name in self._open}
+
+    def _begin(self, name: str, type_name: str, now: float) -> None:
+        full = self._node.resolve_topic_name(name)
+        infos = [
+            info
+            for info in self._node.get_publishers_info_by_topic(full)
+            if info.topic_type == type_name
+        ]
+        if not infos:
+            return
+        kind, offer = ros_class(type_name), best_for(infos)
+        preview = _Preview(kind, None, offer.latched, now)
+        preview.subscription = self._node.create_subscription(
+            kind, name, partial(self._take, preview), offer.profile(1), raw=True
+        )
+        self._open[name] = preview
+
+    def _take(self, preview: _Preview, raw: bytes) -> None:
+        with self._came:
+            preview.count += 1
+            preview.raw, preview.received = raw, time.monotonic()
+            self._came.notify_all()
+
+
+def _newest(preview: _Preview) -> Newest:
+    # Made only of those that are asked for: most are replaced before anybody looks.
+    message = deserialize_message(preview.raw, preview.kind)
+    return Newest(message, preview.received, preview.settled)
