@@ -307,7 +307,9 @@ class Launcher:
         Raises
         ------
         ValueError
-            When no component was added.
+            When no component was added, or one lacks a topic that it needs.
+        TypeError
+            When one lacks a hook or a type that its run type needs.
         AlreadyRunning
             When another stack runs the same nodes.
         StartupError
@@ -319,6 +321,8 @@ class Launcher:
         if config_file:
             for component in self._components:
                 component.apply_config_file(config_file)
+        for component in self._components:
+            component.check_declaration()
         self._failure_policies.apply(self._components)
         log_to_terminal("kompass")
         own, recorder = self._specs(), list[ProcessSpec]()

@@ -45,6 +45,7 @@ class Controller(Component):
     config: ControllerConfig
     config_class = ControllerConfig
     allowed_run_types = (ComponentRunType.TIMED,)
+    tells_missing_inputs = False
     allowed_inputs: ClassVar = {
         "plan": AllowedTopics(["Path"]),
         "location": AllowedTopics(["Odometry", "PoseStamped", "Pose"]),
