@@ -17,9 +17,15 @@ from rclpy.action import ActionClient
 from std_msgs.msg import Bool, Float32, Float32MultiArray, String
 from std_srvs.srv import Trigger
 
-from kompass.components import Component
+from kompass.components import Component, component_action
 from kompass.config import BaseComponentConfig
-from kompass.ros import Launcher, Topic
+from kompass.expressions import condition_of
+from kompass.monitor.introspection.component_specs import component_spec
+from kompass.ros import Action, Launcher, Topic
+from kompass.rulebook.permissions import Permissions
+from kompass.rules.schema.actions import Method
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.table import Rule, Table
 from tests.components.alive import Alive
 from tests.support.processes import wait_until
 
@@ -459,11 +465,11 @@ def test_an_event_component_without_inputs_is_refused() -> None:
         (lambda: Component("x", main_action_type=Trigger), "is not the type of a ROS action"),
         (
             lambda: Component("x", inputs=cast(Any, ["/level"])),
-            "inputs holds '/level', which is not a Topic",
+            "holds '/level', which is not a Topic",
         ),
         (
             lambda: Component("x", inputs=cast(Any, LEVEL)),
-            "give a list of topics, or topics by key",
+            "give a list of topics",
         ),
         (lambda: Component("x", inputs=[LEVEL, LEVEL]), "names '/level' twice"),
     ],
@@ -484,6 +490,78 @@ def test_a_list_finds_the_keys_of_a_component_that_has_some() -> None:
         Planner(inputs=[Topic(name="/here", msg_type="Odometry")])
     with pytest.raises(ValueError, match="'/level' fits none of map, goal_point, location"):
         Planner(inputs=[LEVEL])
+
+
+# -- actions ------------------------------------------------------------------------------------
+
+
+class Chatty(Component):
+    """Has methods that are marked, and some that are not."""
+
+    def __init__(self) -> None:
+        super().__init__("chatty")
+        self.said: list[str] = []
+
+    def say(self, text: str) -> bool:
+        """Say it."""
+        self.said.append(text)
+        return True
+
+    def wipe(self) -> bool:
+        """Forget all."""
+        self.said.clear()
+        return True
+
+    @component_action
+    def shout(self, text: str) -> bool:
+        """Say it aloud."""
+        self.said.append(text.upper())
+        return True
+
+
+def test_a_method_that_is_not_marked_may_be_used_by_the_recipe_and_is_closed_else(run: Run) -> None:
+    chatty = Chatty()
+    assert "say" not in chatty.available_actions
+    data = Action(chatty.say, args=("hello",)).to_data()
+    assert isinstance(data, Method)
+    assert (data.method, data.kwargs) == ("say", {"text": "hello"})
+    alive = run(chatty)
+    assert alive.execute("say", text="hello").success
+    assert chatty.said == ["hello"]
+    answer = alive.execute("wipe")
+    assert not answer.success
+    assert "chatty has no action 'wipe'" in answer.error_msg
+
+
+def test_one_may_be_a_fallback_and_what_is_ours_or_hidden_may_not(run: Run) -> None:
+    chatty = Chatty()
+    chatty.on_fail(chatty.wipe)
+    assert "wipe" in chatty.available_actions
+    with pytest.raises(TypeError, match="publish_status is not a component action"):
+        chatty.on_fail(chatty.publish_status)
+    for hidden in (chatty.main_service_callback, chatty._execution_step, chatty.init_variables):
+        with pytest.raises(TypeError, match="cannot be called by a rule"):
+            Action(hidden)
+
+
+@pytest.mark.parametrize("source", ["edited", "engineer"])
+def test_rules_of_people_may_call_what_is_marked_and_nothing_that_the_recipe_opened(
+    source: Any,
+) -> None:
+    chatty = Chatty()
+    Action(chatty.say, args=("hello",))
+    permissions = Permissions({"chatty": component_spec(chatty)}, Table())
+
+    def refusal(method: str) -> str | None:
+        call = Method(component="chatty", method=method, kwargs={"text": "x"})
+        condition = condition_of(chatty.status_topic.msg.status != 0)
+        event = Event(condition=condition)
+        rule = Rule(id="a", name="a", event=event, actions=(call,), source=source)
+        refused = permissions.refusal(rule, call)
+        return refused.code if refused else None
+
+    assert refusal("shout") is None
+    assert refusal("say") == "recipe-only"
 
 
 # -- what the code of a component uses --------------------------------------------------------
