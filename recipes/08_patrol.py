@@ -8,7 +8,7 @@ own action; so paths, obstacles and STOP are looked after as always.
 
 Try it: one round, from another terminal; a click on the floor of the page calls the robot off.
 
-    ros2 topic pub --times 3 /patrol/start std_msgs/msg/Empty
+    ros2 topic pub --once /patrol/start std_msgs/msg/Empty
     ros2 action send_goal --feedback /patrol/follow_path kompass_interfaces/action/FollowPath \\
         "{request: {path_name: west}}"
 

@@ -21,7 +21,9 @@ from kompass.components import Component, component_action
 from kompass.config import BaseComponentConfig
 from kompass.expressions import condition_of
 from kompass.monitor.introspection.component_specs import component_spec
+from kompass.recipe.table import recipe_rules
 from kompass.ros import Action, Launcher, Topic
+from kompass.ros import Event as RecipeEvent
 from kompass.rulebook.permissions import Permissions
 from kompass.rules.schema.actions import Method
 from kompass.rules.schema.events import Event
@@ -533,6 +535,13 @@ def test_a_method_that_is_not_marked_may_be_used_by_the_recipe_and_is_closed_els
     assert "chatty has no action 'wipe'" in answer.error_msg
 
 
+def test_it_is_open_to_the_recipe_however_the_recipe_writes_the_action() -> None:
+    chatty = Chatty()
+    data = Method(component="chatty", method="say", kwargs={"text": "hello"})
+    recipe_rules({RecipeEvent(LEVEL): Action.from_data(data)}, [chatty])
+    assert "say" in chatty.available_actions
+
+
 def test_one_may_be_a_fallback_and_what_is_ours_or_hidden_may_not(run: Run) -> None:
     chatty = Chatty()
     chatty.on_fail(chatty.wipe)
@@ -873,3 +882,18 @@ def test_settings_of_ones_own_are_checked(run: Run) -> None:
     with pytest.raises(ValueError, match="limit"):
         component.config.limit = -1.0
     assert component.config.limit == 0.3
+
+
+def test_a_field_of_attrs_is_no_setting_and_is_refused_with_what_to_write() -> None:
+    counting = type("_CountingAttr", (), {"__module__": "attr._make"})
+    with pytest.raises(TypeError, match=r"Mine\.limit is a field of attrs.*Field\(default"):
+        type(
+            "Mine",
+            (BaseComponentConfig,),
+            {"__annotations__": {"limit": float}, "limit": counting(), "__module__": __name__},
+        )
+
+
+def test_the_run_type_is_no_setting_and_says_where_it_belongs() -> None:
+    with pytest.raises(ValueError, match=r"component\.run_type = \"Server\""):
+        BaseComponentConfig(**cast(Any, {"_run_type": "Server"}))
