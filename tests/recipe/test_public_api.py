@@ -147,14 +147,17 @@ PUBLIC: dict[str, list[str]] = {
     ],
     "ros_sugar.core": [
         "Action",
+        "BaseComponent",
         "Event",
     ],
     "ros_sugar.core.action": [
         "Action",
+        "BaseComponent",
         "Event",
     ],
     "ros_sugar.core.event": [
         "Action",
+        "BaseComponent",
         "Event",
     ],
     "ros_sugar.events": [
