@@ -848,6 +848,20 @@ def test_a_safe_restart_that_does_not_come_up_is_an_error_and_a_failure(run: Run
     assert "the device is gone" in last(alive).msg
 
 
+def test_a_safe_restart_on_the_thread_of_a_goal_is_refused(run: Run) -> None:
+    class Restless(Component):
+        def main_action_callback(self, goal_handle: Any) -> Any:
+            with self.safe_restart():
+                pass
+
+    alive = run(Restless("restless", main_action_type=MotionRecording))
+    client = Client(alive, MotionRecording, "/restless/motion_recording")
+    ended = client.result(client.send())
+    assert ended.status == ABORTED
+    assert "make main_action_callback an 'async def'" in ended.result.message
+    assert alive.component.is_active
+
+
 def test_an_error_in_a_transition_is_told_to_the_component(run: Run) -> None:
     class Told(Component):
         told = 0

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
+import httpx
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 from automatika_ros_sugar.srv import ChangeParameter
@@ -16,7 +17,7 @@ from std_srvs.srv import SetBool, Trigger
 from tests.support.journal import Journal
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
-from tests.support.stack import RECIPE, Stack
+from tests.support.stack import RECIPE, TOKEN, Stack
 
 pytestmark = pytest.mark.ros
 
@@ -58,17 +59,40 @@ def say(robot: Robot, topic: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def battery() -> Iterator[Robot]:
-    for client in started(Stack.simulated(recipe=RECIPE.with_name("07_own_components.py"))):
+def marking() -> Iterator[tuple[Stack, Robot]]:
+    stack = Stack.simulated(recipe=RECIPE.with_name("07_own_components.py"))
+    for client in started(stack):
         client.ready()
         client.subscribe(Float32, "/battery/level")
         client.subscribe(PoseArray, "/places")
+        yield stack, client
+
+
+@pytest.fixture
+def page(marking: tuple[Stack, Robot]) -> Iterator[httpx.Client]:
+    """The console, as the page asks it."""
+    url = marking[0].url
+    with httpx.Client(base_url=url, headers={"Origin": url}, timeout=30) as client:
+        assert client.post("/api/login", json={"token": TOKEN}).status_code == 200
         yield client
 
 
+def test_the_page_knows_them_their_settings_actions_and_rules(page: httpx.Client) -> None:
+    known = {each["name"]: each for each in page.get("/api/graph").json()["components"]}
+    battery = known["battery"]
+    assert battery["kind"] == "Battery"
+    assert "changed" in [method["name"] for method in battery["methods"]]
+    settings = {each["name"]: each["text"] for each in battery["parameters"]}
+    assert settings["lasts_metres"] == "m driving"
+    rules = page.get("/api/rules").json()["table"]["rules"]
+    names = {rule["id"]: rule["name"] for rule in rules}
+    assert names["battery-low"] == "Battery low → mark the place"
+
+
 def test_a_low_battery_has_the_place_marked_and_a_fresh_one_has_it_forgotten(
-    battery: Robot,
+    marking: tuple[Stack, Robot], page: httpx.Client
 ) -> None:
+    _, battery = marking
     journal = Journal(battery)
     wait_until(lambda: "/battery/level" in battery.newest, 10, "the battery's level")
     refused = change(battery, "battery", "lasts_metres", "0.0")
@@ -80,6 +104,8 @@ def test_a_low_battery_has_the_place_marked_and_a_fresh_one_has_it_forgotten(
     assert [(step.ok, step.text) for step in journal.actions(ended) if not step.ok] == []
     wait_until(lambda: "/places" in battery.newest, 10, "the marked place")
     assert len(battery.newest["/places"].poses) == 1
+    told = page.get("/api/firings", params={"rule_id": "battery-low"}).json()["entries"]
+    assert told, "the page shows the firing"
     since = journal.mark
     say(battery, "/battery/changed")
     assert journal.done("battery-changed", since).ok

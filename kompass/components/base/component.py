@@ -570,7 +570,9 @@ class Component:
         step = hook == "_execution_step"
         self.health.set_fail_component([self.node_name], text if step else f"{hook}: {text}")
         self._hook_failures[hook] = self.health.message
-        self.warn(f"step failed: {text}" if step else f"{hook} failed: {text}")
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        name = "step" if step else hook
+        self.warn(f"{name} failed: {text} ({where.filename}:{where.lineno})")
         self.publish_status()
 
     def on_hook_done(self, hook: str) -> None:
@@ -880,8 +882,14 @@ class Component:
         Raises
         ------
         RuntimeError
-            When it does not become active again; the status is a component failure then.
+            When it does not become active again; the status is a component failure then. And on
+            the thread of a goal, which cannot stop what others work with.
         """
+        if self._main_action is not None and self._main_action.is_pursuing_here:
+            raise RuntimeError(
+                f"{self.node_name}: safe_restart is not possible on the thread of a goal; make "
+                "main_action_callback an 'async def', or restart in a step"
+            )
         self._down()
         try:
             yield

@@ -2,7 +2,6 @@
 
 import inspect
 import threading
-from collections.abc import Callable
 from typing import Any, Protocol
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -100,6 +99,7 @@ class MainAction:
     def __init__(self, component: Asked, kind: Any, name: str) -> None:
         self._component, self._kind, self._name = component, kind, name
         self._taken = False
+        self._thread: threading.Thread | None = None
         self._handle: ServerGoalHandle | None = None
         self._server = ActionServer(
             component.node,
@@ -109,6 +109,11 @@ class MainAction:
             goal_callback=self._on_goal,
             cancel_callback=lambda _handle: CancelResponse.ACCEPT,
         )
+
+    @property
+    def is_pursuing_here(self) -> bool:
+        """Whether the code that asks is the hook, on its own thread."""
+        return self._thread is threading.current_thread()
 
     def withdraw(self) -> None:
         """Abort the goal that is pursued; the hook sees that ``goal_handle.is_active`` is False."""
@@ -151,9 +156,20 @@ class MainAction:
         hook = self._component.main_action_callback
         if inspect.iscoroutinefunction(hook):
             return await hook(handle)
-        return await _in_thread(
-            lambda: hook(handle), self._component.node.executor, f"{self._name} goal"
-        )
+        done = Future(executor=self._component.node.executor)
+
+        def run() -> None:
+            try:
+                result = hook(handle)
+            except Exception as error:  # noqa: BLE001 - raised where it is awaited
+                done.set_exception(error)
+            else:
+                done.set_result(result)
+
+        # A daemon: a goal that does not end does not keep the process from ending.
+        self._thread = threading.Thread(target=run, name=f"{self._name} goal", daemon=True)
+        self._thread.start()
+        return await done
 
     def _raised(self, handle: ServerGoalHandle, error: Exception) -> Any:
         withdrawn = self._handle is not handle
@@ -174,19 +190,3 @@ def _with_text(message: Any, text: str) -> Any:
             setattr(message, name, text)
             break
     return message
-
-
-async def _in_thread(work: Callable[[], Any], executor: Any, name: str) -> Any:
-    done = Future(executor=executor)
-
-    def run() -> None:
-        try:
-            result = work()
-        except Exception as error:  # noqa: BLE001 - raised where it is awaited
-            done.set_exception(error)
-        else:
-            done.set_result(result)
-
-    # A daemon: a goal that does not end does not keep the process from ending.
-    threading.Thread(target=run, name=name, daemon=True).start()
-    return await done
