@@ -123,6 +123,24 @@ def test_an_event_component_steps_at_each_message_and_only_then(run: Run) -> Non
     status_comes(alive, HEALTHY)
 
 
+def test_a_callback_that_restarts_the_component_takes_the_step_away(run: Run) -> None:
+    counter = Counter()
+    restarted: list[float] = []
+
+    def restart_at_five(output: float) -> None:
+        if output == 5.0:
+            with counter.safe_restart():
+                restarted.append(output)
+
+    counter.attach_custom_callback("level", restart_at_five)
+    alive = run(counter)
+    alive.publisher(Float32, "/level").publish(Float32(data=5.0))
+    wait_until(lambda: restarted and counter.is_active, 5, "the restart")
+    alive.publisher(Float32, "/level").publish(Float32(data=6.0))
+    wait_until(lambda: counter.seen, 5, "a step")
+    assert counter.seen == [6.0], "no step without its message"
+
+
 class Answerer(Component):
     """Serves a Trigger."""
 

@@ -78,6 +78,7 @@ def page(marking: tuple[Stack, Robot]) -> Iterator[httpx.Client]:
 
 
 def test_the_page_knows_them_their_settings_actions_and_rules(page: httpx.Client) -> None:
+    wait_until(lambda: page.get("/api/graph").status_code == 200, 20, "the monitor's answer")
     known = {each["name"]: each for each in page.get("/api/graph").json()["components"]}
     battery = known["battery"]
     assert battery["kind"] == "Battery"
@@ -104,7 +105,7 @@ def test_a_low_battery_has_the_place_marked_and_a_fresh_one_has_it_forgotten(
     assert [(step.ok, step.text) for step in journal.actions(ended) if not step.ok] == []
     wait_until(lambda: "/places" in battery.newest, 10, "the marked place")
     assert len(battery.newest["/places"].poses) == 1
-    told = page.get("/api/firings", params={"rule_id": "battery-low"}).json()["entries"]
+    told = page.get("/api/firings", params={"rule_id": "battery-low"}).json()["firings"]
     assert told, "the page shows the firing"
     since = journal.mark
     say(battery, "/battery/changed")

@@ -313,14 +313,14 @@ class Component:
         return self.main_action_name
 
     @property
-    def actions(self) -> Mapping[str, ActionSpec]:
+    def action_specs(self) -> Mapping[str, ActionSpec]:
         """What may be called: the component actions, and what the recipe has opened."""
         return {**actions_of(type(self)), **self._opened}
 
     @property
     def available_actions(self) -> list[str]:
         """Names of the methods that rules may call."""
-        return list(self.actions)
+        return list(self.action_specs)
 
     def open_to_recipe(self, name: str) -> bool:
         """Let the rules of the recipe call a public method of one's own that is not marked.
@@ -333,7 +333,7 @@ class Component:
         bool
             False when there is no such method, or it is one of ours.
         """
-        if name in self.actions:
+        if name in self.action_specs:
             return True
         spec = undecorated(type(self), name, Component)
         if spec is not None:
@@ -944,7 +944,7 @@ class Component:
         ActionRefused
             When there is no such action, its arguments do not fit, or it needs an active component.
         """
-        spec = self.actions.get(name)
+        spec = self.action_specs.get(name)
         if spec is None:
             raise ActionRefused(
                 f"{self.node_name} has no action '{name}'; known are "

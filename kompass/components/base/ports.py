@@ -108,7 +108,8 @@ class Input:
             self.on_message(message)
         for callback in self._callbacks:
             callback(self)
-        if self.afterwards is not None:
+        # One of the callbacks may have restarted the component, which has another input then.
+        if self.afterwards is not None and self.is_open:
             self.afterwards()
 
 

@@ -45,7 +45,7 @@ def component_spec(component: Component) -> ComponentSpec:
     return ComponentSpec(
         name=component.node_name,
         kind=kind.__name__,
-        methods={name: _method(kind, spec) for name, spec in component.actions.items()},
+        methods={name: _method(kind, spec) for name, spec in component.action_specs.items()},
         parameters={spec.name: spec for spec in _parameters(component.config, "")},
         ignored=dict(_ignored(component.config, "")),
         gate=kind.stops_robot,
