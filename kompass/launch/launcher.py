@@ -373,7 +373,10 @@ class Launcher:
         Raises
         ------
         ValueError
-            When no component was added, or one that can never become active is waited for.
+            When no component was added, one lacks a topic that it needs, or one that can never
+            become active is waited for.
+        TypeError
+            When one lacks a hook or a type that its run type needs.
         AlreadyRunning
             When another stack runs the same nodes.
         StartupError
@@ -397,6 +400,8 @@ class Launcher:
                 component.config = with_values(
                     component.config, {"log_level": ros_log_level}, component.node_name
                 )
+        for component in self._components:
+            component.check_declaration()
         self._failure_policies.apply(self._components)
         log_to_terminal("kompass")
         own, recorder = self._specs(), list[ProcessSpec]()

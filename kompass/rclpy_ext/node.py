@@ -50,6 +50,11 @@ def lifecycle_state(node: LifecycleNode) -> str:
     return str(node._state_machine.current_state[1])
 
 
+def lifecycle_state_id(node: LifecycleNode) -> int:
+    """Number of that state, as ``lifecycle_msgs/msg/State`` has it; rclpy has no name for it."""
+    return int(node._state_machine.current_state[0])
+
+
 class PlainNode(NoEventCallbacks, Node):  # type: ignore[misc]  # rclpy has no types
     """A node to be spun by :class:`kompass.rclpy_ext.executor.TaskExecutor`."""
 

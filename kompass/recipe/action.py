@@ -10,7 +10,7 @@ from typing import Any, get_type_hints
 
 from pydantic import PydanticSchemaGenerationError, PydanticUserError, TypeAdapter, ValidationError
 
-from kompass.components.base.actions import actions_of, signature_text
+from kompass.components.base.actions import signature_text
 from kompass.components.base.component import Component
 from kompass.expressions import MessageField, reference_of
 from kompass.rclpy_ext.messages import to_plain
@@ -155,11 +155,10 @@ def _data_of(
     name = getattr(method, "__name__", type(method).__name__)
     bound = _bind(method, name, args, kwargs)
     if isinstance(owner, Component):
-        known = actions_of(type(owner))
-        if name not in known:
+        if not owner.open_to_recipe(name):
             raise TypeError(
                 f"Action: {owner.node_name}.{name} cannot be called by a rule; mark it with "
-                f"@component_action, or choose one of {', '.join(known)}"
+                f"@component_action, or choose one of {', '.join(owner.available_actions)}"
             )
         _check_types(method, f"{owner.node_name}.{name}", bound)
         if name in LIFECYCLE and not bound:

@@ -321,7 +321,10 @@ class _Fragment:
 
     def _action(self, action: Action) -> str:
         usual = action.timeout == _TIMEOUTS.get(type(action)) and action.on_error == "abort"
-        plain = usual and not any(references(getattr(action, "parameters", {})))
+        arguments = {**getattr(action, "parameters", {}), **getattr(action, "kwargs", {})}
+        # Written as an argument, a reference would be the text itself, and "$$" two signs.
+        signs = (isinstance(each, str) and each.startswith("$") for each in arguments.values())
+        plain = usual and not any(references(arguments)) and not any(signs)
         if isinstance(action, Log) and plain and action.level == "info":
             return self._call("log", f"msg={action.text!r}")
         if isinstance(action, Method) and plain and (action.kwargs or action.method not in _TAKEN):

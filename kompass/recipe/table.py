@@ -13,7 +13,7 @@ from kompass.recipe.event import Event
 from kompass.recipe.fallbacks import FallbackSequence, fallback_rules
 from kompass.rulebook.permissions import NOTHING_OPENED, Opened
 from kompass.rules.schema.actions import Action as RuleAction
-from kompass.rules.schema.actions import Python, SendGoal, component_of
+from kompass.rules.schema.actions import Method, Python, SendGoal, component_of
 from kompass.rules.schema.describe import describe
 from kompass.rules.schema.events import Parallel
 from kompass.rules.schema.table import Rule, Table
@@ -113,6 +113,9 @@ def _action(
             f"{event!r}: '{component}' is not among the components of the launcher; "
             f"those are {', '.join(names)}"
         )
+    if component is not None and isinstance(data, Method):
+        # One that is not marked is for the recipe's rules, however the recipe writes the action.
+        names[component].open_to_recipe(data.method)
     missing = action.missing()
     if missing:
         raise ValueError(

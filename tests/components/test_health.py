@@ -54,7 +54,9 @@ def test_an_exception_in_a_step_is_a_failure_and_the_steps_go_on(run: Run) -> No
 def test_a_failure_stays_and_is_repeated_though_nothing_is_done_about_it(run: Run) -> None:
     component = Moody("moody")
     alive = run(component)
-    component.mood = lambda health: health.set_fail_system(["/scan"], message="nothing on /scan")
+    component.mood = lambda health: health.set_fail_system(
+        topics=["/scan"], message="nothing on /scan"
+    )
     wait_until(lambda: last(alive).status == 3, 5, "a SYSTEM failure")
     since = len(alive.statuses)
     wait_until(lambda: len(alive.statuses) > since + 5, 5, "repetitions")
@@ -64,7 +66,7 @@ def test_a_failure_stays_and_is_repeated_though_nothing_is_done_about_it(run: Ru
 def test_one_failure_after_another_keeps_no_sources_of_the_last(run: Run) -> None:
     component = Moody("moody")
     alive = run(component)
-    component.mood = lambda health: health.set_fail_system(["/scan"], message="a")
+    component.mood = lambda health: health.set_fail_system(topics=["/scan"], message="a")
     wait_until(lambda: last(alive).status == 3, 5, "a SYSTEM failure")
     component.mood = lambda health: health.set_fail_algorithm(["Stanley"], "b")
     wait_until(lambda: last(alive).status == 1, 5, "an ALGORITHM failure")

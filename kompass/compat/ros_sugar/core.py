@@ -3,7 +3,7 @@
 import sys
 
 from kompass.actions import Action
-from kompass.components import Component as BaseComponent
+from kompass.components.base.base_component import BaseComponent
 from kompass.porting import absent_names
 from kompass.ros import Event
 

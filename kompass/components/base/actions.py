@@ -1,6 +1,7 @@
 """Which methods of a component may be called by a rule, or by anybody on the ROS graph.
 
-Only decorated methods are: without that, every attribute of a component would be an interface.
+Only decorated methods are: without that, every attribute of a component would be an interface. The
+recipe may open others of one's own, one by one and for its own rules, by naming them.
 """
 
 import inspect
@@ -85,6 +86,18 @@ def actions_of(kind: type) -> Mapping[str, ActionSpec]:
             if isinstance(spec, ActionSpec):
                 found[name] = spec
     return found
+
+
+def undecorated(kind: type, name: str, base: type) -> ActionSpec | None:
+    """What is known of a public method that is not marked; None if it is one of ``base`` or none.
+
+    It is for rules of the recipe alone.
+    """
+    method = getattr(kind, name, None)
+    if name.startswith("_") or hasattr(base, name) or not inspect.isfunction(method):
+        return None
+    first_line = (inspect.getdoc(method) or name).splitlines()[0]
+    return ActionSpec(name, active=False, description=first_line, recipe_only=True)
 
 
 class ActionRefused(ValueError):

@@ -4,7 +4,8 @@ import inspect
 import re
 import time
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -12,7 +13,14 @@ from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.task import Future
 
 from kompass.arguments import named_arguments
-from kompass.components.base.actions import ActionRefused, actions_of, check_call, component_action
+from kompass.components.base.actions import (
+    ActionRefused,
+    ActionSpec,
+    actions_of,
+    check_call,
+    component_action,
+    undecorated,
+)
 from kompass.components.base.component_config import (
     NO_ROBOT,
     ComponentConfig,
@@ -20,12 +28,23 @@ from kompass.components.base.component_config import (
 )
 from kompass.components.base.config_file import ConfiguredTopics, settings_of_file
 from kompass.components.base.fallbacks import Fallbacks, make_fallback
-from kompass.components.base.health import Health, StatusPublisher
+from kompass.components.base.health import HEALTHY_TEXT, Health, StatusPublisher
+from kompass.components.base.hooks import check_hooks
+from kompass.components.base.main_interfaces import MainAction, MainService
+from kompass.components.base.message_callback import message_callback
 from kompass.components.base.node import ComponentNode
 from kompass.components.base.parameter import ParameterError, with_values
-from kompass.components.base.ports import Input, InputPorts, OutputPorts
+from kompass.components.base.ports import (
+    Input,
+    InputPorts,
+    Output,
+    OutputPorts,
+    Place,
+    PortView,
+)
 from kompass.components.base.services import ComponentServices
-from kompass.components.base.topics import DeclaredTopics
+from kompass.components.base.topics import DeclaredTopics, by_key
+from kompass.rclpy_ext.node import lifecycle_state_id
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.settings import notice_once
@@ -49,7 +68,15 @@ class Component:
     config_file
         A yaml, toml or json file; its section named like the node is laid over ``config``.
     inputs, outputs
-        Topics by key, instead of the default ones.
+        Topics by key, instead of the default ones; or a list of topics, each of which then goes by
+        its name where the class declares no keys.
+    fallbacks
+        What to do about its failures, as :meth:`on_fail` and its kin say it one by one.
+    main_action_type, main_srv_type
+        Types of the action and of the service by which it is asked to do its work; what serves
+        them is ``main_action_callback`` and ``main_service_callback``.
+    callback_group
+        Accepted from older components; without effect, since a component has one thread.
 
     Raises
     ------
@@ -62,7 +89,8 @@ class Component:
     allowed_outputs: ClassVar[Mapping[str, AllowedTopics]] = {}
     default_inputs: ClassVar[Mapping[str, list[Topic]]] = {}
     default_outputs: ClassVar[Mapping[str, list[Topic]]] = {}
-    allowed_run_types: ClassVar[tuple[ComponentRunType, ...]] = (ComponentRunType.TIMED,)
+    # The first is that of a component of which the recipe says nothing.
+    allowed_run_types: ClassVar[tuple[ComponentRunType, ...]] = tuple(ComponentRunType)
     # Keys of files written for other stacks that mean nothing here, with the reason: accepted, and
     # told once. What the config class ignores need not be named again.
     ignored_settings: ClassVar[Mapping[str, str]] = {}
@@ -73,8 +101,13 @@ class Component:
     needs_robot: ClassVar[bool] = False
     # Whether it must end before all others, because it is what halts the robot.
     stops_robot: ClassVar[bool] = False
-    # The ROS action by which it is asked to do its work, when it has one.
+    # The ROS action and service by which it is asked to do its work, when it has them.
     main_action_type: ClassVar[type | None] = None
+    main_srv_type: ClassVar[type | None] = None
+    # Whether the class serves its main action without ``main_action_callback``.
+    serves_main_action_itself: ClassVar[bool] = False
+    # Whether its status says which inputs have not spoken yet, when the step says nothing.
+    tells_missing_inputs: ClassVar[bool] = True
     # Whether the main loop does its step in every run type, not only in the timed one.
     steps_in_any_run_type: ClassVar[bool] = False
 
@@ -84,28 +117,49 @@ class Component:
         component_name: str | None = None,
         config: ComponentConfig | None = None,
         config_file: str | None = None,
-        inputs: Mapping[str, Topic | list[Topic]] | None = None,
-        outputs: Mapping[str, Topic | list[Topic]] | None = None,
+        inputs: Mapping[str, Topic | list[Topic]] | Sequence[Topic] | None = None,
+        outputs: Mapping[str, Topic | list[Topic]] | Sequence[Topic] | None = None,
         *,
+        fallbacks: Fallbacks | None = None,
+        main_action_type: type | None = None,
+        main_srv_type: type | None = None,
         node_name: str | None = None,
+        callback_group: Any = None,
         enable_health_broadcast: bool = True,
     ) -> None:
-        if not enable_health_broadcast:
-            notice_once(f"{component_name or node_name}: the status is always published")
+        check_hooks(type(self), Component)
         name = component_name or node_name
         if not name:
             raise ValueError(f"{type(self).__name__}: component_name is missing")
+        if not enable_health_broadcast:
+            notice_once(f"{name}: the status is always published")
+        if callback_group is not None:
+            notice_once(f"{name}: callback_group has no effect; a component has one thread")
         if config is not None and not isinstance(config, self.config_class):
             raise TypeError(f"{name}: config = {config!r} is not a {self.config_class.__name__}")
         self.node_name = name
         self.config = config.model_copy(deep=True) if config else self.config_class()
         self._run_type = self.allowed_run_types[0]
-        self._topics_in = DeclaredTopics(name, "input", self.allowed_inputs, self.default_inputs)
-        self._topics_out = DeclaredTopics(
-            name, "output", self.allowed_outputs, self.default_outputs
-        )
-        self.fallbacks = Fallbacks()
+        allowed_in, topics_in = by_key(name, "input", inputs, self.allowed_inputs)
+        allowed_out, topics_out = by_key(name, "output", outputs, self.allowed_outputs)
+        # Those of the object, where the class leaves it to whoever makes one.
+        self.allowed_inputs = allowed_in  # type: ignore[misc]
+        self.allowed_outputs = allowed_out  # type: ignore[misc]
+        self._topics_in = DeclaredTopics(name, "input", allowed_in, self.default_inputs)
+        self._topics_out = DeclaredTopics(name, "output", allowed_out, self.default_outputs)
+        if main_action_type is not None:
+            self.action_type = main_action_type
+        if main_srv_type is not None:
+            self.service_type = main_srv_type
+        self._main_action_name = self._main_srv_name = ""
+        self._main_action: MainAction | None = None
+        self._opened: dict[str, ActionSpec] = {}
+        self.fallbacks = fallbacks or Fallbacks()
         self.health = Health()
+        # What the status says of hooks that have raised, until they do not.
+        self._hook_failures: dict[str, str] = {}
+        self._executed_once = False
+        self._told_missing = ""
         self._node: ComponentNode | None = None
         self._status: StatusPublisher | None = None
         self._inputs = InputPorts(self.qos)
@@ -120,8 +174,8 @@ class Component:
         self._keeps_intent = False
         if config_file:
             self.apply_config_file(config_file)
-        self.inputs(**(inputs or {}))
-        self.outputs(**(outputs or {}))
+        self._topics_in.replace(topics_in)
+        self._topics_out.replace(topics_out)
 
     # -- what a recipe says -------------------------------------------------------------------
 
@@ -216,8 +270,26 @@ class Component:
         return Topic(name=f"{self.node_name}/status", msg_type=ComponentStatus)
 
     @property
+    def action_type(self) -> type | None:
+        """Type of its main action; another name of ``main_action_type``, to be set."""
+        return self.main_action_type
+
+    @action_type.setter
+    def action_type(self, value: type | None) -> None:
+        self.main_action_type = _interface(self.node_name, "main_action_type", "Goal", value)  # type: ignore[misc]
+
+    @property
+    def service_type(self) -> type | None:
+        """Type of its main service; another name of ``main_srv_type``, to be set."""
+        return self.main_srv_type
+
+    @service_type.setter
+    def service_type(self, value: type | None) -> None:
+        self.main_srv_type = _interface(self.node_name, "main_srv_type", "Request", value)  # type: ignore[misc]
+
+    @property
     def main_action_name(self) -> str:
-        """Name of its main action, without the leading slash.
+        """Name of its main action, without the leading slash; ``<node>/<type>`` unless set.
 
         Raises
         ------
@@ -226,8 +298,22 @@ class Component:
         """
         if self.main_action_type is None:
             raise TypeError(f"{self.node_name}: a {type(self).__name__} has no action of its own")
-        snake = re.sub(r"(?<!^)(?=[A-Z])", "_", self.main_action_type.__name__).lower()
-        return f"{self.node_name}/{snake}"
+        return self._main_action_name or f"{self.node_name}/{_snake(self.main_action_type)}"
+
+    @main_action_name.setter
+    def main_action_name(self, value: str) -> None:
+        self._main_action_name = _interface_name(self.node_name, "main_action_name", value)
+
+    @property
+    def main_srv_name(self) -> str:
+        """Name of its main service; as :attr:`main_action_name`."""
+        if self.main_srv_type is None:
+            raise TypeError(f"{self.node_name}: a {type(self).__name__} has no service of its own")
+        return self._main_srv_name or f"{self.node_name}/{_snake(self.main_srv_type)}"
+
+    @main_srv_name.setter
+    def main_srv_name(self, value: str) -> None:
+        self._main_srv_name = _interface_name(self.node_name, "main_srv_name", value)
 
     @property
     def ui_main_action_input(self) -> str:
@@ -235,9 +321,77 @@ class Component:
         return self.main_action_name
 
     @property
+    def action_specs(self) -> Mapping[str, ActionSpec]:
+        """What may be called: the component actions, and what the recipe has opened."""
+        return {**actions_of(type(self)), **self._opened}
+
+    @property
     def available_actions(self) -> list[str]:
         """Names of the methods that rules may call."""
-        return list(actions_of(type(self)))
+        return list(self.action_specs)
+
+    def open_to_recipe(self, name: str) -> bool:
+        """Let the rules of the recipe call a public method of one's own that is not marked.
+
+        An ``Action`` of the recipe does so by itself. Rules that people make or change cannot call
+        it: for that it must be marked with ``@component_action``.
+
+        Returns
+        -------
+        bool
+            False when there is no such method, or it is one of ours.
+        """
+        if name in self.action_specs:
+            return True
+        spec = undecorated(type(self), name, Component)
+        if spec is not None:
+            self._opened[name] = spec
+        return spec is not None
+
+    def check_declaration(self) -> None:
+        """Look whether it can do what it is declared to do, before it is started.
+
+        Raises
+        ------
+        ValueError, TypeError
+            When a topic, a type or a hook is missing; names it and the remedy.
+        """
+        for word, topics in (("input", self._topics_in), ("output", self._topics_out)):
+            for key in topics.missing():
+                raise ValueError(
+                    f"{self.node_name}: {word} '{key}' has too few topics; give them with "
+                    f"{word}s={{'{key}': Topic(…)}}"
+                )
+        own_action = _overridden(self, "main_action_callback")
+        if self.serves_main_action_itself and own_action:
+            raise TypeError(
+                f"{self.node_name}: main_action_callback would never be called, because a "
+                f"{type(self).__name__} serves /{self.main_action_name} itself"
+            )
+        for given, kind, hook, run_type in (
+            (self.main_srv_type, "main_srv_type", "main_service_callback", "Server"),
+            (self.main_action_type, "main_action_type", "main_action_callback", "ActionServer"),
+        ):
+            written = _overridden(self, hook)
+            if kind == "main_action_type" and self.serves_main_action_itself:
+                continue
+            if given is None and written:
+                text = f"{hook} would never be called; say what it serves with {kind}=…"
+                raise TypeError(f"{self.node_name}: {text}")
+            if given is not None and not written:
+                text = f"{kind} = {given.__name__}, and nothing that serves it; write {hook}"
+                raise TypeError(f"{self.node_name}: {text}")
+            if given is None and self.run_type.value == run_type:
+                text = f"run_type = {run_type} needs {kind}=… and {hook}"
+                raise TypeError(f"{self.node_name}: {text}")
+        if self._steps_on_messages:
+            if not _overridden(self, "_execution_step"):
+                raise TypeError(f"{self.node_name}: run_type = Event needs an _execution_step")
+            if not any(topics for _, topics in self._topics_in.items()):
+                raise ValueError(
+                    f"{self.node_name}: run_type = Event needs an input, whose messages are the "
+                    "events"
+                )
 
     # -- what it does about its own failures --------------------------------------------------
 
@@ -327,13 +481,22 @@ class Component:
 
     def create_node(self, namespace: str = "") -> ComponentNode:
         """Make the ROS node and the services that everybody offers; rclpy must be initialised."""
+        self.check_declaration()
         self._node = ComponentNode(self.node_name, self, namespace)
         self._node.set_log_levels(self.config.log_level, self.config.rclpy_log_level)
         self._status = StatusPublisher(self._node, self.config.status_rate)
         self.init_variables()
         self.create_interfaces()
+        self._offer_main_interfaces()
         ComponentServices(self)
         return self._node
+
+    def _offer_main_interfaces(self) -> None:
+        """Offer the main service and action; they last as long as the node."""
+        if self.main_srv_type is not None:
+            MainService(self, self.main_srv_type, self.main_srv_name)
+        if self.main_action_type is not None and not self.serves_main_action_itself:
+            self._main_action = MainAction(self, self.main_action_type, self.main_action_name)
 
     def leave(self) -> None:
         """Deactivate and give the node back, before the process ends."""
@@ -368,6 +531,10 @@ class Component:
         try:
             self._inputs.open(self.node, self.wants_input)
             self.health.set_healthy()
+            self._hook_failures = {}
+            self._executed_once, self._told_missing = False, ""
+            for _, port in self._inputs.walk():
+                port.afterwards = self._on_input if self._steps_on_messages else None
             self._active_since = time.monotonic()
             self.custom_on_activate()
             self._start_loop()
@@ -383,6 +550,8 @@ class Component:
             self.custom_on_deactivate()
         finally:
             self._active_since = None
+            if self._main_action is not None:
+                self._main_action.withdraw()
             self._close()
             self._intend(False)
 
@@ -400,6 +569,7 @@ class Component:
     def on_transition_error(self, transition: str, error: Exception) -> None:
         self.health.set_fail_component([self.node_name], f"{transition} failed: {error}")
         self.node.get_logger().error(f"{transition} failed: {type(error).__name__}: {error}")
+        self._guarded("custom_on_error", self.custom_on_error)
         self.publish_status()
 
     def on_callback_error(self, error: Exception) -> None:
@@ -410,6 +580,33 @@ class Component:
         self.warn(f"a callback failed: {text} ({where.filename}:{where.lineno})")
         self.publish_status()
 
+    def on_hook_error(self, hook: str, error: Exception) -> None:
+        """A hook has raised: a failure that shows, until the hook does not raise or it restarts."""
+        text = f"{type(error).__name__}: {error}"
+        step = hook == "_execution_step"
+        self.health.set_fail_component([self.node_name], text if step else f"{hook}: {text}")
+        self._hook_failures[hook] = self.health.message
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        name = "step" if step else hook
+        self.warn(f"{name} failed: {text} ({where.filename}:{where.lineno})")
+        self.publish_status()
+
+    def on_hook_done(self, hook: str) -> None:
+        """A hook has not raised, this time."""
+        failure = self._hook_failures.pop(hook, None)
+        # Unless something else has been said meanwhile.
+        if failure is not None and self.health.message == failure:
+            self.health.set_healthy()
+            self.publish_status()
+
+    def _guarded(self, hook: str, call: Callable[[], object]) -> None:
+        try:
+            call()
+        except Exception as error:  # noqa: BLE001 - becomes the component's status
+            self.on_hook_error(hook, error)
+        else:
+            self.on_hook_done(hook)
+
     def _close(self) -> None:
         for timer in self._timers:
             self.node.destroy_timer(timer)
@@ -417,7 +614,7 @@ class Component:
         self._inputs.close(self.node)
 
     def _give_back(self) -> None:
-        self._outputs.destroy(self.node)
+        self._outputs.destroy()
         self._inputs.forget()
 
     def _start_loop(self) -> None:
@@ -456,6 +653,9 @@ class Component:
     def custom_on_shutdown(self) -> None:
         """Before the process ends."""
 
+    def custom_on_error(self) -> None:
+        """After a transition has failed."""
+
     def on_feeder_lost(self, reason: str) -> None:
         """One that publishes its commands has died, hangs, or was stopped by a signal.
 
@@ -471,7 +671,44 @@ class Component:
         return 0.0
 
     def _execution_step(self) -> None:
-        """One turn of the main loop. An exception becomes a component failure."""
+        """One turn of the main loop, or what an event component does at each message.
+
+        An exception becomes a component failure, which ends with the next turn that raises none.
+        """
+
+    def _execute_once(self) -> None:
+        """Once in each activation, in every run type, after the first turn of the main loop."""
+
+    def main_service_callback(self, request: Any, response: Any) -> Any:
+        """Answer a request of the main service; to be overridden where there is one.
+
+        It may be an ``async def``. Served in every run type, while the component is active.
+
+        Returns
+        -------
+        Any
+            The response.
+        """
+        raise NotImplementedError(f"{self.node_name}: main_service_callback is not written")
+
+    def main_action_callback(self, goal_handle: Any) -> Any:
+        """Pursue a goal of the main action; to be overridden where there is one.
+
+        A plain function runs on a thread of its own and may wait; an ``async def`` runs beside the
+        loop. Say how the goal ended with ``goal_handle.succeed()``, ``.abort()`` or
+        ``.canceled()``; a goal of which nothing was said is aborted. Served in every run type.
+
+        Parameters
+        ----------
+        goal_handle
+            ``request``, ``is_cancel_requested``, ``is_active``, ``publish_feedback(…)``.
+
+        Returns
+        -------
+        Any
+            The result.
+        """
+        raise NotImplementedError(f"{self.node_name}: main_action_callback is not written")
 
     # -- what a component uses ----------------------------------------------------------------
 
@@ -541,15 +778,172 @@ class Component:
         finally:
             self.node.destroy_timer(timer)
 
+    @property
+    def callbacks(self) -> PortView[Input]:
+        """The inputs by key, and by the name of their topic: ``callbacks["level"].get_output()``.
+
+        They are there while the component is configured; one that is not there is a KeyError.
+        """
+        return self._inputs.by_name(self.node_name)
+
+    @property
+    def publishers_dict(self) -> PortView[Output]:
+        """The outputs by key, and by the name of their topic; see :attr:`callbacks`.
+
+        ``publishers_dict["level"].publish(1.5)`` takes a plain value or a message.
+        """
+        return self._outputs.by_name(self.node_name)
+
+    @property
+    def health_status(self) -> Health:
+        """Another name of :attr:`health`."""
+        return self.health
+
+    @property
+    def lifecycle_state(self) -> int:
+        """Number of the lifecycle's state, as in ``lifecycle_msgs/msg/State``."""
+        return lifecycle_state_id(self.node)
+
+    def get_logger(self) -> Any:
+        """The logger of the node."""
+        return self.node.get_logger()
+
+    def got_all_inputs(
+        self,
+        inputs_to_check: Collection[str] | None = None,
+        inputs_to_exclude: Collection[str] | None = None,
+    ) -> bool:
+        """Whether each input has had a message since the component became active.
+
+        Parameters
+        ----------
+        inputs_to_check, inputs_to_exclude
+            Keys, or names of topics: look at these only, or at all but these.
+
+        Raises
+        ------
+        ValueError
+            When one of them is none of the inputs.
+        """
+        wanted = None if inputs_to_check is None else self._places_of(inputs_to_check)
+        unwanted = self._places_of(inputs_to_exclude or ())
+        return not any(
+            port.is_open and not port.got_msg
+            for place, port in self._inputs.walk()
+            if (wanted is None or place in wanted) and place not in unwanted
+        )
+
+    def get_missing_inputs(self) -> list[str]:
+        """Names of the topics that it listens to and that have said nothing yet."""
+        ports = (port for _, port in self._inputs.walk())
+        return [port.topic.name for port in ports if port.is_open and not port.got_msg]
+
+    def _places_of(self, names: Collection[str]) -> set[Place]:
+        return {self._topics_in.find(name) for name in names}
+
+    def attach_custom_callback(
+        self, input_topic: Topic | str, callback: Callable[..., object]
+    ) -> None:
+        """Have a function called at each message of an input, also after a restart.
+
+        Parameters
+        ----------
+        input_topic
+            The topic, its name, or the key of the input.
+        callback
+            Called with those of ``msg`` (the message), ``topic`` and ``output`` (what the message
+            says) that it takes; one of a single parameter of another name gets the message.
+
+        Raises
+        ------
+        ValueError
+            When no input uses the topic.
+        TypeError
+            When it is not a function, or takes something else.
+        """
+        call = message_callback(self.node_name, callback)
+        name = f"callback {getattr(callback, '__name__', type(callback).__name__)}"
+        self._inputs.callbacks[self._topics_in.find(_name_of(input_topic))].append(
+            lambda port: self._guarded(name, lambda: call(port))
+        )
+
+    def add_callback_postprocessor(
+        self, input_topic: Topic | str, func: Callable[[Any], Any]
+    ) -> None:
+        """Have what ``get_output()`` of an input gives go through a function, after those before.
+
+        Raises as :meth:`attach_custom_callback`.
+        """
+        place = self._topics_in.find(_name_of(input_topic))
+        self._inputs.postprocessors[place].append(_function(self.node_name, func))
+
+    def add_publisher_preprocessor(
+        self, output_topic: Topic | str, func: Callable[[Any], Any]
+    ) -> None:
+        """Have what is published on an output go through a function first, after those before.
+
+        What it returns is published; None means that nothing is. Raises as
+        :meth:`attach_custom_callback`.
+        """
+        place = self._topics_out.find(_name_of(output_topic))
+        self._outputs.preprocessors[place].append(_function(self.node_name, func))
+
+    @contextmanager
+    def safe_restart(self) -> Iterator[None]:
+        """Be inactive and cleaned up during the body of a ``with``, and active after it.
+
+        It may be used in a step, a callback or an action. An error in the body is raised after the
+        restart.
+
+        Raises
+        ------
+        RuntimeError
+            When it does not become active again; the status is a component failure then. And on
+            the thread of a goal, which cannot stop what others work with.
+        """
+        if self._main_action is not None and self._main_action.is_pursuing_here:
+            raise RuntimeError(
+                f"{self.node_name}: safe_restart is not possible on the thread of a goal; make "
+                "main_action_callback an 'async def', or restart in a step"
+            )
+        self._down()
+        try:
+            yield
+        finally:
+            if not self.start():
+                text = f"not active again after safe_restart: {self.health.message}"
+                self.health.set_fail_component([self.node_name], text)
+                self.publish_status()
+                raise RuntimeError(f"{self.node_name}: {text}")
+
+    @property
+    def _steps_on_messages(self) -> bool:
+        return self.run_type is ComponentRunType.EVENT and not self.steps_in_any_run_type
+
     def _tick(self) -> None:
         if self.run_type is ComponentRunType.TIMED or self.steps_in_any_run_type:
-            try:
-                self._execution_step()
-            except Exception as error:  # noqa: BLE001 - becomes the component's status
-                text = f"{type(error).__name__}: {error}"
-                self.health.set_fail_component([self.node_name], text)
-                self.warn(f"step failed: {text}")
+            self._guarded("_execution_step", self._execution_step)
+        if self.is_active and not self._executed_once:
+            self._executed_once = True
+            self._guarded("_execute_once", self._execute_once)
+        self._tell_missing()
         self.publish_status()
+
+    def _on_input(self) -> None:
+        """A message of an event component."""
+        if self.is_active:
+            self._guarded("_execution_step", self._execution_step)
+            self.publish_status()
+
+    def _tell_missing(self) -> None:
+        """Say in the status of one that is well which inputs it waits for."""
+        if not self.tells_missing_inputs or not self.is_active or not self.health.is_healthy:
+            return
+        missing = ", ".join(f"/{name}" for name in self.get_missing_inputs())
+        text = f"waiting for {missing}" if missing else ""
+        if self._told_missing == self.health.message or self.health.message == HEALTHY_TEXT:
+            self.health.set_healthy(text)
+            self._told_missing = self.health.message
 
     # -- actions ------------------------------------------------------------------------------
 
@@ -566,7 +960,7 @@ class Component:
         ActionRefused
             When there is no such action, its arguments do not fit, or it needs an active component.
         """
-        spec = actions_of(type(self)).get(name)
+        spec = self.action_specs.get(name)
         if spec is None:
             raise ActionRefused(
                 f"{self.node_name} has no action '{name}'; known are "
@@ -765,3 +1159,35 @@ class Component:
             self._topics_out.replace_one(key, index, topic)
             if self._node is not None:
                 self._outputs.change(self._node, key, index, topic)
+
+
+def _snake(kind: type) -> str:
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", kind.__name__).lower()
+
+
+def _interface(owner: str, field: str, part: str, value: type | None) -> type | None:
+    if value is not None and not hasattr(value, part):
+        word = "action" if part == "Goal" else "service"
+        raise TypeError(f"{owner}: {field} = {value!r} is not the type of a ROS {word}")
+    return value
+
+
+def _interface_name(owner: str, field: str, value: str) -> str:
+    name = value.strip().removeprefix("/")
+    if not name:
+        raise ValueError(f"{owner}: {field} = {value!r} is empty")
+    return name
+
+
+def _overridden(component: Component, hook: str) -> bool:
+    return getattr(type(component), hook) is not getattr(Component, hook)
+
+
+def _name_of(topic: Topic | str) -> str:
+    return topic.name if isinstance(topic, Topic) else topic
+
+
+def _function(owner: str, function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    if not callable(function):
+        raise TypeError(f"{owner}: {function!r} is not a function")
+    return function

@@ -4,7 +4,7 @@ import enum
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.settings import Settings
@@ -99,3 +99,31 @@ class ComponentConfig(Settings):
         if self.robot is None:
             raise ValueError(NO_ROBOT)
         return self.robot
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        """Refuse what would be no setting, though it looks like one.
+
+        Raises
+        ------
+        TypeError
+            When a default is a field of attrs; its validator would never be asked.
+        """
+        super().__pydantic_init_subclass__(**kwargs)
+        for name, field in cls.model_fields.items():
+            if type(field.default).__module__.partition(".")[0] in ("attr", "attrs"):
+                raise TypeError(
+                    f"{cls.__name__}.{name} is a field of attrs, and settings are models of "
+                    f"pydantic: write '{name}: … = Field(default=…, ge=…, le=…)' with Field of "
+                    "pydantic, and no @define"
+                )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_run_type(cls, given: Any) -> Any:
+        if isinstance(given, dict) and "_run_type" in given:
+            raise ValueError(
+                f"_run_type = {given['_run_type']!r} is no setting; say it of the component: "
+                'component.run_type = "Server"'
+            )
+        return given

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import Any
 
-from kompass.components.base.actions import actions_of
-
 KINDS = ("on_algorithm_fail", "on_component_fail", "on_system_fail", "on_fail", "on_giveup")
 
 
@@ -63,10 +61,10 @@ def make_fallback(owner: Any, action: Any, max_retries: int | None) -> Fallback:
 def _check(owner: Any, action: Any) -> None:
     method = getattr(action, "method", action)
     target: Any = getattr(method, "__self__", None)
-    known = actions_of(type(owner))
+    known = owner.available_actions
     stranger = getattr(target, "node_name", None) or getattr(action, "component", None)
     if target is owner:
-        if method.__name__ not in known:
+        if not owner.open_to_recipe(method.__name__):
             raise TypeError(
                 f"{owner.node_name}: {method.__name__} is not a component action; "
                 f"known are {', '.join(known)}"

@@ -16,13 +16,15 @@ TEXTS = {
     ComponentStatus.STATUS_GENERAL_FAILURE: "Failure: General",
 }
 
+HEALTHY_TEXT = TEXTS[ComponentStatus.STATUS_HEALTHY]
+
 
 @dataclass
 class Health:
     """What a component says of itself. Setting a level replaces the sources of the last one."""
 
     level: int = ComponentStatus.STATUS_HEALTHY
-    message: str = TEXTS[ComponentStatus.STATUS_HEALTHY]
+    message: str = HEALTHY_TEXT
     topics: list[str] = field(default_factory=list)
     components: list[str] = field(default_factory=list)
     algorithms: list[str] = field(default_factory=list)
@@ -36,27 +38,92 @@ class Health:
         """Clear the failure and its sources; ``message`` tells e.g. what is waited for."""
         self._set(ComponentStatus.STATUS_HEALTHY, message)
 
-    def set_fail_algorithm(self, algorithms: list[str], message: str = "") -> None:
-        """The data is there, and no answer was found."""
-        self._set(ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL, message, algorithms=algorithms)
+    def set_fail_algorithm(
+        self,
+        algorithms: list[str] | None = None,
+        message: str = "",
+        *,
+        algorithm_names: list[str] | None = None,
+    ) -> None:
+        """The data is there, and no answer was found; both keywords name the algorithms."""
+        self._set(
+            ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL,
+            message,
+            algorithms=algorithms or algorithm_names,
+        )
 
-    def set_fail_component(self, components: list[str], message: str = "") -> None:
-        """A defect of the component itself."""
-        self._set(ComponentStatus.STATUS_FAILURE_COMPONENT_LEVEL, message, components=components)
+    def set_fail_component(
+        self,
+        components: list[str] | None = None,
+        message: str = "",
+        *,
+        component_names: list[str] | None = None,
+    ) -> None:
+        """A defect of the component itself; both keywords name the components."""
+        self._set(
+            ComponentStatus.STATUS_FAILURE_COMPONENT_LEVEL,
+            message,
+            components=components or component_names,
+        )
 
     def set_fail_system(
         self,
+        *,
         topics: list[str] | None = None,
         components: list[str] | None = None,
         message: str = "",
+        topic_names: list[str] | None = None,
+        component_names: list[str] | None = None,
     ) -> None:
-        """Something outside is missing: an input, a peer, a device."""
+        """Something outside is missing: an input, a peer, a device.
+
+        By keyword only, because stacks differ in which comes first; ``topic_names`` and
+        ``component_names`` are other names of ``topics`` and ``components``.
+        """
         self._set(
             ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL,
             message,
-            topics=topics,
-            components=components,
+            topics=topics or topic_names,
+            components=components or component_names,
         )
+
+    def set_failure(self, message: str = "") -> None:
+        """A failure of no certain kind."""
+        self._set(ComponentStatus.STATUS_GENERAL_FAILURE, message)
+
+    @property
+    def value(self) -> int:
+        """The level, as in ``ComponentStatus.status``; to be set to one of 0 to 4."""
+        return self.level
+
+    @value.setter
+    def value(self, level: int) -> None:
+        if isinstance(level, bool) or not isinstance(level, int):
+            raise TypeError(f"health_status.value = {level!r} is not a whole number")
+        if level not in TEXTS:
+            known = ", ".join(f"{number} ({text})" for number, text in TEXTS.items())
+            raise ValueError(f"health_status.value = {level} is no level; known are {known}")
+        self._set(level, "")
+
+    @property
+    def is_algorithm_fail(self) -> bool:
+        """Whether an algorithm finds no answer."""
+        return bool(self.level == ComponentStatus.STATUS_FAILURE_ALGORITHM_LEVEL)
+
+    @property
+    def is_component_fail(self) -> bool:
+        """Whether the component itself has a defect."""
+        return bool(self.level == ComponentStatus.STATUS_FAILURE_COMPONENT_LEVEL)
+
+    @property
+    def is_system_fail(self) -> bool:
+        """Whether something outside is missing."""
+        return bool(self.level == ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL)
+
+    @property
+    def is_general_fail(self) -> bool:
+        """Whether it is a failure of no certain kind."""
+        return bool(self.level == ComponentStatus.STATUS_GENERAL_FAILURE)
 
     def _set(
         self,

@@ -1,33 +1,82 @@
 """The subscriptions and publishers behind a running component's inputs and outputs."""
 
 import time
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Generic, TypeVar
 
+from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleNode
 
 from kompass.components.base.topics import DeclaredTopics
+from kompass.components.base.values import message_of, value_of
 from kompass.rclpy_ext.topic import SENSOR, QoSConfig, Topic
 
 SENSOR_TYPES = {"LaserScan", "PointCloud2", "Imu", "Odometry", "Image", "Range"}
+# Key and index of a topic among the inputs, or among the outputs.
+Place = tuple[str, int]
+Processor = Callable[[Any], Any]
+P = TypeVar("P")
 
 
 class Input:
-    """Subscription that keeps the newest message. Ages are of the monotonic clock [s]."""
+    """Subscription that keeps the newest message. Ages are of the monotonic clock [s].
 
-    def __init__(self, topic: Topic, qos: QoSConfig | None = None) -> None:
+    Parameters
+    ----------
+    callbacks
+        Called with this input after each message.
+    postprocessors
+        What :meth:`get_output` gives goes through them, in their order.
+    """
+
+    def __init__(
+        self,
+        topic: Topic,
+        qos: QoSConfig | None = None,
+        callbacks: list[Callable[["Input"], None]] | None = None,
+        postprocessors: list[Processor] | None = None,
+    ) -> None:
         self.topic = topic
         self.message: Any = None
         self.received: float | None = None
         self.on_message: Callable[[Any], None] | None = None
+        # Called when all others have been.
+        self.afterwards: Callable[[], None] | None = None
         fitting = SENSOR if topic.msg_type in SENSOR_TYPES else QoSConfig()
         self._qos = topic.qos_profile or qos or fitting
+        self._callbacks = [] if callbacks is None else callbacks
+        self._postprocessors = [] if postprocessors is None else postprocessors
         self._subscription: Any = None
 
     @property
     def is_open(self) -> bool:
         """Whether it is subscribed."""
         return self._subscription is not None
+
+    @property
+    def got_msg(self) -> bool:
+        """Whether there has been a message since the component became active."""
+        return self.received is not None
+
+    def get_output(self, clear_last: bool = False) -> Any:
+        """What the newest message says, through the post-processors; None before the first.
+
+        Parameters
+        ----------
+        clear_last
+            Forget the message, so that each is given once.
+
+        See :func:`kompass.components.base.values.value_of` for what a message says.
+        """
+        if self.message is None:
+            return None
+        value = value_of(self.message)
+        for process in self._postprocessors:
+            value = process(value)
+        if clear_last:
+            self.clear()
+        return value
 
     def open(self, node: LifecycleNode) -> None:
         """Subscribe; nothing happens when it is."""
@@ -57,6 +106,123 @@ class Input:
         self.received = time.monotonic()
         if self.on_message is not None:
             self.on_message(message)
+        for callback in self._callbacks:
+            callback(self)
+        # One of the callbacks may have restarted the component, which has another input then.
+        if self.afterwards is not None and self.is_open:
+            self.afterwards()
+
+
+class Output:
+    """Publisher of one topic, which takes plain values too.
+
+    Parameters
+    ----------
+    preprocessors
+        What is published goes through them first, in their order; None of one means silence.
+    """
+
+    def __init__(
+        self,
+        node: LifecycleNode,
+        topic: Topic,
+        qos: QoSConfig | None = None,
+        preprocessors: list[Processor] | None = None,
+    ) -> None:
+        self.topic = topic
+        self._node = node
+        self._preprocessors = [] if preprocessors is None else preprocessors
+        profile = (topic.qos_profile or qos or QoSConfig()).to_ros()
+        self._publisher = node.create_publisher(topic.ros_msg_type, topic.name, profile)
+
+    def publish(self, value: Any, frame_id: str | None = None) -> None:
+        """Publish a message, or a plain value that makes one.
+
+        Parameters
+        ----------
+        value
+            See :func:`kompass.components.base.values.message_of`.
+        frame_id
+            Put into the header. A header without a time gets that of the node's clock.
+
+        Raises
+        ------
+        TypeError
+            When the value makes no such message, or has no header for ``frame_id``; names the
+            topic and what is taken.
+        """
+        for process in self._preprocessors:
+            value = process(value)
+            if value is None:
+                return
+        kind = self.topic.ros_msg_type
+        made = isinstance(value, kind)
+        try:
+            message = value if made else message_of(kind, value)
+        except TypeError as error:
+            raise TypeError(f"/{self.topic.name}: {error}") from None
+        if frame_id is not None or not made:
+            self._head(message, frame_id)
+        self._publisher.publish(message)
+
+    def _head(self, message: Any, frame_id: str | None) -> None:
+        header = getattr(message, "header", None)
+        if header is None:
+            if frame_id is not None:
+                raise TypeError(
+                    f"/{self.topic.name}: a {self.topic.msg_type} has no header for "
+                    f"frame_id = {frame_id!r}; leave it out"
+                )
+            return
+        if frame_id is not None:
+            header.frame_id = frame_id
+        if not (header.stamp.sec or header.stamp.nanosec):
+            header.stamp = self._node.get_clock().now().to_msg()
+
+    def wait_for_all_acked(self, timeout: Duration) -> bool:
+        """Wait until every reliable listener has what was published; False after the timeout."""
+        return bool(self._publisher.wait_for_all_acked(timeout))
+
+    def destroy(self) -> None:
+        """Give the publisher back."""
+        self._node.destroy_publisher(self._publisher)
+
+
+class PortView(Mapping[str, P], Generic[P]):
+    """Inputs or outputs by key, and by the name of their topic; one for each topic.
+
+    Parameters
+    ----------
+    ports
+        By key.
+    name
+        Gives the name of a port's topic.
+    owner, word
+        For messages: the component, and what is looked for.
+    """
+
+    def __init__(
+        self, ports: Mapping[str, list[P]], name: Callable[[P], str], owner: str, word: str
+    ) -> None:
+        single = {key: found[0] for key, found in ports.items() if len(found) == 1}
+        several = {name(port): port for found in ports.values() if len(found) > 1 for port in found}
+        self._ports = {**several, **single}
+        self._by_topic = {name(port): port for found in ports.values() for port in found}
+        self._owner, self._word = owner, word
+
+    def __getitem__(self, key: str) -> P:
+        text = str(getattr(key, "value", key))
+        found = self._ports.get(text) or self._by_topic.get(text.strip().removeprefix("/"))
+        if found is None:
+            known = ", ".join(self._ports) or f"none: {self._word}s come when it is configured"
+            raise KeyError(f"{self._owner}: there is no {self._word} '{text}'; there are {known}")
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._ports)
+
+    def __len__(self) -> int:
+        return len(self._ports)
 
 
 class InputPorts:
@@ -71,14 +237,33 @@ class InputPorts:
     def __init__(self, qos: Mapping[str, QoSConfig]) -> None:
         self._qos = qos
         self._inputs: dict[str, list[Input]] = {}
+        # By place, so that they outlast the subscription: a restart, another topic.
+        self.callbacks: dict[Place, list[Callable[[Input], None]]] = defaultdict(list)
+        self.postprocessors: dict[Place, list[Processor]] = defaultdict(list)
 
     def __getitem__(self, key: str) -> list[Input]:
         return self._inputs[key]
 
+    def walk(self) -> Iterator[tuple[Place, Input]]:
+        """The inputs that there are now, with their places."""
+        for key, inputs in self._inputs.items():
+            for index, port in enumerate(inputs):
+                yield (key, index), port
+
+    def by_name(self, owner: str) -> PortView[Input]:
+        """The inputs that there are now."""
+        return PortView(self._inputs, lambda port: port.topic.name, owner, "input")
+
     def make(self, declared: DeclaredTopics) -> None:
         """Make an input, still closed, for each declared topic."""
         for key, topics in declared.items():
-            self._inputs[key] = [Input(topic, self._qos.get(key)) for topic in topics]
+            self._inputs[key] = [
+                self._make(key, index, topic) for index, topic in enumerate(topics)
+            ]
+
+    def _make(self, key: str, index: int, topic: Topic) -> Input:
+        place = (key, index)
+        return Input(topic, self._qos.get(key), self.callbacks[place], self.postprocessors[place])
 
     def open(self, node: LifecycleNode, wanted: Callable[[str], bool]) -> None:
         """Subscribe to those whose key is wanted."""
@@ -101,8 +286,8 @@ class InputPorts:
         """Take another topic in one place; nothing happens when the key has not been made."""
         if key not in self._inputs:
             return
-        old, new = self._inputs[key][index], Input(topic, self._qos.get(key))
-        new.on_message = old.on_message
+        old, new = self._inputs[key][index], self._make(key, index, topic)
+        new.on_message, new.afterwards = old.on_message, old.afterwards
         if old.is_open:
             new.open(node)
             old.close(node)
@@ -120,37 +305,43 @@ class OutputPorts:
 
     def __init__(self, qos: Mapping[str, QoSConfig]) -> None:
         self._qos = qos
-        self._publishers: dict[str, list[Any]] = {}
+        self._outputs: dict[str, list[Output]] = {}
+        self.preprocessors: dict[Place, list[Processor]] = defaultdict(list)
 
-    def __getitem__(self, key: str) -> list[Any]:
-        return self._publishers[key]
+    def __getitem__(self, key: str) -> list[Output]:
+        return self._outputs[key]
+
+    def by_name(self, owner: str) -> PortView[Output]:
+        """The outputs that there are now."""
+        return PortView(self._outputs, lambda port: port.topic.name, owner, "output")
 
     def make(self, node: LifecycleNode, declared: DeclaredTopics) -> None:
         """Make a publisher for each declared topic."""
         for key, topics in declared.items():
-            self._publishers[key] = [self._make(node, key, topic) for topic in topics]
+            self._outputs[key] = [
+                self._make(node, key, index, topic) for index, topic in enumerate(topics)
+            ]
 
-    def destroy(self, node: LifecycleNode) -> None:
+    def destroy(self) -> None:
         """Give all publishers back."""
-        for publishers in self._publishers.values():
-            for publisher in publishers:
-                node.destroy_publisher(publisher)
-        self._publishers = {}
+        for outputs in self._outputs.values():
+            for output in outputs:
+                output.destroy()
+        self._outputs = {}
 
     def publish(self, key: str, message: Any, index: int = 0) -> None:
         """Publish; nothing happens when there is no such output."""
-        publishers = self._publishers.get(key, [])
-        if index < len(publishers):
-            publishers[index].publish(message)
+        outputs = self._outputs.get(key, [])
+        if index < len(outputs):
+            outputs[index].publish(message)
 
     def change(self, node: LifecycleNode, key: str, index: int, topic: Topic) -> None:
         """Take another topic in one place; nothing happens when the key has not been made."""
-        if key not in self._publishers:
+        if key not in self._outputs:
             return
-        publisher = self._make(node, key, topic)
-        node.destroy_publisher(self._publishers[key][index])
-        self._publishers[key][index] = publisher
+        output = self._make(node, key, index, topic)
+        self._outputs[key][index].destroy()
+        self._outputs[key][index] = output
 
-    def _make(self, node: LifecycleNode, key: str, topic: Topic) -> Any:
-        qos = topic.qos_profile or self._qos.get(key) or QoSConfig()
-        return node.create_publisher(topic.ros_msg_type, topic.name, qos.to_ros())
+    def _make(self, node: LifecycleNode, key: str, index: int, topic: Topic) -> Output:
+        return Output(node, topic, self._qos.get(key), self.preprocessors[(key, index)])

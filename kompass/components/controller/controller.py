@@ -46,6 +46,7 @@ class Controller(Component):
     config_class = ControllerConfig
     needs_robot = True
     allowed_run_types = (ComponentRunType.TIMED,)
+    tells_missing_inputs = False
     allowed_inputs: ClassVar = {
         "plan": AllowedTopics(["Path"]),
         "location": AllowedTopics(["Odometry", "PoseStamped", "Pose"]),

@@ -75,6 +75,7 @@ class DriveManager(Component):
     stops_robot = True
     steps_in_any_run_type = True
     allowed_run_types = (ComponentRunType.TIMED, ComponentRunType.EVENT)
+    tells_missing_inputs = False
     allowed_inputs: ClassVar = {
         "command": AllowedTopics(["Twist"]),
         "multi_command": AllowedTopics(["TwistArray"]),

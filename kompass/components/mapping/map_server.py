@@ -11,7 +11,7 @@ from pydantic import Field
 from kompass.algorithms.grid import Grid
 from kompass.algorithms.map_file import MapFileError, load_map
 from kompass.components.base.component import Component
-from kompass.components.base.component_config import ComponentConfig
+from kompass.components.base.component_config import ComponentConfig, ComponentRunType
 from kompass.components.base.convert import grid_msg
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 
@@ -42,6 +42,8 @@ class MapServer(Component):
     allowed_outputs: ClassVar = {"map": AllowedTopics(["OccupancyGrid"])}
     default_outputs: ClassVar = {"map": [Topic(name="/map", msg_type="OccupancyGrid")]}
     qos: ClassVar = {"map": LATCHED}
+    allowed_run_types = (ComponentRunType.TIMED,)
+    tells_missing_inputs = False
 
     def __init__(self, component_name: str = "map_server", **kwargs: Any) -> None:
         super().__init__(component_name, **kwargs)

@@ -12,7 +12,7 @@ from kompass.algorithms.grid import Grid
 from kompass.algorithms.mapping.local_map import LocalMapBuilder
 from kompass.algorithms.transforms import TransformError
 from kompass.components.base.component import Component
-from kompass.components.base.component_config import ComponentConfig
+from kompass.components.base.component_config import ComponentConfig, ComponentRunType
 from kompass.components.base.convert import grid_msg
 from kompass.components.base.location_source import LocationSource
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
@@ -93,6 +93,8 @@ class LocalMapper(Component):
         "local_map": [Topic(name="/local_map/occupancy_layer", msg_type="OccupancyGrid")]
     }
     qos: ClassVar = {"local_map": QoSConfig(queue_size=1)}
+    allowed_run_types = (ComponentRunType.TIMED,)
+    tells_missing_inputs = False
 
     def __init__(self, component_name: str = "mapper", **kwargs: Any) -> None:
         super().__init__(component_name, **kwargs)

@@ -76,6 +76,8 @@ class Planner(Component):
     }
     qos: ClassVar = {"map": LATCHED, "plan": LATCHED}
     main_action_type = PlanPath
+    serves_main_action_itself = True
+    tells_missing_inputs = False
     ignored_inputs: ClassVar = {"map_layer": "the key is 'map'"}
 
     def __init__(self, component_name: str = "planner", **kwargs: Any) -> None:

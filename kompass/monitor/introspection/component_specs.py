@@ -13,7 +13,7 @@ import annotated_types
 from pydantic import BaseModel, JsonValue
 from pydantic.fields import FieldInfo
 
-from kompass.components.base.actions import ActionSpec, actions_of
+from kompass.components.base.actions import ActionSpec
 from kompass.components.base.component import Component
 from kompass.rclpy_ext.topic import Topic
 from kompass.rules.checks.catalog import (
@@ -45,7 +45,7 @@ def component_spec(component: Component) -> ComponentSpec:
     return ComponentSpec(
         name=component.node_name,
         kind=kind.__name__,
-        methods={name: _method(kind, spec) for name, spec in actions_of(kind).items()},
+        methods={name: _method(kind, spec) for name, spec in component.action_specs.items()},
         parameters={spec.name: spec for spec in _parameters(component.config, "")},
         ignored=dict(_ignored(component.config, "")),
         gate=kind.stops_robot,

@@ -1,0 +1,194 @@
+"""Components of a user's own, in whole stacks: the recipes that show them, and one that breaks."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import httpx
+import pytest
+from automatika_ros_sugar.msg import ComponentStatus
+from automatika_ros_sugar.srv import ChangeParameter
+from geometry_msgs.msg import PoseArray
+from kompass_interfaces.action import FollowPath
+from rclpy.action import ActionClient
+from rclpy.qos import ReliabilityPolicy
+from std_msgs.msg import Empty, Float32, Int32
+from std_srvs.srv import SetBool, Trigger
+
+from tests.support.journal import Journal
+from tests.support.processes import wait_until
+from tests.support.robot import LATCHED, Robot
+from tests.support.stack import RECIPE, TOKEN, Stack
+
+pytestmark = pytest.mark.ros
+
+HEALTHY, COMPONENT = 0, 2
+SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
+
+
+def started(stack: Stack) -> Iterator[Robot]:
+    try:
+        client = Robot(stack.domain)
+        try:
+            yield client
+        finally:
+            client.close()
+    finally:
+        assert stack.close() == 0, stack.output
+
+
+def change(robot: Robot, component: str, name: str, value: str) -> Any:
+    request = ChangeParameter.Request(name=name, value=value, keep_alive=True)
+    return robot.call(ChangeParameter, f"/{component}/update_config_parameter", request)
+
+
+def say(robot: Robot, topic: str) -> None:
+    publisher = robot.node.create_publisher(Empty, topic, 10)
+
+    def heard() -> bool:
+        # The monitor's reader is a best-effort one until it knows the publisher; then another
+        # takes its place.
+        found = robot.node.get_subscriptions_info_by_topic(topic)
+        readers = [one.qos_profile.reliability for one in found if one.node_name == "monitor"]
+        return readers == [ReliabilityPolicy.RELIABLE]
+
+    wait_until(heard, 10, f"a reliable listener on {topic}")
+    publisher.publish(Empty())
+
+
+# -- recipe 07 --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def marking() -> Iterator[tuple[Stack, Robot]]:
+    stack = Stack.simulated(recipe=RECIPE.with_name("07_own_components.py"))
+    for client in started(stack):
+        client.ready()
+        client.subscribe(Float32, "/battery/level")
+        client.subscribe(PoseArray, "/places")
+        yield stack, client
+
+
+@pytest.fixture
+def page(marking: tuple[Stack, Robot]) -> Iterator[httpx.Client]:
+    """The console, as the page asks it."""
+    url = marking[0].url
+    with httpx.Client(base_url=url, headers={"Origin": url}, timeout=30) as client:
+        assert client.post("/api/login", json={"token": TOKEN}).status_code == 200
+        yield client
+
+
+def test_the_page_knows_them_their_settings_actions_and_rules(page: httpx.Client) -> None:
+    wait_until(lambda: page.get("/api/graph").status_code == 200, 20, "the monitor's answer")
+    known = {each["name"]: each for each in page.get("/api/graph").json()["components"]}
+    battery = known["battery"]
+    assert battery["kind"] == "Battery"
+    assert "changed" in [method["name"] for method in battery["methods"]]
+    settings = {each["name"]: each["text"] for each in battery["parameters"]}
+    assert settings["lasts_metres"] == "m driving"
+    rules = page.get("/api/rules").json()["table"]["rules"]
+    names = {rule["id"]: rule["name"] for rule in rules}
+    assert names["battery-low"] == "Battery low → mark the place"
+
+
+def test_a_low_battery_has_the_place_marked_and_a_fresh_one_has_it_forgotten(
+    marking: tuple[Stack, Robot], page: httpx.Client
+) -> None:
+    _, battery = marking
+    journal = Journal(battery)
+    wait_until(lambda: "/battery/level" in battery.newest, 10, "the battery's level")
+    refused = change(battery, "battery", "lasts_metres", "0.0")
+    assert not refused.success
+    assert "lasts_metres" in refused.error_msg
+    assert change(battery, "battery", "lasts_metres", "0.2").success
+    battery.click(-1.5, 0.5)
+    ended = journal.done("battery-low", timeout=40)
+    assert [(step.ok, step.text) for step in journal.actions(ended) if not step.ok] == []
+    wait_until(lambda: "/places" in battery.newest, 10, "the marked place")
+    assert len(battery.newest["/places"].poses) == 1
+    told = page.get("/api/firings", params={"rule_id": "battery-low"}).json()["firings"]
+    assert told, "the page shows the firing"
+    since = journal.mark
+    say(battery, "/battery/changed")
+    assert journal.done("battery-changed", since).ok
+    answer = battery.call(Trigger, "/mark_place", Trigger.Request())
+    assert answer.success
+    assert answer.message.startswith("place 1 is at (")
+
+
+# -- recipe 08 --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def patrol() -> Iterator[Robot]:
+    for client in started(Stack.simulated(recipe=RECIPE.with_name("08_patrol.py"))):
+        client.ready()
+        client.subscribe(Int32, "/patrol/point")
+        yield client
+
+
+def send(robot: Robot, name: str) -> Any:
+    client = ActionClient(robot.node, FollowPath, "/patrol/follow_path")
+    wait_until(client.server_is_ready, 10, "the patrol's action")
+    goal = FollowPath.Goal()
+    goal.request.path_name = name
+    sent = robot._executor.create_task(lambda: client.send_goal_async(goal))
+    return robot.await_future(robot.await_future(sent, 5, "sending"), 5, "the answer to the goal")
+
+
+def test_a_rule_starts_a_round_and_each_point_is_reached_and_noted(patrol: Robot) -> None:
+    journal = Journal(patrol)
+    say(patrol, "/patrol/start")
+    wait_until(lambda: patrol.distance_to(-1.5, -0.5) < 0.2, 40, "the first point")
+    assert not send(patrol, "west").accepted, "one round at a time"
+    ended = journal.done("patrol-start", timeout=60)
+    assert ended.ok, ended.text
+    assert patrol.distance_to(-1.5, 0.5) < 0.2
+    wait_until(lambda: len(journal.of("patrol-point", "done")) == 2, 10, "both notes")
+    assert all(step.ok for step in journal.of("patrol-point", "done"))
+
+
+def test_a_round_that_is_cancelled_stops_the_robot(patrol: Robot) -> None:
+    handle = send(patrol, "west")
+    assert handle.accepted
+    wait_until(lambda: patrol.speed > 0.05, 20, "motion")
+    handle.cancel_goal_async()
+    assert patrol.result(handle).status == CANCELED
+    wait_until(lambda: patrol.speed < 0.01, 10, "standstill")
+
+
+def test_an_unknown_round_is_aborted_at_once(patrol: Robot) -> None:
+    handle = send(patrol, "north")
+    assert handle.accepted
+    assert patrol.result(handle).status == ABORTED
+
+
+# -- one that breaks --------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def mending() -> Iterator[tuple[Stack, Robot]]:
+    recipe = RECIPE.parents[1] / "tests" / "recipes" / "mending_components.py"
+    stack = Stack("run", str(recipe), "--no-browser", "--port", "0")
+    for client in started(stack):
+        stack.wait_for_line("all components active", 20)
+        yield stack, client
+
+
+def test_one_that_raises_says_so_is_mended_by_its_fallback_and_the_others_go_on(
+    mending: tuple[Stack, Robot],
+) -> None:
+    stack, robot = mending
+    heard: list[ComponentStatus] = []
+    counts: list[int] = []
+    robot.node.create_subscription(ComponentStatus, "/flaky/status", heard.append, LATCHED)
+    robot.node.create_subscription(Int32, "/count", lambda told: counts.append(told.data), 10)
+    wait_until(lambda: heard and counts, 10, "both components")
+    pids = [stack.pid_of(name) for name in ("flaky", "steady")]
+    assert robot.call(SetBool, "/flaky/set_bool", SetBool.Request(data=True)).success
+    wait_until(lambda: heard[-1].status == COMPONENT, 5, "the failure")
+    assert "OSError: the device is gone" in heard[-1].msg
+    wait_until(lambda: heard[-1].status == HEALTHY, 15, "the fallback's mending")
+    before = counts[-1]
+    wait_until(lambda: counts[-1] > before + 3, 5, "the other one's work")
+    assert pids == [stack.pid_of(name) for name in ("flaky", "steady")], "nothing died"
+    assert counts == sorted(counts), "the other one has never begun anew"
