@@ -16,8 +16,10 @@ PAGE = "docs/porting.md"
 CAMERA = "nothing here sees with a camera; paths are followed with DWA, Stanley or PurePursuit"
 SETTINGS = "derive from kompass.config.Settings, whose fields are pydantic's"
 BOUNDS = "give bounds with pydantic, x: float = Field(default=1.0, ge=0, le=10)"
-MESSAGES = "a callback is given the ROS message itself: self.input(key).on_message = …"
-PUBLISHING = "self.publish(key, message) publishes on the topic of an output"
+MESSAGES = (
+    "self.callbacks[key] of a component says what came; self.attach_custom_callback(key, f) calls f"
+)
+PUBLISHING = "self.publishers_dict[key].publish(value) of a component takes plain values, too"
 IN_COMPONENT = "call it on the node, as any ROS client; self.node is one"
 PLUGINS = "connect the robot's own topics with launcher.inputs(…) and launcher.outputs(…)"
 PROCESSES = "Launcher.bringup() starts the processes; a component needs no executable"

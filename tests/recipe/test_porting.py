@@ -134,7 +134,8 @@ def test_a_base_of_the_original_name_makes_components() -> None:
         importlib.import_module("ros_sugar.core"),
         importlib.import_module("kompass.components"),
     )
-    assert core.BaseComponent is here.Component
+    assert issubclass(core.BaseComponent, here.Component)
+    assert core.BaseComponent("level").node_name == here.Component("level").node_name
 
 
 def test_a_module_of_nobody_is_still_missing_in_the_usual_way() -> None:
