@@ -145,7 +145,8 @@ class Launcher:
             for level in (ros_log_level, rclpy_log_level):
                 if level is not None:
                     component.config.rclpy_log_level = level
-        self._events_actions.update(events_actions or {})
+        for event, action in (events_actions or {}).items():
+            self.on(event, action)
         stated = _either(multi_processing, multiprocessing)
         if not processes_wanted(self._in_processes if stated is None else stated):
             self._threaded += components
@@ -182,8 +183,13 @@ class Launcher:
         )
 
     def on(self, event: Any, action: Any) -> None:
-        """Answer an event with an action, or a list of them."""
-        self._events_actions[event] = action
+        """Answer an event with an action, or a list of them.
+
+        What answers it already, here or in the ``events_actions`` of a package, stays and comes
+        first; all of them are the actions of one rule.
+        """
+        more = list(action) if isinstance(action, list | tuple) else [action]
+        self._events_actions[event] = [*self._events_actions.get(event, ()), *more]
 
     def open_to_rules(
         self,

@@ -25,7 +25,7 @@ from kompass.rclpy_ext.log import write_log
 from kompass.rclpy_ext.messages import fill, ros_class
 from kompass.rclpy_ext.timers import Timers
 from kompass.recipe.fallbacks import FallbackSequence
-from kompass.recipe.table import Parsed
+from kompass.recipe.parsed import Parsed
 from kompass.rulebook.permissions import Permissions, rights_text
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema import actions as kinds
