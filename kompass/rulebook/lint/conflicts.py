@@ -157,8 +157,8 @@ def _both(one: _Range, other: _Range) -> _Range | None:
         return _Range(values=values) if values else None
     for values, interval in ((one.values, other), (other.values, one)):
         if values is not None:
-            values = frozenset(value for value in values if _within(value, interval))
-            return _Range(values=values) if values else None
+            within = frozenset(value for value in values if _within(value, interval))
+            return _Range(values=within) if within else None
     low, high = max(one.low, other.low), min(one.high, other.high)
     open_low = (one.low == low and one.open_low) or (other.low == low and other.open_low)
     open_high = (one.high == high and one.open_high) or (other.high == high and other.open_high)
