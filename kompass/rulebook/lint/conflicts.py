@@ -153,8 +153,8 @@ def _value(value: JsonValue) -> str:
 def _both(one: _Range, other: _Range) -> _Range | None:
     """What is in both; None when nothing is."""
     if one.values is not None and other.values is not None:
-        values = one.values & other.values
-        return _Range(values=values) if values else None
+        common = one.values & other.values
+        return _Range(values=common) if common else None
     for values, interval in ((one.values, other), (other.values, one)):
         if values is not None:
             within = frozenset(value for value in values if _within(value, interval))
