@@ -436,7 +436,8 @@ class Launcher:
         TypeError
             When it is not a function.
         """
-        add_companion(function_process(method, args or (), kwargs or {}))
+        # The list itself: what is added later counts as well.
+        add_companion(function_process(method, args or (), kwargs or {}, self._components))
 
     def enable_ui(self, *_: Any, **__: Any) -> None:
         """Say where the page comes from today."""

@@ -37,6 +37,8 @@ class RecipeRules:
         Conditions that are functions, by name.
     opened
         Names outside of the stack that rules of people may use.
+    components
+        Of the launcher, as the functions hold them.
     """
 
     table: Table = field(default_factory=Table)
@@ -45,6 +47,7 @@ class RecipeRules:
     )
     polled: dict[str, Callable[[], Any]] = field(default_factory=dict)
     opened: Opened = NOTHING_OPENED
+    components: tuple[Component, ...] = ()
 
 
 def recipe_rules(
@@ -59,7 +62,7 @@ def recipe_rules(
     ValueError
         When an action belongs to a component that was not added, or two events have one name.
     """
-    made = RecipeRules()
+    made = RecipeRules(components=tuple(components))
     given: dict[Event, list[Any]] = {}
     for event, value in events_actions.items():
         if not isinstance(event, Event):
