@@ -9,7 +9,7 @@ from kompass.components.base.component import Component
 from kompass.recipe.action import Action
 from kompass.recipe.function_names import FunctionNames, Use
 from kompass.recipe.functions import by_name, name_of
-from kompass.recipe.parsed import Parsed, ParsedCall, Parser
+from kompass.recipe.parsed import Parsed, ParsedCall, Parser, takes
 from kompass.rules.schema.actions import Action as RuleAction
 from kompass.rules.schema.actions import Python, component_of, topics_in
 
@@ -65,13 +65,15 @@ class ActionData:
                 f"{where}: '{component}' is not among the components of the launcher; "
                 f"those are {', '.join(self._components)}"
             )
+        parser = action.parser
+        if parser is not None and parser.output is not None:
+            _check_output(parser.output, data, action, where)
         missing = action.missing()
         if missing:
             raise ValueError(
                 f"{where}: {action!r} lacks {', '.join(missing)}; give it with args or kwargs, or "
                 "let an event_parser make it"
             )
-        parser = action.parser
         if isinstance(data, Python) and action.method is not None:
             name = self._names.of(Use(action.method))
             method = by_name(action.method)
@@ -108,6 +110,15 @@ class ActionData:
             known, number = self.functions.get(name), number + 1
         self.functions[name] = entry
         return Python(name=name, kwargs=dict(kwargs), timeout=data.timeout, on_error=data.on_error)
+
+
+def _check_output(output: str, data: RuleAction, action: Action, where: str) -> None:
+    taken = takes(data, action.method)
+    if taken is not None and output not in taken:
+        name = data.kind if action.method is None else name_of(action.method)
+        known = " or ".join(taken)
+        remedy = f"give it {known}" if known else "it takes none; make it with a function of yours"
+        raise ValueError(f"{where}: output_mapping = {output!r} is no argument of {name}; {remedy}")
 
 
 def _is_same(one: Any, other: Any) -> bool:

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from kompass.recipe.functions import ByName
 from kompass.rules.schema.actions import Action as RuleAction
+
+# What a parser can make of actions that are no call of a function.
+_MADE = {
+    "call_service": ("srv_request_msg", "request"),
+    "send_goal": ("action_request_msg", "request_msg"),
+    "publish": ("msg",),
+}
 
 
 @dataclass
@@ -65,6 +73,9 @@ class ParsedCall:
 
     def __call__(self, msg: Any, **kwargs: Any) -> Any:
         """Call both; what is returned is to be awaited when the first is an ``async def``."""
+        taken = takes(None, self.method)
+        extra = {k: v for k, v in self.parser.extra.items() if taken is None or k in taken}
+        kwargs = {**extra, **kwargs}
         made = self.parser.make(msg)
         if inspect.isawaitable(made):
             return self._awaiting(made, kwargs)
@@ -73,3 +84,14 @@ class ParsedCall:
     async def _awaiting(self, made: Any, kwargs: dict[str, Any]) -> Any:
         result = self.method(**{**kwargs, **self.parser.arguments(await made)})
         return await result if inspect.isawaitable(result) else result
+
+
+def takes(action: RuleAction | None, method: Callable[..., Any] | None) -> Collection[str] | None:
+    """What a parser may make of an action, or of a function; None when that is anything."""
+    if method is None:
+        return _MADE.get(action.kind, ()) if action is not None else ()
+    own = method.function if isinstance(method, ByName) else method
+    parameters = inspect.signature(own).parameters.values()
+    if any(one.kind is one.VAR_KEYWORD for one in parameters):
+        return None
+    return [one.name for one in parameters if one.kind is not one.VAR_POSITIONAL]

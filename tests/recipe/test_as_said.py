@@ -493,3 +493,49 @@ def test_parsers_of_one_name_are_told_apart() -> None:
     entries = [made.functions[a.name] for a in made.table.rules[0].actions if isinstance(a, Python)]
     assert [e.action.service for e in entries if isinstance(e, Parsed)] == ["a", "b"]  # type: ignore[union-attr]
     assert not isinstance(entries[0], SendGoal)
+
+
+# -- parsers --------------------------------------------------------------------------------------
+
+
+def words(*, msg: Any, **_: object) -> str:
+    return "words"
+
+
+def parsed(action: Action, output: str | None, **extra: Any) -> Action:
+    action.event_parser(words, output, **extra)
+    return action
+
+
+def say(text: str, loud: bool = False) -> tuple[str, bool]:
+    return text, loud
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (
+            lambda: parsed(trigger_service(srv_name="/light", srv_type=SetBool), "data"),
+            r"output_mapping = 'data' .*call_service.*srv_request_msg or request",
+        ),
+        (lambda: parsed(log(msg="x"), "msg"), r"output_mapping = 'msg' .*log.*takes none"),
+        (
+            lambda: parsed(Action(DRIVER.move_forward, args=(1.0,)), "max_distanc"),
+            r"output_mapping = 'max_distanc' .*move_forward.*max_distance",
+        ),
+        (lambda: parsed(Action(say), "txt"), r"output_mapping = 'txt' .*say.*text or loud"),
+    ],
+)
+def test_a_parser_for_an_argument_that_there_is_not_is_refused(
+    make: Callable[[], Action], sentence: str
+) -> None:
+    with pytest.raises(ValueError, match=sentence) as told:
+        read({Event(TEXT): make()})
+    assert "\n" not in str(told.value)
+
+
+def test_what_a_parser_is_given_besides_is_given_to_the_function_too() -> None:
+    made = read({Event(TEXT): parsed(Action(say), "text", loud=True, other=1)})
+    (action,) = made.table.rules[0].actions
+    assert isinstance(action, Python)
+    assert called(made, action, {**action.kwargs, "msg": String()}) == ("words", True)
