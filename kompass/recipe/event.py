@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
@@ -221,7 +221,7 @@ def _rule_event(**fields: Any) -> RuleEvent:
         raise ValueError(f"Event({describe(fields['condition'])}): {text}") from None
 
 
-class _NamedEvent(Event):
+class _NamedEvent(Event, ABC):
     """An event with a name, over one field of one topic."""
 
     when = "level"
