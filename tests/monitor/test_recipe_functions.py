@@ -15,7 +15,7 @@ from kompass.actions import Action, trigger_service
 from kompass.components import Component, ComponentConfig, DriveManager
 from kompass.components.base.actions import component_action
 from kompass.monitor.execution.action_runner import ActionRunner
-from kompass.monitor.execution.component_handles import make_handles
+from kompass.monitor.execution.component_handles import NotReached, make_handles
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.reporting.alarms import Alarms
@@ -476,6 +476,17 @@ def test_what_a_function_does_not_reach_is_told_in_the_journal(
     ok, error = run.run()
     assert not ok
     assert re.search(sentence, error), error
+
+
+def test_where_no_action_can_be_called_that_is_refused_too() -> None:
+    lamp = Lamp("lamp")
+    make_handles([lamp], None)
+    with pytest.raises(
+        NotReached, match=r"lamp\.switch is not reached from here.*let a rule do it"
+    ):
+        lamp.switch(True)
+    with pytest.raises(AttributeError, match="dim"):
+        lamp.dim()  # type: ignore[attr-defined]
 
 
 def test_what_never_changes_is_as_it_was(carried: Make, lamps: tuple[Lamp, Lamp]) -> None:
