@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import array
 import difflib
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from kompass.rules.schema.conditions import AllOf, AnyOf, Compare, Not, Received
 from kompass.rules.schema.conditions import Condition as RuleCondition
@@ -247,13 +249,30 @@ def _walk(message: type[Any], path: tuple[str | int, ...]) -> Any:
 
 
 def _compare(field: MessageField, operator: str, value: Any) -> Expression:
-    literal = _plain(value)
+    literal = _as_truth(field._sample_, operator, _plain(value))
     problem = _mismatch(field._sample_, operator, literal)
     if problem:
         raise TypeError(f"{field!r} {operator} {value!r}: {problem}")
+    for number in literal if isinstance(literal, tuple) else (literal,):
+        if isinstance(number, float) and not math.isfinite(number):
+            raise ValueError(f"{field!r} {operator} {number!r}: compare with a finite number")
     if operator == "between" and not literal[0] <= literal[1]:
         raise ValueError(f"{field!r} between {value!r}: give the lower number first")
-    return Expression(Compare(signal=signal_of(field), operator=operator, value=literal))  # type: ignore[arg-type]
+    try:
+        condition = Compare(signal=signal_of(field), operator=operator, value=literal)  # type: ignore[arg-type]
+    except ValidationError as error:
+        why = error.errors()[0]["msg"].removeprefix("Value error, ")
+        raise TypeError(f"{field!r} {operator} {value!r}: {why}") from None
+    return Expression(condition)
+
+
+def _as_truth(sample: Any, operator: str, literal: Any) -> Any:
+    """0 and 1 against a truth value, as other releases take them, are false and true."""
+    if not isinstance(sample, bool) or operator not in ("==", "!=", "in", "not_in"):
+        return literal
+    if isinstance(literal, tuple):
+        return tuple(_as_truth(sample, operator, item) for item in literal)
+    return bool(literal) if isinstance(literal, int) and literal in (0, 1) else literal
 
 
 def _plain(value: Any) -> Any:
@@ -280,7 +299,14 @@ def _mismatch(sample: Any, operator: str, literal: Any) -> str:
             return "it is a list; name one of its items"
         return "" if _kind(sample) == "number" else f"it is a {_kind(sample)}, not a number"
     if operator.startswith(("contains", "not_contains")):
-        return "" if is_array or isinstance(sample, str) else "it is no list and no text"
+        if not is_array and not isinstance(sample, str):
+            return "it is no list and no text"
+        # Of lists of texts and messages nothing is known before there is one.
+        numbers = isinstance(sample, array.array | np.ndarray)
+        wanted = "number" if numbers else "text" if isinstance(sample, str) else ""
+        items = literal if isinstance(literal, tuple) else (literal,)
+        wrong = [item for item in items if wanted and _kind(item) != wanted]
+        return f"{wrong[0]!r} is no {wanted}" if wrong else ""
     if operator in ("in", "not_in"):
         if isinstance(literal, str):
             return "" if isinstance(sample, str) else "give a list of options"

@@ -52,10 +52,12 @@ controller.direct_sensor = False
 mapper = LocalMapper(component_name="mapper")
 driver = DriveManager(component_name="drive_manager")
 
-# ... and when the mapper is not well, for whatever reason, with the scan itself. Once is enough.
+# ... and when the mapper is not well, for whatever reason, with the scan itself. Once is enough, so
+# once must not be wasted: on a busy machine a mapper may be late for some tenths of a second, and
+# is well again. `hold` waits until it has not been well for half a second: its process is gone.
 mapper_is_not_well = Event(
     mapper.status_topic.msg.status != ComponentStatus.STATUS_HEALTHY, handle_once=True
-).as_rule("mapper-lost", name="Mapper lost → drive by the scan")
+).as_rule("mapper-lost", hold=0.5, name="Mapper lost → drive by the scan")
 look_yourself = update_parameter(
     component=controller, param_name="use_direct_sensor", new_value=True
 )

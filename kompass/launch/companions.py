@@ -10,6 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from kompass.components.base.component import Component
+from kompass.monitor.execution.component_handles import make_handles
+from kompass.monitor.recipe_call import RecipeCall
 from kompass.supervisor.process import ProcessSpec, Report
 
 _companions: list[ProcessSpec] = []
@@ -45,9 +48,17 @@ def program_process(path: Path) -> ProcessSpec:
 
 
 def function_process(
-    function: Callable[..., Any], args: Sequence[Any], kwargs: Mapping[str, Any]
+    function: Callable[..., Any],
+    args: Sequence[Any],
+    kwargs: Mapping[str, Any],
+    components: Sequence[Component] = (),
 ) -> ProcessSpec:
     """A process that calls a function once.
+
+    Parameters
+    ----------
+    components
+        Which live elsewhere: the function is told so when it asks something of them.
 
     Raises
     ------
@@ -60,6 +71,7 @@ def function_process(
 
     def main(report: Report) -> None:
         report(f"active {name}")
-        function(*args, **kwargs)
+        make_handles(components, None)
+        RecipeCall(lambda: function(*args, **kwargs)).run()
 
     return ProcessSpec(name, main, restart=False)

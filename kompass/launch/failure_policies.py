@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 from kompass.components.base.component import Component
@@ -58,18 +58,32 @@ class FailurePolicies:
         ValueError
             When there are components, and none of them has it.
         """
-        known = {name for component in components for name in component.available_actions}
-        if components and action_name not in known:
-            raise ValueError(
-                f"launcher.{kind}: no component has an action '{action_name}'; "
-                f"known are {', '.join(sorted(known))}"
-            )
-        self._policies.append(_Policy(kind, action_name, max_retries))
+        policy = _Policy(kind, action_name, max_retries)
+        if components:
+            _check(policy, components)
+        self._policies.append(policy)
 
-    def apply(self, components: Iterable[Component]) -> None:
-        """Give the fallbacks to the components that have none of that kind."""
+    def apply(self, components: Sequence[Component]) -> None:
+        """Give the fallbacks to the components that have none of that kind.
+
+        Raises
+        ------
+        ValueError
+            When none of them has the action of a policy that was stated before they were added.
+        """
+        for policy in self._policies:
+            _check(policy, components)
         for component in components:
             for kind, name, max_retries in self._policies:
                 stated = getattr(component.fallbacks, kind) is not None
                 if not stated and name in component.available_actions:
                     getattr(component, kind)(getattr(component, name), max_retries)
+
+
+def _check(policy: _Policy, components: Sequence[Component]) -> None:
+    known = {name for component in components for name in component.available_actions}
+    if policy.action_name not in known:
+        raise ValueError(
+            f"launcher.{policy.kind}: no component has an action '{policy.action_name}'; "
+            f"known are {', '.join(sorted(known))}"
+        )

@@ -179,7 +179,8 @@ class Launcher:
             raise
         self._components += added
         self._activate += [one.node_name for one in chosen]
-        self._events_actions.update(events_actions or {})
+        for event, action in (events_actions or {}).items():
+            self.on(event, action)
         if not apart:
             self._threaded += added
 
@@ -234,8 +235,13 @@ class Launcher:
         )
 
     def on(self, event: Any, action: Any) -> None:
-        """Answer an event with an action, or a list of them."""
-        self._events_actions[event] = action
+        """Answer an event with an action, or a list of them.
+
+        What answers it already, here or in the ``events_actions`` of a package, stays and comes
+        first; all of them are the actions of one rule.
+        """
+        more = list(action) if isinstance(action, list | tuple) else [action]
+        self._events_actions[event] = [*self._events_actions.get(event, ()), *more]
 
     def open_to_rules(
         self,
@@ -536,7 +542,8 @@ class Launcher:
         TypeError
             When it is not a function.
         """
-        add_companion(function_process(method, args or (), kwargs or {}))
+        # The list itself: what is added later counts as well.
+        add_companion(function_process(method, args or (), kwargs or {}, self._components))
 
     def enable_ui(self, *_: Any, **__: Any) -> None:
         """Say where the page comes from today."""

@@ -9,8 +9,10 @@ from builtin_interfaces.msg import Time
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from kompass.components.base.component import Component
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.monitor.execution.action_runner import ActionRunner
+from kompass.monitor.execution.component_handles import make_handles
 from kompass.monitor.execution.runs import Runs
 from kompass.monitor.inputs.polled_functions import PolledFunctions
 from kompass.monitor.inputs.previews import Previews
@@ -120,11 +122,9 @@ class Monitor:
         self._runs = runs = Runs(self._runner.run, loop.ended, firings)
         inputs = RuleInputs(node, proxy.pass_on)
         self._polled = PolledFunctions(
-            timers,
-            node.get_logger(),
-            main,
-            recipe.polled,
-            lambda name, answer: loop.answered(f"callable/{name}", answer),
+            *(timers, main, recipe.polled),
+            answered=lambda name, answer: loop.answered(f"callable/{name}", answer),
+            tell=firings.announce,
         )
         engine = LiveEngine(main, loop, inputs, self._polled, runs)
         graph = Graph(node, catalog, inputs.counts)
@@ -185,6 +185,10 @@ class Monitor:
     def process_changed(self, line: str) -> None:
         """Take the state of a process, as the supervisor tells it (a JSON line)."""
         self._processes.changed(line)
+
+    def reach_components(self, components: Iterable[Component]) -> None:
+        """Let functions of the recipe, which hold these copies, reach the components themselves."""
+        make_handles(components, self._runner.reach)
 
     def close(self) -> None:
         """End what runs, and begin nothing any more."""

@@ -64,6 +64,7 @@ def run_monitor(
     executor = TaskExecutor()
     executor.add_node(node)
     monitor = Monitor(node, executor, recipe, catalog, start, store, settings, report, recording)
+    monitor.reach_components(recipe.components)
 
     def read() -> None:
         with os.fdopen(inbox) as lines:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import json
-from collections.abc import Callable
-from dataclasses import dataclass, field
+import math
+from collections.abc import Callable, Mapping
 from typing import Any, get_type_hints
 
 from pydantic import PydanticSchemaGenerationError, PydanticUserError, TypeAdapter, ValidationError
@@ -14,29 +15,14 @@ from kompass.components.base.actions import signature_text
 from kompass.components.base.component import Component
 from kompass.expressions import MessageField, reference_of
 from kompass.rclpy_ext.messages import to_plain
+from kompass.recipe.functions import component_of, name_of, signature_of
+from kompass.recipe.parsed import Parser
 from kompass.rules.schema.actions import Action as RuleAction
 from kompass.rules.schema.actions import Lifecycle, Method, Python
 
 LIFECYCLE = ("start", "stop", "restart")
 # Seconds; a goal takes as long as it takes, and ends by itself.
 METHOD_TIMEOUT = 120.0
-
-
-@dataclass
-class Parser:
-    """A function of the recipe that makes an argument of an action from the message.
-
-    Attributes
-    ----------
-    function
-        Called with the message as ``msg`` and ``trigger``, and with ``extra``.
-    output
-        Name of the argument; None when the function returns several by name.
-    """
-
-    function: Callable[..., Any]
-    output: str | None
-    extra: dict[str, Any] = field(default_factory=dict)
 
 
 class Action:
@@ -107,7 +93,7 @@ class Action:
         """Names of the arguments that the function needs and nothing gives."""
         if self.method is None:
             return []
-        parameters = inspect.signature(self.method).parameters.values()
+        parameters = signature_of(self.method, "Action").parameters.values()
         given = set(getattr(self._data, "kwargs", ()))
         if self.parser is not None:
             if self.parser.output is None:
@@ -151,10 +137,15 @@ class Action:
 def _data_of(
     method: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]
 ) -> RuleAction:
-    owner = getattr(method, "__self__", None)
-    name = getattr(method, "__name__", type(method).__name__)
+    name = name_of(method)
     bound = _bind(method, name, args, kwargs)
-    if isinstance(owner, Component):
+    owner = component_of(method)
+    if owner is not None and isinstance(method, functools.partial):
+        raise TypeError(
+            f"Action: {name} of {owner.node_name} is called in the process of {owner.node_name}, "
+            f"which knows no functools.partial; write Action({owner.node_name}.{name}, kwargs=…)"
+        )
+    if owner is not None:
         if not owner.open_to_recipe(name):
             raise TypeError(
                 f"Action: {owner.node_name}.{name} cannot be called by a rule; mark it with "
@@ -175,7 +166,7 @@ def _data_of(
 def _bind(
     method: Callable[..., Any], name: str, args: tuple[Any, ...], kwargs: dict[str, Any]
 ) -> dict[str, Any]:
-    signature = inspect.signature(method)
+    signature = signature_of(method, "Action")
     try:
         bound = signature.bind_partial(*args, **kwargs).arguments
     except TypeError as error:
@@ -185,9 +176,15 @@ def _bind(
     flat: dict[str, Any] = {}
     for key, value in bound.items():
         kind = signature.parameters[key].kind
+        more = {key: value}
         if kind is inspect.Parameter.VAR_POSITIONAL:
-            raise TypeError(f"Action: {name}: give the arguments of *{key} by name")
-        flat.update(value if kind is inspect.Parameter.VAR_KEYWORD else {key: value})
+            more = {f"*{key}": list(value)}
+        elif kind is inspect.Parameter.VAR_KEYWORD:
+            more = value
+        twice = flat.keys() & more.keys()
+        if twice:
+            raise TypeError(f"Action: {name}: {min(twice)} is given twice; call one otherwise")
+        flat.update(more)
     return flat
 
 
@@ -213,18 +210,17 @@ def _arguments(name: str, bound: dict[str, Any]) -> dict[str, Any]:
 
 
 def argument(name: str, key: str, value: Any) -> Any:
-    """An argument of an action as data.
+    """An argument of an action as data; a field of a topic in it stands for its newest value.
 
     Raises
     ------
     TypeError
         When it cannot be.
+    ValueError
+        When a number in it is not finite.
     """
-    if isinstance(value, MessageField):
-        return reference_of(value)
-    made = to_plain(value)
-    if isinstance(made, str) and made.startswith("$"):
-        return f"${made}"  # the text itself, and no reference
+    made = _as_data(value)
+    _check_finite(made, f"argument {key} = {value!r} of {name}")
     try:
         json.dumps(made)
     except (TypeError, ValueError):
@@ -233,3 +229,42 @@ def argument(name: str, key: str, value: Any) -> Any:
             "give numbers, texts, lists or mappings, or make it inside the function"
         ) from None
     return made
+
+
+def message_data(name: str, value: Any) -> dict[str, Any]:
+    """A message, or a mapping of its fields, as arguments of an action; nothing of None.
+
+    Raises
+    ------
+    TypeError, ValueError
+        When it cannot be data.
+    """
+    if value is None:
+        return {}
+    # Messages of rclpy are set to plain values and never to fields of topics: a mapping may be.
+    data = value if isinstance(value, Mapping) else to_plain(value)
+    if not isinstance(data, Mapping):
+        raise TypeError(f"{name}: {value!r} is neither a message nor a mapping of its fields")
+    return {key: argument(name, key, each) for key, each in data.items()}
+
+
+def _as_data(value: Any) -> Any:
+    if isinstance(value, MessageField):
+        return reference_of(value)
+    if isinstance(value, Mapping):
+        return {key: _as_data(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_as_data(item) for item in value]
+    made = to_plain(value)
+    if made is not value and isinstance(made, dict | list):
+        return _as_data(made)
+    # A text that looks like a reference is the text itself.
+    return f"${made}" if isinstance(made, str) and made.startswith("$") else made
+
+
+def _check_finite(value: Any, what: str) -> None:
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"Action: {what}: {value!r} cannot be stored; give a finite number")
+    items = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    for item in items:
+        _check_finite(item, what)

@@ -3,15 +3,59 @@
 from __future__ import annotations
 
 import difflib
-import inspect
-from collections.abc import Callable, Mapping, Sequence
+import math
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from typing import Any, Self
+
+from pydantic import ValidationError
 
 from kompass.expressions import MessageField, condition_of, signal_of
 from kompass.rclpy_ext.topic import Topic
+from kompass.recipe.condition_function import ConditionFunction, condition_function
+from kompass.recipe.functions import name_of
 from kompass.rules.schema.conditions import CallableCondition, Changed, Condition
 from kompass.rules.schema.describe import describe
 from kompass.rules.schema.events import Event as RuleEvent
+from kompass.settings import notice_once
+
+# What events of other releases have, and what does it here. An event is read once: what becomes of
+# it lives in the monitor, in a process of its own.
+_ELSEWHERE = {
+    "id": "its rule gets one of its condition; state it with event.as_rule('my-id')",
+    **dict.fromkeys(
+        ("trig", "raise_event_trigger"),
+        "publish what its condition waits for, or answer a topic with launcher.on(Event(topic), …)",
+    ),
+    **dict.fromkeys(
+        ("clear", "reset"),
+        "'kompass-console rules reset <rule>' lets a rule start afresh, and so does the page",
+    ),
+    **dict.fromkeys(
+        ("trigger", "under_processing", "processed_once", "get_last_processed_id"),
+        "'kompass-console rules explain <rule>' and the topic /monitor/rules_state tell it",
+    ),
+    **dict.fromkeys(
+        ("register_method", "register_actions", "clear_actions"),
+        "name what answers it with launcher.on(event, Action(function)), or in events_actions",
+    ),
+    **dict.fromkeys(
+        ("json", "dictionary", "to_json", "to_dict"),
+        "'kompass-console rules export' writes it with its actions, as a rule",
+    ),
+    **dict.fromkeys(
+        ("from_json", "from_dict"), "'kompass-console rules apply' reads rules from a file"
+    ),
+    **dict.fromkeys(
+        ("get_involved_topics", "verify_required_action_topics"),
+        "'kompass-console rules explain <rule>' names them",
+    ),
+    **dict.fromkeys(
+        ("check_condition", "check_action_condition"),
+        "'kompass-console rules backtest' tells when it would fire",
+    ),
+}
 
 
 class Event:
@@ -29,14 +73,14 @@ class Event:
     keep_event_delay
         Dead time after the actions have finished [s].
     check_rate
-        How often a function is asked [Hz].
+        How often a function is asked [Hz]; ten times a second unless stated.
 
     Raises
     ------
     TypeError
-        When the condition is none of these.
+        When the condition is none of these, or cannot be asked without more.
     ValueError
-        When the delay is negative.
+        When the delay is negative, or the rate is not above 0.
     """
 
     def __init__(
@@ -48,23 +92,25 @@ class Event:
         check_rate: float | None = None,
     ) -> None:
         self.name = ""
-        self.function: Callable[[], bool] | None = None
-        if keep_event_delay < 0:
-            raise ValueError(f"keep_event_delay = {keep_event_delay!r} must not be negative")
+        self.function: ConditionFunction | None = None
         if isinstance(event_condition, MessageField):
             raise TypeError(f"{event_condition!r} is a value; compare it, or write .is_true()")
         if callable(event_condition) and not isinstance(event_condition, Topic):
-            asked = getattr(event_condition, "method", None) or event_condition
-            self.function = _polled(event_condition, asked)
+            self.function = condition_function(event_condition, check_rate)
             condition: Condition = CallableCondition(
-                name=getattr(asked, "__name__", "condition"), rate=check_rate or 10.0
+                name=name_of(self.function.use.function), rate=self.function.use.rate
             )
         else:
             condition = condition_of(event_condition)
-        self.rule_event = RuleEvent(
+            if check_rate is not None:
+                notice_once(
+                    f"check_rate={check_rate!r} means nothing for {describe(condition)}: "
+                    "only functions are asked at a rate"
+                )
+        self.rule_event = _rule_event(
             condition=condition,
             trigger="edge" if on_change else "level",
-            cooldown=float(keep_event_delay),
+            cooldown=_delay(keep_event_delay),
             once=handle_once,
         )
 
@@ -103,7 +149,7 @@ class Event:
             fields["clear"] = condition_of(fields["clear"])
         stated = {name: value for name, value in fields.items() if name in of_event}
         known = {name: getattr(self.rule_event, name) for name in RuleEvent.model_fields}
-        self.rule_event = RuleEvent(**{**known, **stated})
+        self.rule_event = _rule_event(**{**known, **stated})
         self.event_fields = {**self.event_fields, **stated}
         self.rule_fields = {
             **self.rule_fields,
@@ -112,22 +158,73 @@ class Event:
         }
         return self
 
+    @property
+    def id(self) -> str:
+        """The id of its rule, when that was stated or the event has a name.
+
+        Raises
+        ------
+        AttributeError
+            When it was not; the launcher makes one of the condition then.
+        """
+        stated = self.rule_fields.get("id") or (slug(self.name) if self.name else "")
+        if not stated:
+            raise AttributeError("id")  # told of by __getattr__, which Python asks next
+        return str(stated)
+
+    def __invert__(self) -> Event:
+        raise TypeError(f"{self!r} has no opposite; negate its condition: Event(~(condition))")
+
+    def __getattr__(self, name: str) -> Any:
+        ours = _ELSEWHERE.get(name)
+        if ours is None:
+            raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'")
+        raise AttributeError(f"an event has no '{name}' here; {ours}")
+
     def __repr__(self) -> str:
         return f"Event({self.name or describe(self.rule_event.condition)})"
 
 
-def _polled(function: Callable[..., Any], asked: Callable[..., Any]) -> Callable[[], bool]:
-    """``function`` as a truth value; ``asked`` is what it calls in the end."""
-    annotation = inspect.signature(asked).return_annotation
-    if annotation not in (bool, "bool", inspect.Signature.empty):
-        raise TypeError(f"{asked!r} returns {annotation!r}; the function of an event returns bool")
-    return lambda: bool(function())
+def slug(text: str) -> str:
+    """Turn a name or a condition into an identifier of small letters, digits and dashes."""
+    words = {
+        "==": "is",
+        "!=": "is-not",
+        "<=": "at-most",
+        ">=": "at-least",
+        "<": "below",
+        ">": "above",
+    }
+    for sign, word in words.items():
+        text = text.replace(sign, f" {word} ")
+    made = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:80]
+    return made or "rule"
 
 
-class _NamedEvent(Event):
+def _delay(stated: float) -> float:
+    fits = isinstance(stated, int | float) and not isinstance(stated, bool)
+    if not fits or not (math.isfinite(stated) or stated < 0):
+        raise ValueError(f"keep_event_delay = {stated!r}: give a number of seconds")
+    if stated < 0:
+        raise ValueError(f"keep_event_delay = {stated!r} must not be negative")
+    return float(stated)
+
+
+def _rule_event(**fields: Any) -> RuleEvent:
+    try:
+        return RuleEvent(**fields)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        said = first["msg"].removeprefix("Value error, ")
+        text = f"{where} = {first['input']!r}: {said}" if where else said
+        raise ValueError(f"Event({describe(fields['condition'])}): {text}") from None
+
+
+class _NamedEvent(Event, ABC):
     """An event with a name, over one field of one topic."""
 
-    trigger = "level"
+    when = "level"
     first_true_is_edge = True
 
     def __init__(
@@ -143,16 +240,17 @@ class _NamedEvent(Event):
         self.name = event_name
         self.function = None
         self._field = _field_at(event_source, nested_attributes)
-        self.rule_event = RuleEvent(
+        self.rule_event = _rule_event(
             condition=self._condition(),
-            trigger=self.trigger,  # type: ignore[arg-type]
-            cooldown=float(keep_event_delay),
+            trigger=self.when,
+            cooldown=_delay(keep_event_delay),
             once=handle_once,
             first_true_is_edge=self.first_true_is_edge,
         )
 
+    @abstractmethod
     def _condition(self) -> Condition:
-        raise NotImplementedError
+        """What must be true of the message."""
 
 
 class _Valued(_NamedEvent):
@@ -260,7 +358,7 @@ class OnContainsAny(_Valued):
 class OnChange(_NamedEvent):
     """Each message whose field differs from the one before."""
 
-    trigger = "change"
+    when = "change"
 
     def __init__(
         self,
@@ -279,26 +377,26 @@ class OnChange(_NamedEvent):
 class OnChangeEqual(OnEqual):
     """The field changed into the value; never the first message."""
 
-    trigger = "change"
+    when = "change"
 
 
 class OnChangeContainsAll(OnContainsAll):
     """The field changed and now holds all of the items."""
 
-    trigger = "change"
+    when = "change"
 
 
 class OnChangeContainsAny(OnContainsAny):
     """The field held none of the items, and now holds one."""
 
-    trigger = "edge"
+    when = "edge"
     first_true_is_edge = False
 
 
 class OnChangeNotContain(_Valued):
     """The field held one of the items, and now holds none."""
 
-    trigger = "edge"
+    when = "edge"
     first_true_is_edge = False
 
     def _condition(self) -> Condition:

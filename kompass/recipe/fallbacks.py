@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 
 from automatika_ros_sugar.msg import ComponentStatus
+from pydantic import JsonValue
 
 from kompass.components.base.component import Component
-from kompass.components.base.fallbacks import Fallback
+from kompass.components.base.fallbacks import KINDS
 from kompass.expressions import condition_of
 from kompass.recipe.action import Action
+from kompass.recipe.action_data import ActionData
 from kompass.rules.schema.actions import Action as RuleAction
-from kompass.rules.schema.actions import Python
+from kompass.rules.schema.actions import Python, topics_in
 from kompass.rules.schema.conditions import AllOf, Condition
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.table import Rule
@@ -67,11 +68,54 @@ class FallbackSequence:
         self.tried = 0
 
 
-def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule]:
-    """The rules of a component's fallbacks; ``functions`` gets their actions, as sequences."""
+@dataclass
+class FallbackActions:
+    """The actions of a component's fallbacks, by kind of failure."""
+
+    by_kind: dict[str, list[Action]] = field(default_factory=dict)
+
+    def all(self) -> Iterator[Action]:
+        """Walk all of them."""
+        for actions in self.by_kind.values():
+            yield from actions
+
+
+def fallback_actions(component: Component) -> FallbackActions:
+    """What a component's fallbacks do; functions that were given bare become actions.
+
+    Raises
+    ------
+    TypeError
+        When one of them cannot be an action.
+    """
+    made = FallbackActions()
+    for kind in KINDS:
+        fallback = getattr(component.fallbacks, kind)
+        if fallback is not None:
+            made.by_kind[kind] = [
+                one if isinstance(one, Action) else Action(one) for one in fallback.actions
+            ]
+    return made
+
+
+def fallback_rules(
+    component: Component, actions: FallbackActions, data_of: ActionData
+) -> list[Rule]:
+    """The rules of a component's fallbacks; their actions become functions, as sequences.
+
+    Raises
+    ------
+    ValueError
+        When an action lacks an argument.
+    """
     declared = component.fallbacks
     status = component.status_topic.msg.status
-    giveup = _actions(declared.on_giveup)
+
+    def data(kind: str) -> tuple[RuleAction, ...]:
+        where = f"{component.node_name}.{kind}"
+        return tuple(data_of.of(action, where) for action in actions.by_kind.get(kind, ()))
+
+    giveup = data("on_giveup")
     pause = max(PAUSE, 1.0 / component.config.fallback_rate)
     rules, sequences = [], []
     for kind in (*LEVELS, "on_fail"):
@@ -84,22 +128,29 @@ def fallback_rules(component: Component, functions: dict[str, Any]) -> list[Rule
             condition: Condition = AllOf(conditions=(failing, *others)) if others else failing
         else:
             condition = condition_of(status == LEVELS[kind])
-        sequence = FallbackSequence(_actions(fallback), fallback.max_retries, giveup)
+        sequence = FallbackSequence(data(kind), fallback.max_retries, giveup)
         sequences.append(sequence)
         name = f"{component.node_name} {kind.replace('_', ' ')}"
-        functions[name] = sequence
+        data_of.functions[name] = sequence
+        # The topics from which arguments are taken must be listened to.
+        topics = {
+            topic for action in (*sequence.actions, *sequence.giveup) for topic in topics_in(action)
+        }
+        kwargs: dict[str, JsonValue] = {
+            f"/{topic}": f"$topic[/{topic}]" for topic in sorted(topics)
+        }
         rules.append(
             Rule(
                 id=name.replace(" ", "-").replace("_", "-"),
                 name=name,
                 event=Event(condition=condition, hold=HOLD, cooldown=pause),
-                actions=(Python(name=name, timeout=None),),
+                actions=(Python(name=name, kwargs=kwargs, timeout=None),),
                 source="recipe",
             )
         )
     if sequences:
         name = f"{component.node_name} recovered"
-        functions[name] = _reset_of(sequences)
+        data_of.functions[name] = _reset_of(sequences)
         rules.append(
             Rule(
                 id=name.replace(" ", "-").replace("_", "-"),
@@ -124,10 +175,3 @@ def _reset_of(sequences: list[FallbackSequence]) -> Callable[[], None]:
             sequence.reset()
 
     return reset
-
-
-def _actions(fallback: Fallback | None) -> tuple[RuleAction, ...]:
-    if fallback is None:
-        return ()
-    wrapped = (one if isinstance(one, Action) else Action(one) for one in fallback.actions)
-    return tuple(action.to_data() for action in wrapped)

@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from pydantic import ValidationError
+
 from kompass.components.base.component import Component
-from kompass.recipe.action import Action, Parser
-from kompass.recipe.event import Event
-from kompass.recipe.fallbacks import FallbackSequence, fallback_rules
+from kompass.recipe.action import Action
+from kompass.recipe.action_data import ActionData, uses_of
+from kompass.recipe.event import Event, slug
+from kompass.recipe.fallbacks import FallbackSequence, fallback_actions, fallback_rules
+from kompass.recipe.function_names import FunctionNames
+from kompass.recipe.parsed import Parsed
 from kompass.rulebook.permissions import NOTHING_OPENED, Opened
 from kompass.rules.schema.actions import Action as RuleAction
-from kompass.rules.schema.actions import Method, Python, SendGoal, component_of
+from kompass.rules.schema.actions import SendGoal
+from kompass.rules.schema.conditions import CallableCondition
 from kompass.rules.schema.describe import describe
+from kompass.rules.schema.events import Event as RuleEvent
 from kompass.rules.schema.events import Parallel
 from kompass.rules.schema.table import Rule, Table
-
-
-@dataclass(frozen=True)
-class Parsed:
-    """An action whose argument a function of the recipe makes from the message."""
-
-    action: RuleAction
-    parser: Parser
 
 
 @dataclass
@@ -39,14 +37,17 @@ class RecipeRules:
         Conditions that are functions, by name.
     opened
         Names outside of the stack that rules of people may use.
+    components
+        Of the launcher, as the functions hold them.
     """
 
     table: Table = field(default_factory=Table)
     functions: dict[str, Callable[..., Any] | Parsed | FallbackSequence] = field(
         default_factory=dict
     )
-    polled: dict[str, Callable[[], bool]] = field(default_factory=dict)
+    polled: dict[str, Callable[[], Any]] = field(default_factory=dict)
     opened: Opened = NOTHING_OPENED
+    components: tuple[Component, ...] = ()
 
 
 def recipe_rules(
@@ -61,121 +62,76 @@ def recipe_rules(
     ValueError
         When an action belongs to a component that was not added, or two events have one name.
     """
-    made = RecipeRules()
-    names = {component.node_name: component for component in components}
-    rules: list[Rule] = []
+    made = RecipeRules(components=tuple(components))
+    given: dict[Event, list[Any]] = {}
     for event, value in events_actions.items():
         if not isinstance(event, Event):
             raise TypeError(f"events_actions: {event!r} is not an event")
-        actions = list(value) if isinstance(value, list | tuple) else [value]
-        data = tuple(_action(action, event, names, made) for action in actions)
-        rules.append(_rule(event, data, {rule.id for rule in rules}, made))
+        given[event] = list(value) if isinstance(value, list | tuple) else [value]
+        if not given[event]:
+            raise ValueError(
+                f"events_actions: {event!r} has no action; give it one, or leave it out"
+            )
+    listed = [action for actions in given.values() for action in actions]
+    fallbacks = {component: fallback_actions(component) for component in components}
+    names = FunctionNames(
+        [
+            *(event.function.use for event in given if event.function is not None),
+            *uses_of(listed),
+            *(use for each in fallbacks.values() for use in uses_of(each.all())),
+        ]
+    )
+    by_name = {component.node_name: component for component in components}
+    data_of = ActionData(by_name, names, made.functions)
+    rules: list[Rule] = []
+    for event, actions in given.items():
+        where = f"events_actions: {event!r}"
+        data = tuple(data_of.of(action, where) for action in actions)
+        rules.append(_rule(event, data, {rule.id for rule in rules}, made, names, data_of))
     for component in components:
-        rules += fallback_rules(component, made.functions)
+        rules += fallback_rules(component, fallbacks[component], data_of)
     made.table = Table(rules=tuple(rules))
     return made
 
 
 def _rule(
-    event: Event, actions: tuple[RuleAction, ...], taken: set[str], made: RecipeRules
+    event: Event,
+    actions: tuple[RuleAction, ...],
+    taken: set[str],
+    made: RecipeRules,
+    names: FunctionNames,
+    data_of: ActionData,
 ) -> Rule:
-    text = describe(event.rule_event.condition)
+    rule_event = _named(event, made, names)
+    text = describe(rule_event.condition)
     stated = event.rule_fields.get("id")
     wanted = stated or slug(event.name or text)
     if (event.name or stated) and wanted in taken:
         raise ValueError(f"two events are called {stated or event.name!r}; names must differ")
-    rule_event = event.rule_event
-    if event.function is not None:
-        made.polled[rule_event.condition.name] = event.function  # type: ignore[union-attr]
     # A goal runs for minutes; the next one is to take over and not to be dropped meanwhile.
-    goal = any(isinstance(_base(action, made), SendGoal) for action in actions)
+    goal = any(isinstance(data_of.base_of(action), SendGoal) for action in actions)
     if goal and "mode" not in event.event_fields:
         rule_event = rule_event.model_copy(update={"mode": Parallel()})
     fields: dict[str, Any] = {"name": event.name or text, **event.rule_fields}
     fields["id"] = _free(wanted, taken)
-    return Rule(event=rule_event, actions=actions, source="recipe", **fields)
+    try:
+        return Rule(event=rule_event, actions=actions, source="recipe", **fields)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        said = first["msg"].removeprefix("Value error, ")
+        raise ValueError(f"{event!r}: {where} = {first['input']!r}: {said}") from None
 
 
-def _base(action: RuleAction, made: RecipeRules) -> RuleAction:
-    parsed = made.functions.get(action.name) if isinstance(action, Python) else None
-    return parsed.action if isinstance(parsed, Parsed) else action
-
-
-def _action(
-    action: Any, event: Event, names: Mapping[str, Component], made: RecipeRules
-) -> RuleAction:
-    if not isinstance(action, Action):
-        raise TypeError(f"events_actions: {event!r}: {action!r} is not an action")
-    data = action.to_data()
-    component = component_of(data)
-    if component is not None and component not in names:
-        raise ValueError(
-            f"{event!r}: '{component}' is not among the components of the launcher; "
-            f"those are {', '.join(names)}"
-        )
-    if component is not None and isinstance(data, Method):
-        # One that is not marked is for the recipe's rules, however the recipe writes the action.
-        names[component].open_to_recipe(data.method)
-    missing = action.missing()
-    if missing:
-        raise ValueError(
-            f"{event!r}: {action!r} lacks {', '.join(missing)}; give it with args or kwargs, or "
-            "let an event_parser make it"
-        )
-    if action.parser is not None and isinstance(data, Python) and action.method is not None:
-        parsed = _parsed_call(action.method, action.parser)
-        kwargs = {**data.kwargs, "msg": "$msg"}
-        return _register(made, parsed, data.name, data.model_copy(update={"kwargs": kwargs}))
-    if action.parser is not None:
-        return _register(made, Parsed(data, action.parser), _title(data, action.parser), data)
-    if isinstance(data, Python) and action.method is not None:
-        return _register(made, action.method, data.name, data)
-    return data
-
-
-def _parsed_call(method: Callable[..., Any], parser: Parser) -> Callable[..., Any]:
-    """A function of the recipe that takes what another one makes of the message."""
-
-    def call(msg: Any, **kwargs: Any) -> Any:
-        made = parser.function(msg=msg, trigger=msg, **parser.extra)
-        return method(**{**kwargs, **({parser.output: made} if parser.output else made)})
-
-    return call
-
-
-def _title(data: RuleAction, parser: Parser) -> str:
-    target = getattr(data, "action", None) or getattr(data, "service", None) or data.kind
-    return f"{data.kind} {target} from {parser.function.__name__}"
-
-
-def _register(
-    made: RecipeRules, entry: Callable[..., Any] | Parsed, name: str, data: RuleAction
-) -> RuleAction:
-    known = made.functions.get(name)
-    number = 2
-    base = name
-    while known is not None and known != entry:
-        name = f"{base} {number}"
-        known, number = made.functions.get(name), number + 1
-    made.functions[name] = entry
-    kwargs = data.kwargs if isinstance(data, Python) else {}
-    return Python(name=name, kwargs=kwargs, timeout=data.timeout, on_error=data.on_error)
-
-
-def slug(text: str) -> str:
-    """Turn a name or a condition into an identifier of small letters, digits and dashes."""
-    words = {
-        "==": "is",
-        "!=": "is-not",
-        "<=": "at-most",
-        ">=": "at-least",
-        "<": "below",
-        ">": "above",
-    }
-    for sign, word in words.items():
-        text = text.replace(sign, f" {word} ")
-    made = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:80]
-    return made or "rule"
+def _named(event: Event, made: RecipeRules, names: FunctionNames) -> RuleEvent:
+    """The event with the name by which its function is known."""
+    condition = event.rule_event.condition
+    if event.function is None or not isinstance(condition, CallableCondition):
+        return event.rule_event
+    name = names.of(event.function.use)
+    made.polled[name] = event.function
+    named = condition.model_copy(update={"name": name})
+    return event.rule_event.model_copy(update={"condition": named})
 
 
 def _free(wanted: str, taken: set[str]) -> str:

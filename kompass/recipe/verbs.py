@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from kompass.components.base.component import Component
 from kompass.components.base.parameter import with_values
 from kompass.expressions import MessageField, type_name
-from kompass.rclpy_ext.messages import copy_fields, to_plain
+from kompass.rclpy_ext.messages import copy_fields
 from kompass.rclpy_ext.topic import Topic
-from kompass.recipe.action import METHOD_TIMEOUT, Action, argument
+from kompass.recipe.action import METHOD_TIMEOUT, Action, argument, message_data
 from kompass.rules.schema.actions import (
     CallService,
     Lifecycle,
@@ -77,6 +77,8 @@ def reconfigure(*, component: Component, new_config: Any, keep_alive: bool = Fal
     name = _component("reconfigure", component)
     dump = getattr(new_config, "model_dump", None)
     config = dump(mode="json") if dump is not None else new_config
+    if isinstance(config, Mapping):
+        config = message_data("reconfigure", config)
     return Action.from_data(
         Reconfigure(component=name, config=config, keep_alive=keep_alive, timeout=30.0)
     )
@@ -159,7 +161,9 @@ def send_srv_request(*, srv_name: str, srv_type: type, srv_request_msg: Any = No
     """
     return Action.from_data(
         CallService(
-            service=srv_name, type=type_name(srv_type), request=to_plain(srv_request_msg) or {}
+            service=srv_name,
+            type=type_name(srv_type),
+            request=message_data("send_srv_request", srv_request_msg),
         )
     )
 
@@ -192,7 +196,12 @@ def send_action_goal(
         raise TypeError("send_action_goal: action_name and action_type are needed")
     goal = action_request_msg if action_request_msg is not None else request_msg
     return Action.from_data(
-        SendGoal(action=name, type=type_name(kind), goal=to_plain(goal) or {}, timeout=None)
+        SendGoal(
+            action=name,
+            type=type_name(kind),
+            goal=message_data("send_action_goal", goal),
+            timeout=None,
+        )
     )
 
 
@@ -266,7 +275,7 @@ def publish_message(
         Publish(
             topic=topic.name,
             type=type_name(topic.ros_msg_type),
-            message=to_plain(msg),
+            message=message_data("publish_message", msg),
             rate=publish_rate or (1.0 if publish_period else None),
             period=publish_period,
             timeout=None,

@@ -8,13 +8,16 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Locator, expect
+from std_msgs.msg import Int32
 
 from kompass_console.audit.verify import verify
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import UNCOVERED
 from tests.browser.rules_page import RulesPage
+from tests.ros.test_rules_live import say
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
+from tests.support.rules import Rules, compare, rule
 from tests.support.stack import TOKEN, Stack
 
 pytestmark = pytest.mark.browser
@@ -164,6 +167,40 @@ def test_a_rule_that_is_true_already_says_so_before_it_stops_the_robot(
     rules.get("rules-tab-table").click()
     expect(rules.rule("walls-stop")).to_have_count(0)
     robot.release()
+
+
+def test_a_rule_that_is_spent_says_so_wherever_it_is_shown_and_is_reset_there(
+    rules: RulesPage, robot: Robot
+) -> None:
+    table = Rules(robot)
+    spent = {"cooldown": 0.0, "once": True, "name": "Spent at once"}
+    table.add(rule("spent", compare("spend", ">", 0), **spent), role="operator")
+
+    def spend() -> None:
+        say(robot, Int32, "/spend", 1)
+        wait_until(lambda: table.status("spent").state == "used up", 10, "the one firing")
+
+    used_up = re.compile(r"Used up at \d\d:\d\d; will not fire again until reset")
+    try:
+        spend()
+        row = rules.rule("spent")
+        expect(row.get_by_test_id("used-up")).to_contain_text(used_up)
+        expect(rules.rule(STUCK).get_by_test_id("used-up")).to_have_count(0)
+        row.get_by_test_id("rule-why").click()
+        expect(rules.get("why").get_by_test_id("used-up")).to_contain_text(used_up)
+        rules.get("why").get_by_test_id("used-up-reset").click()
+        expect(rules.get("why").get_by_test_id("used-up")).to_have_count(0)
+        # It fires again, and is spent again.
+        spend()
+        expect(rules.get("why").get_by_test_id("used-up")).to_contain_text(used_up)
+        rules.get("rules-tab-table").click()
+        rules.edit("spent")
+        expect(rules.get("rule-editor").get_by_test_id("used-up")).to_contain_text(used_up)
+        rules.get("rules-tab-table").click()
+        rules.rule("spent").get_by_test_id("used-up-reset").click()
+        expect(rules.rule("spent").get_by_test_id("used-up")).to_have_count(0)
+    finally:
+        table.remove("spent")
 
 
 def test_a_draft_outlives_a_reload_and_is_taken_back_change_by_change(rules: RulesPage) -> None:

@@ -64,7 +64,7 @@ def test_giving_up_is_done_once() -> None:
         (lambda _: [], ValueError, "needs an action"),
         (lambda _: Controller().restart, TypeError, "cannot be an action of 'controller'"),
         (lambda _: OfComponent("controller"), TypeError, "cannot be an action of 'controller'"),
-        (lambda _: print, TypeError, "is no action; known are"),
+        (lambda _: "restart", TypeError, "is no action; known are"),
         (lambda driver: driver.publish_status, TypeError, "publish_status is not a component"),
     ],
 )

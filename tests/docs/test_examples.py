@@ -114,7 +114,7 @@ def test_a_hiccup_does_not_use_up_the_rule_of_the_mapper(rules: dict[str, Rule])
     well = ComponentStatus()
     said: list[Said] = [(0.0, "mapper/status", failed), (0.2, "mapper/status", well)]
     said += [(1.0 + 0.2 * n, "mapper/status", failed) for n in range(40)]
-    assert firings(rules["mapper-lost"], said) == [2.0]
+    assert firings(rules["mapper-lost"], said) == [1.5]
 
 
 def test_silence_is_noticed_without_a_message(rules: dict[str, Rule]) -> None:

@@ -52,9 +52,14 @@ def test_an_item_of_a_list_can_be_compared() -> None:
     assert compare(SCAN.msg.ranges[0] < 0.3).signal.path == ("ranges", 0)
 
 
-@pytest.mark.parametrize("name", ["name", "position"])
-def test_fields_of_any_name_can_be_used(name: str) -> None:
-    assert compare(getattr(JOINTS.msg, name).contains_any(["a"])).signal.path == (name,)
+@pytest.mark.parametrize(("name", "item"), [("name", "a"), ("position", 1.0)])
+def test_fields_of_any_name_can_be_used(name: str, item: object) -> None:
+    assert compare(getattr(JOINTS.msg, name).contains_any([item])).signal.path == (name,)
+
+
+def test_a_text_is_not_looked_for_among_numbers() -> None:
+    with pytest.raises(TypeError, match=r"/joints position contains 'a': 'a' is no number"):
+        JOINTS.msg.position.contains("a")
 
 
 def test_is_in_takes_a_list_and_contains_looks_into_lists_and_texts() -> None:

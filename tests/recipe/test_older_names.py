@@ -22,7 +22,8 @@ from kompass.actions import (
 from kompass.components import Controller, DriveManager, Planner
 from kompass.control import ControllersID
 from kompass.rclpy_ext.topic import Topic
-from kompass.recipe.table import Parsed, RecipeRules, recipe_rules
+from kompass.recipe.parsed import Parsed
+from kompass.recipe.table import RecipeRules, recipe_rules
 from kompass.ros import Event
 from kompass.rules.schema.actions import Lifecycle, Method, Python, SendGoal, UpdateParameters
 

@@ -11,7 +11,8 @@ from kompass import event
 from kompass.actions import Action, ComponentActions, LogInfo, update_parameter
 from kompass.components import Controller, DriveManager, Planner
 from kompass.rclpy_ext.topic import Topic
-from kompass.recipe.table import Parsed, recipe_rules
+from kompass.recipe.parsed import Parsed
+from kompass.recipe.table import recipe_rules
 from kompass.ros import Event
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Firing, RunEnded, Sample

@@ -210,6 +210,28 @@ def test_a_component_that_publishes_what_the_rule_looks_at_closes_a_loop() -> No
     assert codes(bad, publishes={"controller": {"a"}}) == ["self-trigger"]
 
 
+@pytest.mark.parametrize(
+    ("condition", "fields", "said"),
+    [
+        (compare("mapper/status", "!=", 0), {"once": True, "trigger": "edge"}, True),
+        (both(compare("a", ">", 1), absent("a", 2.0)), {"once": True}, True),
+        (slower("a", 2.0), {"once": True}, True),
+        # A hold waits until it is more than a hiccup.
+        (compare("mapper/status", "!=", 0), {"once": True, "hold": 1.0}, False),
+        (compare("mapper/status", "!=", 0), {"cooldown": 5.0}, False),
+        # A click, or a value that somebody means.
+        (compare("a", ">", 1), {"once": True}, False),
+        (received("click"), {"once": True}, False),
+    ],
+)
+def test_a_hiccup_that_would_use_up_a_rule_is_pointed_out(
+    condition: Condition, fields: dict[str, Any], said: bool
+) -> None:
+    found = [f for f in lints(rule(condition, **fields)) if f.code == "once-hiccup"]
+    assert len(found) == said
+    assert all("give it a hold" in f.remedy for f in found)
+
+
 def test_a_circle_of_rules_is_found_once_and_a_chain_is_none() -> None:
     def link(rule_id: str, hears: str, says: str) -> Rule:
         return acting(Publish(topic=says, type=FLOAT), rule_id, hears, cooldown=0.1)
@@ -236,6 +258,16 @@ def test_a_circle_of_rules_is_found_once_and_a_chain_is_none() -> None:
         (compare("a", "==", 5), compare("a", ">", 5), False),
         (both(compare("a", "<", 1), compare("slow", "<", 1)), compare("a", ">", 2), False),
         (compare("a", "<", 1), compare("click", "<", 1), False),
+        # Several comparisons of one signal hold together.
+        (both(compare("a", ">", 1), compare("a", "<", 3)), compare("a", "<", 0), False),
+        (both(compare("a", "<", 3), compare("a", ">", 1)), compare("a", ">", 5), False),
+        (both(compare("a", "<", 3), compare("a", ">", 1)), compare("a", "==", 2), True),
+        (both(compare("a", "in", (1, 2, 3)), compare("a", ">", 1)), compare("a", "==", 1), False),
+        (both(compare("a", "in", (1, 2)), compare("a", "in", (2, 3))), compare("a", "==", 2), True),
+        (both(compare("a", ">", 1), compare("a", ">=", 1)), compare("a", "==", 1), False),
+        (both(compare("a", "<", 1), compare("a", "!=", 7)), compare("a", ">", 2), False),
+        # What is never true is never true together with anything.
+        (both(compare("a", ">", 3), compare("a", "<", 1)), compare("a", "<", 9), False),
         (received("a"), received("a"), True),
     ],
 )

@@ -67,7 +67,10 @@ def test_a_rule_passes_through_its_states() -> None:
     ("made", "expected"),
     [
         (rule(received("a"), enabled=False), ("disabled", "switched off")),
-        (rule(received("a"), once=True), ("used up", "fires once only, and has fired")),
+        (
+            rule(received("a"), once=True),
+            ("used up", "has fired once; will not fire again until it is reset"),
+        ),
         (
             rule(received("a"), max_rate=MaxRate(count=1, window=9.0)),
             ("latched", "fired too often; stays off until it is reset"),

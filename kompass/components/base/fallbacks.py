@@ -36,8 +36,9 @@ class Fallbacks:
 def make_fallback(owner: Any, action: Any, max_retries: int | None) -> Fallback:
     """Check the actions of a fallback of the component ``owner``.
 
-    An action is a method of the component, something that wraps one (attribute ``method``), or
-    something of a generic kind (attribute ``to_data``: a log entry, a message, a service call).
+    An action is a method of the component, something that wraps one (attribute ``method``),
+    something of a generic kind (attribute ``to_data``: a log entry, a message, a service call), or
+    a plain function.
 
     Raises
     ------
@@ -74,5 +75,5 @@ def _check(owner: Any, action: Any) -> None:
             f"{owner.node_name}: a fallback cannot be an action of '{stranger}'; "
             "wire an event on the status topic to it instead"
         )
-    elif not hasattr(action, "to_data"):
+    elif not hasattr(action, "to_data") and not callable(action):
         raise TypeError(f"{owner.node_name}: {action!r} is no action; known are {', '.join(known)}")

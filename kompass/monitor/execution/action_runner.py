@@ -6,7 +6,7 @@ import json
 import threading
 import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -17,15 +17,17 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 
 from kompass.monitor.execution.service_refusal import refusal
+from kompass.monitor.recipe_call import RecipeCall
 from kompass.monitor.reporting.alarms import Alarms
 from kompass.monitor.reporting.entries import ActionOutcome
 from kompass.rclpy_ext.awaitables import Awaitables
 from kompass.rclpy_ext.executor import Cancelled
 from kompass.rclpy_ext.log import write_log
-from kompass.rclpy_ext.messages import fill, ros_class
+from kompass.rclpy_ext.messages import fill, ros_class, to_plain
 from kompass.rclpy_ext.timers import Timers
+from kompass.recipe.action import METHOD_TIMEOUT
 from kompass.recipe.fallbacks import FallbackSequence
-from kompass.recipe.table import Parsed
+from kompass.recipe.parsed import Parsed
 from kompass.rulebook.permissions import Permissions, rights_text
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema import actions as kinds
@@ -33,6 +35,7 @@ from kompass.rules.schema.arguments import expand, resolve
 
 SEARCH = 2.0  # s in which a service or an action server must show up
 LET_IN = 0.001  # s for which a function may keep the engine waiting until it has begun
+PARSING = 10.0  # s in which a parser must have made its argument
 THREADS = 64  # functions of the recipe at a time, in each lane
 
 
@@ -80,7 +83,9 @@ class ActionRunner:
         self._alarms = alarms
         self._permissions = permissions
         self._functions = functions
+        self._executor = executor
         self._awaitables = Awaitables(timers, executor)
+        self._reached: set[Future[Any]] = set()
         self._restart_if_stuck = restart_if_stuck
         self._clients: dict[tuple[type, str], Any] = {}
         self._actions: dict[tuple[type, str], ActionClient] = {}
@@ -94,15 +99,52 @@ class ActionRunner:
         """Begin nothing more, and wait for nothing that is under way."""
         for threads in self._threads.values():
             threads.shutdown(wait=False, cancel_futures=True)
+        for reached in list(self._reached):
+            reached.set_exception(Failed("the monitor ends"))
         for client in self._actions.values():
             client.destroy()
+
+    def reach(self, component: str, method: str, kwargs: Mapping[str, Any]) -> Future[Any]:
+        """Call an action of a component where it runs; from any thread.
+
+        Returns
+        -------
+        concurrent.futures.Future
+            Of what the action returns; False when it did not succeed. :class:`Failed` when it was
+            refused or has raised.
+        """
+        made: Future[Any] = Future()
+
+        async def call() -> None:
+            try:
+                made.set_result(await self._result_of(component, method, kwargs))
+            except Exception as problem:  # noqa: BLE001 - raised again where it is awaited
+                made.set_exception(problem)
+            finally:
+                self._reached.discard(made)
+
+        self._reached.add(made)
+        self._executor.create_task(call)
+        return made
+
+    async def _result_of(self, component: str, method: str, kwargs: Mapping[str, Any]) -> Any:
+        given = json.dumps({key: to_plain(value) for key, value in kwargs.items()})
+        request = ExecuteMethod.Request(name=method, kwargs_json=given)
+        name = f"{component}/execute_method"
+        answer = await self._call(ExecuteMethod, name, request, METHOD_TIMEOUT)
+        result = json.loads(answer.response_json or "null")
+        if answer.success:
+            return result
+        if isinstance(result, dict) and "problem" in result:
+            return False
+        raise Failed(answer.error_msg or f"{component}.{method} failed")
 
     async def run(self, firing: Firing, tell: Callable[[ActionOutcome], None]) -> tuple[bool, str]:
         """Carry out all actions of a firing; return whether all went well, and the first error.
 
         To be run as a :class:`kompass.rclpy_ext.executor.Task`. When that is cancelled, a goal that
         was sent is cancelled too, and no further action begins; a function of the recipe runs
-        to its end.
+        to its end, but for an ``async def``, which is cancelled where it awaits.
 
         Parameters
         ----------
@@ -127,6 +169,9 @@ class ActionRunner:
 
     async def _perform(self, action: kinds.Action, firing: Firing) -> str:
         self._check_permitted(action, firing)
+        return await self._carry_out(action, firing)
+
+    async def _carry_out(self, action: kinds.Action, firing: Firing) -> str:
         if isinstance(action, kinds.Python):
             return await self._python(action, firing)
         return await self._known(action, firing, {})
@@ -154,34 +199,50 @@ class ActionRunner:
             fallback = entry.next()
             if fallback is None:
                 raise Failed("given up: every fallback was tried; a person must look")
-            text = await self._known(fallback, firing, {})
+            text = await self._carry_out(fallback, firing)
             return f"{_name(fallback)}: {text}"
         if isinstance(entry, Parsed):
-            made = entry.parser.function(
-                msg=firing.message, trigger=firing.message, **entry.parser.extra
+            parser = entry.parser
+            made = await self._call_function(
+                parser.make, {"message": firing.message}, firing.lane, PARSING, action.name
             )
-            output = entry.parser.output
-            return await self._known(entry.action, firing, {output: made} if output else made)
+            return await self._known(entry.action, firing, parser.arguments(made))
         kwargs = resolve(action.kwargs, firing.message, firing.messages)
-        done = self._awaitables.future()
-        begun = threading.Event()
-
-        def call() -> None:
-            begun.set()
-            try:
-                done.set_result(entry(**kwargs))
-            except Exception as problem:  # noqa: BLE001 - raised again where it is awaited
-                done.set_exception(problem)
-
-        self._threads[firing.lane].submit(call)
-        # Python goes on with this thread; the other one waits its turn unless it is let in.
-        begun.wait(LET_IN)
-        result = await self._awaitables.result(
-            done, action.timeout, f"{action.name} did not return"
-        )
+        result = await self._call_function(entry, kwargs, firing.lane, action.timeout, action.name)
         if result is False:
             raise Failed(f"{action.name} returned False")
         return "" if result is None else str(result)
+
+    async def _call_function(
+        self,
+        function: Callable[..., Any],
+        kwargs: Mapping[str, Any],
+        lane: str,
+        timeout: float | None,
+        name: str,
+    ) -> Any:
+        """Call a function of the recipe in a thread; an ``async def`` ends with whoever waits."""
+        call = RecipeCall(function, kwargs)
+        done = self._awaitables.future()
+        begun = threading.Event()
+
+        def run() -> None:
+            begun.set()
+            try:
+                done.set_result(call.run())
+            except Exception as problem:  # noqa: BLE001 - raised again where it is awaited
+                done.set_exception(problem)
+            except BaseException as problem:  # noqa: BLE001 - exit() in a function ends no robot
+                done.set_exception(Failed(f"{name} raised {problem!r}"))
+
+        self._threads[lane].submit(run)
+        # Python goes on with this thread; the other one waits its turn unless it is let in.
+        begun.wait(LET_IN)
+        try:
+            return await self._awaitables.result(done, timeout, f"{name} did not return")
+        except (Cancelled, TimeoutError):
+            call.cancel()
+            raise
 
     async def _known(self, action: Any, firing: Firing, made: Mapping[str, Any]) -> str:
         """One of the kinds that are data; ``made`` are arguments from a parser."""
@@ -210,7 +271,7 @@ class ActionRunner:
             case kinds.UpdateParameters():
                 return await self._parameters(action, arguments(action.parameters))
             case kinds.Reconfigure():
-                return await self._reconfigure(action)
+                return await self._reconfigure(action, arguments)
             case kinds.CallService():
                 given = made.get("srv_request_msg", made.get("request"))
                 request = given or fill(
@@ -271,7 +332,9 @@ class ActionRunner:
             raise Failed("; ".join(filter(None, answer.error_msg)))
         return ", ".join(f"{key} = {value}" for key, value in parameters.items())
 
-    async def _reconfigure(self, action: kinds.Reconfigure) -> str:
+    async def _reconfigure(
+        self, action: kinds.Reconfigure, arguments: Callable[[Mapping[str, Any]], Any]
+    ) -> str:
         if isinstance(action.config, str):
             request = ConfigureFromFile.Request(
                 path_to_file=action.config, keep_alive=action.keep_alive
@@ -281,7 +344,7 @@ class ActionRunner:
             if not answer.success:
                 raise Failed(answer.error_msg)
             return action.config
-        kwargs = {"new_config": action.config, "keep_alive": action.keep_alive}
+        kwargs = {"new_config": arguments(action.config), "keep_alive": action.keep_alive}
         return await self._method(action.component, "reconfigure", kwargs, action.timeout)
 
     async def _goal(self, action: kinds.SendGoal, goal: Any) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
-from rclpy.impl.rcutils_logger import RcutilsLogger as Log
-
+from kompass.monitor.recipe_call import RecipeCall
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.timers import Timer, Timers
 from kompass.rules.engine.compiled_table import CompiledTable
@@ -16,47 +16,62 @@ from kompass.rules.schema.conditions import CallableCondition
 
 RATE = 10.0  # Hz, for a condition that states no rate of its own
 THREADS = 8
+LONGEST = 10.0  # s for an answer
+REPEATED = 60.0  # s within which the same failure is the same
+
+
+class _Asking:
+    """A function that has not answered yet."""
+
+    def __init__(self, function: Callable[[], Any]) -> None:
+        self.call = RecipeCall(function)
+        self.since = time.monotonic()
+        self.is_late = False
 
 
 class PolledFunctions:
     """Asks in threads: a function that is slow holds up neither the engine nor the others.
 
+    Who raises, or gives no answer for :data:`LONGEST`, is unknown, and that is told; an ``async
+    def`` is cancelled then. Who is late is not asked again before it has answered.
+
     Parameters
     ----------
     timers
         On the executor's thread.
-    log
-        Where a function that raises is told of.
     main
         The executor's thread.
     functions
         Of the recipe, by name.
     answered
-        Takes name and answer, on the executor's thread.
+        Takes name and answer (None for unknown), on the executor's thread.
+    tell
+        Takes a sentence about a function that fails, on the executor's thread.
     """
 
     def __init__(
         self,
         timers: Timers,
-        log: Log,
         main: MainThread,
         functions: Mapping[str, Callable[[], Any]],
-        answered: Callable[[str, Any], None],
+        answered: Callable[[str, bool | None], None],
+        tell: Callable[[str], None],
     ) -> None:
-        self._scheduler, self._log, self._main = timers, log, main
-        self._functions, self._answered = functions, answered
+        self._scheduler, self._main = timers, main
+        self._functions, self._answered, self._tell = functions, answered, tell
         self._timers: dict[str, tuple[float, Timer]] = {}
-        self._asked: set[str] = set()
+        self._asking: dict[str, _Asking] = {}
+        self._told: dict[str, tuple[str, float]] = {}
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="polled")
 
     def follow(self, table: CompiledTable) -> None:
-        """Ask those that a table wants, and no others."""
-        wanted = {
-            leaf.condition.name: leaf.condition.rate or RATE
-            for leaf in table.leaves
-            if isinstance(leaf.condition, CallableCondition)
-            and leaf.condition.name in self._functions
-        }
+        """Ask those that a table wants, and no others; of two rates of one, the faster."""
+        wanted: dict[str, float] = {}
+        for leaf in table.leaves:
+            condition = leaf.condition
+            if isinstance(condition, CallableCondition) and condition.name in self._functions:
+                rate = condition.rate or RATE
+                wanted[condition.name] = max(rate, wanted.get(condition.name, rate))
         for name, (rate, timer) in list(self._timers.items()):
             if wanted.get(name) != rate:
                 timer.cancel()
@@ -68,26 +83,47 @@ class PolledFunctions:
 
     def close(self) -> None:
         """Ask no more."""
+        for _, timer in self._timers.values():
+            timer.cancel()
+        for asking in self._asking.values():
+            asking.call.cancel()
         self._threads.shutdown(wait=False, cancel_futures=True)
 
     def _ask(self, name: str) -> None:
-        if name not in self._asked:
-            self._asked.add(name)
-            self._threads.submit(self._call, name)
+        asking = self._asking.get(name)
+        if asking is None:
+            self._asking[name] = asking = _Asking(self._functions[name])
+            self._threads.submit(self._run, name, asking)
+        elif not asking.is_late and time.monotonic() - asking.since > LONGEST:
+            asking.is_late = True
+            asking.call.cancel()
+            self._fail(name, f"has not answered for {LONGEST:g} s")
 
-    def _call(self, name: str) -> None:
+    def _run(self, name: str, asking: _Asking) -> None:
+        """In a thread."""
         try:
-            answer = self._functions[name]()
-        except Exception as error:  # noqa: BLE001 - a recipe's function; unknown, and said so
-            self._log.error(
-                f"the condition {name!r} raised {type(error).__name__}: {error}",
-                throttle_duration_sec=5.0,
-            )
-            self._asked.discard(name)
-            return
-        self._main.post(lambda: self._tell(name, answer))
+            answer = bool(asking.call.run())
+        except BaseException as error:  # noqa: BLE001 - a recipe's function, exit() in it too
+            problem = f"raised {type(error).__name__}: {error}"
+            self._main.post(lambda: self._take(name, None, problem))
+        else:
+            self._main.post(lambda: self._take(name, answer, ""))
 
-    def _tell(self, name: str, answer: Any) -> None:
-        self._asked.discard(name)
-        if name in self._timers:
+    def _take(self, name: str, answer: bool | None, problem: str) -> None:
+        late = self._asking.pop(name).is_late
+        if name not in self._timers:
+            return
+        if answer is not None:
+            self._told.pop(name, None)
             self._answered(name, answer)
+        elif not late:  # what was cancelled for being late has been told of
+            self._fail(name, problem)
+
+    def _fail(self, name: str, problem: str) -> None:
+        text, at = self._told.get(name, ("", 0.0))
+        now = time.monotonic()
+        if text != problem or now - at > REPEATED:
+            self._told[name] = (problem, now)
+            self._tell(f"the condition {name!r} {problem}")
+        if name in self._timers:
+            self._answered(name, None)

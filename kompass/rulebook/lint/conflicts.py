@@ -83,8 +83,10 @@ def may_overlap(one: Condition, other: Condition) -> bool:
     if describe(one) == describe(other):
         return True
     first, second = _ranges(one), _ranges(other)
+    if first is None or second is None:
+        return False
     shared = first.keys() & second.keys()
-    return bool(shared) and all(_meet(first[key], second[key]) for key in shared)
+    return bool(shared) and all(_both(first[key], second[key]) is not None for key in shared)
 
 
 class _Range(NamedTuple):
@@ -97,20 +99,31 @@ class _Range(NamedTuple):
     values: frozenset[str] | None = None
 
 
-def _ranges(condition: Condition) -> dict[str, _Range]:
-    """Return what each signal must be for a conjunction; what is no comparison is left out."""
-    parts = condition.conditions if isinstance(condition, AllOf) else (condition,)
+def _ranges(condition: Condition) -> dict[str, _Range] | None:
+    """Return what each signal must be for a conjunction; what is no comparison is left out.
+
+    None for one that no value can fulfil.
+    """
     found: dict[str, _Range] = {}
-    for part in parts:
-        if isinstance(part, AllOf):
-            found.update(_ranges(part))
-        elif isinstance(part, Compare):
-            signal = part.signal
-            key = f"{signal.topic} {signal.path!r} {signal.aggregate}"
-            made = _range(part)
-            if made is not None:
-                found[key] = made
+    for part in _conjuncts(condition):
+        signal = part.signal
+        key = f"{signal.topic} {signal.path!r} {signal.aggregate}"
+        made = _range(part)
+        if made is not None:
+            narrowed = _both(found.get(key, _Range()), made)
+            if narrowed is None:
+                return None
+            found[key] = narrowed
     return found
+
+
+def _conjuncts(condition: Condition) -> Iterator[Compare]:
+    """Walk the comparisons that must all be true."""
+    if isinstance(condition, AllOf):
+        for part in condition.conditions:
+            yield from _conjuncts(part)
+    elif isinstance(condition, Compare):
+        yield condition
 
 
 def _range(part: Compare) -> _Range | None:
@@ -137,21 +150,21 @@ def _value(value: JsonValue) -> str:
     return json.dumps(value)
 
 
-def _meet(one: _Range, other: _Range) -> bool:
+def _both(one: _Range, other: _Range) -> _Range | None:
+    """What is in both; None when nothing is."""
     if one.values is not None and other.values is not None:
-        return bool(one.values & other.values)
+        common = one.values & other.values
+        return _Range(values=common) if common else None
     for values, interval in ((one.values, other), (other.values, one)):
         if values is not None:
-            return any(_within(value, interval) for value in values)
+            within = frozenset(value for value in values if _within(value, interval))
+            return _Range(values=within) if within else None
     low, high = max(one.low, other.low), min(one.high, other.high)
-    if low < high:
-        return True
-    return low == high and not (
-        (one.low == low and one.open_low)
-        or (other.low == low and other.open_low)
-        or (one.high == high and one.open_high)
-        or (other.high == high and other.open_high)
-    )
+    open_low = (one.low == low and one.open_low) or (other.low == low and other.open_low)
+    open_high = (one.high == high and one.open_high) or (other.high == high and other.open_high)
+    if low > high or (low == high and (open_low or open_high)):
+        return None
+    return _Range(low, high, open_low, open_high)
 
 
 def _within(value: str, interval: _Range) -> bool:

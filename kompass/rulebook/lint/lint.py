@@ -76,10 +76,11 @@ def _lint(rule: Rule, code: str, field: str, value: JsonValue, text: str, remedy
 def _rule(rule: Rule, context: LintContext) -> Iterator[Finding]:
     yield from _now(rule, context)
     yield from _level(rule, context)
+    own_status = status_topics(context.components or ())
     yield from _once(rule)
+    yield from _hiccup(rule, own_status)
     yield from _clear(rule)
     yield from _negated(rule, context)
-    own_status = status_topics(context.components or ())
     said: set[tuple[str, str]] = set()
     for where, leaf in _leaves(rule):
         for finding in _leaf(rule, where, leaf, context, own_status):
@@ -152,6 +153,26 @@ def _once(rule: Rule) -> Iterator[Finding]:
             f"a rule that is {what} fires once, and then guards nothing until the next start",
             "give it a cooldown instead",
         )
+
+
+def _hiccup(rule: Rule, own_status: Mapping[str, str]) -> Iterator[Finding]:
+    """Once, without a hold, on what comes and goes by itself when a machine is busy."""
+    event = rule.event
+    if not event.once or event.hold or event.trigger == "change":
+        return
+    for _, leaf in leaves(event.condition):
+        status = isinstance(leaf, Compare) and topic_of(leaf) in own_status
+        if status or isinstance(leaf, (Absent, Rate)):
+            yield _lint(
+                rule,
+                "once-hiccup",
+                "event.once",
+                True,
+                f"it fires once, and '{describe(leaf)}' may be true for a moment while the machine "
+                "is busy: then it is used up, and the real failure fires nothing",
+                "give it a hold, e.g. 1 s",
+            )
+            return
 
 
 def _clear(rule: Rule) -> Iterator[Finding]:

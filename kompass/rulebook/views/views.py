@@ -118,7 +118,7 @@ def _state(
         number = "" if len(running) == 1 else f"{len(running)} runs, the oldest "
         return "running", f"its actions run, {number}for {seconds(since)}", None
     if "once" in gates:
-        return "used up", "fires once only, and has fired", None
+        return "used up", "has fired once; will not fire again until it is reset", None
     if "cooldown" in gates:
         left = gates["cooldown"].left
         return "cooling", f"cools down for {seconds(left or 0.0)} more", left

@@ -48,7 +48,8 @@ def describe_signal(signal: Signal) -> str:
 
 
 def _callable(condition: CallableCondition) -> str:
-    return f"{condition.name}()"
+    # A name that tells functions apart ends with what does: `near (limit=0.5)`.
+    return condition.name if condition.name.endswith(")") else f"{condition.name}()"
 
 
 def _inner(condition: Condition, outer: AllOf | AnyOf | Not) -> str:

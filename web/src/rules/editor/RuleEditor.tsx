@@ -4,11 +4,12 @@ import type { Rule } from "../../api/ruleTypes";
 import page from "../../ui/page.module.css";
 import { freeId, putRule, removeRule, ruleOf } from "../changes/draft";
 import { findingsElsewhere } from "../changes/findings";
-import { useRules } from "../context/RulesContext";
+import { useLive, useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
 import { ruleName } from "../model/words";
 import { FindingList } from "../parts/FindingList";
 import { PageTitle } from "../parts/PageTitle";
+import { UsedUp } from "../parts/UsedUp";
 import { ActionList } from "./action/ActionList";
 import { ConditionEditor } from "./condition/ConditionEditor";
 import { type Editor, EditorProvider } from "./form/EditorContext";
@@ -37,6 +38,7 @@ export function RuleEditor({ id }: { id: string }) {
 
 function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
   const { draft, view, graph, check, reloadGraph } = useRules();
+  const { rules: live } = useLive();
   const nav = useNav();
   useEffect(reloadGraph, [reloadGraph]);
 
@@ -85,6 +87,10 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
                   : "as in force"}
               </span>
             </PageTitle>
+            <UsedUp
+              rule={rule}
+              status={live?.statuses.find((status) => status.rule_id === rule.id) ?? null}
+            />
             <FindingList findings={findingsElsewhere(findings, shown)} />
             <TextInput
               label="Name"

@@ -82,7 +82,7 @@ export function TimingFields({ event, onChange }: Props) {
       />
       <div className={page.line}>
         <Toggle on={event.once} label="Only once" onChange={(once) => put({ once })} testId="once">
-          only once, until the stack starts again
+          only once, until it is reset or the stack starts again
         </Toggle>
         {event.trigger === "edge" && (
           <Toggle

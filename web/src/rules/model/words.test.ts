@@ -1,6 +1,14 @@
 import { expect, test } from "vitest";
 import type { Rule, RuleStatus } from "../../api/ruleTypes";
-import { constantText, leftText, secondsText, statusLevel, statusText, whenText } from "./words";
+import {
+  constantText,
+  leftText,
+  secondsText,
+  statusLevel,
+  statusText,
+  usedUpText,
+  whenText,
+} from "./words";
 
 const waitingFor = (kind: string): Rule =>
   ({
@@ -48,6 +56,20 @@ test("a state says how long it lasts", () => {
   expect(statusText(status({ state: "unknown", text: "scan silent for 3 s" }), rule)).toBe(
     "unknown: scan silent for 3 s",
   );
+});
+
+test("a rule that is used up says since when, warns, and tells what it takes", () => {
+  const spent = status({ state: "used up", fired: 1, last_ok: true, last_fired: 1000 });
+  expect(usedUpText(spent, 1060)).toMatch(
+    /^Used up at \d\d:\d\d; will not fire again until reset\.$/,
+  );
+  expect(usedUpText(spent, 200_000)).toMatch(/^Used up at .*\d\d:\d\d; will not/);
+  expect(usedUpText(spent, 200_000)).not.toMatch(/at \d\d:\d\d;/);
+  // An engine that was started again knows that, and not when.
+  expect(usedUpText({ ...spent, last_fired: null }, 1060)).toBe(
+    "Used up; will not fire again until reset.",
+  );
+  expect(statusLevel(spent, rule)).toBe("degraded");
 });
 
 test("a rule that waits for a message is well while none comes", () => {

@@ -27,6 +27,12 @@ const dated = new Intl.DateTimeFormat(undefined, {
   hour12: false,
 });
 
+const minutes = new Intl.DateTimeFormat(undefined, {
+  hour: "2-digit",
+  minute: "2-digit",
+  hour12: false,
+});
+
 /** Relative within a minute, clock time after, with the date on another day. Epoch seconds. */
 export function whenText(time: number, now: number): string {
   const age = now - time;
@@ -36,6 +42,14 @@ export function whenText(time: number, now: number): string {
 }
 
 export const clockText = (time: number): string => clock.format(time * 1000);
+
+/** Of a rule that fires once and has: since when, and what it takes. */
+export function usedUpText({ last_fired }: RuleStatus, now: number): string {
+  // A rule engine that was started again knows that it was used, and not when.
+  if (last_fired === null) return "Used up; will not fire again until reset.";
+  const format = now - last_fired < 12 * 3600 ? minutes : dated;
+  return `Used up at ${format.format(last_fired * 1000)}; will not fire again until reset.`;
+}
 
 export const ruleName = (rule: { id: string; name: string }): string => rule.name || rule.id;
 
@@ -52,6 +66,7 @@ export function statusLevel(status: RuleStatus | null, rule: Rule): Level {
     case "broken":
       return "failed";
     case "latched":
+    case "used up":
       return "degraded";
     case "unknown":
     case "disabled":

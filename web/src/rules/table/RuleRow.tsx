@@ -10,6 +10,7 @@ import { useNav } from "../context/RulesNav";
 import type { RuleLines } from "../model/ruleLines";
 import { ruleName, statusLevel, statusText, whenText } from "../model/words";
 import { FindingList } from "../parts/FindingList";
+import { UsedUp } from "../parts/UsedUp";
 import { RuleMenu } from "./RuleMenu";
 import classes from "./Table.module.css";
 
@@ -57,6 +58,9 @@ export function RuleRow({ rule, lines, status, change, findings, fromRecipe }: P
         <dt>then</dt>
         <dd>{lines?.does}</dd>
       </dl>
+      <div className={classes.indented}>
+        <UsedUp rule={rule} status={status} />
+      </div>
       {change !== null && (
         <div className={classes.changed}>
           <span className={classes.change} data-testid="rule-change">

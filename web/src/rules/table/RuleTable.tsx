@@ -20,7 +20,7 @@ const FILTER_WORDS: Record<Filter, string> = {
   trouble: "Trouble",
   changed: "Unsaved",
 };
-const TROUBLE = new Set(["broken", "latched", "unknown"]);
+const TROUBLE = new Set(["broken", "latched", "unknown", "used up"]);
 
 /** The rules in the order in which they are evaluated: what each waits for, does, and how it is. */
 export function RuleTable() {

@@ -16,6 +16,7 @@ import { constantNames } from "../model/ruleLines";
 import { ruleName, sentence, whenText } from "../model/words";
 import { LeafList } from "../parts/LeafList";
 import { PageTitle } from "../parts/PageTitle";
+import { UsedUp } from "../parts/UsedUp";
 import classes from "./Why.module.css";
 
 /** While the page is open it is asked again: an explanation is of a moment. */
@@ -71,6 +72,7 @@ function Now({ found }: { found: Explanation }) {
           ? sentence(found.text)
           : `It does not fire now: ${gates.map(gateText).join("; ")}.`}
       </p>
+      <UsedUp rule={rule} status={status} />
       {told.length > 0 && (
         <ul className={classes.gates} data-testid="gates">
           {told.map((gate) => (
@@ -162,7 +164,7 @@ function Then({ found, gone }: { found: Explanation; gone: boolean }) {
 const GATE_WORDS: Record<string, string> = {
   disabled: "it is switched off",
   rate_latched: "it fired too often",
-  once: "it fires once only, and has fired",
+  once: "it has fired once, and will not again until it is reset",
   unknown: "a value is missing or too old",
   false: "its condition is false",
   hold: "its condition is not true for long enough yet",

@@ -1,0 +1,63 @@
+"""A rule that fires once is not used up by a hiccup, and fires when it is meant."""
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+
+import pytest
+from automatika_ros_sugar.msg import ComponentStatus
+
+from tests.support.journal import Journal
+from tests.support.processes import wait_until
+from tests.support.robot import Robot
+from tests.support.rules import Rules
+from tests.support.stack import RECIPE, Stack
+
+pytestmark = pytest.mark.ros
+HEALING = RECIPE.with_name("04_cross_component_healing.py")
+LATE = 0.2  # s, as was seen of a mapper under load
+
+
+@pytest.fixture
+def stack() -> Iterator[Stack]:
+    running = Stack.simulated(recipe=HEALING)
+    try:
+        yield running
+    finally:
+        running.close()
+
+
+@pytest.fixture
+def robot(stack: Stack) -> Iterator[Robot]:
+    client = Robot(stack.domain)
+    try:
+        client.ready()
+        yield client
+    finally:
+        client.close()
+
+
+def test_a_late_mapper_does_not_use_up_the_rule_that_its_death_fires(
+    stack: Stack, robot: Robot
+) -> None:
+    journal, rules = Journal(robot), Rules(robot)
+    statuses: list[int] = []
+    robot.node.create_subscription(
+        ComponentStatus, "/mapper/status", lambda message: statuses.append(message.status), 10
+    )
+    wait_until(lambda: 0 in statuses, 10, "a healthy mapper")
+    mapper = stack.pid_of("mapper")
+    os.kill(mapper, signal.SIGSTOP)
+    try:
+        wait_until(lambda: any(statuses), 10, "the failure of the mapper")
+        time.sleep(LATE)
+    finally:
+        os.kill(mapper, signal.SIGCONT)
+    wait_until(lambda: statuses[-1] == 0, 10, "the mapper's health")
+    assert journal.of("mapper-lost", "fired") == []
+    assert rules.status("mapper-lost").state != "used up"
+
+    os.kill(mapper, signal.SIGKILL)
+    assert journal.done("mapper-lost").ok
+    assert rules.status("mapper-lost").state == "used up"
