@@ -13,11 +13,12 @@ ROOT = Path(__file__).parents[1]
 # own, and nothing of its own layer but itself. A new part gets a place here.
 LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass": (
-        ("algorithms", "printable", "rules", "settings", "share", "supervisor"),
+        ("algorithms", "printable", "rules", "settings", "share", "signing", "supervisor"),
         ("expressions", "robot", "rulebook"),
         ("rclpy_ext",),
         ("backtest",),
         ("store",),
+        ("access",),
         ("components",),
         ("config", "control", "recipe"),
         ("monitor",),

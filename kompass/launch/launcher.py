@@ -12,7 +12,7 @@ from kompass.launch.companions import (
     function_process,
     program_process,
 )
-from kompass.launch.environment import check_environment, processes_wanted
+from kompass.launch.environment import check_environment, prepare_key, processes_wanted
 from kompass.launch.failure_policies import FailurePolicies
 from kompass.launch.gates import feeders_of, halt_process
 from kompass.launch.host import host
@@ -308,6 +308,8 @@ class Launcher:
         ------
         ValueError
             When no component was added.
+        EnvironmentProblem
+            When the environment, or the robot's key, cannot be used.
         AlreadyRunning
             When another stack runs the same nodes.
         StartupError
@@ -316,6 +318,7 @@ class Launcher:
         if not self._components:
             raise ValueError("the launcher has no components; add them with launcher.kompass(…)")
         check_environment()
+        prepare_key()
         if config_file:
             for component in self._components:
                 component.apply_config_file(config_file)

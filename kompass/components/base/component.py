@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.task import Future
 
+from kompass.access.gatekeeper import Gatekeeper
 from kompass.components.base.actions import ActionRefused, actions_of, check_call, component_action
 from kompass.components.base.component_config import ComponentConfig, ComponentRunType
 from kompass.components.base.config_file import ConfiguredTopics, settings_of_file
@@ -321,9 +322,10 @@ class Component:
         """Make the ROS node and the services that everybody offers; rclpy must be initialised."""
         self._node = ComponentNode(self.node_name, self, namespace)
         self._status = StatusPublisher(self._node, self.config.status_rate)
+        self._gatekeeper = Gatekeeper(self._node)
         self.init_variables()
         self.create_interfaces()
-        ComponentServices(self)
+        ComponentServices(self, self._gatekeeper)
         return self._node
 
     def leave(self) -> None:
