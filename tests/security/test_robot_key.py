@@ -11,8 +11,17 @@ import pytest
 
 from kompass.store import robot_key as module
 from kompass.store.robot_key import GIVEN, UnusableKey, known_keys, read_key, robot_key
+from tests.support.stack import Stack
 
 NAME = "KOMPASS_ROBOT_NAME"
+LAMP = """
+from kompass.components import Component
+from kompass.ros import Launcher
+
+launcher = Launcher()
+launcher.kompass(components=[Component(component_name="lamp")])
+launcher.bringup()
+"""
 
 
 @pytest.fixture
@@ -126,3 +135,31 @@ def test_where_nothing_can_be_kept_the_stack_still_has_one(
     assert robot_key(nowhere) is made  # and so have its forks
     assert known_keys(nowhere) == [made]
     assert robot_key({}) is robot_key({})  # there is no home either
+
+
+@pytest.mark.ros
+def test_a_stack_whose_key_is_damaged_does_not_start_and_says_why(tmp_path: Path) -> None:
+    (tmp_path / "lamp.py").write_text(LAMP)
+    (tmp_path / "data" / "lamp").mkdir(parents=True)
+    key = tmp_path / "data" / "lamp" / "robot.key"
+    key.touch(0o600)
+    key.write_text("rubbish")
+    recipe = (str(tmp_path / "lamp.py"), "--name", "lamp", "--data-dir", str(tmp_path / "data"))
+    stack = Stack("run", *recipe, "--no-browser", "--port", "0", KOMPASS_ROBOT_KEY="")
+    assert stack.wait() == 1
+    assert f"{key} is damaged" in stack.output
+    assert "delete it, and the robot makes a new one" in stack.output
+    key.unlink()
+    again = Stack("run", *recipe, "--no-browser", "--port", "0", KOMPASS_ROBOT_KEY="")
+    try:
+        again.wait_for_line("all components active", 20)
+    finally:
+        again.close()
+    assert read_key(key)
+
+
+@pytest.mark.ros
+def test_a_mode_that_is_none_is_refused_when_the_command_is_read() -> None:
+    stack = Stack("demo", "--ros-control", "some", "--no-browser", "--port", "0")
+    assert stack.wait() == 2
+    assert "--ros-control some: give one of off, read, full" in stack.output
