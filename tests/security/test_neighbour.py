@@ -64,7 +64,7 @@ def recipe(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def robot_on(host: Host, recipe: Path, *options: str, **environment: str) -> Iterator[Stack]:
     """A stack on a host, ready."""
     command = ("run", str(recipe), "--no-browser", "--port", "0", *options)
-    stack = Stack(*command, through=host.enter, **environment)
+    stack = Stack(*command, domain=None, through=host.enter, **environment)
     try:
         stack.wait_for_line("all components active", 20)
         yield stack
@@ -174,9 +174,9 @@ def test_who_is_on_the_network_needs_the_key_to_change_the_robot(
     without = {"KOMPASS_ROBOT_KEY": "", "KOMPASS_DATA_DIR": str(tmp_path / "none")}
     with robot_on(home, recipe, "--network", "subnet", KOMPASS_ROBOT_KEY="") as robot:
         [key] = robot.data_dir.glob("*/robot.key")
-        reach = (neighbour, robot.domain, "--network", "subnet")
-        refused = Asking(*reach, command=("disable", "dark", "--yes"), **without)
-        code, said = refused.result()
+        domain, reach = robot.domain, ["--network", "subnet"]
+        change = ("disable", "dark", "--yes")
+        code, said = Asking(neighbour, domain, *reach, command=change, **without).result()
         assert code == 1, said
         assert "it is not signed" in said
         assert "--robot-key" in said
@@ -184,13 +184,13 @@ def test_who_is_on_the_network_needs_the_key_to_change_the_robot(
         brought = tmp_path / "desk-lamp.key"
         brought.touch(0o600)
         brought.write_text(key.read_text())
-        command = ("disable", "dark", "--yes", "--robot-key", str(brought))
-        code, said = Asking(*reach, command=command, **without).result()
+        reach += ["--robot-key", str(brought)]
+        code, said = Asking(neighbour, domain, *reach, command=change, **without).result()
         assert code == 0, said
         # At home it is found.
         here = {"KOMPASS_ROBOT_KEY": "", "KOMPASS_DATA_DIR": str(robot.data_dir)}
-        at_home = Asking(home, robot.domain, command=("enable", "dark", "--yes"), **here)
-        code, said = at_home.result()
+        back = ("enable", "dark", "--yes")
+        code, said = Asking(home, domain, command=back, **here).result()
         assert code == 0, said
 
 

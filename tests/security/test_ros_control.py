@@ -357,7 +357,8 @@ def unsigned(alive: Alive, kind: Any, name: str, request: Any) -> Any:
 @pytest.mark.parametrize("mode", ["", "read", "off"], indirect=True)
 @pytest.mark.usefixtures("mode")
 def test_anybody_stops_the_robot_and_only_who_has_the_key_releases_it(run: Run) -> None:
-    alive = run(DriveManager())
+    gate = DriveManager()
+    alive = run(gate)
     assert unsigned(alive, StopRobot, "stop", StopRobot.Request(operator_name="neighbour")).success
     refused = unsigned(alive, ReleaseStop, "release_stop", ReleaseStop.Request(operator_name="ava"))
     assert not refused.success
@@ -374,7 +375,7 @@ def test_anybody_stops_the_robot_and_only_who_has_the_key_releases_it(run: Run) 
     again = unsigned(alive, ReleaseStop, "release_stop", signed)
     assert not again.success
     assert "its proof was used before" in again.message
-    assert alive.component._latch.is_set
+    assert gate._latch.is_set
 
 
 @pytest.mark.parametrize("mode", ["full"], indirect=True)

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import automatika_ros_sugar.srv as foreign
+from automatika_ros_sugar.srv import (
+    ChangeParameter,
+    ChangeParameters,
+    ConfigureFromFile,
+    ExecuteMethod,
+    ReplaceTopic,
+)
 from kompass_interfaces.srv import SignedCall
 from lifecycle_msgs.srv import ChangeState
 from rclpy.node import Node
@@ -15,6 +21,11 @@ from kompass.rclpy_ext.reply import Reply
 from kompass.signing.canonical import PROOF
 from kompass.store.robot_key import known_keys
 from tests.support.processes import wait_until
+
+OF_COMPONENTS = (
+    *(ChangeParameter, ChangeParameters, ConfigureFromFile, ExecuteMethod, ReplaceTopic),
+    ChangeState,
+)
 
 
 class SignedCalls:
@@ -28,7 +39,7 @@ class SignedCalls:
     def begin(self, kind: Any, name: str, request: Any, timeout: float = 10.0) -> Reply[Any]:
         """Send a request to a service by its full name; the answer as it will come."""
         server, _, suffix = name.rpartition("/")
-        if kind is ChangeState or hasattr(foreign, kind.__name__):
+        if kind in OF_COMPONENTS:
             call = wrap(suffix, request)
             reply = self._signed(SignedCall, f"{server}/{SIGNED_CALL}", call, timeout, kind)
         elif PROOF in request.get_fields_and_field_types():
