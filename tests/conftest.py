@@ -1,25 +1,22 @@
 """Every run of the tests has ROS domains of its own, and leaves no process behind."""
 
 import os
-import shutil
 import signal
-import tempfile
 import uuid
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-from kompass.signing.key import RobotKey
 from kompass.store.robot_key import GIVEN
 from tests.support.domains import next_domain
+from tests.support.keys import give_key
 from tests.support.processes import ended, marked
 
 # Inherited by everything that a test starts, so that orphans can be told from strangers.
 MARK = f"KOMPASS_TEST_RUN={uuid.uuid4().hex}"
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def pytest_configure() -> None:
     # Started in the background of a script, the tests would hand down that Ctrl-C is ignored.
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -27,12 +24,8 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ[key] = value
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     os.environ["ROS_DOMAIN_ID"] = str(next_domain())
-    # All robots of a run have one key, so that whatever a test starts may ask them for changes.
-    folder = Path(tempfile.mkdtemp(prefix="kompass-key-"))
-    config.add_cleanup(lambda: shutil.rmtree(folder))
-    os.environ[GIVEN] = str(folder / "robot.key")
-    Path(os.environ[GIVEN]).touch(0o600)
-    Path(os.environ[GIVEN]).write_text(RobotKey.new().text)
+    os.environ.pop(GIVEN, None)  # never one of a robot that somebody uses
+    give_key()
 
 
 @pytest.fixture(scope="module", autouse=True)
