@@ -155,7 +155,7 @@ def run(
     if not recipe.is_file():
         raise CliError(2, f"there is no recipe {recipe}; give the path of a Python file")
     ros = choose_domain(domain_id, network)
-    choose_ros_control(ros_control)
+    ros += choose_ros_control(ros_control)
     choose_key(robot_key)
     if single_process:
         os.environ["KOMPASS_MULTI_PROCESSING"] = "0"
@@ -190,7 +190,7 @@ def demo(
 ) -> None:
     """Try it: an embedded robot, the navigation stack and the console."""
     ros = choose_domain(domain_id, network)
-    choose_ros_control(ros_control)
+    ros += choose_ros_control(ros_control)
     choose_key(robot_key)
     from kompass.share import recipe_path
     from kompass_console.stack import ConsoleListener, Door, run_recipe

@@ -63,21 +63,30 @@ def choose_key(file: Path | None) -> None:
             raise CliError(2, f"{said}: {error}") from None
 
 
-def choose_ros_control(mode: str | None) -> None:
+def choose_ros_control(mode: str | None) -> str:
     """Say what may be done over ROS without the robot's key, in this process and its children.
+
+    Returns
+    -------
+    str
+        The same in words, to go on from those of `choose_domain`; empty for what is usual.
 
     Raises
     ------
     CliError
         When there is no such mode.
     """
-    from kompass.access.ros_control import MODES, ROS_CONTROL
+    from kompass.access.ros_control import MODES, ROS_CONTROL, ros_control
 
-    if mode is None:
-        return
-    if mode not in MODES:
-        raise CliError(2, f"--ros-control {mode}: give one of {', '.join(MODES)}")
-    os.environ[ROS_CONTROL] = mode
+    if mode is not None:
+        if mode not in MODES:
+            raise CliError(2, f"--ros-control {mode}: give one of {', '.join(MODES)}")
+        os.environ[ROS_CONTROL] = mode
+    words = {
+        "off": "; whoever has not its key is not even answered (--ros-control off)",
+        "full": "; whoever is met there may change everything (--ros-control full)",
+    }
+    return words.get(ros_control(), "")
 
 
 def choose_domain(domain_id: int | None, network: str | None) -> str:

@@ -275,11 +275,6 @@ class MonitorClient:
         Of the monitor's node, with its namespace: ``/monitor``.
     limit
         Seconds that every answer may take; None for what is usual of each.
-
-    Raises
-    ------
-    UnusableKey
-        When the key that the environment names cannot be used.
     """
 
     def __init__(self, node: Node, name: str, *, limit: float | None = None) -> None:

@@ -1,4 +1,4 @@
-"""Requests that prove who made them: the robot's key, challenges and proofs. Pure.
+"""Requests that prove who made them: keys, challenges and proofs. No ROS, clock or files.
 
 A node that takes requests gives out a challenge, a random word that it exchanges every minute. Who
 has the robot's key makes a proof for a request: HMAC-SHA256 over the name of the service, every

@@ -53,21 +53,16 @@ def robot_key(environment: Mapping[str, str] = os.environ) -> RobotKey:
 def known_keys(environment: Mapping[str, str] = os.environ) -> list[RobotKey]:
     """Every key that this user has here: of this stack, the one given, of the robots on this disk.
 
-    One on the disk that cannot be used is told, and left out.
-
-    Raises
-    ------
-    UnusableKey
-        When the one that ``KOMPASS_ROBOT_KEY`` names cannot be used.
+    One that cannot be used is told, and left out.
     """
     keys = list(_had.values())
-    if given := environment.get(GIVEN):
-        keys.append(read_key(Path(given)))
+    given = environment.get(GIVEN)
+    files = [Path(given)] if given else []
     try:
-        found = sorted(data_dir(environment).glob(f"*/{FILE}"))
-    except (StoreUnwritable, OSError):
-        found = []
-    for path in found:
+        files += sorted(data_dir(environment).glob(f"*/{FILE}"))
+    except (StoreUnwritable, OSError) as error:
+        _logger.debug("no keys of robots on this disk: %s", error)
+    for path in files:
         try:
             keys.append(read_key(path))
         except UnusableKey as error:

@@ -107,7 +107,11 @@ def test_robots_have_keys_of_their_own_and_their_user_knows_them_all(
     ],
 )
 def test_one_that_cannot_be_used_is_refused_with_a_remedy(
-    environment: dict[str, str], text: str, mode: int, said: str
+    environment: dict[str, str],
+    text: str,
+    mode: int,
+    said: str,
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     file = file_of(environment)
     file.parent.mkdir(parents=True)
@@ -117,7 +121,13 @@ def test_one_that_cannot_be_used_is_refused_with_a_remedy(
         robot_key(environment)
     assert file.read_text() == text  # nobody but a person takes it away
     with pytest.raises(UnusableKey, match=said):
-        known_keys({GIVEN: str(file)})
+        robot_key({GIVEN: str(file)})
+    # Who only asks goes on with the keys that are good, and tells of this one.
+    good = robot_key({**environment, NAME: "r2"})
+    with caplog.at_level("WARNING"):
+        known = known_keys({**environment, GIVEN: str(file)})
+    assert [key.text for key in known] == [good.text]
+    assert str(file) in caplog.text
 
 
 def test_one_that_was_named_and_is_not_there_is_refused(tmp_path: Path) -> None:
