@@ -8,6 +8,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,14 +34,17 @@ from kompass_interfaces.srv import (
     StopRobot,
 )
 from lifecycle_msgs.srv import ChangeState
+from std_msgs.msg import String
 
 from kompass.access.ros_control import ROS_CONTROL, ros_control
 from kompass.access.signer import Signer
 from kompass.components import Component, DriveManager
+from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass.signing.key import RobotKey
-from kompass.store.robot_key import GIVEN, known_keys
+from kompass.signing.proof import Verifier, announce
+from kompass.store.robot_key import GIVEN, known_keys, robot_key
 from kompass_console.schema.roles import Role
-from tests.components.alive import Alive
+from tests.components.alive import LATCHED, Alive
 from tests.components.conftest import data_folder, run
 from tests.console.conftest import running, serving
 from tests.support.domains import give_back, next_domain
@@ -110,7 +114,9 @@ def monitor(mode: str, folder: Path) -> Iterator[Neighbour]:
         with running("tests.console.fake_monitor", str(folder)):
             robot = Robot(domain)
             try:
-                yield Neighbour(robot, domain, Path(os.environ[GIVEN]))
+                neighbour = Neighbour(robot, domain, Path(os.environ[GIVEN]))
+                assert neighbour.ask_signed(GetRules.Request()).success
+                yield neighbour
             finally:
                 robot.close()
                 give_back(domain)
@@ -458,3 +464,52 @@ def test_a_service_that_is_none_is_refused_by_name(run: Run) -> None:
     answer = unsigned(alive, SignedCall, "signed_call", call)
     assert not answer.success
     assert "'explode': there is none; known are update_config_parameter, " in answer.message
+
+
+def released_after_a_restart(
+    run: Run, limit: float
+) -> tuple[DriveManager, Signer, Reply[ReleaseStop.Response]]:
+    """A release, signed for a drive manager that is not the one that gets it."""
+    gate = DriveManager()
+    alive = run(gate)
+    assert unsigned(alive, StopRobot, "stop", StopRobot.Request()).success
+    signer = Signer(alive.node, "/drive_manager", known_keys())
+    client = alive.node.create_client(ReleaseStop, "/drive_manager/release_stop")
+    wait_until(lambda: signer.is_ready and client.service_is_ready(), 10, "the service")
+    gate._gatekeeper._verifier = Verifier(robot_key(), time.monotonic())
+    request = ReleaseStop.Request(operator_name="ava")
+    reply = signer.call(client, "/drive_manager/release_stop", request, limit)
+    wait_until(lambda: signer._waiting, 10, "the refusal of a proof that is too old")
+    return gate, signer, reply
+
+
+def test_a_request_that_crosses_a_restart_is_signed_anew(run: Run) -> None:
+    gate, _, reply = released_after_a_restart(run, patient(10.0))
+    gate._gatekeeper._publish()  # what the new one says a moment later
+    assert reply.wait().success
+    assert not gate._latch.is_set
+
+
+def test_a_request_that_was_given_up_is_not_made_later(run: Run) -> None:
+    gate, signer, reply = released_after_a_restart(run, 0.3)
+    with pytest.raises(NoAnswer, match="did not answer within"):
+        reply.wait()
+    before = signer.challenge
+    gate._gatekeeper._publish()
+    wait_until(lambda: signer.challenge != before, 10, "the new challenge")
+    assert not signer._waiting
+    assert gate._latch.is_set
+
+
+def test_what_others_say_on_its_topic_takes_no_challenge_away(run: Run) -> None:
+    alive = run(DriveManager())
+    signer = Signer(alive.node, "/drive_manager", known_keys())
+    wait_until(lambda: signer.is_ready, 10, "a challenge")
+    before = signer.challenge
+    liar = alive.publisher(String, "/drive_manager/challenge", LATCHED)
+    liar.publish(String(data="nonsense"))
+    liar.publish(String(data=announce(RobotKey.new(), "mine")))
+    heard = alive.hear(String, "/drive_manager/challenge", LATCHED)
+    wait_until(lambda: any("mine" in each.data for each in heard), 10, "what the liar said")
+    assert signer.challenge == before
+    assert signer.sign("/drive_manager/release_stop", ReleaseStop.Request()).proof
