@@ -478,7 +478,7 @@ def released_after_a_restart(
     wait_until(lambda: signer.is_ready and client.service_is_ready(), 10, "the service")
     gate._gatekeeper._verifier = Verifier(robot_key(), time.monotonic())
     request = ReleaseStop.Request(operator_name="ava")
-    reply = signer.call(client, "/drive_manager/release_stop", request, limit)
+    reply: Reply[Any] = signer.call(client, "/drive_manager/release_stop", request, limit)
     wait_until(lambda: signer._waiting, 10, "the refusal of a proof that is too old")
     return gate, signer, reply
 
