@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import importlib
 import itertools
 from typing import Any
 
@@ -213,3 +214,23 @@ def test_a_key_does_not_show_itself() -> None:
     assert RobotKey.read(f" {KEY.text}\n").text == KEY.text
     made = {RobotKey.new().text for _ in itertools.repeat(None, 20)}
     assert len(made) == 20
+
+
+NOT_OFFERED = [
+    *("GetCmdList", "GetPredictedOccupancies", "GetPredictedTrajectories", "PathFromToFile"),
+    *("Save2dMapToFile", "Save3dMapToFile", "StartPathRecording", "StopVisionTracking"),
+]
+# What moves nothing and changes nothing that lasts, or must be open to everybody.
+WITHOUT_PROOF = {
+    "CheckGoal": "it only asks",
+    "StopRobot": "anybody may stop the robot",
+    "SetFault": "the embedded robot alone has faults",
+    **dict.fromkeys(NOT_OFFERED, "nothing of ours offers it"),
+}
+
+
+def test_every_service_of_ours_carries_a_proof_or_has_a_reason_to_carry_none() -> None:
+    module = importlib.import_module("kompass_interfaces.srv")
+    kinds = {name: kind for name, kind in vars(module).items() if hasattr(kind, "Request")}
+    unproved = {name for name, kind in kinds.items() if not hasattr(kind.Request, "proof")}
+    assert unproved == set(WITHOUT_PROOF)

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import httpx
 import pytest
 from automatika_ros_sugar.srv import (
     ChangeParameter,
@@ -51,6 +52,7 @@ from tests.support.domains import give_back, next_domain
 from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
+from tests.support.stack import TOKEN, Stack
 
 __all__ = ["data_folder", "run"]  # fixtures
 
@@ -339,6 +341,37 @@ def test_a_mode_that_is_none_is_refused(mode: str, monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv(ROS_CONTROL, mode)
     with pytest.raises(ValueError, match=f"{ROS_CONTROL}='{mode}' is none of off, read, full"):
         ros_control()
+
+
+@pytest.mark.slow
+def test_with_ros_off_the_robots_own_console_does_what_it_always_did() -> None:
+    stack = Stack.simulated("--ros-control", "off", KOMPASS_ROBOT_KEY="")
+    try:
+        assert "is not even answered (--ros-control off)" in stack.output
+        robot = Robot(stack.domain)
+        page = httpx.Client(base_url=stack.url, headers={"Origin": stack.url}, timeout=30.0)
+        with contextlib.closing(robot), page:
+            robot.ready()
+            assert page.post("/api/login", json={"token": TOKEN}).is_success
+            wait_until(lambda: page.get("/api/rules").is_success, 20, "the rules")
+            view = page.get("/api/rules").json()
+            body = {
+                "table": {**view["table"], "rules": []},
+                "expected_revision": view["revision"],
+                "probation": 0,
+            }
+            assert page.post("/api/rules/apply", json=body).is_success
+            request = StopRobot.Request(operator_name="neighbour")
+            assert robot.call_unsigned(StopRobot, "/drive_manager/stop", request).success
+            release = ReleaseStop.Request(operator_name="neighbour")
+            name = "/drive_manager/release_stop"
+            assert "not signed" in robot.call_unsigned(ReleaseStop, name, release).message
+            assert page.post("/api/stop/release").json()["accepted"]
+            goal = page.post("/api/goals", json={"x": 0.5, "y": 0.0, "yaw": None, "view": None})
+            assert goal.is_success, goal.text
+            wait_until(lambda: robot.distance_to(0.5, 0.0) < 0.15, 40, "the arrival")
+    finally:
+        stack.close()
 
 
 # -- components ----------------------------------------------------------------------------------
