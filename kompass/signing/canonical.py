@@ -17,29 +17,20 @@ def canonical_bytes(request: Any) -> bytes:
     ----------
     request
         A message, or the request of a service, or the goal of an action.
-
-    Raises
-    ------
-    ValueError
-        When a text holds a NUL, at which ROS would cut it.
     """
-    plain = _fields(request, "")
+    plain = _fields(request)
     plain.pop(PROOF, None)
     return json.dumps(plain, separators=(",", ":"), sort_keys=True).encode()
 
 
-def _fields(message: Any, where: str) -> dict[str, Any]:
-    return {
-        name: _plain(getattr(message, name), kind, f"{where}{name}")
-        for name, kind in message.get_fields_and_field_types().items()
-    }
+def _fields(message: Any) -> dict[str, Any]:
+    kinds = message.get_fields_and_field_types()
+    return {name: _plain(getattr(message, name), kind) for name, kind in kinds.items()}
 
 
-def _plain(value: Any, kind: str, where: str) -> Any:
+def _plain(value: Any, kind: str) -> Any:
     if isinstance(value, str):
-        if "\0" in value:
-            raise ValueError(f"{where} holds a NUL, and ROS would cut the text there; leave it out")
-        return value
+        return value.partition("\0")[0]  # as far as ROS carries it
     if isinstance(value, bool | int):
         return value
     if isinstance(value, float):
@@ -49,6 +40,6 @@ def _plain(value: Any, kind: str, where: str) -> Any:
     if isinstance(value, bytes):
         return value.hex()
     if hasattr(value, "get_fields_and_field_types"):
-        return _fields(value, f"{where}.")
+        return _fields(value)
     values: Iterable[Any] = value.tolist() if hasattr(value, "tolist") else value
-    return [_plain(each, kind, f"{where}[]") for each in values]
+    return [_plain(each, kind) for each in values]

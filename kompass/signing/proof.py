@@ -16,13 +16,7 @@ _CHALLENGE, _REQUEST = b"kompass challenge", b"kompass request"
 
 
 def make_proof(key: RobotKey, challenge: str, service: str, request: Any) -> str:
-    """Prove a request to a service by its full name; each proof is good once.
-
-    Raises
-    ------
-    ValueError
-        When the request cannot be sent as it is.
-    """
+    """Prove a request to a service by its full name; each proof is good once."""
     nonce = secrets.token_hex(16)
     mark = key.sign(*_parts(challenge, nonce, service, request))
     return f"{challenge}.{nonce}.{mark}"
