@@ -367,8 +367,9 @@ def test_with_ros_off_the_robots_own_console_does_what_it_always_did() -> None:
             name = "/drive_manager/release_stop"
             assert "not signed" in robot.call_unsigned(ReleaseStop, name, release).message
             assert page.post("/api/stop/release").json()["accepted"]
-            goal = page.post("/api/goals", json={"x": 0.5, "y": 0.0, "yaw": None, "view": None})
-            assert goal.is_success, goal.text
+            goal = {"x": 0.5, "y": 0.0, "yaw": None, "view": None}
+            sent = lambda: page.post("/api/goals", json=goal).is_success  # noqa: E731
+            wait_until(sent, 20, "a planner that the console has found")
             wait_until(lambda: robot.distance_to(0.5, 0.0) < 0.15, 40, "the arrival")
     finally:
         stack.close()
