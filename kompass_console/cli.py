@@ -12,7 +12,14 @@ import typer
 from kompass.simulation.faults.fault_names import FAULTS
 from kompass_console.audit_cli import app as audit
 from kompass_console.cli_error import CliError
-from kompass_console.domain import Network, choose_domain
+from kompass_console.domain import (
+    Network,
+    RobotKey,
+    RosControl,
+    choose_domain,
+    choose_key,
+    choose_ros_control,
+)
 from kompass_console.rules_cli.app import app as rules
 
 # What each command needs is imported when it runs: help answers at once, and Ctrl-C during the
@@ -131,6 +138,8 @@ def run(
     no_browser: NoBrowser = False,
     domain_id: DomainId = None,
     network: Network = None,
+    ros_control: RosControl = None,
+    robot_key: RobotKey = None,
     name: Name = None,
     token: Token = None,
     tls_cert: TlsCert = None,
@@ -146,6 +155,8 @@ def run(
     if not recipe.is_file():
         raise CliError(2, f"there is no recipe {recipe}; give the path of a Python file")
     ros = choose_domain(domain_id, network)
+    ros += choose_ros_control(ros_control)
+    choose_key(robot_key)
     if single_process:
         os.environ["KOMPASS_MULTI_PROCESSING"] = "0"
     from kompass_console.stack import ConsoleListener, Door, run_recipe
@@ -165,6 +176,8 @@ def demo(
     no_browser: NoBrowser = False,
     domain_id: DomainId = None,
     network: Network = None,
+    ros_control: RosControl = None,
+    robot_key: RobotKey = None,
     name: Name = None,
     token: Token = None,
     tls_cert: TlsCert = None,
@@ -177,6 +190,8 @@ def demo(
 ) -> None:
     """Try it: an embedded robot, the navigation stack and the console."""
     ros = choose_domain(domain_id, network)
+    ros += choose_ros_control(ros_control)
+    choose_key(robot_key)
     from kompass.share import recipe_path
     from kompass_console.stack import ConsoleListener, Door, run_recipe
 
@@ -193,6 +208,7 @@ def attach(
     no_browser: NoBrowser = False,
     domain_id: DomainId = None,
     network: Network = None,
+    robot_key: RobotKey = None,
     name: Name = None,
     token: Token = None,
     tls_cert: TlsCert = None,
@@ -202,6 +218,7 @@ def attach(
 ) -> None:
     """Show a stack that something else started, on this machine or another of the ROS domain."""
     ros = choose_domain(domain_id, network)
+    choose_key(robot_key)
     from kompass_console.stack import ConsoleListener, Door, run_attached
 
     door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit)

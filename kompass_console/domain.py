@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -21,6 +22,71 @@ Network = Annotated[
         show_default=False,
     ),
 ]
+
+
+RobotKey = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="The robot's key; else KOMPASS_ROBOT_KEY, else the one in its data folder.",
+        show_default=False,
+    ),
+]
+RosControl = Annotated[
+    str | None,
+    typer.Option(
+        metavar="off|read|full",
+        help="What may be done over ROS without the robot's key: nothing, look, or everything. "
+        "Else KOMPASS_ROS_CONTROL, else read. STOP may be pressed by anybody.",
+        show_default=False,
+    ),
+]
+
+
+def choose_key(file: Path | None) -> None:
+    """Take the robot's key from a file, in this process and its children.
+
+    Raises
+    ------
+    CliError
+        When the file, or the one that the environment names, cannot be used.
+    """
+    from kompass.store.robot_key import GIVEN, UnusableKey, read_key
+
+    if file is not None:
+        os.environ[GIVEN] = str(file.absolute())
+    if given := os.environ.get(GIVEN):
+        try:
+            read_key(Path(given))
+        except UnusableKey as error:
+            said = "--robot-key" if file is not None else GIVEN
+            raise CliError(2, f"{said}: {error}") from None
+
+
+def choose_ros_control(mode: str | None) -> str:
+    """Say what may be done over ROS without the robot's key, in this process and its children.
+
+    Returns
+    -------
+    str
+        The same in words, to go on from those of `choose_domain`; empty for what is usual.
+
+    Raises
+    ------
+    CliError
+        When there is no such mode.
+    """
+    from kompass.access.ros_control import MODES, ROS_CONTROL, ros_control
+
+    if mode is not None:
+        if mode not in MODES:
+            raise CliError(2, f"--ros-control {mode}: give one of {', '.join(MODES)}")
+        os.environ[ROS_CONTROL] = mode
+    words = {
+        "off": "; whoever has not its key is not even answered (--ros-control off)",
+        "full": "; whoever is met there may change everything (--ros-control full)",
+    }
+    return words.get(ros_control(), "")
 
 
 def choose_domain(domain_id: int | None, network: str | None) -> str:

@@ -7,7 +7,9 @@ from collections.abc import Iterator
 
 import pytest
 
+from kompass.store.robot_key import GIVEN
 from tests.support.domains import next_domain
+from tests.support.keys import give_key
 from tests.support.processes import ended, marked
 
 # Inherited by everything that a test starts, so that orphans can be told from strangers.
@@ -22,6 +24,8 @@ def pytest_configure() -> None:
     os.environ[key] = value
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     os.environ["ROS_DOMAIN_ID"] = str(next_domain())
+    os.environ.pop(GIVEN, None)  # never one of a robot that somebody uses
+    give_key()
 
 
 @pytest.fixture(scope="module", autouse=True)

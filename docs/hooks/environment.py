@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from docs.hooks.markup import code, table
+from kompass.access.ros_control import DEFAULT, ROS_CONTROL
 from kompass.launch.environment import MIDDLEWARE
 from kompass.monitor.settings import DEFAULT_PROBATION, PROBATION, SAFE_MODE
 from kompass.rclpy_ext.middleware import PEERS, RANGE
 from kompass.recorder.clip_policy import SETTING as KEEP_FIRINGS
 from kompass.recorder.process import SETTING as RECORD
 from kompass.store.paths import DATA_DIR, ROBOT_NAME, STATE_HOME
+from kompass.store.robot_key import GIVEN
 
 INTRODUCTION = """# Environment variables
 
@@ -25,6 +27,13 @@ VARIABLES: tuple[tuple[str, str, str, str], ...] = (
         "a new one at each start",
         "The operator's token, at least 16 characters.",
     ),
+    (
+        ROS_CONTROL,
+        "--ros-control",
+        f"`{DEFAULT}`",
+        "What may be done over ROS without the robot's key: `off`, `read` or `full`.",
+    ),
+    (GIVEN, "--robot-key", "the one in the data folder", "File of the robot's key."),
     (SAFE_MODE, "--safe-mode", "off", "`1`: begin with the recipe's rules; edits are kept."),
     (RECORD, "--no-record", "on", "`0`: no flight recorder."),
     (

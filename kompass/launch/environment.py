@@ -4,6 +4,9 @@ import importlib.util
 import os
 from pathlib import Path
 
+from kompass.access.ros_control import ros_control
+from kompass.store.robot_key import UnusableKey, robot_key
+
 MIDDLEWARE = "RMW_IMPLEMENTATION"
 MULTI_PROCESSING = "KOMPASS_MULTI_PROCESSING"
 
@@ -13,13 +16,17 @@ class EnvironmentProblem(RuntimeError):
 
 
 def check_environment() -> None:
-    """Check the middleware and the domain.
+    """Check the middleware and the domain, and what may be done over ROS.
 
     Raises
     ------
     EnvironmentProblem
         When rcl would end the process with a message of its own, or another domain be used.
     """
+    try:
+        ros_control()
+    except ValueError as error:
+        raise EnvironmentProblem(str(error)) from None
     name = os.environ.get(MIDDLEWARE, "")
     if name and not _has_library(name):
         raise EnvironmentProblem(
@@ -36,6 +43,20 @@ def check_environment() -> None:
             "rclpy is not installed; on x86_64 Linux 'pip install kompass-console' brings it, "
             "elsewhere source a ROS 2 installation first"
         )
+
+
+def prepare_key() -> None:
+    """Have the robot's key made or read before processes are forked, so that all have the same.
+
+    Raises
+    ------
+    EnvironmentProblem
+        When its file cannot be used.
+    """
+    try:
+        robot_key()
+    except UnusableKey as error:
+        raise EnvironmentProblem(str(error)) from None
 
 
 def processes_wanted(stated: bool | None) -> bool:

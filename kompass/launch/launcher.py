@@ -19,7 +19,7 @@ from kompass.launch.companions import (
     function_process,
     program_process,
 )
-from kompass.launch.environment import check_environment, processes_wanted
+from kompass.launch.environment import check_environment, prepare_key, processes_wanted
 from kompass.launch.failure_policies import FailurePolicies
 from kompass.launch.gates import feeders_of, halt_process
 from kompass.launch.host import host
@@ -383,6 +383,8 @@ class Launcher:
             become active is waited for.
         TypeError
             When one lacks a hook or a type that its run type needs.
+        EnvironmentProblem
+            When the environment, or the robot's key, cannot be used.
         AlreadyRunning
             When another stack runs the same nodes.
         StartupError
@@ -397,6 +399,7 @@ class Launcher:
                     "leave it out: the page and the log show what is done"
                 )
         check_environment()
+        prepare_key()
         if config_file:
             for component in self._components:
                 component.apply_config_file(config_file)

@@ -32,6 +32,7 @@ from rclpy.action import ActionClient
 from rclpy.node import Node
 from std_msgs.msg import String
 
+from kompass.access.signer import Signer
 from kompass.backtest.report import BacktestReport
 from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass.rclpy_ext.topic import LATCHED, QoSConfig
@@ -44,6 +45,7 @@ from kompass.rulebook.schema.report import ApplyReport, CheckReport, Conflict
 from kompass.rulebook.schema.revision import History
 from kompass.rulebook.schema.status import RuleStatus
 from kompass.rulebook.schema.table_view import TableView
+from kompass.store.robot_key import known_keys
 
 DEFAULT_PROBATION = -1.0  # s; the monitor's own
 
@@ -202,6 +204,7 @@ class Backtest:
         client: ActionClient,
         server: str,
         goal: BacktestRules.Goal,
+        signer: Signer,
         limit: float | None,
         progress: Callable[[float, str], None],
     ) -> None:
@@ -215,7 +218,8 @@ class Backtest:
         def send(answered: Callable[[Any], None]) -> Callable[[], object]:
             # From the executor's own thread: rclpy may else see the answer before the question.
             def begin() -> None:
-                client.send_goal_async(goal, heard).add_done_callback(answered)
+                signed = signer.sign(server, goal)
+                client.send_goal_async(signed, heard).add_done_callback(answered)
 
             node.executor.create_task(begin)
             return self.cancel  # should it be accepted after all
@@ -228,7 +232,11 @@ class Backtest:
             server, None, ready=lambda: self._handle is not None, send=ask_result, read=_backtest
         )
         self.accepted: Reply[None] = Reply(
-            server, limit, ready=client.server_is_ready, send=send, read=self._accept
+            server,
+            limit,
+            ready=lambda: signer.is_ready and client.server_is_ready(),
+            send=send,
+            read=self._accept,
         )
 
     def cancel(self) -> None:
@@ -239,7 +247,10 @@ class Backtest:
 
     def _accept(self, handle: Any) -> None:
         if not handle.accepted:
-            raise Refused("the monitor refused the back-test; it may run one already")
+            raise Refused(
+                "the monitor refused the back-test; it may run two already, or answer only who "
+                "has the robot's key (--robot-key)"
+            )
         self._handle = handle
         self.ended.begin()
         if self._canceled:
@@ -251,6 +262,8 @@ class Backtest:
 
 class MonitorClient:
     """The services, the action and the topics of one monitor.
+
+    Requests are signed when we have the key of its robot; see :mod:`kompass.store.robot_key`.
 
     To be made and closed on the thread that spins the node; all else may be called on any.
 
@@ -267,6 +280,7 @@ class MonitorClient:
     def __init__(self, node: Node, name: str, *, limit: float | None = None) -> None:
         self.name = name
         self._node, self._limit = node, limit
+        self._signer = Signer(node, name, known_keys())
         self._clients: dict[type, tuple[Any, str, float]] = {}
         for kind, (service, usual) in _SERVICES.items():
             full = f"{name}/{service}"
@@ -279,6 +293,7 @@ class MonitorClient:
         for client, *_ in self._clients.values():
             self._node.destroy_client(client)
         self._backtests.destroy()
+        self._signer.close()
         for subscription in self._subscriptions:
             self._node.destroy_subscription(subscription)
 
@@ -442,7 +457,7 @@ class MonitorClient:
         goal = BacktestRules.Goal(table=table, recording=recording, seconds=seconds)
         server = f"{self.name}/backtest_rules"
         limit = _ACCEPT_LIMIT if self._limit is None else self._limit
-        return Backtest(self._node, self._backtests, server, goal, limit, progress)
+        return Backtest(self._node, self._backtests, server, goal, self._signer, limit, progress)
 
     # -- listening, on the thread that spins the node ---------------------------------------------
 
@@ -480,7 +495,7 @@ class MonitorClient:
     # -- pieces -----------------------------------------------------------------------------------
 
     def request(self, request: Any, read: Callable[[Any], T] = lambda answer: answer) -> Reply[T]:
-        """Send a request of one of the services, found by its type; the answer as it came.
+        """Send a request of one of the services, found by its type, signed; the answer as it came.
 
         Parameters
         ----------
@@ -488,7 +503,7 @@ class MonitorClient:
             Makes something else of the answer.
         """
         client, service, usual = self._clients[type(request)]
-        return Reply.of_service(client, service, request, self._limit or usual, read)
+        return self._signer.call(client, service, request, self._limit or usual, read)
 
     def _look(self, request: Any, model: type[T]) -> Reply[Json[T]]:
         def read(answer: Any) -> Json[T]:

@@ -9,6 +9,7 @@ from builtin_interfaces.msg import Time
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from kompass.access.gatekeeper import Gatekeeper
 from kompass.components.base.component import Component
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.monitor.execution.action_runner import ActionRunner
@@ -117,6 +118,7 @@ class Monitor:
         self._processes = ProcessStates(node, proxy, ask, stamp)
         self._runner = ActionRunner(
             *(node, executor, timers, recipe.functions, alarms, permissions),
+            frozenset(catalog.components()),
             self._processes.restart_if_stuck,
         )
         self._runs = runs = Runs(self._runner.run, loop.ended, firings)
@@ -156,9 +158,10 @@ class Monitor:
             graph.view,
             recording.save if recording else None,
         )
-        self._services = Services(node, main, self._worker, tables, sources)
+        gatekeeper = Gatekeeper(node)
+        self._services = Services(node, main, gatekeeper, self._worker, tables, sources)
         if recording:
-            recording.start(node, executor, store)
+            recording.start(node, executor, store, gatekeeper)
 
         def look_at_probation() -> None:
             if active.overdue:

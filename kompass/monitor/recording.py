@@ -7,6 +7,7 @@ from typing import Any, Protocol
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from kompass.access.gatekeeper import Gatekeeper
 from kompass.rulebook.schema.journal import FiringRecord
 from kompass.store import RuleStore
 
@@ -35,13 +36,17 @@ class FlightRecording(Protocol):
     def event_log(self) -> EventLog | None:
         """Takes what the engine takes; None when nothing is recorded."""
 
-    def start(self, node: Node, executor: Executor, store: RuleStore | None) -> None:
+    def start(
+        self, node: Node, executor: Executor, store: RuleStore | None, gatekeeper: Gatekeeper
+    ) -> None:
         """Offer ``~/backtest_rules``; called once, on the executor's thread.
 
         Parameters
         ----------
         store
             Where the journal learns which recording belongs to a firing.
+        gatekeeper
+            Lets requests in.
         """
 
     def fired(self, entry: FiringRecord) -> None:

@@ -21,6 +21,7 @@ from kompass_interfaces.srv import (
 )
 from rclpy.node import Node
 
+from kompass.access.gatekeeper import Gatekeeper, NotAdmitted
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import ChangeAnswer, Who
 from kompass.monitor.worker_thread import WorkerThread
@@ -78,6 +79,8 @@ class Services:
     ----------
     node, main
         Offers them, and its executor's thread.
+    gatekeeper
+        Lets requests in.
     worker
         Answers what looks at the rules or changes them.
     tables
@@ -90,13 +93,15 @@ class Services:
         self,
         node: Node,
         main: MainThread,
+        gatekeeper: Gatekeeper,
         worker: WorkerThread,
         tables: TableManager,
         sources: Sources,
     ) -> None:
+        self._gatekeeper = gatekeeper
         self._tables, self._sources = tables, sources
         self._lookups = WorkerThread("lookups", node.get_logger())
-        offers: list[tuple[Any, str, Callable[[Any, Any], Any], WorkerThread]] = [
+        offers: list[tuple[Any, str, Callable[..., Any], WorkerThread]] = [
             (GetRules, "get_rules", self._get, worker),
             (CheckRules, "check_rules", self._check, worker),
             (ApplyRules, "apply_rules", self._apply, worker),
@@ -111,12 +116,41 @@ class Services:
         ]
         for kind, name, answer, by in offers:
             failed = partial(_changed_nothing, tables) if _has_outcome(kind) else _failed
-            deferred = answered_by_worker(main, by, answer)
-            create_deferred_service(node, kind, f"{node.get_name()}/{name}", deferred, failed)
+            service = f"{node.get_name()}/{name}"
+            deferred = answered_by_worker(main, by, self._for_admitted(service, kind, answer))
+            create_deferred_service(node, kind, service, deferred, failed)
 
     def close(self) -> None:
         """Look nothing up any more; what is under way ends first."""
         self._lookups.close()
+
+    def _for_admitted(
+        self, service: str, kind: Any, answer: Callable[..., Any]
+    ) -> Callable[[Any, Any], Any]:
+        """Answer whom the gatekeeper lets in, and tell the others why not.
+
+        What changes the rules is told who asks, too.
+        """
+        changes_rules = hasattr(kind.Request, "author")
+        changes = changes_rules or kind is SaveRecording
+
+        def respond(request: Any, response: Any) -> Any:
+            author = request.author if changes_rules else ""
+            try:
+                verified = self._gatekeeper.admit(service, request, changes=changes, who=author)
+            except NotAdmitted as error:
+                if _has_outcome(kind):
+                    response.outcome = ApplyRules.Request.REFUSED
+                    response.revision = self._tables.in_force.revision
+                else:
+                    response.success = False
+                response.message = str(error)
+                return response
+            if changes_rules:
+                return answer(request, response, Who(author, request.role, verified))
+            return answer(request, response)
+
+        return respond
 
     def _get(self, request: Any, response: Any) -> Any:
         return _answered(response, self._tables.queries.view(request.revision))
@@ -128,10 +162,10 @@ class Services:
         response.message = "" if report.ok else f"{errors} errors; nothing was changed"
         return response
 
-    def _apply(self, request: Any, response: Any) -> Any:
+    def _apply(self, request: Any, response: Any, who: Who) -> Any:
         answer = self._tables.apply(
             request.table,
-            Who(request.author, request.role),
+            who,
             expected=request.expected_revision,
             reason=request.reason,
             probation=request.probation,
@@ -140,23 +174,23 @@ class Services:
         )
         return _outcome(response, answer)
 
-    def _confirm(self, request: Any, response: Any) -> Any:
-        answer = self._tables.confirm(request.revision, Who(request.author, request.role))
+    def _confirm(self, request: Any, response: Any, who: Who) -> Any:
+        answer = self._tables.confirm(request.revision, who)
         response.success, response.message = answer.ok, answer.message
         return response
 
-    def _rollback(self, request: Any, response: Any) -> Any:
+    def _rollback(self, request: Any, response: Any, who: Who) -> Any:
         answer = self._tables.rollback(
             request.revision,
-            Who(request.author, request.role),
+            who,
             expected=request.expected_revision,
             reason=request.reason,
             cancel_running=request.cancel_running,
         )
         return _outcome(response, answer)
 
-    def _reset(self, request: Any, response: Any) -> Any:
-        answer = self._tables.reset(request.rule_id, Who(request.author, request.role))
+    def _reset(self, request: Any, response: Any, who: Who) -> Any:
+        answer = self._tables.reset(request.rule_id, who)
         response.success, response.message = answer.ok, answer.message
         return response
 

@@ -59,7 +59,13 @@ def create_deferred_service(
             return failed(kind.Response(), error)
 
     service = node.create_service(kind, name, respond)
-    send = service.send_response
+    defer_answers(node, service)
+    return service
+
+
+def defer_answers(node: Node, service: Any) -> None:
+    """Let what answers a service be a coroutine function, as in `create_deferred_service`."""
+    name, send = service.srv_name, service.send_response
 
     def send_response(response: Any, header: Any) -> None:
         if not isinstance(response, Awaitable):
@@ -75,7 +81,6 @@ def create_deferred_service(
         node.executor.create_task(send_when_ready)
 
     service.send_response = send_response
-    return service
 
 
 def answered_by_worker(

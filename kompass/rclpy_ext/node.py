@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import weakref
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
@@ -53,6 +54,20 @@ def lifecycle_state(node: LifecycleNode) -> str:
 def lifecycle_state_id(node: LifecycleNode) -> int:
     """Number of that state, as ``lifecycle_msgs/msg/State`` has it; rclpy has no name for it."""
     return int(node._state_machine.current_state[0])
+
+
+def guard_change_state(
+    node: LifecycleNode, guard: Callable[[Callable[[Any, Any], Any]], Callable[[Any, Any], Any]]
+) -> None:
+    """Put something in front of the service ``~/change_state``, which rclpy makes by itself.
+
+    Parameters
+    ----------
+    guard
+        Takes what answers the service, and returns what is to answer it.
+    """
+    service = node._service_change_state
+    service.callback = guard(service.callback)
 
 
 class PlainNode(NoEventCallbacks, Node):  # type: ignore[misc]  # rclpy has no types

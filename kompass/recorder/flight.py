@@ -11,6 +11,7 @@ from typing import Any
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from kompass.access.gatekeeper import Gatekeeper
 from kompass.recorder.clip_policy import KEEP, ClipPolicy
 from kompass.recorder.event_log import RecorderEventLog
 from kompass.recorder.places import saved_path
@@ -47,10 +48,10 @@ class FlightRecorder:
         self._store: Any = None
         self._server: BacktestServer | None = None
 
-    def start(self, node: Node, executor: Executor, store: Any) -> None:
+    def start(self, node: Node, executor: Executor, store: Any, gatekeeper: Gatekeeper) -> None:
         """Offer ``~/backtest_rules``."""
         self._store = store
-        self._server = BacktestServer(node, executor, self._recordings)
+        self._server = BacktestServer(node, executor, self._recordings, gatekeeper)
 
     def fired(self, entry: FiringRecord) -> None:
         """Have what surrounds a firing kept, if it is severe enough."""

@@ -8,8 +8,8 @@ EXIT_CODES = """
 Exit codes: 0 done, 1 there is no stack or the robot refused, 2 something in the command or the file
 is wrong, 4 somebody else was faster (both changes are shown).
 
-Whoever is on the robot's ROS network acts with the role of an engineer. What the recipe protects
-stays protected.
+Whoever has the robot's key acts with the role of an engineer: the user who runs the robot, on its
+machine, and others with --robot-key. What the recipe protects stays protected.
 """
 
 app = typer.Typer(

@@ -5,19 +5,20 @@ from __future__ import annotations
 import getpass
 import inspect
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from kompass_console.cli_error import CliError
-from kompass_console.domain import Network, choose_domain
+from kompass_console.domain import Network, RobotKey, choose_domain, choose_key
 
 # Models and ROS are imported when a command runs: help answers at once.
 if TYPE_CHECKING:
     from kompass.rules.schema.model import Model
     from kompass_console.rules_cli.connection import MonitorConnection
 
-ROLE = "engineer"  # whoever has the network of the robot is one
+ROLE = "engineer"  # whoever has the robot's key is one
 DomainId = Annotated[
     int | None, typer.Option(min=0, max=232, help="ROS domain; else ROS_DOMAIN_ID, else 0.")
 ]
@@ -47,6 +48,7 @@ class RobotOptions(NamedTuple):
 
     domain_id: int | None
     network: str | None
+    robot_key: Path | None
     namespace: str | None
     timeout: float
     json: bool
@@ -60,6 +62,7 @@ class RobotOptions(NamedTuple):
             When there is none.
         """
         choose_domain(self.domain_id, self.network)
+        choose_key(self.robot_key)
         from kompass_console.rules_cli.connection import MonitorConnection
 
         return MonitorConnection(self.namespace, self.timeout)
@@ -99,6 +102,7 @@ def _option(name: str, annotation: Any, default: Any) -> inspect.Parameter:
 _COMMON = (
     _option("domain_id", DomainId, None),
     _option("network", Network, None),
+    _option("robot_key", RobotKey, None),
     _option("namespace", Namespace, None),
     _option("timeout", Timeout, 10.0),
     _option("json", Json, False),

@@ -14,9 +14,12 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.components import Component
+from kompass.rclpy_ext.reply import Reply
 from tests.support.described import described_robot
 from tests.support.domains import give_back, next_domain
+from tests.support.patience import patient
 from tests.support.processes import wait_until
+from tests.support.signed import SignedCalls
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -43,6 +46,7 @@ class Alive:
             if not component.lacks_robot:
                 node.trigger_activate()
         self.node = rclpy.create_node("tester", context=self.client_context)
+        self._calls = SignedCalls(self.node)
         self.statuses: list[ComponentStatus] = []
         self.node.create_subscription(
             ComponentStatus, f"{component.node_name}/status", self.statuses.append, LATCHED
@@ -73,17 +77,17 @@ class Alive:
         give_back(self._domain)
 
     def call(self, kind: type, name: str, request: Any, timeout: float = 10.0) -> Any:
-        """Call a service of the component."""
-        done = self.begin(kind, name, request)
-        wait_until(lambda: done() is not None, timeout, f"answer of {name}")
-        return done()
+        """Call a service of the component; signed, if the service changes something."""
+        return self._begin(kind, name, request, timeout).wait()
 
     def begin(self, kind: type, name: str, request: Any) -> Callable[[], Any]:
         """Call a service; the returned function gives the answer once it is there."""
-        client = self.node.create_client(kind, f"{self.component.node_name}/{name}")
-        wait_until(client.service_is_ready, 10, f"service {name}")
-        future = client.call_async(request)
-        return lambda: future.result() if future.done() else None
+        reply = self._begin(kind, name, request, 60.0)
+        return lambda: reply.result() if reply.done() else None
+
+    def _begin(self, kind: type, name: str, request: Any, timeout: float) -> Reply[Any]:
+        full = f"/{self.component.node_name}/{name}"
+        return self._calls.begin(kind, full, request, patient(timeout))
 
     def execute(self, name: str, timeout: float = 10.0, **kwargs: Any) -> Any:
         """Call a component action, as rules do."""

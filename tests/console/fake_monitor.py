@@ -21,6 +21,7 @@ from rclpy.executors import Executor, MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from kompass.access.gatekeeper import Gatekeeper
 from kompass.backtest.report import BacktestReport
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.monitor import Monitor
@@ -148,7 +149,9 @@ class NoFiles:
     def __init__(self) -> None:
         self._backtests = Backtests()
 
-    def start(self, node: Node, executor: Executor, store: RuleStore | None) -> None:
+    def start(
+        self, node: Node, executor: Executor, store: RuleStore | None, gatekeeper: Gatekeeper
+    ) -> None:
         """Back-tests are offered already."""
 
     def fired(self, entry: FiringRecord) -> None:

@@ -37,6 +37,8 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float32
 from tf2_msgs.msg import TFMessage
 
+from kompass.access.gatekeeper import Gatekeeper, NotAdmitted
+
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -122,10 +124,12 @@ class FakeStack:
         node.create_timer(0.2, self.report, callback_group=group)
         if drive:
             self.drive = node.create_publisher(DriveState, "/drive_state", LATCHED)
+            self.gate = rclpy.create_node("drive_manager")
+            self.gatekeeper = Gatekeeper(self.gate)
             node.create_service(StopRobot, "/drive_manager/stop", self.stop)
             node.create_service(ReleaseStop, "/drive_manager/release_stop", self.release)
         else:
-            self.drive = None
+            self.drive = self.gate = None
         if planner:
             node.create_service(
                 CheckGoal, "/planner/check_goal", self.check_goal, callback_group=group
@@ -239,7 +243,12 @@ class FakeStack:
         response.success, response.message = True, "stopped"
         return response
 
-    def release(self, _: ReleaseStop.Request, response: ReleaseStop.Response) -> object:
+    def release(self, request: ReleaseStop.Request, response: ReleaseStop.Response) -> object:
+        try:
+            self.gatekeeper.admit("drive_manager/release_stop", request)
+        except NotAdmitted as error:
+            response.message = str(error)
+            return response
         self.stopped.clear()
         self.stopped_by, self.reason = "", ""
         self.say_drive()
@@ -332,6 +341,8 @@ def main() -> None:
     stack = FakeStack(**vars(parser.parse_args()))
     executor = MultiThreadedExecutor(16)  # more than checks that wait at once
     executor.add_node(stack.node)
+    if stack.gate is not None:
+        executor.add_node(stack.gate)
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stack.ending.set())
     spinning = threading.Thread(target=executor.spin)

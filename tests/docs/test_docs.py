@@ -44,6 +44,8 @@ NOT_RUN = {
     "ros2": "comes with a ROS installation, which tests do not have",
     "source": "reads the set-up of a ROS installation, which tests do not have",
     "git": "changes the checkout",
+    "scp": "reads the key of a robot that is not there",
+    "chmod": "changes a file that is not there",
     "tar": "reads the data of a robot that is not there",
     "sqlite3": "reads the data of a robot that is not there",
     "npm": "is run by scripts/setup and scripts/check themselves",

@@ -61,6 +61,7 @@ class Robot:
         self.runner = ActionRunner(
             *(node, spinning.executor, Timers(node), {}, Alarms(node)),
             permissions=Permissions({}, Table()),
+            components=(),
             restart_if_stuck=lambda component: False,
         )
 

@@ -61,10 +61,10 @@ def recipe(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @contextlib.contextmanager
-def robot_on(host: Host, recipe: Path, *options: str) -> Iterator[Stack]:
+def robot_on(host: Host, recipe: Path, *options: str, **environment: str) -> Iterator[Stack]:
     """A stack on a host, ready."""
     command = ("run", str(recipe), "--no-browser", "--port", "0", *options)
-    stack = Stack(*command, through=host.enter)
+    stack = Stack(*command, domain=None, through=host.enter, **environment)
     try:
         stack.wait_for_line("all components active", 20)
         yield stack
@@ -72,17 +72,24 @@ def robot_on(host: Host, recipe: Path, *options: str) -> Iterator[Stack]:
         stack.close()
 
 
-class Looking:
-    """``kompass-console rules show`` on a host, under way."""
+class Asking:
+    """``kompass-console rules show``, or another command of these, on a host, under way."""
 
-    def __init__(self, host: Host, domain: int, *options: str) -> None:
-        command = [str(Path(sys.executable).with_name("kompass-console")), "rules", "show"]
+    def __init__(
+        self,
+        host: Host,
+        domain: int,
+        *options: str,
+        command: tuple[str, ...] = ("show",),
+        **environment: str,
+    ) -> None:
+        program = str(Path(sys.executable).with_name("kompass-console"))
         self._process = subprocess.Popen(
-            [*host.enter, *command, "--domain-id", str(domain), *options],
+            [*host.enter, program, "rules", *command, "--domain-id", str(domain), *options],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
-            env=dict(os.environ),
+            env={**os.environ, **environment},
         )
 
     def result(self) -> tuple[int, str]:
@@ -93,7 +100,7 @@ class Looking:
 
 def look(host: Host, domain: int, *ways: tuple[str, ...]) -> list[tuple[int, str]]:
     """Look for the robot in several ways at a time."""
-    under_way = [Looking(host, domain, *options) for options in ways]
+    under_way = [Asking(host, domain, *options) for options in ways]
     return [each.result() for each in under_way]
 
 
@@ -110,7 +117,7 @@ def test_unless_it_is_asked_for_nobody_meets_the_robot_over_the_network(
     home, neighbour = hosts
     with robot_on(home, recipe) as robot:
         assert "on this machine only (--network local)" in robot.output
-        on_its_machine = Looking(home, robot.domain)
+        on_its_machine = Asking(home, robot.domain)
         attached = attach(neighbour, robot.domain)
         seen = look(
             neighbour, robot.domain, (), ("--network", "subnet"), ("--network", home.address)
@@ -158,6 +165,33 @@ def test_a_robot_with_peers_calls_these_alone_and_answers_whoever_calls_it(
         )
     # A list of peers is no lock: docs/security.md says so.
     assert [finds(each) for each in seen] == [False, False, True]
+
+
+def test_who_is_on_the_network_needs_the_key_to_change_the_robot(
+    hosts: tuple[Host, Host], recipe: Path, tmp_path: Path
+) -> None:
+    home, neighbour = hosts
+    without = {"KOMPASS_ROBOT_KEY": "", "KOMPASS_DATA_DIR": str(tmp_path / "none")}
+    with robot_on(home, recipe, "--network", "subnet", KOMPASS_ROBOT_KEY="") as robot:
+        [key] = robot.data_dir.glob("*/robot.key")
+        domain, reach = robot.domain, ["--network", "subnet"]
+        change = ("disable", "dark", "--yes")
+        code, said = Asking(neighbour, domain, *reach, command=change, **without).result()
+        assert code == 1, said
+        assert "it is not signed" in said
+        assert "--robot-key" in said
+        # What scp would do.
+        brought = tmp_path / "desk-lamp.key"
+        brought.touch(0o600)
+        brought.write_text(key.read_text())
+        reach += ["--robot-key", str(brought)]
+        code, said = Asking(neighbour, domain, *reach, command=change, **without).result()
+        assert code == 0, said
+        # At home it is found.
+        here = {"KOMPASS_ROBOT_KEY": "", "KOMPASS_DATA_DIR": str(robot.data_dir)}
+        back = ("enable", "dark", "--yes")
+        code, said = Asking(home, domain, command=back, **here).result()
+        assert code == 0, said
 
 
 def attach(host: Host, domain: int, *options: str) -> Stack:

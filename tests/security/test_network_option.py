@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from kompass.access.ros_control import ROS_CONTROL, ros_control
 from kompass.rclpy_ext.middleware import LOOPBACK, PEERS, PROFILES, RANGE
 from kompass_console.cli_error import CliError
-from kompass_console.domain import LOCALHOST_ONLY, choose_domain
+from kompass_console.domain import LOCALHOST_ONLY, choose_domain, choose_ros_control
 
 
 @pytest.fixture(autouse=True)
@@ -65,6 +66,26 @@ def test_the_option_comes_before_the_environment(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv(PEERS, "198.51.100.7")
     assert "on this machine only" in choose_domain(None, "local")
     assert PEERS not in os.environ
+
+
+@pytest.mark.parametrize(
+    ("given", "environment", "mode", "said"),
+    [
+        (None, "", "read", ""),
+        ("read", "full", "read", ""),
+        ("full", "", "full", "whoever is met there may change everything (--ros-control full)"),
+        (None, "full", "full", "may change everything"),
+        ("off", "", "off", "is not even answered (--ros-control off)"),
+    ],
+)
+def test_what_may_be_done_without_the_key_is_what_was_asked_for_and_said_at_the_start(
+    monkeypatch: pytest.MonkeyPatch, given: str | None, environment: str, mode: str, said: str
+) -> None:
+    monkeypatch.setenv(ROS_CONTROL, environment)
+    words = choose_ros_control(given)
+    assert ros_control() == mode
+    assert said in words
+    assert bool(words) == bool(said)
 
 
 def test_a_profile_of_the_users_own_is_not_overruled_in_silence(

@@ -27,7 +27,7 @@ def usual_umask() -> Iterator[None]:
 @pytest.mark.usefixtures("usual_umask")
 def test_every_file_and_folder_of_a_run_is_its_owners_alone(tmp_path: Path) -> None:
     folder = tmp_path / "not" / "there" / "yet"
-    stack = Stack.simulated(KOMPASS_DATA_DIR=str(folder))
+    stack = Stack.simulated(KOMPASS_DATA_DIR=str(folder), KOMPASS_ROBOT_KEY="")
     try:
         client = httpx.Client(base_url=stack.url, headers={"Origin": stack.url}, timeout=15.0)
         with client:
@@ -53,6 +53,7 @@ def test_every_file_and_folder_of_a_run_is_its_owners_alone(tmp_path: Path) -> N
     assert [deeds[0], *deeds[-3:]] == ["log in", "save recording", "apply rules", "stop"]
     for found in (while_it_runs, modes(folder)):
         names = {Path(name).name for name in found}
+        assert "robot.key" in names
         assert {"rules.db", "journal.db", "kept.mcap", "ring", "end.json", "audit.lock"} <= names
         for name, mode in found.items():
             assert mode in (0o40700, 0o100600), f"{name} is {oct(mode)}"

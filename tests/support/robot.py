@@ -17,7 +17,9 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import UInt32
 
+from tests.support.patience import patient
 from tests.support.processes import wait_until
+from tests.support.signed import SignedCalls
 
 T = TypeVar("T")
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -30,6 +32,7 @@ class Robot:
         self.context = rclpy.Context()
         rclpy.init(args=[], context=self.context, domain_id=domain)
         self.node = rclpy.create_node("independent_tester", context=self.context)
+        self._calls = SignedCalls(self.node)
         self.newest: dict[str, Any] = {}
         self.subscribe(Odometry, "/simulator/ground_truth")
         self.subscribe(UInt32, "/simulator/contacts")
@@ -77,7 +80,11 @@ class Robot:
         return future.result()
 
     def call(self, kind: type, name: str, request: Any, timeout: float = 5.0) -> Any:
-        """Call a service."""
+        """Call a service; signed, as the console does it, if the service changes something."""
+        return self._calls.begin(kind, name, request, patient(timeout)).wait()
+
+    def call_unsigned(self, kind: type, name: str, request: Any, timeout: float = 5.0) -> Any:
+        """Call a service as who has no key of the robot."""
         client = self.node.create_client(kind, name)
         try:
             wait_until(client.service_is_ready, 10, f"service {name}")

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tests.support.domains import give_back, next_domain
+from tests.support.keys import give_key
 from tests.support.patience import patient
 from tests.support.processes import end_with_parent, wait_until
 
@@ -34,6 +35,7 @@ class Stack:
         through: Sequence[str] = (),
         **environment: str,
     ) -> None:
+        give_key()
         self._own_domain = domain is None
         self.domain = next_domain(stack=True) if domain is None else domain
         self._data = tempfile.TemporaryDirectory(prefix="kompass-data-")

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.task import Future
 
+from kompass.access.gatekeeper import Gatekeeper
 from kompass.arguments import named_arguments
 from kompass.components.base.actions import (
     ActionRefused,
@@ -485,10 +486,11 @@ class Component:
         self._node = ComponentNode(self.node_name, self, namespace)
         self._node.set_log_levels(self.config.log_level, self.config.rclpy_log_level)
         self._status = StatusPublisher(self._node, self.config.status_rate)
+        self._gatekeeper = Gatekeeper(self._node)
         self.init_variables()
         self.create_interfaces()
         self._offer_main_interfaces()
-        ComponentServices(self)
+        ComponentServices(self, self._gatekeeper)
         return self._node
 
     def _offer_main_interfaces(self) -> None:

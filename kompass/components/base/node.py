@@ -1,12 +1,15 @@
 """The lifecycle node behind a component. It only carries transitions over to the component."""
 
-from typing import Protocol
+from collections.abc import Callable
+from typing import Any, Protocol
 
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.logging import set_logger_level
 
-from kompass.rclpy_ext.node import NoEventCallbacks, lifecycle_state
+from kompass.rclpy_ext.node import NoEventCallbacks, guard_change_state, lifecycle_state
+
+ChangeState = Callable[[Any, Any], Any]
 
 
 class Transitions(Protocol):
@@ -36,6 +39,16 @@ class ComponentNode(NoEventCallbacks, LifecycleNode):  # type: ignore[misc]  # r
     def state(self) -> str:
         """Label of the lifecycle's state: unconfigured, inactive, active, finalized, …"""
         return lifecycle_state(self)
+
+    def guard_transitions(self, guard: Callable[[ChangeState], ChangeState]) -> None:
+        """Put something in front of the service for transitions.
+
+        Parameters
+        ----------
+        guard
+            Takes what answers the service, and returns what is to answer it.
+        """
+        guard_change_state(self, guard)
 
     def _carry(self, transition: str) -> TransitionCallbackReturn:
         try:

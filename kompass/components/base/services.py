@@ -10,11 +10,13 @@ from automatika_ros_sugar.srv import (
     ExecuteMethod,
     ReplaceTopic,
 )
+from lifecycle_msgs.srv import ChangeState
 
+from kompass.access.gatekeeper import Gatekeeper
+from kompass.access.signed_services import SignedServices
 from kompass.components.base.component_config import ComponentConfig
 from kompass.components.base.health import Health
 from kompass.components.base.parameter import read_values
-from kompass.rclpy_ext.deferred_service import create_deferred_service
 from kompass.rclpy_ext.topic import Topic
 
 
@@ -42,17 +44,20 @@ class ComponentServices:
     Every answer comes: what goes wrong is told in ``error_msg``, and nothing has changed then.
     """
 
-    def __init__(self, component: Served) -> None:
+    def __init__(self, component: Served, gatekeeper: Gatekeeper) -> None:
         self._component = component
-        node, name = component.node, component.node_name
-        for kind, suffix, callback in (
+        services = SignedServices(component.node, gatekeeper)
+        for kind, suffix, answer in (
             (ChangeParameter, "update_config_parameter", self._on_parameter),
             (ChangeParameters, "update_config_parameters", self._on_parameters),
             (ConfigureFromFile, "configure_from_file", self._on_file),
             (ReplaceTopic, "change_topic", self._on_topic),
+            (ExecuteMethod, "execute_method", self._on_execute),
         ):
-            node.create_service(kind, f"{name}/{suffix}", callback)
-        create_deferred_service(node, ExecuteMethod, f"{name}/execute_method", self._on_execute)
+            services.offer(kind, suffix, answer, _refused)
+        component.node.guard_transitions(
+            lambda answer: services.guard(ChangeState, "change_state", answer, _not_changed)
+        )
 
     def _on_parameter(
         self, request: ChangeParameter.Request, response: ChangeParameter.Response
@@ -156,3 +161,19 @@ class ComponentServices:
     def _did_not_succeed(self, name: str, problem: str) -> str:
         text = f"{self._component.node_name}.{name} did not succeed"
         return f"{text}: {problem}" if problem else text
+
+
+def _refused(request: Any, response: Any, why: str) -> Any:
+    if isinstance(response, ChangeParameters.Response):
+        count = max(len(request.names), 1)
+        response.success, response.error_msg = [False] * count, [why] * count
+    else:
+        response.success, response.error_msg = False, why
+    return response
+
+
+def _not_changed(
+    _request: ChangeState.Request, response: ChangeState.Response, _why: str
+) -> ChangeState.Response:
+    response.success = False  # there is no room for words; they are in the log
+    return response

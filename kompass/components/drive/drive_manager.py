@@ -16,6 +16,7 @@ from rclpy.duration import Duration
 from rclpy.task import Future
 from std_msgs.msg import Bool
 
+from kompass.access.gatekeeper import NotAdmitted
 from kompass.algorithms.mapping.scan_points import scan_to_points
 from kompass.algorithms.safety.standstill import Standstill
 from kompass.algorithms.transforms import TransformError
@@ -42,6 +43,7 @@ from kompass.store.paths import robot_folder
 
 EMERGENCY_PERIOD = 0.5  # s between repetitions of an unchanged emergency flag
 STATE_PERIOD = 0.2  # s
+RELEASE_STOP = "release_stop"  # name of the service
 SHARE_OF_TOP_SPEED = 0.5
 MARGIN = 0.03  # m to stay outside the critical zone, so that the way out does not end in it
 USEFUL = 0.05  # m; a shorter way frees nothing
@@ -147,7 +149,7 @@ class DriveManager(Component):
         name = self.node_name
         self.node.create_service(StopRobot, f"{name}/stop", self._on_stop)
         create_deferred_service(
-            self.node, ReleaseStop, f"{name}/release_stop", self._on_release, _not_released
+            self.node, ReleaseStop, f"{name}/{RELEASE_STOP}", self._on_release, _not_released
         )
         self._restore_stop()
 
@@ -205,6 +207,12 @@ class DriveManager(Component):
         self, request: ReleaseStop.Request, response: ReleaseStop.Response
     ) -> ReleaseStop.Response:
         operator = printable(request.operator_name, LONGEST_NAME) or "somebody"
+        service = f"{self.node_name}/{RELEASE_STOP}"
+        try:
+            verified = self._gatekeeper.admit(service, request, who=operator)
+        except NotAdmitted as error:
+            response.message = str(error)
+            return response
         presses = self._latch.presses
         problem = await self._keep_release()
         if self._latch.presses != presses:
@@ -220,7 +228,8 @@ class DriveManager(Component):
         self._queue.clear()
         self._latch.release()
         self._publish_state(time.monotonic(), "", 1.0)
-        self.node.get_logger().warning(f"STOP released by {operator}")
+        by = operator if verified else f"{operator} (unverified)"
+        self.node.get_logger().warning(f"STOP released by {by}")
         return response
 
     def _restore_stop(self) -> None:

@@ -5,17 +5,28 @@ from __future__ import annotations
 import json
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal as CancelGoalService
-from automatika_ros_sugar.srv import ChangeParameters, ConfigureFromFile, ExecuteMethod
+from automatika_ros_sugar.srv import (
+    ChangeParameter,
+    ChangeParameters,
+    ConfigureFromFile,
+    ExecuteMethod,
+    ReplaceTopic,
+)
+from kompass_interfaces.srv import SignedCall
+from lifecycle_msgs.srv import ChangeState
 from rclpy.action import ActionClient
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from kompass.access.gatekeeper import STALE
+from kompass.access.signed_services import SIGNED_CALL, unwrap, wrap
+from kompass.access.signer import Signer
 from kompass.monitor.execution.service_refusal import refusal
 from kompass.monitor.recipe_call import RecipeCall
 from kompass.monitor.reporting.alarms import Alarms
@@ -32,10 +43,16 @@ from kompass.rulebook.permissions import Permissions, rights_text
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema import actions as kinds
 from kompass.rules.schema.arguments import expand, resolve
+from kompass.signing.canonical import PROOF
+from kompass.store.robot_key import robot_key
 
 SEARCH = 2.0  # s in which a service or an action server must show up
 LET_IN = 0.001  # s for which a function may keep the engine waiting until it has begun
 PARSING = 10.0  # s in which a parser must have made its argument
+# What changes a component, in types that have no place for a proof.
+_UNSIGNABLE = frozenset(
+    {ChangeParameter, ChangeParameters, ConfigureFromFile, ExecuteMethod, ReplaceTopic, ChangeState}
+)
 THREADS = 64  # functions of the recipe at a time, in each lane
 
 
@@ -65,6 +82,8 @@ class ActionRunner:
         Where alarms are raised and cleared.
     permissions
         What rules may touch.
+    components
+        Of the stack, by node name: they take requests for changes from us where we sign them.
     restart_if_stuck
         Has the process of a component started anew if it hangs, and returns whether it does.
     """
@@ -77,6 +96,7 @@ class ActionRunner:
         functions: Mapping[str, Callable[..., Any] | Parsed | FallbackSequence],
         alarms: Alarms,
         permissions: Permissions,
+        components: Collection[str],
         restart_if_stuck: Callable[[str], bool],
     ) -> None:
         self._node = node
@@ -88,6 +108,9 @@ class ActionRunner:
         self._reached: set[Future[Any]] = set()
         self._restart_if_stuck = restart_if_stuck
         self._clients: dict[tuple[type, str], Any] = {}
+        whole = [node.resolve_service_name(f"{name}/{SIGNED_CALL}") for name in components]
+        self._own = {name.rpartition("/")[0] for name in whole}
+        self._signers: dict[str, Signer] = {}
         self._actions: dict[tuple[type, str], ActionClient] = {}
         # A slow function of one lane never holds up the other.
         self._threads = {
@@ -103,6 +126,8 @@ class ActionRunner:
             reached.set_exception(Failed("the monitor ends"))
         for client in self._actions.values():
             client.destroy()
+        for signer in self._signers.values():
+            signer.close()
 
     def reach(self, component: str, method: str, kwargs: Mapping[str, Any]) -> Future[Any]:
         """Call an action of a component where it runs; from any thread.
@@ -298,7 +323,33 @@ class ActionRunner:
                 )
         raise Failed(f"actions of kind '{action.kind}' cannot be carried out")
 
-    async def _call(self, kind: type, name: str, request: Any, timeout: float | None) -> Any:
+    async def _call(self, kind: Any, name: str, request: Any, timeout: float | None) -> Any:
+        """Call a service; signed, if it is one of our own stack that changes something."""
+        server, _, suffix = self._node.resolve_service_name(name).rpartition("/")
+        if kind in _UNSIGNABLE and server in self._own:
+            call, at = wrap(suffix, request), f"{server}/{SIGNED_CALL}"
+            return unwrap(await self._call_signed(SignedCall, at, call, timeout), kind)
+        if PROOF in request.get_fields_and_field_types():
+            return await self._call_signed(kind, f"{server}/{suffix}", request, timeout)
+        return await self._call_as_it_is(kind, name, request, timeout)
+
+    async def _call_signed(self, kind: Any, name: str, request: Any, timeout: float | None) -> Any:
+        server = name.rpartition("/")[0]
+        signer = self._signers.get(server)
+        if signer is None:
+            signer = self._signers[server] = Signer(self._node, server, [robot_key()])
+        search = SEARCH if timeout is None else min(SEARCH, timeout)
+        await self._awaitables.until(lambda: signer.is_ready, search, f"no service {name}")
+        before = signer.challenge
+        answer = await self._call_as_it_is(kind, name, signer.sign(name, request), timeout)
+        if answer.message == STALE:  # it was started anew, and we had not heard of it
+            await self._awaitables.until(lambda: signer.challenge != before, search, STALE)
+            answer = await self._call_as_it_is(kind, name, signer.sign(name, request), timeout)
+        return answer
+
+    async def _call_as_it_is(
+        self, kind: Any, name: str, request: Any, timeout: float | None
+    ) -> Any:
         client = self._clients.get((kind, name))
         if client is None:
             client = self._clients[(kind, name)] = self._node.create_client(kind, name)

@@ -211,7 +211,7 @@ class TableManager:
                     "applied", f"revision {revision} is confirmed already", revision
                 )
             try:
-                self._history.store.set_confirmed(revision, author=who.author, role=who.role)
+                self._history.store.set_confirmed(revision, author=who.name, role=who.role)
             except StoreError as error:
                 return self._fail(error)
             self._active.merge = None
@@ -230,7 +230,7 @@ class TableManager:
                 return self._refuse(problem)
             self._history.forget_use(rule_id)
             self._engine.swap(compile_table(now.table), now.revision, [rule_id], "")
-            self._announce(f"{who.author or who.role} has reset the rule '{rule_id}'")
+            self._announce(f"{who.name or who.role} has reset the rule '{rule_id}'")
             return ChangeAnswer("applied", f"'{rule_id}' starts afresh", now.revision)
 
     def has_recovered(self) -> bool:
@@ -296,7 +296,7 @@ class TableManager:
         now, table = self.in_force, self._validator.with_true_sources(table, who.role, known)
         errors = self._validator.errors(now, table, who.role)
         if problem := who.barred or sentence(errors):
-            self._history.note_refusal(who.author, who.role, origin, problem)
+            self._history.note_refusal(who.name, who.role, origin, problem)
             report = self._validator.report(now, table, errors, self._engine.running())
             return self._refuse(problem, report)
         compiled = compile_table(table)
@@ -308,7 +308,7 @@ class TableManager:
             # force is never unknown. The copy beside it is for a damaged disk, and can wait.
             made = store.append(
                 table,
-                author=who.author,
+                author=who.name,
                 role=who.role,
                 reason=reason,
                 origin=origin,
@@ -318,7 +318,7 @@ class TableManager:
             )
         except StoreError as error:
             return self._fail(error)
-        by = f"{who.author or who.role} put revision {made.number} in force"
+        by = f"{who.name or who.role} put revision {made.number} in force"
         swap = self._engine.swap(compiled, made.number, tuple(reset), by if cancel else "")
         if probation:
             self._active.try_out(table, made.number, probation)

@@ -8,6 +8,7 @@ from kompass.rules.schema.model import Model
 from kompass.rules.schema.table import Table
 
 ChangeOutcome = Literal["applied", "conflict", "refused", "failed"]
+UNVERIFIED = "(unverified)"
 MAX_TEXT = 1_000  # characters of a name or a reason
 
 
@@ -20,10 +21,18 @@ class Who(NamedTuple):
         Name, for the history.
     role
         ``viewer``, ``operator`` or ``engineer``.
+    verified
+        Whether the request was signed with the robot's key, so that the other two can be believed.
     """
 
     author: str
     role: str
+    verified: bool = True
+
+    @property
+    def name(self) -> str:
+        """The author as everybody is to read it, wherever it is kept or shown."""
+        return self.author if self.verified else f"{self.author or self.role} {UNVERIFIED}"
 
     @property
     def barred(self) -> str:

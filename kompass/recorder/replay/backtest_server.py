@@ -13,6 +13,7 @@ from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from kompass.access.gatekeeper import Gatekeeper, NotAdmitted
 from kompass.rclpy_ext.goal_expiry import expire_goals
 from kompass.recorder.replay.worker import Worker, WorkerFailed
 
@@ -27,15 +28,20 @@ class BacktestServer:
     ----------
     recordings
         Folder of all recordings; others are refused.
+    gatekeeper
+        Lets goals in.
     """
 
-    def __init__(self, node: Node, executor: Executor, recordings: Path) -> None:
-        self._executor, self._recordings = executor, recordings
+    def __init__(
+        self, node: Node, executor: Executor, recordings: Path, gatekeeper: Gatekeeper
+    ) -> None:
+        self._executor, self._recordings, self._gatekeeper = executor, recordings, gatekeeper
+        self._name = f"{node.get_name()}/backtest_rules"
         self._jobs: dict[bytes, _Job] = {}
         self._server = ActionServer(
             node,
             BacktestRules,
-            f"{node.get_name()}/backtest_rules",
+            self._name,
             # Awaiting would keep the events executor busy (rclpy 7.1.6), so a goal is executed
             # when it is done: see _Job.
             execute_callback=lambda handle: BacktestRules.Result(),
@@ -52,6 +58,10 @@ class BacktestServer:
 
     def _consider(self, goal: Any) -> GoalResponse:
         if len(self._jobs) >= AT_ONCE or len(goal.table) > LARGEST_TABLE:
+            return GoalResponse.REJECT
+        try:
+            self._gatekeeper.admit(self._name, goal, changes=False)
+        except NotAdmitted:  # told in the log; a rejection has no words
             return GoalResponse.REJECT
         sensible = math.isfinite(goal.seconds) and goal.seconds >= 0
         return GoalResponse.ACCEPT if sensible else GoalResponse.REJECT

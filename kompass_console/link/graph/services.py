@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from copy import copy
 from typing import Any
 
 from rclpy.node import Node
 
+from kompass.access.signer import Signer
 from kompass.rclpy_ext.reply import NoAnswer, Reply
+from kompass.signing.canonical import PROOF
+from kompass.store.robot_key import known_keys
 from kompass_console.link.graph.discovery import Graph, of_type
 
 
 class ServicePool:
     """Clients for every service of one type on the graph, kept connected so that a call is one
     message there and one back.
+
+    What has a field for a proof is signed, when we have the key of the robot.
 
     `refresh` runs on the link's thread; `call` on any. Nothing here waits for a lock that is
     held while something else is being done.
@@ -22,7 +29,9 @@ class ServicePool:
         self._node = node
         self._service_type = service_type
         self._type_name = type_name
+        self._signed = PROOF in service_type.Request.get_fields_and_field_types()
         self._clients: dict[str, Any] = {}
+        self._signers: dict[str, Signer] = {}
 
     @property
     def names(self) -> list[str]:
@@ -36,6 +45,7 @@ class ServicePool:
         for name in found:
             if name not in clients:
                 clients[name] = self._node.create_client(self._service_type, name)
+        self._fit_signers(clients if self._signed else [])
         self._clients = clients
         for client in gone:
             self._node.destroy_client(client)
@@ -53,5 +63,21 @@ class ServicePool:
         client = None if name is None else clients.get(name)
         if client is None or name is None:
             raise NoAnswer(f"no service of type {self._type_name} is there")
-        answer: Reply[Any] = Reply.of_service(client, name, request, timeout)
+        answer: Reply[Any]
+        if self._signed:
+            # Each server has challenges of its own, so each is sent a request of its own.
+            answer = self._signers[name].call(client, name, copy(request), timeout)
+        else:
+            answer = Reply.of_service(client, name, request, timeout)
         return await answer.answer()
+
+    def _fit_signers(self, names: Collection[str]) -> None:
+        """Hear the challenges of the nodes that offer these services, and of no others."""
+        signers = dict(self._signers)
+        gone = [signers.pop(name) for name in list(signers) if name not in names]
+        for name in names:
+            if name not in signers:
+                signers[name] = Signer(self._node, name.rpartition("/")[0], known_keys())
+        self._signers = signers
+        for signer in gone:
+            signer.close()

@@ -1,0 +1,102 @@
+"""Services whose types have no place for a proof: as they are, and through ``~/signed_call``."""
+
+from __future__ import annotations
+
+import array
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from kompass_interfaces.srv import SignedCall
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message, serialize_message
+
+from kompass.access.gatekeeper import Gatekeeper, NotAdmitted
+from kompass.rclpy_ext.deferred_service import create_deferred_service, defer_answers
+
+SIGNED_CALL = "signed_call"
+# Takes request and response; the response, or a coroutine of it.
+Answer = Callable[[Any, Any], Any]
+# Takes request, response and a sentence; the response that says it.
+Refuse = Callable[[Any, Any, str], Any]
+
+
+class SignedServices:
+    """Services of a node that change it, for who may; their types are those of other stacks.
+
+    Parameters
+    ----------
+    node
+        Offers them.
+    gatekeeper
+        Of that node.
+    """
+
+    def __init__(self, node: Node, gatekeeper: Gatekeeper) -> None:
+        self._node, self._gatekeeper = node, gatekeeper
+        self._offered: dict[str, tuple[Any, Answer]] = {}
+        self._name = f"{node.get_name()}/{SIGNED_CALL}"
+        create_deferred_service(node, SignedCall, self._name, self._on_signed, _failed)
+
+    def offer(self, kind: Any, suffix: str, answer: Answer, refuse: Refuse) -> None:
+        """Offer a service ``<node>/<suffix>``."""
+        name = f"{self._node.get_name()}/{suffix}"
+        guarded = self.guard(kind, suffix, answer, refuse)
+        defer_answers(self._node, self._node.create_service(kind, name, guarded))
+
+    def guard(self, kind: Any, suffix: str, answer: Answer, refuse: Refuse) -> Answer:
+        """Answer signed calls of a service; what is to answer the unsigned ones."""
+        self._offered[suffix] = (kind, answer)
+
+        def respond(request: Any, response: Any) -> Any:
+            try:
+                self._gatekeeper.admit_unsigned(f"{self._node.get_name()}/{suffix}")
+            except NotAdmitted as error:
+                return refuse(request, response, str(error))
+            return answer(request, response)
+
+        return respond
+
+    async def _on_signed(
+        self, request: SignedCall.Request, response: SignedCall.Response
+    ) -> SignedCall.Response:
+        try:
+            self._gatekeeper.admit(self._name, request)
+        except NotAdmitted as error:
+            response.message = str(error)
+            return response
+        offered = self._offered.get(request.service)
+        if offered is None:
+            known = ", ".join(self._offered)
+            response.message = f"service = {request.service!r}: there is none; known are {known}"
+            return response
+        kind, answer = offered
+        asked = deserialize_message(bytes(request.request), kind.Request)
+        answered = answer(asked, kind.Response())
+        if isinstance(answered, Awaitable):
+            answered = await answered
+        response.success = True
+        response.response = array.array("B", serialize_message(answered))
+        return response
+
+
+def wrap(suffix: str, request: Any) -> SignedCall.Request:
+    """A request to the service ``<node>/<suffix>``, to be signed and sent to ``~/signed_call``."""
+    return SignedCall.Request(service=suffix, request=array.array("B", serialize_message(request)))
+
+
+def unwrap(answer: SignedCall.Response, kind: Any) -> Any:
+    """The answer of the service itself.
+
+    Raises
+    ------
+    NotAdmitted
+        When it was not asked.
+    """
+    if not answer.success:
+        raise NotAdmitted(answer.message)
+    return deserialize_message(bytes(answer.response), kind.Response)
+
+
+def _failed(response: SignedCall.Response, error: Exception) -> SignedCall.Response:
+    response.message = f"{type(error).__name__}: {error}"
+    return response
