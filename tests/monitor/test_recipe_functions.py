@@ -53,6 +53,7 @@ class Carried:
             *(spinning.node, spinning.executor, Timers(spinning.node), made.functions),
             Alarms(spinning.node),
             permissions=Permissions({}, Table()),
+            components=(),
             restart_if_stuck=lambda component: False,
         )
 
@@ -248,6 +249,7 @@ def test_plain_and_parsed_functions_are_carried_out_as_fallbacks(spinning: Spinn
         *(spinning.node, spinning.executor, Timers(spinning.node), made.functions),
         Alarms(spinning.node),
         permissions=Permissions({}, Table()),
+        components=(),
         restart_if_stuck=lambda component: False,
     )
     for _ in range(3):
