@@ -232,7 +232,8 @@ def _walk(message: type[Any], path: tuple[str | int, ...]) -> Any:
     value: Any = message()
     for position, step in enumerate(path):
         if isinstance(step, int):
-            value = value[step] if isinstance(value, _ARRAYS) and len(value) > abs(step) else None
+            held = isinstance(value, _ARRAYS) and -len(value) <= step < len(value)
+            value = value[step] if held else None
             continue
         if value is None:
             continue
@@ -243,11 +244,12 @@ def _walk(message: type[Any], path: tuple[str | int, ...]) -> Any:
             remedy = f"did you mean '{close[0]}'?" if close else f"it has: {', '.join(known)}"
             raise AttributeError(f"{where} has no field '{step}'; {remedy}")
         value = getattr(value, step)
-    return value
+    # An item of a fixed array is a NumPy scalar, and a byte is `bytes` of length 1.
+    return _plain(value) if isinstance(value, np.generic | bytes) else value
 
 
 def _compare(field: MessageField, operator: str, value: Any) -> Expression:
-    literal = _plain(value)
+    literal = _literal(field._sample_, value)
     problem = _mismatch(field._sample_, operator, literal)
     if problem:
         raise TypeError(f"{field!r} {operator} {value!r}: {problem}")
@@ -256,9 +258,18 @@ def _compare(field: MessageField, operator: str, value: Any) -> Expression:
     return Expression(Compare(signal=signal_of(field), operator=operator, value=literal))  # type: ignore[arg-type]
 
 
+def _literal(sample: Any, value: Any) -> Any:
+    """What a field is compared with, as data: the constants of byte fields are `bytes`."""
+    if isinstance(value, bytes | bytearray) and isinstance(sample, _ARRAYS):
+        return tuple(value)
+    return _plain(value)
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
+    if isinstance(value, bytes | bytearray):
+        return value[0] if len(value) == 1 else tuple(value)
     if isinstance(value, (*_ARRAYS, set, frozenset)):
         return tuple(_plain(item) for item in value)
     return value

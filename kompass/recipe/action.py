@@ -12,8 +12,8 @@ from pydantic import PydanticSchemaGenerationError, PydanticUserError, TypeAdapt
 
 from kompass.components.base.actions import actions_of, signature_text
 from kompass.components.base.component import Component
-from kompass.expressions import MessageField, reference_of
-from kompass.rclpy_ext.messages import to_plain
+from kompass.expressions import MessageField
+from kompass.recipe.arguments import as_data
 from kompass.rules.schema.actions import Action as RuleAction
 from kompass.rules.schema.actions import Lifecycle, Method, Python
 
@@ -221,11 +221,7 @@ def argument(name: str, key: str, value: Any) -> Any:
     TypeError
         When it cannot be.
     """
-    if isinstance(value, MessageField):
-        return reference_of(value)
-    made = to_plain(value)
-    if isinstance(made, str) and made.startswith("$"):
-        return f"${made}"  # the text itself, and no reference
+    made = as_data(value)
     try:
         json.dumps(made)
     except (TypeError, ValueError):

@@ -8,9 +8,10 @@ from typing import Any
 from kompass.components.base.component import Component
 from kompass.components.base.parameter import with_values
 from kompass.expressions import MessageField, type_name
-from kompass.rclpy_ext.messages import copy_fields, to_plain
+from kompass.rclpy_ext.messages import copy_fields
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.action import METHOD_TIMEOUT, Action, argument
+from kompass.recipe.arguments import as_data
 from kompass.rules.schema.actions import (
     CallService,
     Lifecycle,
@@ -77,6 +78,8 @@ def reconfigure(*, component: Component, new_config: Any, keep_alive: bool = Fal
     name = _component("reconfigure", component)
     dump = getattr(new_config, "model_dump", None)
     config = dump(mode="json") if dump is not None else new_config
+    if not isinstance(config, str):
+        config = argument("reconfigure", "new_config", config)
     return Action.from_data(
         Reconfigure(component=name, config=config, keep_alive=keep_alive, timeout=30.0)
     )
@@ -156,10 +159,15 @@ def send_srv_request(*, srv_name: str, srv_type: type, srv_request_msg: Any = No
     ----------
     srv_request_msg
         The request; an empty one unless given.
+
+    Raises
+    ------
+    ValueError
+        When a field cannot hold the value that the request has.
     """
     return Action.from_data(
         CallService(
-            service=srv_name, type=type_name(srv_type), request=to_plain(srv_request_msg) or {}
+            service=srv_name, type=type_name(srv_type), request=as_data(srv_request_msg) or {}
         )
     )
 
@@ -186,13 +194,15 @@ def send_action_goal(
     ------
     TypeError
         When there is no name or no type.
+    ValueError
+        When a field cannot hold the value that the goal has.
     """
     name, kind = action_name or server_name, action_type or server_type
     if name is None or kind is None:
         raise TypeError("send_action_goal: action_name and action_type are needed")
     goal = action_request_msg if action_request_msg is not None else request_msg
     return Action.from_data(
-        SendGoal(action=name, type=type_name(kind), goal=to_plain(goal) or {}, timeout=None)
+        SendGoal(action=name, type=type_name(kind), goal=as_data(goal) or {}, timeout=None)
     )
 
 
@@ -261,12 +271,17 @@ def publish_message(
         How often [Hz]; once unless given.
     publish_period
         For how long [s]; for ever unless given.
+
+    Raises
+    ------
+    ValueError
+        When a field cannot hold the value that the message has.
     """
     return Action.from_data(
         Publish(
             topic=topic.name,
             type=type_name(topic.ros_msg_type),
-            message=to_plain(msg),
+            message=as_data(msg),
             rate=publish_rate or (1.0 if publish_period else None),
             period=publish_period,
             timeout=None,

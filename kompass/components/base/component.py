@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.task import Future
 
-from kompass.components.base.actions import ActionRefused, actions_of, check_call, component_action
+from kompass.components.base.actions import ActionRefused, actions_of, component_action, fitted_call
 from kompass.components.base.component_config import ComponentConfig, ComponentRunType
 from kompass.components.base.config_file import ConfiguredTopics, settings_of_file
 from kompass.components.base.fallbacks import Fallbacks, make_fallback
@@ -557,7 +557,7 @@ class Component:
                 f"{', '.join(self.available_actions)}"
             )
         method = getattr(self, name)
-        check_call(self.node_name, method, kwargs)
+        kwargs = fitted_call(self.node_name, method, kwargs)
         if spec.active and not self.is_active:
             raise ActionRefused(f"{self.node_name} is not active; start it before '{name}'")
         result = method(**kwargs)

@@ -12,6 +12,7 @@ from typing import Any
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal as CancelGoalService
 from automatika_ros_sugar.srv import ChangeParameters, ConfigureFromFile, ExecuteMethod
+from pydantic import JsonValue
 from rclpy.action import ActionClient
 from rclpy.executors import Executor
 from rclpy.node import Node
@@ -22,7 +23,7 @@ from kompass.monitor.reporting.entries import ActionOutcome
 from kompass.rclpy_ext.awaitables import Awaitables
 from kompass.rclpy_ext.executor import Cancelled
 from kompass.rclpy_ext.log import write_log
-from kompass.rclpy_ext.messages import fill, ros_class
+from kompass.rclpy_ext.messages import checked, fill, part_to_plain, ros_class
 from kompass.rclpy_ext.timers import Timers
 from kompass.recipe.fallbacks import FallbackSequence
 from kompass.recipe.table import Parsed
@@ -208,14 +209,14 @@ class ActionRunner:
                     return "it hung; its process is started anew"
                 return await self._method(action.component, action.action, {}, action.timeout)
             case kinds.UpdateParameters():
-                return await self._parameters(action, arguments(action.parameters))
+                return await self._parameters(action, _as_json(arguments(action.parameters)))
             case kinds.Reconfigure():
-                return await self._reconfigure(action)
+                config = action.config
+                given = config if isinstance(config, str) else _as_json(arguments(config))
+                return await self._reconfigure(action, given)
             case kinds.CallService():
                 given = made.get("srv_request_msg", made.get("request"))
-                request = given or fill(
-                    ros_class(action.type).Request(), expand(arguments(action.request))
-                )
+                request = _message(ros_class(action.type).Request, given, arguments(action.request))
                 answer = await self._call(
                     ros_class(action.type), action.service, request, action.timeout
                 )
@@ -224,7 +225,7 @@ class ActionRunner:
                 return _short(answer)
             case kinds.SendGoal():
                 given = made.get("action_request_msg", made.get("request_msg"))
-                goal = given or fill(ros_class(action.type).Goal(), expand(arguments(action.goal)))
+                goal = _message(ros_class(action.type).Goal, given, arguments(action.goal))
                 return await self._goal(action, goal)
             case kinds.CancelGoal():
                 request = CancelGoalService.Request()
@@ -232,9 +233,9 @@ class ActionRunner:
                 await self._call(CancelGoalService, name, request, action.timeout)
                 return "cancelled"
             case kinds.Publish():
-                return await self._publish(
-                    action, made.get("msg"), expand(arguments(action.message))
-                )
+                kind = ros_class(action.type)
+                message = _message(kind, made.get("msg"), arguments(action.message))
+                return await self._publish(action, kind, message)
         raise Failed(f"actions of kind '{action.kind}' cannot be carried out")
 
     async def _call(self, kind: type, name: str, request: Any, timeout: float | None) -> Any:
@@ -250,7 +251,7 @@ class ActionRunner:
     async def _method(
         self, component: str, method: str, kwargs: Mapping[str, Any], timeout: float | None
     ) -> str:
-        request = ExecuteMethod.Request(name=method, kwargs_json=json.dumps(dict(kwargs)))
+        request = ExecuteMethod.Request(name=method, kwargs_json=json.dumps(_as_json(kwargs)))
         answer = await self._call(ExecuteMethod, f"{component}/execute_method", request, timeout)
         if not answer.success:
             text = answer.error_msg or f"{component}.{method} failed"
@@ -271,17 +272,17 @@ class ActionRunner:
             raise Failed("; ".join(filter(None, answer.error_msg)))
         return ", ".join(f"{key} = {value}" for key, value in parameters.items())
 
-    async def _reconfigure(self, action: kinds.Reconfigure) -> str:
-        if isinstance(action.config, str):
-            request = ConfigureFromFile.Request(
-                path_to_file=action.config, keep_alive=action.keep_alive
-            )
+    async def _reconfigure(
+        self, action: kinds.Reconfigure, config: str | Mapping[str, JsonValue]
+    ) -> str:
+        if isinstance(config, str):
+            request = ConfigureFromFile.Request(path_to_file=config, keep_alive=action.keep_alive)
             name = f"{action.component}/configure_from_file"
             answer = await self._call(ConfigureFromFile, name, request, action.timeout)
             if not answer.success:
                 raise Failed(answer.error_msg)
-            return action.config
-        kwargs = {"new_config": action.config, "keep_alive": action.keep_alive}
+            return config
+        kwargs = {"new_config": config, "keep_alive": action.keep_alive}
         return await self._method(action.component, "reconfigure", kwargs, action.timeout)
 
     async def _goal(self, action: kinds.SendGoal, goal: Any) -> str:
@@ -309,9 +310,7 @@ class ActionRunner:
             raise Failed(text)
         return text
 
-    async def _publish(self, action: kinds.Publish, given: Any, data: Mapping[str, Any]) -> str:
-        kind = ros_class(action.type)
-        message = given or fill(kind(), dict(data))
+    async def _publish(self, action: kinds.Publish, kind: type[Any], message: Any) -> str:
         publisher = self._node.create_publisher(kind, action.topic, 10)
         try:
             count = publisher.get_subscription_count
@@ -348,6 +347,20 @@ def _name(action: Any) -> str:
             component = getattr(action, "component", "")
             return f"{component}.{value}" if component else f"{action.kind} {value}"
     return str(action.kind)
+
+
+def _message(kind: type[Any], given: Any, data: Mapping[str, Any]) -> Any:
+    """What is sent: made by a function of the recipe, or of data; all of it fits its fields."""
+    if given is None:
+        return fill(kind(), expand(data))
+    if not isinstance(given, kind):
+        raise Failed(f"the event_parser made a {type(given).__name__}, not a {kind.__name__}")
+    return checked(given)
+
+
+def _as_json(arguments: Mapping[str, Any]) -> dict[str, JsonValue]:
+    """Arguments as they are sent to a component, parts of messages among them."""
+    return {name: part_to_plain(value) for name, value in arguments.items()}
 
 
 def _problem_in(response: str) -> str:

@@ -130,6 +130,8 @@ def _kind(annotation: Any) -> tuple[ValueKind, bool]:
         return (kinds.pop() if len(kinds) == 1 else "any"), types.NoneType in members
     if annotation in (None, Any, inspect.Parameter.empty):
         return "any", True
+    if hasattr(annotation, "get_fields_and_field_types"):
+        return "object", False  # a message, whose fields are given by name
     return _KINDS.get(typing.get_origin(annotation) or annotation, "any"), False
 
 

@@ -25,11 +25,21 @@ class FieldType(NamedTuple):
         Name of the message type, for ``message``.
     element
         Type of the elements, for ``list``.
+    primitive
+        Of IDL (``octet``, ``uint8``, ``float`` …), for what is neither list nor message; empty
+        where only the sort is known.
+    size
+        How many elements a list has, if it always has as many.
+    bound
+        How many elements a list, or characters a text, has at most; None for any number.
     """
 
     kind: FieldKind
     name: str = ""
     element: "FieldType | None" = None
+    primitive: str = ""
+    size: int | None = None
+    bound: int | None = None
 
 
 class ArgumentSpec(NamedTuple):
