@@ -7,6 +7,7 @@ from functools import partial
 from typing import NamedTuple
 
 from kompass.monitor.engine_loop import EngineLoop, Swap
+from kompass.monitor.execution.publishers import Publishers
 from kompass.monitor.execution.runs import Runs
 from kompass.monitor.inputs.polled_functions import PolledFunctions
 from kompass.monitor.inputs.rule_inputs import RuleInputs, topics_of
@@ -51,6 +52,8 @@ class LiveEngine:
         What the engine is fed with.
     runs
         What its firings began.
+    publishers
+        What its rules publish with.
     """
 
     def __init__(
@@ -60,9 +63,10 @@ class LiveEngine:
         inputs: RuleInputs,
         polled: PolledFunctions,
         runs: Runs,
+        publishers: Publishers,
     ) -> None:
         self._main, self._loop, self._inputs = main, loop, inputs
-        self._polled, self._runs = polled, runs
+        self._polled, self._runs, self._publishers = polled, runs, publishers
 
     def begin(self) -> None:
         """Listen to what the table in force needs, and let time pass for it."""
@@ -70,12 +74,13 @@ class LiveEngine:
         self._loop.begin()
 
     def prepare(self, table: CompiledTable) -> None:
-        """Listen to the topics of a table that is about to come."""
+        """Listen to the topics of a table that is about to come, and be ready to publish."""
         for name, kind in topics_of(table).items():
             # Asked on this thread: whoever calls this is the only one who has topics listened to.
             if not self._inputs.listens_to(name):
                 # One at a time: the engine goes on between two subscriptions.
                 self._main.call(partial(self._inputs.prepare, {name: kind}))
+        self._main.call(partial(self._publishers.prepare, table.table))
 
     def swap(
         self, table: CompiledTable, revision: int, reset: Collection[str], cancel: str
@@ -124,4 +129,5 @@ class LiveEngine:
 
     def _follow(self, table: CompiledTable, topics: dict[str, str]) -> None:
         self._inputs.follow(topics)
+        self._publishers.follow(table.table)
         self._polled.follow(table)

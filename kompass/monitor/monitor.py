@@ -114,6 +114,7 @@ class Monitor:
             *(node, executor, timers, recipe.functions, alarms, permissions),
             self._processes.restart_if_stuck,
         )
+        publishers = self._runner.publishers
         self._runs = runs = Runs(self._runner.run, loop.ended, firings)
         inputs = RuleInputs(node, proxy.pass_on)
         self._polled = PolledFunctions(
@@ -123,8 +124,8 @@ class Monitor:
             recipe.polled,
             lambda name, answer: loop.answered(f"callable/{name}", answer),
         )
-        engine = LiveEngine(main, loop, inputs, self._polled, runs)
-        graph = Graph(node, catalog, inputs.counts)
+        engine = LiveEngine(main, loop, inputs, self._polled, runs, publishers)
+        graph = Graph(node, catalog, inputs.counts, lambda: publishers.topics)
         active = ActiveTable(
             InForce(start.table, start.revision, start.revision, notice=start.notice),
             start.merge,
@@ -166,6 +167,7 @@ class Monitor:
 
         timers.every(STORE_PERIOD, look_at_store)
         timers.every(FIT_PERIOD, inputs.fit)
+        timers.every(FIT_PERIOD, publishers.fit)
         timers.every(REPEAT_PERIOD, proxy.repeat)
         timers.every(RATE_PERIOD, graph.measure)
         timers.every(PROBATION_PERIOD, look_at_probation)

@@ -115,8 +115,9 @@ def _filled(message: Any, data: Mapping[str, Any], where: str, *, inside: bool) 
     types = field_types(type(message))
     for name, value in data.items():
         if name not in types:
+            whose = f"{where}: " if where else ""
             raise AttributeError(
-                f"{type(message).__name__} has no field '{name}'; it has: {', '.join(types)}"
+                f"{whose}{type(message).__name__} has no field '{name}'; it has: {', '.join(types)}"
             )
         at = f"{where}.{name}" if where else name
         setattr(message, name, _fitted(types[name], value, at, inside=inside))

@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -17,6 +18,7 @@ from rclpy.action import ActionClient
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from kompass.monitor.execution.publishers import Listeners, Publishers
 from kompass.monitor.execution.service_refusal import refusal
 from kompass.monitor.reporting.alarms import Alarms
 from kompass.monitor.reporting.entries import ActionOutcome
@@ -32,6 +34,8 @@ from kompass.rules.engine.firing import Firing
 from kompass.rules.schema import actions as kinds
 from kompass.rules.schema.arguments import expand, resolve
 
+MATCH = 0.5  # s for which a message waits for those who listen
+LINGER = 0.1  # s for which a publisher that goes again stays, to deliver
 SEARCH = 2.0  # s in which a service or an action server must show up
 LET_IN = 0.001  # s for which a function may keep the engine waiting until it has begun
 THREADS = 64  # functions of the recipe at a time, in each lane
@@ -65,6 +69,11 @@ class ActionRunner:
         What rules may touch.
     restart_if_stuck
         Has the process of a component started anew if it hangs, and returns whether it does.
+
+    Attributes
+    ----------
+    publishers
+        Of the rules in force.
     """
 
     def __init__(
@@ -80,6 +89,7 @@ class ActionRunner:
         self._node = node
         self._alarms = alarms
         self._permissions = permissions
+        self.publishers = Publishers(node, permissions, functions)
         self._functions = functions
         self._awaitables = Awaitables(timers, executor)
         self._restart_if_stuck = restart_if_stuck
@@ -235,7 +245,7 @@ class ActionRunner:
             case kinds.Publish():
                 kind = ros_class(action.type)
                 message = _message(kind, made.get("msg"), arguments(action.message))
-                return await self._publish(action, kind, message)
+                return await self._publish(action, message)
         raise Failed(f"actions of kind '{action.kind}' cannot be carried out")
 
     async def _call(self, kind: type, name: str, request: Any, timeout: float | None) -> Any:
@@ -310,26 +320,21 @@ class ActionRunner:
             raise Failed(text)
         return text
 
-    async def _publish(self, action: kinds.Publish, kind: type[Any], message: Any) -> str:
-        publisher = self._node.create_publisher(kind, action.topic, 10)
-        try:
-            count = publisher.get_subscription_count
-            try:
-                await self._awaitables.until(lambda: count() > 0, 0.5, "nobody listens")
-            except TimeoutError:
-                if action.rate is None:
-                    publisher.publish(message)
-                    return "published, but nobody listens"
+    async def _publish(self, action: kinds.Publish, message: Any) -> str:
+        with self.publishers.lease(action) as publisher:
+            with suppress(TimeoutError):  # who listens is told; if nobody does, that is
+                await self._awaitables.until(publisher.has_found_all, MATCH, "listeners")
             deadline = None if action.period is None else time.monotonic() + action.period
-            while True:
-                publisher.publish(message)
-                if action.rate is None or (deadline and time.monotonic() >= deadline):
-                    # Give the middleware the time to deliver before the publisher goes.
-                    await self._awaitables.sleep(0.1)
-                    return "published"
+            times = 1
+            publisher.publish(message)
+            while action.rate and not (deadline and time.monotonic() >= deadline):
                 await self._awaitables.sleep(1.0 / action.rate)
-        finally:
-            self._node.destroy_publisher(publisher)
+                publisher.publish(message)
+                times += 1
+            if not publisher.kept:
+                # It takes with it what it has not delivered yet.
+                await self._awaitables.sleep(LINGER)
+            return _heard_by(publisher.listeners(), times)
 
 
 _STATUS = {
@@ -361,6 +366,15 @@ def _message(kind: type[Any], given: Any, data: Mapping[str, Any]) -> Any:
 def _as_json(arguments: Mapping[str, Any]) -> dict[str, JsonValue]:
     """Arguments as they are sent to a component, parts of messages among them."""
     return {name: part_to_plain(value) for name, value in arguments.items()}
+
+
+def _heard_by(listeners: Listeners, times: int) -> str:
+    matched, unfit = listeners
+    text = "published" if times == 1 else f"published {times} times"
+    text += f" to {matched} listener{'s' * (matched != 1)}" if matched else ", but nobody listens"
+    if unfit:
+        text += f"; {unfit} more ask{'s' * (unfit == 1)} for a latched topic, and got nothing"
+    return text
 
 
 def _problem_in(response: str) -> str:
