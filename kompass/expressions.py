@@ -249,7 +249,7 @@ def _walk(message: type[Any], path: tuple[str | int, ...]) -> Any:
 
 
 def _compare(field: MessageField, operator: str, value: Any) -> Expression:
-    literal = _literal(field._sample_, value)
+    literal = _literal(field._sample_, operator, value)
     problem = _mismatch(field._sample_, operator, literal)
     if problem:
         raise TypeError(f"{field!r} {operator} {value!r}: {problem}")
@@ -258,9 +258,10 @@ def _compare(field: MessageField, operator: str, value: Any) -> Expression:
     return Expression(Compare(signal=signal_of(field), operator=operator, value=literal))  # type: ignore[arg-type]
 
 
-def _literal(sample: Any, value: Any) -> Any:
-    """What a field is compared with, as data: the constants of byte fields are `bytes`."""
-    if isinstance(value, bytes | bytearray) and isinstance(sample, _ARRAYS):
+def _literal(sample: Any, operator: str, value: Any) -> Any:
+    """What a field is compared with, as data: one byte is a number, and all of a list a list."""
+    whole = operator in ("==", "!=") and isinstance(sample, _ARRAYS)
+    if isinstance(value, bytes | bytearray) and whole:
         return tuple(value)
     return _plain(value)
 

@@ -12,8 +12,7 @@ from pydantic import PydanticSchemaGenerationError, PydanticUserError, TypeAdapt
 
 from kompass.components.base.actions import actions_of, signature_text
 from kompass.components.base.component import Component
-from kompass.expressions import MessageField
-from kompass.recipe.arguments import as_data
+from kompass.recipe.arguments import as_data, refers
 from kompass.rules.schema.actions import Action as RuleAction
 from kompass.rules.schema.actions import Lifecycle, Method, Python
 
@@ -196,8 +195,8 @@ def _check_types(method: Callable[..., Any], name: str, bound: dict[str, Any]) -
     """Raise TypeError when a value does not fit what the method says that it takes."""
     hints = get_type_hints(inspect.unwrap(method))
     for key, value in bound.items():
-        if key not in hints or isinstance(value, MessageField):
-            continue
+        if key not in hints or refers(value):
+            continue  # what is taken from a topic is known, and checked, when the rule fires
         try:
             TypeAdapter(hints[key]).validate_python(value)
         except ValidationError as error:

@@ -29,3 +29,12 @@ def as_data(value: Any) -> Any:
         return [as_data(item) for item in value]
     made = to_plain(value)
     return f"${made}" if isinstance(made, str) and made.startswith("$") else made
+
+
+def refers(value: Any) -> bool:
+    """Whether a field of a topic is among a value's items."""
+    if isinstance(value, Mapping):
+        return any(map(refers, value.values()))
+    if isinstance(value, list | tuple):
+        return any(map(refers, value))
+    return isinstance(value, MessageField)

@@ -7,11 +7,11 @@ from typing import Any
 
 from kompass.components.base.component import Component
 from kompass.components.base.parameter import with_values
-from kompass.expressions import MessageField, type_name
+from kompass.expressions import type_name
 from kompass.rclpy_ext.messages import copy_fields
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.action import METHOD_TIMEOUT, Action, argument
-from kompass.recipe.arguments import as_data
+from kompass.recipe.arguments import as_data, refers
 from kompass.rules.schema.actions import (
     CallService,
     Lifecycle,
@@ -140,7 +140,7 @@ def update_parameters(
     # What is taken from a topic is known, and checked, only when the rule fires.
     with_values(
         component.config,
-        {key: value for key, value in values.items() if not isinstance(value, MessageField)},
+        {key: value for key, value in values.items() if not refers(value)},
         name,
     )
     return Action.from_data(

@@ -1,5 +1,6 @@
 """What a rule says is what is heard on the wire, and what cannot be sent is not."""
 
+import json
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -7,7 +8,8 @@ from itertools import count
 from typing import Any
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticStatus
+from automatika_ros_sugar.srv import ChangeParameters, ExecuteMethod
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from kompass_interfaces.msg import RuleFiring
@@ -26,7 +28,8 @@ from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.event import Event
 from kompass.recipe.table import RecipeRules, recipe_rules
 from kompass.recipe.verbs import publish_message
-from kompass.rules.schema.actions import Publish
+from kompass.rules.schema.actions import Action as RuleAction
+from kompass.rules.schema.actions import Method, Publish, Reconfigure, UpdateParameters
 from kompass.rules.schema.conditions import Compare, Received
 from kompass.rules.schema.signals import Signal
 from kompass.rules.schema.table import Rule, Table
@@ -124,7 +127,7 @@ def monitoring(spinning: Spinning, rules: list[Rule] | RecipeRules) -> Iterator[
         node.destroy_node()
 
 
-def on_message(topic: str, kind: str, rule_id: str, *actions: Publish) -> Rule:
+def on_message(topic: str, kind: str, rule_id: str, *actions: RuleAction) -> Rule:
     condition = Received(signal=Signal(topic=topic, type=kind))
     return rule(condition, rule_id, actions=actions, source="recipe")
 
@@ -327,3 +330,39 @@ def test_nobody_stands_ready_where_a_second_publisher_would_halt_the_robot(
         world.say("press", Float64())
         assert world.outcome("drive") == "published, but nobody listens"
         world.until(lambda: spinning.node.count_publishers("/some_velocity") == 0)
+
+
+def test_lists_messages_and_bytes_reach_components_as_plain_data(spinning: Spinning) -> None:
+    kind = "diagnostic_msgs/msg/DiagnosticArray"
+    called: dict[str, Any] = {}
+
+    def execute(request: Any, response: Any) -> Any:
+        called[request.name] = json.loads(request.kwargs_json)
+        response.success = True
+        return response
+
+    def change(request: Any, response: Any) -> Any:
+        called["parameters"] = dict(
+            zip(request.names, map(json.loads, request.values), strict=True)
+        )
+        response.success = [True] * len(request.names)
+        response.error_msg = [""] * len(request.names)
+        return response
+
+    spinning.node.create_service(ExecuteMethod, "arm/execute_method", execute)
+    spinning.node.create_service(ChangeParameters, "arm/update_config_parameters", change)
+    arguments: dict[str, Any] = {
+        "whole": "$msg.status",
+        "parts": ["$msg.status[0].level", {"name": "$msg.status[1].name"}, 1.5],
+    }
+    reach = Method(component="arm", method="reach", kwargs=arguments)
+    set_ = UpdateParameters(component="arm", parameters=arguments)
+    configure = Reconfigure(component="arm", config=arguments)
+    rules = [on_message("array", kind, "r", reach, set_, configure)]
+    statuses = [DiagnosticStatus(level=b"\x02", name="a"), DiagnosticStatus(name="b")]
+    with monitoring(spinning, rules) as world:
+        world.say("array", DiagnosticArray(status=statuses))
+        world.outcome("r", 3)
+    given = {"whole": to_plain(statuses), "parts": [2, {"name": "b"}, 1.5]}
+    assert called["reach"] == called["parameters"] == given
+    assert called["reconfigure"] == {"new_config": given, "keep_alive": False}

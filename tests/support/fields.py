@@ -15,7 +15,7 @@ from kompass.rclpy_ext.messages import message_class
 from kompass.rules.checks.catalog import FieldType
 
 Values = st.SearchStrategy[Any]
-MOST = 3  # items of a list of any length
+MOST = 2  # items of a list of any length
 RANGES = {
     "octet": (0, 255),
     **{f"int{n}": (-(1 << (n - 1)), (1 << (n - 1)) - 1) for n in (8, 16, 32, 64)},
@@ -95,7 +95,7 @@ def misfits(found: FieldType) -> Values:
             wrong.append(whole(lists(found.element, found.bound + 1)))
         count = 1 if found.size is None else found.size
         good = st.lists(values(found.element), min_size=count, max_size=count)
-        return st.one_of(*wrong, st.builds(_in_list, good, misfits(found.element)))
+        return st.one_of(*wrong, st.tuples(good, misfits(found.element)).map(_in_list))
     if found.kind == "int":
         low, high = RANGES[found.primitive]
         outside = st.integers(max_value=low - 1) | st.integers(min_value=high + 1)
@@ -118,8 +118,7 @@ def message_misfits(type_name: str) -> Values:
     """As :func:`misfits`, for a whole message; one of its fields is wrong."""
     fields = field_types(class_of(type_name))
     wrong = [
-        st.builds(_in_message, st.just(name), message_data(type_name), misfits(found))
-        for name, found in fields.items()
+        st.tuples(st.just(name), misfits(found)).map(_in_message) for name, found in fields.items()
     ]
     return st.one_of(*wrong, st.just(({"no_such_field": 1}, "")))
 
@@ -132,14 +131,14 @@ def lists(element: FieldType, count: int) -> Values:
     return st.lists(values(element), min_size=count, max_size=count)
 
 
-def _in_list(good: list[Any], wrong: tuple[Any, str]) -> tuple[list[Any], str]:
-    value, way = wrong
+def _in_list(drawn: tuple[list[Any], tuple[Any, str]]) -> tuple[list[Any], str]:
+    good, (value, way) = drawn
     return [*good[:-1], value], f"[{len(good) - 1}]{way}"
 
 
-def _in_message(name: str, good: dict[str, Any], wrong: tuple[Any, str]) -> tuple[Any, str]:
-    value, way = wrong
-    return {**good, name: value}, f".{name}{way}"
+def _in_message(drawn: tuple[str, tuple[Any, str]]) -> tuple[dict[str, Any], str]:
+    name, (value, way) = drawn
+    return {name: value}, f".{name}{way}"
 
 
 def _is_number(value: Any) -> bool:

@@ -53,6 +53,10 @@ class ArgumentSpec(NamedTuple):
         Whether a call must give it.
     options
         The values it may have; empty if it may have any of its kind.
+    element
+        Sort of the items of a list.
+    message
+        Type of the message whose fields it is, for an ``object``; empty for any mapping.
     """
 
     name: str
@@ -61,6 +65,8 @@ class ArgumentSpec(NamedTuple):
     default: JsonValue = None
     text: str = ""
     options: tuple[JsonValue, ...] = ()
+    element: ValueKind = "any"
+    message: str = ""
 
 
 class MethodSpec(NamedTuple):
@@ -94,6 +100,8 @@ class ParameterSpec(NamedTuple):
         The values it may have; empty if it may have any of its kind.
     optional
         Whether it may be null.
+    element
+        Sort of the items of a list.
     """
 
     name: str
@@ -104,6 +112,7 @@ class ParameterSpec(NamedTuple):
     maximum: float | None = None
     options: tuple[JsonValue, ...] = ()
     optional: bool = False
+    element: ValueKind = "any"
 
 
 class ComponentSpec(NamedTuple):

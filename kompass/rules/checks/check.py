@@ -15,6 +15,7 @@ from kompass.rules.checks.problem import Problem
 from kompass.rules.schema.actions import (
     Action,
     CallService,
+    Method,
     Publish,
     SendGoal,
     arguments_of,
@@ -56,7 +57,22 @@ def check_rule(rule: Rule, catalog: Catalog) -> list[Problem]:
         problems.extend(_action(rule, f"actions[{index}]", action, catalog))
     if isinstance(catalog, StackCatalog):
         problems.extend(check_calls(rule, catalog))
+        problems.extend(_given_messages(rule, catalog))
     return problems
+
+
+def _given_messages(rule: Rule, catalog: StackCatalog) -> Iterator[Problem]:
+    """Check the fields of messages that methods of components are given as mappings."""
+    for index, action in enumerate(rule.actions):
+        if not isinstance(action, Method):
+            continue
+        component = catalog.components().get(action.component)
+        method = component.methods.get(action.method) if component is not None else None
+        for argument in method.arguments if method is not None else ():
+            value = action.kwargs.get(argument.name)
+            if argument.message and isinstance(value, dict):
+                where = f"actions[{index}].kwargs.{argument.name}"
+                yield from _fields(rule, where, value, argument.message, (), catalog)
 
 
 def _condition(rule: Rule, root: str, condition: Condition, catalog: Catalog) -> Iterator[Problem]:
