@@ -7,7 +7,7 @@ from functools import partial
 from typing import NamedTuple
 
 from kompass.monitor.engine_loop import EngineLoop, Swap
-from kompass.monitor.execution.publishers import Publishers
+from kompass.monitor.execution.publishers import Publishers, Target
 from kompass.monitor.execution.runs import Runs
 from kompass.monitor.inputs.polled_functions import PolledFunctions
 from kompass.monitor.inputs.rule_inputs import RuleInputs, topics_of
@@ -70,7 +70,8 @@ class LiveEngine:
 
     def begin(self) -> None:
         """Listen to what the table in force needs, and let time pass for it."""
-        self._follow(self._loop.table, topics_of(self._loop.table))
+        table = self._loop.table
+        self._follow(table, topics_of(table), self._publishers.targets(table.table))
         self._loop.begin()
 
     def prepare(self, table: CompiledTable) -> None:
@@ -80,7 +81,7 @@ class LiveEngine:
             if not self._inputs.listens_to(name):
                 # One at a time: the engine goes on between two subscriptions.
                 self._main.call(partial(self._inputs.prepare, {name: kind}))
-        self._main.call(partial(self._publishers.prepare, table.table))
+        self._main.call(partial(self._publishers.prepare, self._publishers.targets(table.table)))
 
     def swap(
         self, table: CompiledTable, revision: int, reset: Collection[str], cancel: str
@@ -96,10 +97,11 @@ class LiveEngine:
         """
         # Whoever calls this is the only one who changes the table in force.
         plan, topics = plan_migration(self._loop.table, table, reset), topics_of(table)
+        targets = self._publishers.targets(table.table)
 
         def between_messages() -> Swap:
             swap = self._loop.swap(plan, revision, reset)
-            self._follow(table, topics)
+            self._follow(table, topics, targets)
             if cancel:
                 self._runs.cancel(swap.carried.running, cancel)
             self._runs.forget((*swap.carried.reset, *swap.carried.removed))
@@ -127,7 +129,9 @@ class LiveEngine:
                     return extras._replace(broken=why)
         return extras
 
-    def _follow(self, table: CompiledTable, topics: dict[str, str]) -> None:
+    def _follow(
+        self, table: CompiledTable, topics: dict[str, str], targets: frozenset[Target]
+    ) -> None:
         self._inputs.follow(topics)
-        self._publishers.follow(table.table)
+        self._publishers.follow(targets)
         self._polled.follow(table)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
@@ -16,14 +16,14 @@ from kompass.recipe.fallbacks import FallbackSequence
 from kompass.recipe.table import Parsed
 from kompass.rulebook.permissions import Permissions
 from kompass.rules.schema.actions import Action, Publish, Python
-from kompass.rules.schema.table import Rule, Table
+from kompass.rules.schema.table import Table
 
 DEPTH = 1000  # messages that a slow listener may be behind
 DEPTH_OF_LATCHED = 1
 Functions: TypeAlias = Mapping[str, Callable[..., Any] | Parsed | FallbackSequence]
 
 
-class _Key(NamedTuple):
+class Target(NamedTuple):
     """Topic without a leading slash, and type (``package/msg/Name``)."""
 
     topic: str
@@ -50,7 +50,7 @@ class RulePublisher:
     """A publisher, in use by ``users`` runs."""
 
     node: Node
-    key: _Key
+    key: Target
     handle: Any
     latched: bool
     users: int = 0
@@ -97,23 +97,35 @@ class Publishers:
 
     def __init__(self, node: Node, permissions: Permissions, functions: Functions) -> None:
         self._node, self._permissions, self._functions = node, permissions, functions
-        self._open: dict[_Key, RulePublisher] = {}
+        self._open: dict[Target, RulePublisher] = {}
 
     @property
     def topics(self) -> frozenset[str]:
         """Names of the topics with a publisher, without the leading slash."""
         return frozenset(key.topic for key in list(self._open))
 
-    def prepare(self, table: Table) -> None:
+    def targets(self, table: Table) -> frozenset[Target]:
+        """What a table needs; may be asked from any thread."""
+        return frozenset(
+            Target(each.topic, each.type)
+            for rule in table.rules
+            if rule.enabled and not rule.shadow
+            for action in rule.actions
+            for each in self._meant(action)
+            if isinstance(each, Publish)
+            and not self._permissions.is_watched(each)
+            and self._permissions.refusal(rule, action) is None
+        )
+
+    def prepare(self, wanted: Collection[Target]) -> None:
         """Open what a coming table needs."""
-        for key in self._wanted(table):
+        for key in wanted:
             if key not in self._open:
                 self._try_to_open(key)
 
-    def follow(self, table: Table) -> None:
+    def follow(self, wanted: Collection[Target]) -> None:
         """Keep what a table needs, and nothing else; what is in use stays until it is not."""
-        wanted = self._wanted(table)
-        self.prepare(table)
+        self.prepare(wanted)
         for key, each in list(self._open.items()):
             if key not in wanted:
                 del self._open[key]
@@ -142,7 +154,7 @@ class Publishers:
         RCLError
             When the middleware refuses it, as for a second type on one topic.
         """
-        key = _Key(action.topic, action.type)
+        key = Target(action.topic, action.type)
         each = self._open.get(key) or self._make(key, kept=False)
         each.users += 1
         try:
@@ -152,20 +164,6 @@ class Publishers:
             if not each.kept:
                 self._retire(each)
 
-    def _wanted(self, table: Table) -> set[_Key]:
-        return {
-            _Key(action.topic, action.type)
-            for rule in table.rules
-            if rule.enabled and not rule.shadow
-            for action in self._published(rule)
-            if not self._permissions.is_watched(action)
-        }
-
-    def _published(self, rule: Rule) -> Iterator[Publish]:
-        for action in rule.actions:
-            if self._permissions.refusal(rule, action) is None:
-                yield from (each for each in self._meant(action) if isinstance(each, Publish))
-
     def _meant(self, action: Action) -> tuple[Action, ...]:
         entry = self._functions.get(action.name) if isinstance(action, Python) else None
         if isinstance(entry, Parsed):
@@ -174,13 +172,13 @@ class Publishers:
             return (*entry.actions, *entry.giveup)
         return (action,)
 
-    def _try_to_open(self, key: _Key) -> None:
+    def _try_to_open(self, key: Target) -> None:
         try:
             self._open[key] = self._make(key, kept=True)
         except Exception as error:  # noqa: BLE001 - the action says so when it is carried out
             self._node.get_logger().error(f"cannot publish on /{key.topic}: {error}")
 
-    def _make(self, key: _Key, *, kept: bool) -> RulePublisher:
+    def _make(self, key: Target, *, kept: bool) -> RulePublisher:
         latched = self._should_latch(key, False)
         profile = QoSProfile(depth=DEPTH)
         if latched:
@@ -190,7 +188,7 @@ class Publishers:
         handle = self._node.create_publisher(ros_class(key.type_name), key.topic, profile)
         return RulePublisher(self._node, key, handle, latched, kept=kept)
 
-    def _should_latch(self, key: _Key, now: bool) -> bool:
+    def _should_latch(self, key: Target, now: bool) -> bool:
         infos = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(key.topic))
         others = [info for info in infos if info.node_name != self._node.get_name()]
         return best_for(others).latched if others else now

@@ -107,12 +107,13 @@ class Graph:
             for component in self._catalog.components()
             for name in status_topics(component)
         }
+        own = self._own()
         for full, types in sorted(self._node.get_topic_names_and_types()):
             name = full.removeprefix("/")
             if name in _HIDDEN_TOPICS or "/_action/" in full or not types:
                 continue
             infos = self._node.get_publishers_info_by_topic(full)
-            if name in self._own():
+            if name in own:
                 infos = [info for info in infos if info.node_name != self._node.get_name()]
             latched = bool(infos) and all(
                 info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in infos
