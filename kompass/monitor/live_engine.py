@@ -81,7 +81,9 @@ class LiveEngine:
             if not self._inputs.listens_to(name):
                 # One at a time: the engine goes on between two subscriptions.
                 self._main.call(partial(self._inputs.prepare, {name: kind}))
-        self._main.call(partial(self._publishers.prepare, self._publishers.targets(table.table)))
+        for target in self._publishers.targets(table.table):
+            if not self._publishers.is_open(target):
+                self._main.call(partial(self._publishers.prepare, (target,)))
 
     def swap(
         self, table: CompiledTable, revision: int, reset: Collection[str], cancel: str

@@ -104,6 +104,10 @@ class Publishers:
         """Names of the topics with a publisher, without the leading slash."""
         return frozenset(key.topic for key in list(self._open))
 
+    def is_open(self, target: Target) -> bool:
+        """Whether there is a publisher already; may be asked from any thread."""
+        return target in self._open
+
     def targets(self, table: Table) -> frozenset[Target]:
         """What a table needs; may be asked from any thread."""
         return frozenset(
