@@ -234,7 +234,8 @@ def _walk(message: type[Any], path: tuple[str | int, ...]) -> Any:
     value: Any = message()
     for position, step in enumerate(path):
         if isinstance(step, int):
-            value = value[step] if isinstance(value, _ARRAYS) and len(value) > abs(step) else None
+            held = isinstance(value, _ARRAYS) and -len(value) <= step < len(value)
+            value = value[step] if held else None
             continue
         if value is None:
             continue
@@ -245,11 +246,12 @@ def _walk(message: type[Any], path: tuple[str | int, ...]) -> Any:
             remedy = f"did you mean '{close[0]}'?" if close else f"it has: {', '.join(known)}"
             raise AttributeError(f"{where} has no field '{step}'; {remedy}")
         value = getattr(value, step)
-    return value
+    # An item of a fixed array is a NumPy scalar, and a byte is `bytes` of length 1.
+    return _plain(value) if isinstance(value, np.generic | bytes) else value
 
 
 def _compare(field: MessageField, operator: str, value: Any) -> Expression:
-    literal = _as_truth(field._sample_, operator, _plain(value))
+    literal = _as_truth(field._sample_, operator, _literal(field._sample_, operator, value))
     problem = _mismatch(field._sample_, operator, literal)
     if problem:
         raise TypeError(f"{field!r} {operator} {value!r}: {problem}")
@@ -275,9 +277,19 @@ def _as_truth(sample: Any, operator: str, literal: Any) -> Any:
     return bool(literal) if isinstance(literal, int) and literal in (0, 1) else literal
 
 
+def _literal(sample: Any, operator: str, value: Any) -> Any:
+    """What a field is compared with, as data: one byte is a number, and all of a list a list."""
+    whole = operator in ("==", "!=") and isinstance(sample, _ARRAYS)
+    if isinstance(value, bytes | bytearray) and whole:
+        return tuple(value)
+    return _plain(value)
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
+    if isinstance(value, bytes | bytearray):
+        return value[0] if len(value) == 1 else tuple(value)
     if isinstance(value, (*_ARRAYS, set, frozenset)):
         return tuple(_plain(item) for item in value)
     return value

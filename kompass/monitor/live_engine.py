@@ -7,6 +7,7 @@ from functools import partial
 from typing import NamedTuple
 
 from kompass.monitor.engine_loop import EngineLoop, Swap
+from kompass.monitor.execution.publishers import Publishers, Target
 from kompass.monitor.execution.runs import Runs
 from kompass.monitor.inputs.polled_functions import PolledFunctions
 from kompass.monitor.inputs.rule_inputs import RuleInputs, topics_of
@@ -51,6 +52,8 @@ class LiveEngine:
         What the engine is fed with.
     runs
         What its firings began.
+    publishers
+        What its rules publish with.
     """
 
     def __init__(
@@ -60,22 +63,27 @@ class LiveEngine:
         inputs: RuleInputs,
         polled: PolledFunctions,
         runs: Runs,
+        publishers: Publishers,
     ) -> None:
         self._main, self._loop, self._inputs = main, loop, inputs
-        self._polled, self._runs = polled, runs
+        self._polled, self._runs, self._publishers = polled, runs, publishers
 
     def begin(self) -> None:
         """Listen to what the table in force needs, and let time pass for it."""
-        self._follow(self._loop.table, topics_of(self._loop.table))
+        table = self._loop.table
+        self._follow(table, topics_of(table), self._publishers.targets(table.table))
         self._loop.begin()
 
     def prepare(self, table: CompiledTable) -> None:
-        """Listen to the topics of a table that is about to come."""
+        """Listen to the topics of a table that is about to come, and be ready to publish."""
         for name, kind in topics_of(table).items():
             # Asked on this thread: whoever calls this is the only one who has topics listened to.
             if not self._inputs.listens_to(name):
                 # One at a time: the engine goes on between two subscriptions.
                 self._main.call(partial(self._inputs.prepare, {name: kind}))
+        for target in self._publishers.targets(table.table):
+            if not self._publishers.is_open(target):
+                self._main.call(partial(self._publishers.prepare, (target,)))
 
     def swap(
         self, table: CompiledTable, revision: int, reset: Collection[str], cancel: str
@@ -91,10 +99,11 @@ class LiveEngine:
         """
         # Whoever calls this is the only one who changes the table in force.
         plan, topics = plan_migration(self._loop.table, table, reset), topics_of(table)
+        targets = self._publishers.targets(table.table)
 
         def between_messages() -> Swap:
             swap = self._loop.swap(plan, revision, reset)
-            self._follow(table, topics)
+            self._follow(table, topics, targets)
             if cancel:
                 self._runs.cancel(swap.carried.running, cancel)
             self._runs.forget((*swap.carried.reset, *swap.carried.removed))
@@ -122,6 +131,9 @@ class LiveEngine:
                     return extras._replace(broken=why)
         return extras
 
-    def _follow(self, table: CompiledTable, topics: dict[str, str]) -> None:
+    def _follow(
+        self, table: CompiledTable, topics: dict[str, str], targets: frozenset[Target]
+    ) -> None:
         self._inputs.follow(topics)
+        self._publishers.follow(targets)
         self._polled.follow(table)

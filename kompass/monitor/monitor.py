@@ -121,6 +121,7 @@ class Monitor:
             frozenset(catalog.components()),
             self._processes.restart_if_stuck,
         )
+        publishers = self._runner.publishers
         self._runs = runs = Runs(self._runner.run, loop.ended, firings)
         inputs = RuleInputs(node, proxy.pass_on)
         self._polled = PolledFunctions(
@@ -128,8 +129,8 @@ class Monitor:
             answered=lambda name, answer: loop.answered(f"callable/{name}", answer),
             tell=firings.announce,
         )
-        engine = LiveEngine(main, loop, inputs, self._polled, runs)
-        graph = Graph(node, catalog, inputs.counts)
+        engine = LiveEngine(main, loop, inputs, self._polled, runs, publishers)
+        graph = Graph(node, catalog, inputs.counts, lambda: publishers.topics)
         previews = Previews(node, main)
         active = ActiveTable(
             InForce(start.table, start.revision, start.revision, notice=start.notice),
@@ -174,6 +175,7 @@ class Monitor:
         timers.every(STORE_PERIOD, look_at_store)
         timers.every(FIT_PERIOD, inputs.fit)
         timers.every(FIT_PERIOD, previews.tidy)
+        timers.every(FIT_PERIOD, publishers.fit)
         timers.every(REPEAT_PERIOD, proxy.repeat)
         timers.every(RATE_PERIOD, graph.measure)
         timers.every(PROBATION_PERIOD, look_at_probation)

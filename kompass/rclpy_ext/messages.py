@@ -5,16 +5,42 @@ from __future__ import annotations
 import array
 import enum
 import importlib
+from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from kompass.rclpy_ext.field_types import field_types
+from kompass.rules.checks.catalog import FieldType
+from kompass.rules.checks.field_values import (
+    Misfit,
+    length_misfit,
+    scalar_misfit,
+    wrong_type,
+)
+
+_PARTS = {
+    f"_{part}": part for part in ("Request", "Response", "Goal", "Result", "Feedback", "Event")
+}
+_TOLD = 100  # characters of a value that is refused
+_ROWS = (list, tuple, array.array, np.ndarray, bytes, bytearray)
+# The type codes and dtypes of what rclpy makes of lists of numbers: these hold nothing else.
+_CODES = {
+    "float": "f",
+    "double": "d",
+    **{f"int{8 * size}": code for size, code in ((1, "b"), (2, "h"), (4, "i"), (8, "q"))},
+    **{f"uint{8 * size}": code for size, code in ((1, "B"), (2, "H"), (4, "I"), (8, "Q"))},
+}
+
 
 def to_plain(value: Any) -> Any:
-    """A message, or a part of one, as JSON-ready data."""
+    """A message, or a part of one, as JSON-ready data; a byte of a message becomes a number."""
     fields = getattr(value, "get_fields_and_field_types", None)
     if fields is not None:
-        return {name: to_plain(getattr(value, name)) for name in fields()}
+        return {name: part_to_plain(getattr(value, name)) for name in fields()}
+    if isinstance(value, Mapping):
+        return {key: to_plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | array.array | np.ndarray):
         return [to_plain(item) for item in value]
     if isinstance(value, enum.Enum):
@@ -24,24 +50,45 @@ def to_plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def fill(message: Any, data: dict[str, Any]) -> Any:
-    """Set fields of a message from plain data or messages; returns the message.
+def part_to_plain(value: Any) -> Any:
+    """What was read from messages, as JSON-ready data: there, one byte stands for a number."""
+    if isinstance(value, bytes) and len(value) == 1:
+        return value[0]
+    if isinstance(value, list | tuple):
+        return [part_to_plain(item) for item in value]
+    if isinstance(value, Mapping):
+        return {key: part_to_plain(item) for key, item in value.items()}
+    return to_plain(value)
+
+
+def fill(message: Any, data: Mapping[str, Any]) -> Any:
+    """Set fields of a message from plain data, or from parts of messages; returns the message.
+
+    A whole number goes into a field of floating point, and the other way round when it is whole; a
+    byte is a number from 0 to 255, or ``bytes`` of length 1. Parts of the right message type are
+    taken as they are.
 
     Raises
     ------
     AttributeError
         When there is no such field.
-    AssertionError, TypeError, ValueError
-        When a value does not fit its field; rclpy says which.
+    ValueError
+        When a field cannot hold a value: names the field, the value and what the field holds.
     """
-    types = message.get_fields_and_field_types()
-    for name, value in data.items():
-        if name not in types:
-            raise AttributeError(
-                f"{type(message).__name__} has no field '{name}'; it has: {', '.join(types)}"
-            )
-        setattr(message, name, _fitted(getattr(message, name), types[name], value))
-    return message
+    return _filled(message, data, "", inside=False)
+
+
+def checked(message: Any) -> Any:
+    """A message that somebody made, made again of values that its fields can hold.
+
+    rclpy itself looks at none: what does not fit would be sent as something else.
+
+    Raises
+    ------
+    ValueError
+        When a field cannot hold its value: names the field, the value and what the field holds.
+    """
+    return _checked(message, "")
 
 
 def copy_fields(source: Any, target: Any) -> Any:
@@ -64,18 +111,91 @@ def copy_fields(source: Any, target: Any) -> Any:
     return target
 
 
-def _fitted(now: Any, kind: str, value: Any) -> Any:
-    if isinstance(value, dict) and hasattr(now, "get_fields_and_field_types"):
-        return fill(type(now)(), value)
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        package, name = (
-            kind.removeprefix("sequence<").rstrip(">").split("[")[0].split(",")[0].split("/")
-        )
-        item = getattr(importlib.import_module(f"{package}.msg"), name)
-        return [fill(item(), entry) for entry in value]
-    if isinstance(now, float) and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    return value
+def _filled(message: Any, data: Mapping[str, Any], where: str, *, inside: bool) -> Any:
+    types = field_types(type(message))
+    for name, value in data.items():
+        if name not in types:
+            whose = f"{where}: " if where else ""
+            raise AttributeError(
+                f"{whose}{type(message).__name__} has no field '{name}'; it has: {', '.join(types)}"
+            )
+        at = f"{where}.{name}" if where else name
+        setattr(message, name, _fitted(types[name], value, at, inside=inside))
+    return message
+
+
+def _checked(message: Any, where: str) -> Any:
+    data = {name: getattr(message, name) for name in field_types(type(message))}
+    return _filled(type(message)(), data, where, inside=True)
+
+
+def _fitted(found: FieldType, value: Any, where: str, *, inside: bool) -> Any:
+    """A value as rclpy wants it in a field; ``inside``: look into messages, too."""
+    if found.kind == "message":
+        return _message(found, value, where, inside=inside)
+    if found.kind == "list":
+        return _row(found, value, where, inside=inside)
+    if isinstance(value, np.generic):
+        value = value.item()
+    elif isinstance(value, bytes) and len(value) == 1 and found.primitive == "octet":
+        value = value[0]
+    misfit = scalar_misfit(found, value)
+    if misfit is not None:
+        raise _refused(misfit, value, where)
+    if found.primitive == "octet":
+        return bytes((int(value),))
+    if found.kind == "int":
+        return int(value)
+    return float(value) if found.kind == "float" else value
+
+
+def _message(found: FieldType, value: Any, where: str, *, inside: bool) -> Any:
+    kind = message_class(found.name)
+    assert kind is not None, f"{found.name} is part of a message that is installed"
+    if isinstance(value, Mapping):
+        return _filled(kind(), value, where, inside=inside)
+    if isinstance(value, kind):
+        return _checked(value, where) if inside else value
+    raise _refused(wrong_type(found), value, where)
+
+
+def _row(found: FieldType, value: Any, where: str, *, inside: bool) -> Any:
+    if not isinstance(value, _ROWS) or (isinstance(value, np.ndarray) and value.ndim != 1):
+        raise _refused(wrong_type(found), value, where)
+    misfit = length_misfit(found, len(value))
+    if misfit is not None:
+        raise _refused(misfit, value, where)
+    element = found.element
+    assert element is not None
+    code = _CODES.get(element.primitive)
+    if isinstance(value, array.array) and value.typecode == code:
+        return value
+    if isinstance(value, np.ndarray) and value.dtype == np.dtype(code or "O"):
+        return value
+    return [
+        _fitted(element, item, f"{where}[{index}]", inside=inside)
+        for index, item in enumerate(value)
+    ]
+
+
+def _refused(misfit: Misfit, value: Any, where: str) -> ValueError:
+    known = hasattr(value, "get_fields_and_field_types")
+    told = f"a {type(value).__name__}" if known else repr(value)
+    told = told if len(told) <= _TOLD else f"{told[: _TOLD - 1]}…"
+    return ValueError(f"{where} = {told}: it is {misfit.text}; {misfit.remedy}")
+
+
+@lru_cache(maxsize=2000)
+def message_class(type_name: str) -> type[Any] | None:
+    """The class of a message, request or goal (``…_Request``); None if it is not installed."""
+    part = next((suffix for suffix in _PARTS if type_name.endswith(suffix)), "")
+    try:
+        found = ros_class(type_name.removesuffix(part))
+    except ValueError:
+        return None
+    if part:
+        found = getattr(found, _PARTS[part], type(None))
+    return found if hasattr(found, "get_fields_and_field_types") else None
 
 
 def ros_class(name: str) -> type[Any]:

@@ -13,8 +13,8 @@ from pydantic import PydanticSchemaGenerationError, PydanticUserError, TypeAdapt
 
 from kompass.components.base.actions import signature_text
 from kompass.components.base.component import Component
-from kompass.expressions import MessageField, reference_of
-from kompass.rclpy_ext.messages import to_plain
+from kompass.rclpy_ext.messages import checked, to_plain
+from kompass.recipe.arguments import as_data, refers
 from kompass.recipe.functions import component_of, name_of, signature_of
 from kompass.recipe.parsed import Parser
 from kompass.rules.schema.actions import Action as RuleAction
@@ -192,8 +192,8 @@ def _check_types(method: Callable[..., Any], name: str, bound: dict[str, Any]) -
     """Raise TypeError when a value does not fit what the method says that it takes."""
     hints = get_type_hints(inspect.unwrap(method))
     for key, value in bound.items():
-        if key not in hints or isinstance(value, MessageField):
-            continue
+        if key not in hints or refers(value):
+            continue  # what is taken from a topic is known, and checked, when the rule fires
         try:
             TypeAdapter(hints[key]).validate_python(value)
         except ValidationError as error:
@@ -219,7 +219,7 @@ def argument(name: str, key: str, value: Any) -> Any:
     ValueError
         When a number in it is not finite.
     """
-    made = _as_data(value)
+    made = as_data(value)
     _check_finite(made, f"argument {key} = {value!r} of {name}")
     try:
         json.dumps(made)
@@ -242,24 +242,11 @@ def message_data(name: str, value: Any) -> dict[str, Any]:
     if value is None:
         return {}
     # Messages of rclpy are set to plain values and never to fields of topics: a mapping may be.
-    data = value if isinstance(value, Mapping) else to_plain(value)
+    is_message = hasattr(value, "get_fields_and_field_types") and not isinstance(value, type)
+    data = to_plain(checked(value)) if is_message else value
     if not isinstance(data, Mapping):
         raise TypeError(f"{name}: {value!r} is neither a message nor a mapping of its fields")
     return {key: argument(name, key, each) for key, each in data.items()}
-
-
-def _as_data(value: Any) -> Any:
-    if isinstance(value, MessageField):
-        return reference_of(value)
-    if isinstance(value, Mapping):
-        return {key: _as_data(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_as_data(item) for item in value]
-    made = to_plain(value)
-    if made is not value and isinstance(made, dict | list):
-        return _as_data(made)
-    # A text that looks like a reference is the text itself.
-    return f"${made}" if isinstance(made, str) and made.startswith("$") else made
 
 
 def _check_finite(value: Any, what: str) -> None:

@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import Any, Literal, get_args
 
-from pydantic import BaseModel
+from pydantic import BaseModel, JsonValue
 
 from kompass.rulebook.views.recipe_code import functions_in
 from kompass.rulebook.views.wording import describe_rule
@@ -25,9 +25,9 @@ from kompass.rules.schema.actions import (
     Method,
     Python,
     UpdateParameters,
+    arguments_of,
     component_of,
 )
-from kompass.rules.schema.arguments import references
 from kompass.rules.schema.conditions import (
     AllOf,
     AnyOf,
@@ -321,10 +321,8 @@ class _Fragment:
 
     def _action(self, action: Action) -> str:
         usual = action.timeout == _TIMEOUTS.get(type(action)) and action.on_error == "abort"
-        arguments = {**getattr(action, "parameters", {}), **getattr(action, "kwargs", {})}
-        # Written as an argument, a reference would be the text itself, and "$$" two signs.
-        signs = (isinstance(each, str) and each.startswith("$") for each in arguments.values())
-        plain = usual and not any(references(arguments)) and not any(signs)
+        # The functions of recipes take a text for a text, and mark it when it looks like another.
+        plain = usual and not _has_dollar(arguments_of(action))
         if isinstance(action, Log) and plain and action.level == "info":
             return self._call("log", f"msg={action.text!r}")
         if isinstance(action, Method) and plain and (action.kwargs or action.method not in _TAKEN):
@@ -380,6 +378,14 @@ class _Fragment:
             items = [self._construct_value(item) for item in value]
             return f"({', '.join(items)}{',' if len(items) == 1 else ''})"
         return repr(value)
+
+
+def _has_dollar(value: JsonValue) -> bool:
+    """Whether a reference, or a text that begins like one, is among some arguments."""
+    if isinstance(value, str):
+        return value.startswith("$")
+    items = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return any(map(_has_dollar, items))
 
 
 def _is_fallback(rule: Rule) -> bool:

@@ -7,10 +7,11 @@ from typing import Any
 
 from kompass.components.base.component import Component
 from kompass.components.base.parameter import with_values
-from kompass.expressions import MessageField, type_name
+from kompass.expressions import type_name
 from kompass.rclpy_ext.messages import copy_fields
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.action import METHOD_TIMEOUT, Action, argument, message_data
+from kompass.recipe.arguments import refers
 from kompass.rules.schema.actions import (
     CallService,
     Lifecycle,
@@ -139,7 +140,7 @@ def update_parameters(
     # What is taken from a topic is known, and checked, only when the rule fires.
     with_values(
         component.config,
-        {key: value for key, value in values.items() if not isinstance(value, MessageField)},
+        {key: value for key, value in values.items() if not refers(value)},
         name,
     )
     return Action.from_data(
@@ -158,6 +159,11 @@ def send_srv_request(*, srv_name: str, srv_type: type, srv_request_msg: Any = No
     ----------
     srv_request_msg
         The request; an empty one unless given.
+
+    Raises
+    ------
+    ValueError
+        When a field cannot hold the value that the request has.
     """
     return Action.from_data(
         CallService(
@@ -190,6 +196,8 @@ def send_action_goal(
     ------
     TypeError
         When there is no name or no type.
+    ValueError
+        When a field cannot hold the value that the goal has.
     """
     name, kind = action_name or server_name, action_type or server_type
     if name is None or kind is None:
@@ -270,6 +278,11 @@ def publish_message(
         How often [Hz]; once unless given.
     publish_period
         For how long [s]; for ever unless given.
+
+    Raises
+    ------
+    ValueError
+        When a field cannot hold the value that the message has.
     """
     return Action.from_data(
         Publish(

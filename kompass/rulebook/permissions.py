@@ -181,6 +181,14 @@ class Permissions:
             *(then.condition, then.clear, then.trigger, then.once),
         ) and list(map(_essence, rule.actions)) == list(map(_essence, own.actions))
 
+    def is_watched(self, action: Publish) -> bool:
+        """Whether it matters who could publish there, though it may say nothing.
+
+        For a second one on the topics of velocities the robot halts.
+        """
+        topic = topic_key(action.topic)
+        return topic in self._chain or topic in self._statuses or action.type in MOTION_TYPES
+
     # -- components ---------------------------------------------------------------------------
 
     def _method(self, action: Method) -> Iterator[Refusal]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from automatika_ros_sugar.srv import ExecuteMethod
+from geometry_msgs.msg import Point, Pose
 from kompass_interfaces.srv import StopRobot
 
 from kompass.components import Component, DriveManager, Planner
@@ -47,6 +48,11 @@ class Worker(Component):
     def add(self, a: int, b: int = 1) -> int:
         """Adds."""
         return a + b
+
+    @component_action
+    def reach(self, pose: Pose, others: list[Point]) -> list[str]:
+        """Tells what it was given."""
+        return [type(pose).__name__, f"{pose.position.x}", *(type(p).__name__ for p in others)]
 
     @component_action
     def fail(self) -> bool:
@@ -92,6 +98,13 @@ def test_an_override_of_an_action_is_an_action() -> None:
         ("add", {"a": 2}, True, "3"),
         ("nothing", {}, True, ""),
         ("slow", {"seconds": 0.01}, True, "true"),
+        ("add", {"a": 2.0}, True, "3"),
+        (
+            "reach",
+            {"pose": {"position": {"x": 2}}, "others": [{"x": 1.0}, {}]},
+            True,
+            '["Pose", "2.0", "Point", "Point"]',
+        ),
     ],
 )
 def test_results_travel_as_json(
@@ -108,6 +121,12 @@ def test_results_travel_as_json(
         ("raises", {}, "no such luck"),
         ("add", {}, r"missing a required argument: 'a'; it takes (a: int, b: int = 1)"),
         ("add", {"a": 1, "c": 2}, "unexpected keyword argument 'c'"),
+        ("add", {"a": "1"}, "worker.add: a = '1': Input should be a valid integer; it takes (a:"),
+        ("add", {"a": 1, "b": 0.5}, "b = 0.5: Input should be a valid integer"),
+        ("reach", {"pose": {"positoin": {}}, "others": []}, "Pose has no field 'positoin'"),
+        ("reach", {"pose": {"position": {"x": "1"}}, "others": []}, "position.x = '1': it is a"),
+        ("reach", {"pose": [1.0], "others": []}, "it is no Pose; give its fields by name"),
+        ("reach", {"pose": {}, "others": [{"x": None}]}, "others = [{'x': None}]: x = None"),
         ("unmarked", {}, "worker has no action 'unmarked'; known are"),
         ("__init__", {}, "has no action '__init__'"),
     ],

@@ -71,13 +71,19 @@ def test_what_does_not_fit_is_refused(made: dict[str, Any], words: tuple[str, ..
 def test_messages_requests_and_goals_are_known_by_their_fields() -> None:
     types = MessageTypes()
     known = types.field_type
-    assert known("sensor_msgs/msg/LaserScan", ("ranges",)) == FieldType(
-        "list", element=FieldType("float")
-    )
-    assert known("nav_msgs/msg/Path", ("poses", 0, "pose", "position", "x")) == FieldType("float")
-    assert known("std_srvs/srv/SetBool_Request", ("data",)) == FieldType("bool")
+    single, double = FieldType("float", primitive="float"), FieldType("float", primitive="double")
+    assert known("sensor_msgs/msg/LaserScan", ("ranges",)) == FieldType("list", element=single)
+    assert known("nav_msgs/msg/Path", ("poses", 0, "pose", "position", "x")) == double
+    truth = FieldType("bool", primitive="boolean")
+    assert known("std_srvs/srv/SetBool_Request", ("data",)) == truth
     assert known("kompass_interfaces/action/PlanPath_Goal", ("goal", "position", "x")) is not None
-    assert known("geometry_msgs/msg/PoseWithCovariance", ("covariance", 3)) == FieldType("float")
+    assert known("geometry_msgs/msg/PoseWithCovariance", ("covariance", 3)) == double
+    assert known("geometry_msgs/msg/PoseWithCovariance", ("covariance", 36)) is None
+    assert known("shape_msgs/msg/SolidPrimitive", ("dimensions",)) == FieldType(
+        "list", element=double, bound=3
+    )
+    text = FieldType("text", primitive="string", bound=255)
+    assert known("type_description_interfaces/msg/FieldType", ("nested_type_name",)) == text
     assert known("std_msgs/msg/Nothing", ()) is None
     assert known("no_such/msg/Bool", ()) is None
     assert known("std_msgs/msg/Bool", ("data", "more")) is None

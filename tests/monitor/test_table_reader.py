@@ -107,3 +107,35 @@ def test_whatever_comes_is_a_table_or_is_refused(data: Any, key: str) -> None:
             finding.model_dump_json()
             assert finding.text
             assert finding.remedy
+
+
+HALF = "a\ud800b"  # of a surrogate pair
+
+
+@pytest.mark.parametrize(
+    ("change", "rule_id", "field"),
+    [
+        ({"id": HALF}, "a?b", "id"),
+        ({"name": HALF}, "good", "name"),
+        ({"actions": [{"kind": "log", "text": HALF}]}, "good", "actions[0].text"),
+        ({"event": {"condition": compare("a", "==", HALF)}}, "good", "event.condition.value"),
+        ({HALF: 1}, "good", ""),
+    ],
+)
+def test_half_of_a_character_is_refused_and_can_be_told(
+    change: dict[str, Any], rule_id: str, field: str
+) -> None:
+    for text in (
+        json.dumps({"rules": [GOOD | change]}),
+        json.dumps({"rules": [GOOD | change]}, ensure_ascii=False),
+    ):
+        (found,) = refused(text).findings
+        assert (found.rule_id, found.field) == (rule_id, field)
+        assert found.value == "a?b"
+        found.model_dump_json().encode()
+
+
+def test_a_character_beyond_the_first_65536_is_a_character() -> None:
+    for ascii_only in (True, False):
+        text = json.dumps({"rules": [GOOD | {"name": "😀"}]}, ensure_ascii=ascii_only)
+        assert read_table(text).rules[0].name == "😀"

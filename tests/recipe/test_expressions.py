@@ -2,12 +2,19 @@
 
 import numpy as np
 import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
 from kompass_interfaces.msg import TwistArray
 from rclpy.qos import DurabilityPolicy
 
 from kompass.components import Planner
-from kompass.expressions import MessageField, condition_of, reference_of
+from kompass.events import OnEqual
+from kompass.expressions import Expression, MessageField, condition_of, reference_of
+from kompass.monitor.introspection.catalog import RecipeCatalog
+from kompass.monitor.tables.recipe_check import check_recipe
 from kompass.rclpy_ext.topic import QoSConfig, Topic
+from kompass.recipe.event import Event
+from kompass.recipe.table import RecipeRules, recipe_rules
+from kompass.recipe.verbs import log
 from kompass.rules.schema.conditions import AllOf, AnyOf, Compare, Not, Received
 from kompass.rules.schema.describe import describe
 
@@ -133,3 +140,41 @@ def test_a_value_counts_for_a_second_unless_stated_and_for_ever_when_latched() -
     assert Topic(name="mode", msg_type="Bool", qos_profile=latched).data_timeout is None
     asked = Topic(name="mode", msg_type="Bool", qos_profile=latched, data_timeout=5.0)
     assert asked.data_timeout == 5.0
+
+
+HEALTH = Topic(name="health", msg_type="diagnostic_msgs/DiagnosticStatus")
+BYTES = Topic(name="bytes", msg_type="ByteMultiArray")
+ID = Topic(name="id", msg_type="unique_identifier_msgs/UUID")
+
+
+def test_a_byte_is_compared_with_numbers_and_with_the_constants_of_its_message() -> None:
+    for wanted in (2, DiagnosticStatus.ERROR, np.uint8(2)):
+        assert compare(HEALTH.msg.level == wanted).value == 2
+    assert compare(HEALTH.msg.level >= DiagnosticStatus.WARN).value == 1
+    assert compare(HEALTH.msg.level.is_in([DiagnosticStatus.OK, 1])).value == (0, 1)
+    assert compare(HEALTH.msg.level.between(b"\x01", 3)).value == (1, 3)
+    assert compare(BYTES.msg.data == [b"\x01", 2]).value == (1, 2)
+    assert compare(BYTES.msg.data == b"\x01").value == (1,)
+    assert compare(BYTES.msg.data.contains(b"\x01")).value == 1
+    assert compare(BYTES.msg.data[0] == b"\x01").value == 1
+    made = OnEqual("stale", HEALTH, DiagnosticStatus.STALE, "level").rule_event.condition
+    assert compare(Expression(made)).value == 3
+    with pytest.raises(TypeError, match="it is a number"):
+        HEALTH.msg.level == "2"  # noqa: B015
+
+
+def test_an_item_of_a_fixed_list_of_numbers_is_a_number() -> None:
+    assert compare(ID.msg.uuid[0] == 5).signal.path == ("uuid", 0)
+    assert compare(ID.msg.uuid[-16] > 5).value == 5
+    with pytest.raises(TypeError, match="it is a number"):
+        ID.msg.uuid[0] == "5"  # noqa: B015
+
+
+@pytest.mark.parametrize("index", [16, -17])
+def test_an_item_that_a_fixed_list_never_has_is_refused(index: int) -> None:
+    catalog = RecipeCatalog([], RecipeRules())
+    made = recipe_rules({Event(ID.msg.uuid[index] == 5): log(msg="!")}, [])
+    with pytest.raises(ValueError, match=r"'uuid' always has 16 items.*choose one of \[0\] to"):
+        check_recipe(made.table, catalog)
+    made = recipe_rules({Event(ID.msg.uuid[0] == 5): log(msg="!")}, [])
+    check_recipe(made.table, catalog)

@@ -7,8 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
+from std_msgs.msg import ByteMultiArray
 
 from kompass.recorder.mcap.partial_decoder import Path, partial_decoder
 from kompass.rules.schema.signals import reader
@@ -134,3 +136,16 @@ def test_bytes_that_are_cut_short_are_refused() -> None:
             decode(raw[:size])
     with pytest.raises(ValueError, match="little endian"):
         decode(b"\0\0" + raw[2:])
+
+
+def test_a_byte_is_the_number_that_a_rule_compares_it_with() -> None:
+    message = DiagnosticStatus(level=DiagnosticStatus.ERROR, name="imu")
+    decode = partial_decoder("diagnostic_msgs/msg/DiagnosticStatus", [("level",)])
+    assert decode is not None
+    assert reader(("level",), None)(decode(serialize_message(message))) == 2
+    array = ByteMultiArray(data=[b"\x01", b"2"])
+    decode = partial_decoder("std_msgs/msg/ByteMultiArray", [("data",)])
+    assert decode is not None
+    decoded = decode(serialize_message(array))
+    assert reader(("data",), None)(decoded) == [1, 50]
+    assert reader(("data",), "max")(decoded) == 50.0

@@ -179,6 +179,39 @@ def test_swaps_under_load_neither_miss_nor_double_a_message(robot: Robot, rules:
     rules.remove("every", "other")
 
 
+def test_of_messages_that_a_rule_publishes_once_none_is_lost(robot: Robot, rules: Rules) -> None:
+    heard: list[int] = []
+    robot.node.create_subscription(
+        Int32, "/answer", lambda message: heard.append(message.data), RELIABLE
+    )
+    answer = {"kind": "publish", "topic": "answer", "type": "std_msgs/msg/Int32"}
+    publisher = robot.node.create_publisher(Int32, "/asked", RELIABLE)
+    told: list[str] = []
+    for round_ in range(5):
+        # Each time the publisher of the rule is another, and the first message its first.
+        name = f"shot-{round_}"
+        condition = {"kind": "received", "signal": signal("asked")}
+        rules.add(rule(name, condition, answer | {"message": {"data": "$msg.data"}}))
+        await_listener(robot, publisher)
+        for number in range(20):
+            publisher.publish(Int32(data=20 * round_ + number))
+            wait_until(lambda: phases(rules, name, "action") > number, 5, "its answer")  # noqa: B023
+        told += [f.text for f in rules.firings if (f.rule_id, f.phase) == (name, "action")]
+        rules.remove(name)
+    wait_until(lambda: len(heard) >= 100, 5, "the last answer")
+    assert heard == list(range(100))
+    assert told == ["published to 1 listener"] * 100
+
+
+def test_a_byte_or_a_number_that_does_not_fit_is_refused_when_it_is_checked(rules: Rules) -> None:
+    publish = {"kind": "publish", "topic": "answer", "type": "std_msgs/msg/UInt8"}
+    wrong = rule("wrong", compare("a", ">", 1), publish | {"message": {"data": 300}})
+    answer = rules.apply([*rules.rules(), wrong], rules.view().revision)
+    assert answer.outcome != Request.APPLIED
+    for word in ("wrong", "actions[0].message.data", "uint8: 0 to 255"):
+        assert word in answer.message
+
+
 def test_an_emergency_is_answered_while_twelve_slow_rules_run(
     robot: Robot, rules: Rules, folder: Path
 ) -> None:

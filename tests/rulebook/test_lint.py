@@ -269,6 +269,13 @@ def test_a_circle_of_rules_is_found_once_and_a_chain_is_none() -> None:
         # What is never true is never true together with anything.
         (both(compare("a", ">", 3), compare("a", "<", 1)), compare("a", "<", 9), False),
         (received("a"), received("a"), True),
+        (compare("a", "<", 10**400), compare("a", ">", 10**400), False),
+        (compare("a", "<=", 10**400), compare("a", ">=", 10**400), True),
+        (compare("a", "==", 10**400), compare("a", ">", -(10**400)), True),
+        (compare("a", "==", 10**400), compare("a", "==", 10**400 + 1), False),
+        (compare("a", "between", (1, 10**400)), compare("a", "==", 2.0), True),
+        (compare("a", "==", True), compare("a", "==", 1), False),
+        (compare("a", "==", 1), compare("a", "==", 1.0), True),
     ],
 )
 def test_rules_that_set_one_thing_to_two_values_at_once_contradict(

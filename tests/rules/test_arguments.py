@@ -84,3 +84,8 @@ def test_keys_with_dots_are_nested_messages() -> None:
 def test_a_key_set_twice_is_refused(arguments: dict[str, Any]) -> None:
     with pytest.raises(ArgumentError, match="is already set; give it once"):
         expand(arguments)
+
+
+def test_keys_with_dots_are_parts_in_the_items_of_lists_too() -> None:
+    poses: dict[str, Any] = {"poses": [{"position.x": 1.0, "position.y": 2.0}]}
+    assert expand(poses) == {"poses": [{"position": {"x": 1.0, "y": 2.0}}]}

@@ -131,3 +131,21 @@ def test_a_path_leads_to_a_value_or_to_none(path: tuple[str | int, ...], value: 
 def test_values_of_any_origin_become_plain(value: Any, as_plain: Any) -> None:
     found = plain(value)
     assert (found, type(found)) == (as_plain, type(as_plain))
+
+
+@pytest.mark.parametrize(
+    ("value", "aggregate", "found"),
+    [
+        (b"\x02", None, 2),
+        ([b"\x01", b"2"], None, [1, 50]),
+        ([b"\x01", b"2"], "max", 50.0),
+        ([b"\x00"], "any", False),
+        ([b"\x01", b"2"], "len", 2),
+        ([], None, []),
+    ],
+)
+def test_a_byte_of_a_message_is_a_number(value: Any, aggregate: Any, found: Any) -> None:
+    assert reader(("level",), aggregate)(Message(level=value)) == found
+    assert (
+        reader(("status", 0, "level"), aggregate)(Message(status=[Message(level=value)])) == found
+    )

@@ -5,9 +5,15 @@ recipe may open others of one's own, one by one and for its own rules, by naming
 """
 
 import inspect
+import json
+import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar, overload
+
+from pydantic import PydanticUserError, TypeAdapter, ValidationError
+
+from kompass.rclpy_ext.messages import fill
 
 ATTRIBUTE = "__component_action__"
 Method = TypeVar("Method", bound=Callable[..., Any])
@@ -104,8 +110,19 @@ class ActionRefused(ValueError):
     """The call names no action, does not fit it, or comes at the wrong time."""
 
 
-def check_call(owner: str, method: Callable[..., Any], kwargs: Mapping[str, Any]) -> None:
-    """Raise ActionRefused, naming what is wrong, when ``method`` does not take ``kwargs``."""
+def fitted_call(
+    owner: str, method: Callable[..., Any], kwargs: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The arguments of a call that came as JSON, as ``method`` takes them.
+
+    A mapping becomes the message that the method asks for, a list of mappings a list of them.
+    Where a type is declared that JSON can have, the value must be of it.
+
+    Raises
+    ------
+    ActionRefused
+        When ``method`` does not take ``kwargs``; names what is wrong.
+    """
     signature = inspect.signature(method)
     try:
         signature.bind(**kwargs)
@@ -113,6 +130,38 @@ def check_call(owner: str, method: Callable[..., Any], kwargs: Mapping[str, Any]
         raise ActionRefused(
             f"{owner}.{method.__name__}: {error}; it takes {signature_text(signature)}"
         ) from None
+    try:
+        hints = typing.get_type_hints(method)
+    except (NameError, TypeError):
+        hints = {}  # names that only the type checker sees
+    fitted = {}
+    for name, value in kwargs.items():
+        try:
+            fitted[name] = _fitted(hints.get(name, Any), value)
+        except (ValueError, AttributeError) as error:
+            why = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
+            raise ActionRefused(
+                f"{owner}.{method.__name__}: {name} = {value!r}: {why}; it takes "
+                f"{signature_text(signature)}"
+            ) from None
+    return fitted
+
+
+def _fitted(hint: Any, value: Any) -> Any:
+    if hasattr(hint, "get_fields_and_field_types") and isinstance(value, Mapping):
+        return fill(hint(), value)
+    if typing.get_origin(hint) is list and isinstance(value, list):
+        return [_fitted(typing.get_args(hint)[0], item) for item in value]
+    if hint is int and isinstance(value, float) and value.is_integer():
+        return int(value)
+    try:
+        adapter: TypeAdapter[Any] = TypeAdapter(hint)
+    except PydanticUserError:
+        if hasattr(hint, "get_fields_and_field_types"):
+            raise ValueError(f"it is no {hint.__name__}; give its fields by name") from None
+        return value  # of a type of the component's own, of which nothing is known
+    adapter.validate_json(json.dumps(value), strict=True)
+    return value
 
 
 def signature_text(signature: inspect.Signature) -> str:

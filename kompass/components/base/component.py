@@ -18,8 +18,8 @@ from kompass.components.base.actions import (
     ActionRefused,
     ActionSpec,
     actions_of,
-    check_call,
     component_action,
+    fitted_call,
     undecorated,
 )
 from kompass.components.base.component_config import (
@@ -969,7 +969,7 @@ class Component:
                 f"{', '.join(self.available_actions)}"
             )
         method = getattr(self, name)
-        check_call(self.node_name, method, kwargs)
+        kwargs = fitted_call(self.node_name, method, kwargs)
         if spec.active and not self.is_active:
             raise ActionRefused(f"{self.node_name} is not active; start it before '{name}'")
         result = method(**kwargs)

@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -20,6 +21,7 @@ from automatika_ros_sugar.srv import (
 )
 from kompass_interfaces.srv import SignedCall
 from lifecycle_msgs.srv import ChangeState
+from pydantic import JsonValue
 from rclpy.action import ActionClient
 from rclpy.executors import Executor
 from rclpy.node import Node
@@ -27,6 +29,7 @@ from rclpy.node import Node
 from kompass.access.gatekeeper import STALE
 from kompass.access.signed_services import SIGNED_CALL, unwrap, wrap
 from kompass.access.signer import Signer
+from kompass.monitor.execution.publishers import Listeners, Publishers
 from kompass.monitor.execution.service_refusal import refusal
 from kompass.monitor.recipe_call import RecipeCall
 from kompass.monitor.reporting.alarms import Alarms
@@ -34,7 +37,7 @@ from kompass.monitor.reporting.entries import ActionOutcome
 from kompass.rclpy_ext.awaitables import Awaitables
 from kompass.rclpy_ext.executor import Cancelled
 from kompass.rclpy_ext.log import write_log
-from kompass.rclpy_ext.messages import fill, ros_class, to_plain
+from kompass.rclpy_ext.messages import checked, fill, part_to_plain, ros_class, to_plain
 from kompass.rclpy_ext.timers import Timers
 from kompass.recipe.action import METHOD_TIMEOUT
 from kompass.recipe.fallbacks import FallbackSequence
@@ -46,6 +49,8 @@ from kompass.rules.schema.arguments import expand, resolve
 from kompass.signing.canonical import PROOF
 from kompass.store.robot_key import robot_key
 
+MATCH = 0.5  # s for which a message waits for those who listen
+LINGER = 0.1  # s for which a publisher that goes again stays, to deliver
 SEARCH = 2.0  # s in which a service or an action server must show up
 LET_IN = 0.001  # s for which a function may keep the engine waiting until it has begun
 PARSING = 10.0  # s in which a parser must have made its argument
@@ -86,6 +91,11 @@ class ActionRunner:
         Of the stack, by node name: they take requests for changes from us where we sign them.
     restart_if_stuck
         Has the process of a component started anew if it hangs, and returns whether it does.
+
+    Attributes
+    ----------
+    publishers
+        Of the rules in force.
     """
 
     def __init__(
@@ -102,6 +112,7 @@ class ActionRunner:
         self._node = node
         self._alarms = alarms
         self._permissions = permissions
+        self.publishers = Publishers(node, permissions, functions)
         self._functions = functions
         self._executor = executor
         self._awaitables = Awaitables(timers, executor)
@@ -294,14 +305,14 @@ class ActionRunner:
                     return "it hung; its process is started anew"
                 return await self._method(action.component, action.action, {}, action.timeout)
             case kinds.UpdateParameters():
-                return await self._parameters(action, arguments(action.parameters))
+                return await self._parameters(action, _as_json(arguments(action.parameters)))
             case kinds.Reconfigure():
-                return await self._reconfigure(action, arguments)
+                config = action.config
+                given = config if isinstance(config, str) else _as_json(arguments(config))
+                return await self._reconfigure(action, given)
             case kinds.CallService():
                 given = made.get("srv_request_msg", made.get("request"))
-                request = given or fill(
-                    ros_class(action.type).Request(), expand(arguments(action.request))
-                )
+                request = _message(ros_class(action.type).Request, given, arguments(action.request))
                 answer = await self._call(
                     ros_class(action.type), action.service, request, action.timeout
                 )
@@ -310,7 +321,7 @@ class ActionRunner:
                 return _short(answer)
             case kinds.SendGoal():
                 given = made.get("action_request_msg", made.get("request_msg"))
-                goal = given or fill(ros_class(action.type).Goal(), expand(arguments(action.goal)))
+                goal = _message(ros_class(action.type).Goal, given, arguments(action.goal))
                 return await self._goal(action, goal)
             case kinds.CancelGoal():
                 request = CancelGoalService.Request()
@@ -318,9 +329,9 @@ class ActionRunner:
                 await self._call(CancelGoalService, name, request, action.timeout)
                 return "cancelled"
             case kinds.Publish():
-                return await self._publish(
-                    action, made.get("msg"), expand(arguments(action.message))
-                )
+                kind = ros_class(action.type)
+                message = _message(kind, made.get("msg"), arguments(action.message))
+                return await self._publish(action, message)
         raise Failed(f"actions of kind '{action.kind}' cannot be carried out")
 
     async def _call(self, kind: Any, name: str, request: Any, timeout: float | None) -> Any:
@@ -362,7 +373,7 @@ class ActionRunner:
     async def _method(
         self, component: str, method: str, kwargs: Mapping[str, Any], timeout: float | None
     ) -> str:
-        request = ExecuteMethod.Request(name=method, kwargs_json=json.dumps(dict(kwargs)))
+        request = ExecuteMethod.Request(name=method, kwargs_json=json.dumps(_as_json(kwargs)))
         answer = await self._call(ExecuteMethod, f"{component}/execute_method", request, timeout)
         if not answer.success:
             text = answer.error_msg or f"{component}.{method} failed"
@@ -384,18 +395,16 @@ class ActionRunner:
         return ", ".join(f"{key} = {value}" for key, value in parameters.items())
 
     async def _reconfigure(
-        self, action: kinds.Reconfigure, arguments: Callable[[Mapping[str, Any]], Any]
+        self, action: kinds.Reconfigure, config: str | Mapping[str, JsonValue]
     ) -> str:
-        if isinstance(action.config, str):
-            request = ConfigureFromFile.Request(
-                path_to_file=action.config, keep_alive=action.keep_alive
-            )
+        if isinstance(config, str):
+            request = ConfigureFromFile.Request(path_to_file=config, keep_alive=action.keep_alive)
             name = f"{action.component}/configure_from_file"
             answer = await self._call(ConfigureFromFile, name, request, action.timeout)
             if not answer.success:
                 raise Failed(answer.error_msg)
-            return action.config
-        kwargs = {"new_config": arguments(action.config), "keep_alive": action.keep_alive}
+            return config
+        kwargs = {"new_config": config, "keep_alive": action.keep_alive}
         return await self._method(action.component, "reconfigure", kwargs, action.timeout)
 
     async def _goal(self, action: kinds.SendGoal, goal: Any) -> str:
@@ -423,28 +432,21 @@ class ActionRunner:
             raise Failed(text)
         return text
 
-    async def _publish(self, action: kinds.Publish, given: Any, data: Mapping[str, Any]) -> str:
-        kind = ros_class(action.type)
-        message = given or fill(kind(), dict(data))
-        publisher = self._node.create_publisher(kind, action.topic, 10)
-        try:
-            count = publisher.get_subscription_count
-            try:
-                await self._awaitables.until(lambda: count() > 0, 0.5, "nobody listens")
-            except TimeoutError:
-                if action.rate is None:
-                    publisher.publish(message)
-                    return "published, but nobody listens"
+    async def _publish(self, action: kinds.Publish, message: Any) -> str:
+        with self.publishers.lease(action) as publisher:
+            with suppress(TimeoutError):  # who listens is told; if nobody does, that is
+                await self._awaitables.until(publisher.has_found_all, MATCH, "listeners")
             deadline = None if action.period is None else time.monotonic() + action.period
-            while True:
-                publisher.publish(message)
-                if action.rate is None or (deadline and time.monotonic() >= deadline):
-                    # Give the middleware the time to deliver before the publisher goes.
-                    await self._awaitables.sleep(0.1)
-                    return "published"
+            times = 1
+            publisher.publish(message)
+            while action.rate and not (deadline and time.monotonic() >= deadline):
                 await self._awaitables.sleep(1.0 / action.rate)
-        finally:
-            self._node.destroy_publisher(publisher)
+                publisher.publish(message)
+                times += 1
+            if not publisher.kept:
+                # It takes with it what it has not delivered yet.
+                await self._awaitables.sleep(LINGER)
+            return _heard_by(publisher.listeners(), times)
 
 
 _STATUS = {
@@ -462,6 +464,29 @@ def _name(action: Any) -> str:
             component = getattr(action, "component", "")
             return f"{component}.{value}" if component else f"{action.kind} {value}"
     return str(action.kind)
+
+
+def _message(kind: type[Any], given: Any, data: Mapping[str, Any]) -> Any:
+    """What is sent: made by a function of the recipe, or of data; all of it fits its fields."""
+    if given is None:
+        return fill(kind(), expand(data))
+    if not isinstance(given, kind):
+        raise Failed(f"the event_parser made a {type(given).__name__}, not a {kind.__name__}")
+    return checked(given)
+
+
+def _as_json(arguments: Mapping[str, Any]) -> dict[str, JsonValue]:
+    """Arguments as they are sent to a component, parts of messages among them."""
+    return {name: part_to_plain(value) for name, value in arguments.items()}
+
+
+def _heard_by(listeners: Listeners, times: int) -> str:
+    matched, unfit = listeners
+    text = "published" if times == 1 else f"published {times} times"
+    text += f" to {matched} listener{'s' * (matched != 1)}" if matched else ", but nobody listens"
+    if unfit:
+        text += f"; {unfit} more ask{'s' * (unfit == 1)} for a latched topic, and got nothing"
+    return text
 
 
 def _problem_in(response: str) -> str:

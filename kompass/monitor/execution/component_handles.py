@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future
 from typing import Any
 
-from kompass.components.base.actions import actions_of, check_call
+from kompass.components.base.actions import actions_of, fitted_call
 from kompass.components.base.component import Component
 
 # Calls an action of a component, by node name, and gives its result.
@@ -92,7 +92,7 @@ def _action(node: str, name: str, method: Any, reach: Reach) -> Callable[..., An
         try:
             given = dict(signature.bind(*args, **kwargs).arguments)
         except TypeError as error:
-            check_call(node, method, kwargs)  # tells what it takes, where that is by name
+            fitted_call(node, method, kwargs)  # tells what it takes, where that is by name
             raise TypeError(f"{node}.{name}: {error}") from None
         for key in list(given):
             if signature.parameters[key].kind is inspect.Parameter.VAR_KEYWORD:

@@ -157,6 +157,8 @@ class RuleInputs:
     def _offer(self, name: str, type_name: str) -> ReaderQoS:
         """The best that every publisher of a topic offers."""
         infos = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(name))
+        # What rules publish with gives way to whoever else speaks there.
+        infos = [info for info in infos if info.node_name != self._node.get_name()] or infos
         fitting = [info for info in infos if info.topic_type == type_name]
         if infos and not fitting:
             self.broken[name] = f"/{name} is published as {infos[0].topic_type}, not as {type_name}"

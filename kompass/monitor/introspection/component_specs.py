@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from kompass.components.base.actions import ActionSpec
 from kompass.components.base.component import Component
+from kompass.expressions import type_name
 from kompass.rclpy_ext.topic import Topic
 from kompass.rules.checks.catalog import (
     ArgumentSpec,
@@ -76,6 +77,8 @@ def _method(kind: type, spec: ActionSpec) -> MethodSpec:
         ArgumentSpec(
             name=parameter.name,
             kind=_kind(hints.get(parameter.name))[0],
+            element=_element(hints.get(parameter.name)),
+            message=_message(hints.get(parameter.name)),
             required=parameter.default is inspect.Parameter.empty,
             default=None if parameter.default is parameter.empty else _json(parameter.default),
         )
@@ -108,6 +111,7 @@ def _parameters(settings: BaseModel, prefix: str) -> Iterator[ParameterSpec]:
             minimum=low,
             maximum=high,
             optional=optional,
+            element=_element(field.annotation),
         )
 
 
@@ -130,7 +134,26 @@ def _kind(annotation: Any) -> tuple[ValueKind, bool]:
         return (kinds.pop() if len(kinds) == 1 else "any"), types.NoneType in members
     if annotation in (None, Any, inspect.Parameter.empty):
         return "any", True
+    if hasattr(annotation, "get_fields_and_field_types"):
+        return "object", False  # a message, whose fields are given by name
     return _KINDS.get(typing.get_origin(annotation) or annotation, "any"), False
+
+
+def _element(annotation: Any) -> ValueKind:
+    """Sort of the items of a list; ``any`` where they may be of several, or null."""
+    if typing.get_origin(annotation) is typing.Annotated:
+        return _element(typing.get_args(annotation)[0])
+    items = set(typing.get_args(annotation)) - {Ellipsis}
+    if typing.get_origin(annotation) not in (list, tuple, set) or len(items) != 1:
+        return "any"
+    kind, optional = _kind(items.pop())
+    return "any" if optional else kind
+
+
+def _message(annotation: Any) -> str:
+    """``package/msg/Name`` of a message class; empty for anything else."""
+    is_message = hasattr(annotation, "get_fields_and_field_types")
+    return type_name(annotation) if is_message else ""
 
 
 def _bounds(field: FieldInfo) -> tuple[float | None, float | None]:

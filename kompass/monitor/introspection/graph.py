@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 
 from rclpy.action import get_action_names_and_types
 from rclpy.node import Node
@@ -40,12 +40,19 @@ class Graph:
         What is installed, and what the recipe brings.
     counts
         Messages received so far, by topic.
+    own
+        Topics on which the node itself stands ready to publish for rules: it is no publisher that
+        a rule could wait for.
     """
 
     def __init__(
-        self, node: Node, catalog: RecipeCatalog, counts: Callable[[], dict[str, int]]
+        self,
+        node: Node,
+        catalog: RecipeCatalog,
+        counts: Callable[[], dict[str, int]],
+        own: Callable[[], Collection[str]] = tuple,
     ) -> None:
-        self._node, self._catalog, self._counts = node, catalog, counts
+        self._node, self._catalog, self._counts, self._own = node, catalog, counts, own
         self._rates: dict[str, float] = {}
         self._before: tuple[float, dict[str, int]] = (time.monotonic(), {})
         self._heard: dict[str, float] = {}  # when a message last came, at most
@@ -100,11 +107,14 @@ class Graph:
             for component in self._catalog.components()
             for name in status_topics(component)
         }
+        own = self._own()
         for full, types in sorted(self._node.get_topic_names_and_types()):
             name = full.removeprefix("/")
             if name in _HIDDEN_TOPICS or "/_action/" in full or not types:
                 continue
             infos = self._node.get_publishers_info_by_topic(full)
+            if name in own:
+                infos = [info for info in infos if info.node_name != self._node.get_name()]
             latched = bool(infos) and all(
                 info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in infos
             )

@@ -2,25 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from functools import lru_cache
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
 
-from kompass.rclpy_ext.messages import ros_class
-from kompass.rules.checks.catalog import FieldKind, FieldType
+from kompass.rclpy_ext.field_types import field_types
+from kompass.rclpy_ext.messages import message_class, part_to_plain
+from kompass.rules.checks.catalog import FieldType
 
-_SCALARS: dict[str, FieldKind] = {
-    "boolean": "bool",
-    "float": "float",
-    "double": "float",
-    "long double": "float",
-    "octet": "int",
-    "char": "int",
-    "string": "text",
-    "wstring": "text",
-    **{f"{sign}int{bits}": "int" for sign in ("", "u") for bits in (8, 16, 32, 64)},
-}
-_PARTS = {"_Request": "Request", "_Response": "Response", "_Goal": "Goal", "_Result": "Result"}
 Path = tuple[str | int, ...]
 
 
@@ -34,7 +21,8 @@ class MessageTypes:
             if at is None:
                 return None
             if isinstance(step, int):
-                at = at.element
+                there = at.size is None or -at.size <= step < at.size
+                at = at.element if there else None
             else:
                 at = _fields(at.name).get(step) if at.kind == "message" else None
         return at
@@ -62,44 +50,9 @@ def _walk(type_name: str, at: Path, depth: int) -> Iterator[tuple[Path, FieldTyp
             yield from _walk(found.name, path, depth - 1)
 
 
-@lru_cache(maxsize=2000)
-def message_class(type_name: str) -> type[Any] | None:
-    """The class of a message, request or goal; None if it is not installed."""
-    part = next((suffix for suffix in _PARTS if type_name.endswith(suffix)), "")
-    try:
-        found = ros_class(type_name.removesuffix(part))
-    except ValueError:
-        return None
-    if part:
-        found = getattr(found, _PARTS[part], type(None))
-    return found if hasattr(found, "get_fields_and_field_types") else None
-
-
-@lru_cache(maxsize=2000)
-def _fields(type_name: str) -> dict[str, FieldType]:
+def _fields(type_name: str) -> Mapping[str, FieldType]:
     kind = message_class(type_name)
-    if kind is None:
-        return {}
-    types = kind.get_fields_and_field_types()
-    return {
-        name: _parse(text)
-        for name, text in types.items()
-        if name != "structure_needs_at_least_one_member"
-    }
-
-
-def _parse(text: str) -> FieldType:
-    """The type that ROS writes as ``sequence<geometry_msgs/Point, 4>`` or ``double[36]``."""
-    if text.startswith("sequence<"):
-        inner = text.removeprefix("sequence<").removesuffix(">")
-        return FieldType("list", element=_parse(inner.split(",")[0].strip()))
-    if text.endswith("]"):
-        return FieldType("list", element=_parse(text.rpartition("[")[0]))
-    scalar = _SCALARS.get(text.partition("<")[0])
-    if scalar is not None:
-        return FieldType(scalar)
-    package, _, name = text.partition("/")
-    return FieldType("message", f"{package}/msg/{name}")
+    return {} if kind is None else field_types(kind)
 
 
 def constants(type_name: str, field: str) -> dict[str, int]:
@@ -115,7 +68,7 @@ def constants(type_name: str, field: str) -> dict[str, int]:
         name: value
         for name in dir(kind)
         if name.isupper()
-        and isinstance(value := getattr(kind, name), int)
+        and isinstance(value := part_to_plain(getattr(kind, name)), int)
         and not isinstance(value, bool)
     }
     named = {name: value for name, value in found.items() if name.startswith(field.upper() + "_")}

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from typing import Any
+import re
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from typing import Any, TypeAlias
 
 from pydantic import JsonValue, ValidationError
 
 from kompass.rulebook.schema.report import Finding
 from kompass.rules.schema.interned import interned_table, text_of
+from kompass.rules.schema.signals import path_text
 from kompass.rules.schema.table import Rule, Table
 
 # Beyond these a table is no table of a robot, and reading it would hold up the engine.
 MAX_BYTES = 2_000_000
 MAX_RULES = 1_000
 SHOWN = 50  # findings that are told
+# Half of a pair, escaped or not; in a text that is searched before it is looked through.
+_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]|[\ud800-\udfff]")
+_Steps: TypeAlias = tuple[str | int, ...]
 SHOWN_VALUE = 200  # characters of a value that are told
 
 
@@ -120,7 +126,51 @@ def _load(text: str) -> Any:
     if isinstance(rules, list) and len(rules) > MAX_RULES:
         text = f"{len(rules)} rules are more than {MAX_RULES}"
         raise Unreadable([_finding("too-many", text, "send fewer rules", "rules")])
+    broken = list(islice(_broken_texts(data), SHOWN)) if _SURROGATE.search(text) else ()
+    if broken:
+        raise Unreadable([_of_broken(path, text, data) for path, text in broken])
     return data
+
+
+def _broken_texts(data: Any) -> Iterator[tuple[_Steps, str]]:
+    """Texts and keys, with the way to them, that hold half of a surrogate pair: no UTF-8 has it."""
+    waiting: list[tuple[_Steps, Any]] = [((), data)]
+    while waiting:
+        path, value = waiting.pop()
+        if isinstance(value, str):
+            if not _is_unicode(value):
+                yield path, value
+        elif isinstance(value, list):
+            waiting += [((*path, n), value[n]) for n in reversed(range(len(value)))]
+        elif isinstance(value, dict):
+            for key, item in reversed(value.items()):
+                if _is_unicode(key):
+                    waiting.append(((*path, key), item))
+                else:
+                    yield path, key
+
+
+def _is_unicode(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _of_broken(path: _Steps, text: str, data: Any) -> Finding:
+    rule = data["rules"][path[1]] if path[:1] == ("rules",) and len(path) > 1 else {}
+    named = rule.get("id") if isinstance(rule, dict) else None
+    whose = _short(named) if isinstance(named, str) else ""
+    return Finding(
+        level="error",
+        code="malformed",
+        rule_id=str(whose)[:100],
+        field=path_text(path[2:] if whose else path),
+        value=_short(text),
+        text="the text holds half of a surrogate pair, which is no character",
+        remedy="send characters beyond U+FFFF as both of their halves, or as UTF-8",
+    )
 
 
 def _finding(code: str, text: str, remedy: str, field: str = "", rule_id: str = "") -> Finding:

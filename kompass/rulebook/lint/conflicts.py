@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from pydantic import JsonValue
 
@@ -11,7 +11,9 @@ from kompass.rulebook.schema.report import Finding
 from kompass.rules.schema.actions import Lifecycle, UpdateParameters
 from kompass.rules.schema.conditions import AllOf, Compare, Condition
 from kompass.rules.schema.describe import describe
+from kompass.rules.schema.model import Scalar
 from kompass.rules.schema.table import Rule
+from kompass.rules.schema.values import Kind, kind_of
 
 # Of more rules that set one thing, not every pair is looked at.
 _PAIRS = 40
@@ -89,14 +91,19 @@ def may_overlap(one: Condition, other: Condition) -> bool:
     return bool(shared) and all(_both(first[key], second[key]) is not None for key in shared)
 
 
+# Python takes 1 and True for the same; a rule does not.
+_Value: TypeAlias = tuple[Kind, Scalar]
+
+
 class _Range(NamedTuple):
     """Values for which a comparison is true: an interval, or some single ones."""
 
+    # Whole numbers stay whole: they may lie beyond all floats.
     low: float = -math.inf
     high: float = math.inf
     open_low: bool = False
     open_high: bool = False
-    values: frozenset[str] | None = None
+    values: frozenset[_Value] | None = None
 
 
 def _ranges(condition: Condition) -> dict[str, _Range] | None:
@@ -134,20 +141,21 @@ def _range(part: Compare) -> _Range | None:
         return _Range(values=frozenset(map(_value, value)))
     if part.operator == "between":
         assert isinstance(value, tuple)
-        return _Range(float(value[0]), float(value[1]))
+        low, high = value
+        assert not isinstance(low, str)
+        assert not isinstance(high, str)
+        return _Range(low, high)
     if isinstance(value, (str, tuple)):
         return None
     if part.operator in ("<", "<="):
-        return _Range(high=float(value), open_high=part.operator == "<")
+        return _Range(high=value, open_high=part.operator == "<")
     if part.operator in (">", ">="):
-        return _Range(low=float(value), open_low=part.operator == ">")
+        return _Range(low=value, open_low=part.operator == ">")
     return _Range()
 
 
-def _value(value: JsonValue) -> str:
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return repr(float(value))
-    return json.dumps(value)
+def _value(value: Scalar) -> _Value:
+    return kind_of(value), value
 
 
 def _both(one: _Range, other: _Range) -> _Range | None:
@@ -167,11 +175,11 @@ def _both(one: _Range, other: _Range) -> _Range | None:
     return _Range(low, high, open_low, open_high)
 
 
-def _within(value: str, interval: _Range) -> bool:
-    try:
-        number = float(value)
-    except ValueError:
+def _within(value: _Value, interval: _Range) -> bool:
+    kind, number = value
+    if kind != "number":
         return True  # a text or a truth value, against a bound: nothing can be said
+    assert not isinstance(number, str)
     above = number > interval.low or (number == interval.low and not interval.open_low)
     below = number < interval.high or (number == interval.high and not interval.open_high)
     return above and below

@@ -25,11 +25,21 @@ class FieldType(NamedTuple):
         Name of the message type, for ``message``.
     element
         Type of the elements, for ``list``.
+    primitive
+        Of IDL (``octet``, ``uint8``, ``float`` …), for what is neither list nor message; empty
+        where only the sort is known.
+    size
+        How many elements a list has, if it always has as many.
+    bound
+        How many elements a list, or characters a text, has at most; None for any number.
     """
 
     kind: FieldKind
     name: str = ""
     element: "FieldType | None" = None
+    primitive: str = ""
+    size: int | None = None
+    bound: int | None = None
 
 
 class ArgumentSpec(NamedTuple):
@@ -43,6 +53,10 @@ class ArgumentSpec(NamedTuple):
         Whether a call must give it.
     options
         The values it may have; empty if it may have any of its kind.
+    element
+        Sort of the items of a list.
+    message
+        Type of the message whose fields it is, for an ``object``; empty for any mapping.
     """
 
     name: str
@@ -51,6 +65,8 @@ class ArgumentSpec(NamedTuple):
     default: JsonValue = None
     text: str = ""
     options: tuple[JsonValue, ...] = ()
+    element: ValueKind = "any"
+    message: str = ""
 
 
 class MethodSpec(NamedTuple):
@@ -84,6 +100,8 @@ class ParameterSpec(NamedTuple):
         The values it may have; empty if it may have any of its kind.
     optional
         Whether it may be null.
+    element
+        Sort of the items of a list.
     """
 
     name: str
@@ -94,6 +112,7 @@ class ParameterSpec(NamedTuple):
     maximum: float | None = None
     options: tuple[JsonValue, ...] = ()
     optional: bool = False
+    element: ValueKind = "any"
 
 
 class ComponentSpec(NamedTuple):

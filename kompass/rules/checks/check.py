@@ -10,15 +10,17 @@ from pydantic import JsonValue
 
 from kompass.rules.checks.catalog import Catalog, FieldType, StackCatalog
 from kompass.rules.checks.check_calls import check_calls
+from kompass.rules.checks.field_values import length_misfit, scalar_misfit, wrong_type
 from kompass.rules.checks.problem import Problem
 from kompass.rules.schema.actions import (
     Action,
     CallService,
+    Method,
     Publish,
     SendGoal,
     arguments_of,
 )
-from kompass.rules.schema.arguments import references
+from kompass.rules.schema.arguments import ArgumentError, expand, references
 from kompass.rules.schema.conditions import (
     CallableCondition,
     Changed,
@@ -55,7 +57,22 @@ def check_rule(rule: Rule, catalog: Catalog) -> list[Problem]:
         problems.extend(_action(rule, f"actions[{index}]", action, catalog))
     if isinstance(catalog, StackCatalog):
         problems.extend(check_calls(rule, catalog))
+        problems.extend(_given_messages(rule, catalog))
     return problems
+
+
+def _given_messages(rule: Rule, catalog: StackCatalog) -> Iterator[Problem]:
+    """Check the fields of messages that methods of components are given as mappings."""
+    for index, action in enumerate(rule.actions):
+        if not isinstance(action, Method):
+            continue
+        component = catalog.components().get(action.component)
+        method = component.methods.get(action.method) if component is not None else None
+        for argument in method.arguments if method is not None else ():
+            value = action.kwargs.get(argument.name)
+            if argument.message and isinstance(value, dict):
+                where = f"actions[{index}].kwargs.{argument.name}"
+                yield from _fields(rule, where, value, argument.message, (), catalog)
 
 
 def _condition(rule: Rule, root: str, condition: Condition, catalog: Catalog) -> Iterator[Problem]:
@@ -131,6 +148,9 @@ def _missing(type_name: str, path: tuple[str | int, ...], catalog: Catalog) -> t
     parent, step = catalog.field_type(type_name, path[:good]), path[good]
     assert parent is not None
     at = path_text(path[:good]) or type_name
+    if isinstance(step, int) and parent.size is not None:
+        text = f"'{at}' always has {parent.size} items, and none at [{step}]"
+        return text, f"choose one of [0] to [{parent.size - 1}]"
     if isinstance(step, int):
         return f"'{at}' is {_a(parent)}, which has no items", "leave the index out"
     if parent.kind == "list":
@@ -198,7 +218,14 @@ def _action(rule: Rule, where: str, action: Action, catalog: Catalog) -> Iterato
     if catalog.field_type(type_name, ()) is None:
         yield _unknown_type(rule, f"{where}.type", target)
         return
-    yield from _fields(rule, f"{where}.{name}", arguments_of(action), type_name, (), catalog)
+    arguments = arguments_of(action)
+    try:
+        expand(arguments)
+    except ArgumentError as error:
+        text, remedy = str(error).split("; ", 1)
+        yield Problem(rule.id, f"{where}.{name}", arguments, text, remedy)
+        return
+    yield from _fields(rule, f"{where}.{name}", arguments, type_name, (), catalog)
 
 
 def _target(action: Action) -> tuple[str | None, str, str]:
@@ -212,48 +239,52 @@ def _target(action: Action) -> tuple[str | None, str, str]:
 def _fields(
     rule: Rule,
     where: str,
-    value: JsonValue,
+    value: dict[str, JsonValue],
     type_name: str,
     at: tuple[str | int, ...],
     catalog: Catalog,
 ) -> Iterator[Problem]:
-    """Check the keys of an argument, nested or with dots, against the fields of a message."""
-    if isinstance(value, list):
-        for index, item in enumerate(value):
-            yield from _fields(rule, f"{where}[{index}]", item, type_name, (*at, index), catalog)
-        return
-    if not isinstance(value, dict):
-        return
+    """Check the keys of an argument, nested or with dots, and the values below them."""
     for key, item in value.items():
         path = (*at, *key.split("."))
-        if catalog.field_type(type_name, path) is None:
+        found = catalog.field_type(type_name, path)
+        if found is None:
             text, remedy = _missing(type_name, path, catalog)
             yield Problem(rule.id, where, key, text, remedy, FIELD)
-            continue
-        found = catalog.field_type(type_name, path)
-        assert found is not None
-        if not _holds(found, item):
-            text = f"'{path_text(path)}' is {_a(found)}"
-            yield Problem(rule.id, f"{where}.{key}", item, text, f"give {_a(found)}", "wrong-type")
         else:
-            yield from _fields(rule, f"{where}.{key}", item, type_name, path, catalog)
+            yield from _value(rule, f"{where}.{key}", item, found, type_name, path, catalog)
 
 
-def _holds(found: FieldType, value: JsonValue) -> bool:
-    """Whether a field can take a literal; what a reference brings is seen when it is there."""
-    if isinstance(value, str):
-        return found.kind == "text" or (value.startswith("$") and not value.startswith("$$"))
-    if isinstance(value, list):
-        element = found.element
-        return found.kind == "list" and (
-            element is None or all(_holds(element, item) for item in value)
-        )
-    if isinstance(value, dict) or value is None:
-        return found.kind == "message" and value is not None
-    if isinstance(value, bool):
-        return found.kind == "bool"
-    whole = isinstance(value, int) or value.is_integer()
-    return found.kind == "float" or (found.kind == "int" and whole)
+def _value(
+    rule: Rule,
+    where: str,
+    value: JsonValue,
+    found: FieldType,
+    type_name: str,
+    at: tuple[str | int, ...],
+    catalog: Catalog,
+) -> Iterator[Problem]:
+    """Check a literal against the field that it is for, to its innermost items."""
+    if isinstance(value, str) and value.startswith("$"):
+        if not value.startswith("$$"):
+            return  # what a reference brings is seen when it is there
+        value = value[1:]
+    if found.kind == "message" and isinstance(value, dict):
+        yield from _fields(rule, where, value, type_name, at, catalog)
+        return
+    if found.kind == "list":
+        misfit = length_misfit(found, len(value)) if isinstance(value, list) else wrong_type(found)
+    else:
+        misfit = wrong_type(found) if found.kind == "message" else scalar_misfit(found, value)
+    if misfit is not None:
+        text = f"'{path_text(at)}' is {misfit.text}"
+        yield Problem(rule.id, where, value, text, misfit.remedy, misfit.code)
+    elif isinstance(value, list) and found.element is not None:
+        for index, item in enumerate(value):
+            inner = (*at, index)
+            yield from _value(
+                rule, f"{where}[{index}]", item, found.element, type_name, inner, catalog
+            )
 
 
 def _reference(

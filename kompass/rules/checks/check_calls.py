@@ -144,8 +144,8 @@ def _parents(name: str) -> list[str]:
 def _value(
     rule: Rule, where: str, value: JsonValue, spec: ArgumentSpec | ParameterSpec, what: str
 ) -> Iterator[Problem]:
-    if isinstance(value, str) and value.startswith("$") and not value.startswith("$$"):
-        return  # taken from a message
+    if _is_reference(value):
+        return  # what it brings is seen when it is there
     optional = spec.optional if isinstance(spec, ParameterSpec) else not spec.required
     if value is None and (optional or spec.kind == "any"):
         return
@@ -159,6 +159,15 @@ def _value(
         yield Problem(rule.id, where, value, text, remedy, "not-an-option")
     elif isinstance(spec, ParameterSpec) and isinstance(value, (int, float)):
         yield from _bounds(rule, where, value, spec, what)
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            if not _is_reference(item) and not _fits(item, spec.element):
+                text, remedy = f"each item of {what} is {_a(spec.element)}", "correct it"
+                yield Problem(rule.id, f"{where}[{index}]", item, text, remedy, "wrong-type")
+
+
+def _is_reference(value: JsonValue) -> bool:
+    return isinstance(value, str) and value.startswith("$") and not value.startswith("$$")
 
 
 def _bounds(

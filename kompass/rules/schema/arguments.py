@@ -50,6 +50,8 @@ def resolve(
 def expand(arguments: Mapping[str, Any]) -> dict[str, Any]:
     """Return keys with dots as nested mappings: ``{"point.x": 1}`` is ``{"point": {"x": 1}}``.
 
+    The mappings in lists are looked through, too.
+
     Raises
     ------
     ArgumentError
@@ -63,13 +65,19 @@ def expand(arguments: Mapping[str, Any]) -> dict[str, Any]:
             at = at.setdefault(part, {})
             if not isinstance(at, dict):
                 raise ArgumentError(f"argument '{key}': '{part}' is already set; give it once")
-        value = expand(value) if isinstance(value, dict) else value
+        value = _expanded(value)
         if last in at:
             if not isinstance(at[last], dict) or not isinstance(value, dict):
                 raise ArgumentError(f"argument '{key}' is already set; give it once")
             value = {**at[last], **value}
         at[last] = value
     return nested
+
+
+def _expanded(value: Any) -> Any:
+    if isinstance(value, dict):
+        return expand(value)
+    return [_expanded(item) for item in value] if isinstance(value, list) else value
 
 
 def references(value: JsonValue) -> Iterator[tuple[str | None, tuple[str | int, ...]]]:

@@ -34,6 +34,7 @@ _ONE = frozenset({"<", "<=", ">", ">="})
 _MANY = frozenset(
     {"between", "contains_any", "contains_all", "not_contains_any", "not_contains_all"}
 )
+_LARGEST = 2**1023  # of whole numbers to which a float can be added
 
 
 class Compare(Model):
@@ -64,11 +65,21 @@ class Compare(Model):
                 f"tolerance {self.tolerance!r}: only '==' and '!=' take one; "
                 f"move the bound of '{self.operator}' instead"
             )
+        if self.tolerance:
+            self._check_tolerated()
         if self.operator == "between":
             self._check_bounds()
         elif is_list and not self.value and self.operator not in ("==", "!="):
             raise ValueError(f"value []: '{self.operator}' needs at least one item")
         return self
+
+    def _check_tolerated(self) -> None:
+        for value in self.value if isinstance(self.value, tuple) else (self.value,):
+            if isinstance(value, int) and abs(value) > _LARGEST:
+                raise ValueError(
+                    f"value {value!r}: no tolerance can be added to a number beyond all floats; "
+                    "give a smaller one, or leave the tolerance out"
+                )
 
     def _check_bounds(self) -> None:
         bounds = self.value

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from kompass.rules.schema.model import Model, PositiveSeconds, TopicName, TypeName
-from kompass.rules.schema.values import MISSING, finite_numbers, plain
+from kompass.rules.schema.values import MISSING, finite_numbers, of_field
 
 Aggregate = Literal["min", "max", "mean", "len", "any", "all"]
 FieldName = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")]
@@ -57,7 +57,7 @@ def path_text(path: tuple[str | int, ...]) -> str:
 def reader(path: tuple[str | int, ...], aggregate: str | None) -> Callable[[Any], Any]:
     """Make the function that reads a signal from a message; ``MISSING`` where there is none."""
     steps = _steps(path)
-    reduce = _REDUCTIONS[aggregate] if aggregate else plain
+    reduce = _REDUCTIONS[aggregate] if aggregate else of_field
     if len(steps) == 1 and aggregate is None:
         step = steps[0]
 
@@ -66,7 +66,7 @@ def reader(path: tuple[str | int, ...], aggregate: str | None) -> Callable[[Any]
                 value = step(message)
             except _ABSENT:
                 return MISSING
-            return value if type(value) is float or type(value) is int else plain(value)
+            return value if type(value) is float or type(value) is int else of_field(value)
 
         return read_one
 
@@ -101,6 +101,8 @@ def _finite(value: Any) -> "np.ndarray[Any, np.dtype[np.float64]] | None":
     """Return the finite values of an array-like, or None if it is not one."""
     if isinstance(value, (str, int, float)) or not hasattr(value, "__len__"):
         return None
+    if type(value) is list:
+        value = of_field(value)  # of bytes, which NumPy would take for digits
     try:
         # A buffer (array.array, the common case of a scan) is read without a copy per element.
         values = np.asarray(value, dtype=np.float64)

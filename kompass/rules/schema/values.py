@@ -46,6 +46,19 @@ def plain(value: Any) -> Any:
     return value
 
 
+def of_field(value: Any) -> Any:
+    """Return what a field of a message holds as :func:`plain` does, and a byte as a number.
+
+    A field of type ``byte`` is ``bytes`` of length 1 in rclpy, and a list of them a list of such.
+    """
+    kind = type(value)
+    if kind is bytes and len(value) == 1:
+        return value[0]
+    if kind is list and value and type(value[0]) is bytes:
+        return [item[0] for item in value]
+    return plain(value)
+
+
 def kind_of(value: Any) -> Kind:
     """Return the kind of a value from :func:`plain`; NaN and a missing value are ``none``."""
     kind = type(value)
