@@ -130,7 +130,7 @@ def test_a_stack_without_a_robot_comes_up_and_its_health_says_why(
 ) -> None:
     program = tmp_path / "recipe.py"
     program.write_text(RECIPE)
-    domain = next_domain()
+    domain = next_domain(stack=True)
     log = tmp_path / "log"
     with log.open("w") as out:
         stack = subprocess.Popen(

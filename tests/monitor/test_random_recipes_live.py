@@ -97,7 +97,7 @@ def told(world: World) -> list[tuple[int, list[tuple[bool, str]]]]:
     texts: dict[str, Callable[[Any], str]] = {
         "log": lambda made: made[1],
         "note": lambda made: made[1][0],
-        "publish": lambda made: "published",
+        "publish": lambda made: "published to 1 listener",
         "call_service": lambda made: "message ",
     }
     return [

@@ -53,7 +53,7 @@ class Carried:
             *(spinning.node, spinning.executor, Timers(spinning.node), made.functions),
             Alarms(spinning.node),
             permissions=Permissions({}, Table()),
-            components=(),
+            components=[one.node_name for one in components],
             restart_if_stuck=lambda component: False,
         )
 
@@ -416,7 +416,7 @@ def lamps(spinning: Spinning) -> Iterator[tuple[Lamp, Lamp]]:
 
 
 def carried_with(carried: Make, lamp: Lamp, *functions: Any) -> Carried:
-    run = carried(*(Action(one) for one in functions))
+    run = carried(*(Action(one) for one in functions), components=[lamp])
     make_handles([lamp], run.runner.reach)
     return run
 
