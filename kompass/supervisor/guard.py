@@ -11,10 +11,9 @@ import os
 import select
 import signal
 import time
-from pathlib import Path
 
 from kompass.supervisor.news import ProcessNews
-from kompass.supervisor.process import ProcessSpec, Report
+from kompass.supervisor.process import ProcessSpec, Report, born
 
 NAME = "guard"
 
@@ -49,7 +48,6 @@ def guard(inbox: int, patience: float) -> None:
     patience
         As of :func:`guard_process`.
     """
-    parent = os.getppid()
     living: dict[int, int] = {}  # pidfds by pid: they never come to mean another process
     with os.fdopen(inbox) as lines:
         for line in lines:
@@ -57,17 +55,22 @@ def guard(inbox: int, patience: float) -> None:
             if news.state in ("dead", "given up"):
                 if news.pid in living:
                     os.close(living.pop(news.pid))
-            elif news.pid not in living and news.pid != os.getpid() and _is_child(news.pid, parent):
-                living[news.pid] = os.pidfd_open(news.pid)
+            elif news.pid not in living and news.pid != os.getpid():
+                # The line may have waited, and the pid be another's by now.
+                pidfd = _opened(news.pid)
+                if born(news.pid) == news.born and pidfd >= 0:
+                    living[news.pid] = pidfd
+                elif pidfd >= 0:
+                    os.close(pidfd)
     _end(living, patience)
 
 
-def _is_child(pid: int, parent: int) -> bool:
+def _opened(pid: int) -> int:
+    """A pidfd; -1 when there is no such process."""
     try:
-        after_name = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2]
-    except OSError:
-        return False
-    return int(after_name.split()[1]) == parent
+        return os.pidfd_open(pid)
+    except ProcessLookupError:
+        return -1
 
 
 def _end(living: dict[int, int], patience: float) -> None:

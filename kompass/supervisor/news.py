@@ -29,6 +29,8 @@ class ProcessNews:
         In words; empty while there is nothing to say.
     stopped
         Whether a signal (SIGSTOP) holds it, which is known at once and called "busy" at first.
+    born
+        When the process began (clock ticks since boot): no other has both this and its pid.
     """
 
     name: str
@@ -38,6 +40,7 @@ class ProcessNews:
     restarts: int = 0
     reason: str = ""
     stopped: bool = False
+    born: int = 0
 
     @property
     def is_lost(self) -> bool:

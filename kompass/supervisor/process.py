@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from kompass.supervisor.cpu_usage import CpuUsage
 from kompass.supervisor.heartbeat import Heartbeat, start_heartbeat
@@ -37,6 +38,7 @@ class ProcessSpec:
     stops_robot: bool = False  # asked to stop before the others, so that the robot halts first
     names: list[str] = field(default_factory=list)  # ROS nodes in it
     starts: int = 0  # times it was forked, this one included
+    born: int = 0  # when that was, in clock ticks since boot
     listens: bool = False  # wants to be told how the other processes are doing
     inbox: int = -1  # in the child: where it is told, a JSON line each
     allowed: dict[str, float] = field(default_factory=dict)  # s that a step of a node may take
@@ -97,6 +99,15 @@ class Child:
             log.warning("%s does not listen", self.spec.name)
 
 
+def born(pid: int) -> int:
+    """When a process began, in clock ticks since boot; 0 when there is none."""
+    try:
+        after_name = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2]
+    except OSError:
+        return 0
+    return int(after_name.split()[19])
+
+
 def fork(spec: ProcessSpec, close: list[int]) -> Child:
     """Fork a child that runs ``spec.main``.
 
@@ -118,6 +129,7 @@ def fork(spec: ProcessSpec, close: list[int]) -> Child:
     if pid == 0:
         spec.inbox = inbox
         _run(spec, parent, write_end, [*close, read_end, *([outbox] if spec.listens else [])])
+    spec.born = born(pid)
     os.close(write_end)
     os.set_blocking(read_end, False)
     if spec.listens:

@@ -312,7 +312,8 @@ class Supervisor:
         shared = len(spec.members) > 1
         name = member if shared else spec.name
         nodes = [member] if shared else spec.names
-        line = ProcessNews(name, nodes, state, pid, spec.starts - 1, reason, stopped).to_line()
+        told = (name, nodes, state, pid, spec.starts - 1, reason, stopped, spec.born)
+        line = ProcessNews(*told).to_line()
         self._states[name] = line
         for child in self._children.values():
             if child.outbox >= 0:

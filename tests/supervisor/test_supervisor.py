@@ -280,6 +280,21 @@ def test_nothing_outlives_a_killed_supervisor_though_it_does_not_obey(
     wait_until(lambda: not alive(pid), 3.0, "its end")
 
 
+def test_a_guard_that_hears_of_a_process_after_the_supervisors_death_ends_it_all_the_same(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    program = Program(tmp_path, "specs = [ProcessSpec('a', stubborn)]")
+    programs.append(program)
+    program.wait_for("a is up")
+    program.wait_for("guard is up")
+    os.kill(program.pid_of("guard"), signal.SIGSTOP)  # until its supervisor dies
+    os.kill(program.pid_of("a"), signal.SIGKILL)
+    wait_until(lambda: program.text().count("a is up") == 2, 5, "a second life")
+    pid = program.pid_of("a")
+    os.kill(program.process.pid, signal.SIGKILL)
+    wait_until(lambda: not alive(pid), 5.0, "its end")
+
+
 def test_a_terminal_that_is_closed_ends_all_in_their_order(
     tmp_path: Path, programs: list[Program]
 ) -> None:
