@@ -175,7 +175,7 @@ def test_no_way_round_an_obstacle_is_an_algorithm_failure_and_stops(run: Run, di
     stage.ring = 0.14
     wait_until(lambda: stage.status().status == 1, 5, "an ALGORITHM failure")
     assert list(stage.status().src_algorithms) == ["DWA"]
-    assert stage.speed == 0.0
+    wait_until(lambda: stage.speed == 0.0, 5, "a stop command")
     stage.ring = None
     wait_until(stage.drives, 5, "motion again")
     wait_until(lambda: stage.status().status == 0, 5, "health")

@@ -14,6 +14,7 @@ from lifecycle_msgs.srv import GetState
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from kompass.rclpy_ext.reply import NoAnswer
 from tests.support.domains import next_domain
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
@@ -92,7 +93,7 @@ class Statuses(Robot):
             answer = self.call(
                 GetState, f"/robot1/{name}/get_state", GetState.Request(), timeout=1.0
             )
-        except AssertionError:
+        except NoAnswer:
             return ""
         return str(answer.current_state.label)
 
