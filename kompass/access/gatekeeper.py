@@ -35,6 +35,12 @@ _FAULTS = {
 }
 
 
+def answered_challenge(message: str) -> str | None:
+    """What a refusal of a proof that is too old answers it with; None of other texts."""
+    text = message.removeprefix(f"{STALE} [")
+    return text.removesuffix("]") if text != message else None
+
+
 class NotAdmitted(Exception):
     """The request may not be; the message is a sentence for whoever asked."""
 
@@ -96,7 +102,11 @@ class Gatekeeper:
             self._publish()
         if verdict == "good":
             return True
-        raise self._refuse(service, who, _FAULTS[verdict])
+        refusal = self._refuse(service, who, _FAULTS[verdict])
+        if verdict == "stale":
+            # Who has the key makes another proof with this, whatever else is on the topic.
+            refusal = NotAdmitted(f"{STALE} [{self._verifier.answer(request.proof)}]")
+        raise refusal
 
     def admit_unsigned(self, service: str, *, changes: bool = True, who: str = "") -> None:
         """Let a request in that nobody has signed.
@@ -110,7 +120,10 @@ class Gatekeeper:
             return
         mode = "full" if changes else "read"
         what = "takes changes" if changes else "gives answers"
-        text = f"the request is refused: it is not signed, and this robot {what} only where it is"
+        text = (
+            "the request is refused: it is not signed with the robot's key, and this robot "
+            f"{what} only where it is"
+        )
         raise self._refuse(service, who, f"{text}; {_REMEDY.format(mode=mode)}")
 
     def _refuse(self, service: str, who: str, why: str) -> NotAdmitted:

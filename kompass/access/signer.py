@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterable
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from kompass.access.gatekeeper import CHALLENGE, STALE
+from kompass.access.gatekeeper import CHALLENGE, answered_challenge
 from kompass.rclpy_ext.reply import Reply
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.signing.canonical import PROOF
 from kompass.signing.key import RobotKey
-from kompass.signing.proof import make_proof, read_challenge
+from kompass.signing.proof import make_proof, read_answer, read_challenge
 
-_MOST_CALLS = 3  # of one request: whoever is started anew again and again is not waited for
+MOST_CALLS = 3  # of one request: whoever is started anew again and again is not waited for
 
 T = TypeVar("T")
+
+
+class _Known(NamedTuple):
+    """A challenge of the server, and the key that it has."""
+
+    challenge: str
+    key: RobotKey
 
 
 class Signer:
@@ -36,9 +43,8 @@ class Signer:
 
     def __init__(self, node: Node, server: str, keys: Iterable[RobotKey]) -> None:
         self._node, self._keys = node, list(keys)
-        self._heard = ""
-        self._found: tuple[str, RobotKey] | None = None
-        self._waiting: list[Callable[[], None]] = []
+        self._heard = self._is_foreign = False
+        self._known: _Known | None = None
         self._subscription = node.create_subscription(
             String, f"{server}/{CHALLENGE}", self._hear, LATCHED.to_ros()
         )
@@ -49,12 +55,7 @@ class Signer:
 
     @property
     def is_ready(self) -> bool:
-        """Whether a challenge was heard: before that, nothing can be signed. Any thread."""
-        return bool(self._heard)
-
-    @property
-    def challenge(self) -> str:
-        """What was heard last. Any thread."""
+        """Whether anything was heard of the server: before that, nothing is asked. Any thread."""
         return self._heard
 
     def sign(self, service: str, request: Any) -> Any:
@@ -68,11 +69,47 @@ class Signer:
         service
             Full name of the service.
         """
-        found = self._found
-        if found is not None and PROOF in request.get_fields_and_field_types():
-            challenge, key = found
-            request.proof = make_proof(key, challenge, service, request)
+        if PROOF in request.get_fields_and_field_types():
+            known = self._known
+            if known is not None:
+                request.proof = make_proof(known.key, known.challenge, service, request)
+            elif self._keys and not self._is_foreign:
+                # Somebody's word kept the server's from us; its answer tells the challenge.
+                request.proof = make_proof(self._keys[0], "", service, request)
+            else:
+                request.proof = ""
         return request
+
+    def learn(self, message: str, proof: str) -> bool:
+        """Take the challenge that a server answers a proof with that is too old. Any thread.
+
+        The topic of the challenges is open to all: what was heard there may be an old one that
+        somebody repeats. The answer is for one proof, and only who has the key can make it.
+
+        Parameters
+        ----------
+        message
+            Of the answer.
+        proof
+            Of the request.
+
+        Returns
+        -------
+        bool
+            Whether the request is to be signed and sent once more.
+        """
+        answer = answered_challenge(message)
+        if answer is None or not proof:
+            return False
+        for key in self._keys:
+            challenge = read_answer(answer, proof, key)
+            if challenge is not None:
+                self._known = _Known(challenge, key)
+                return True
+        if self._known is None and not self._is_foreign:
+            self._is_foreign = True
+            return True
+        return False
 
     def call(
         self,
@@ -84,8 +121,8 @@ class Signer:
     ) -> Reply[T]:
         """Call a service by its full name and a client of rclpy, signed; as `Reply.of_service`.
 
-        Whoever was started anew has another challenge, and says that the proof is too old: then the
-        request is signed and sent once more as soon as the new one is heard.
+        A proof that is too old is answered with another challenge: then the request is signed and
+        sent once more.
         """
 
         def send(answered: Callable[[Any], None]) -> Callable[[], object]:
@@ -93,18 +130,16 @@ class Signer:
             given_up = threading.Event()
 
             def ask() -> None:
-                if given_up.is_set():
-                    return
-                before = self._heard
                 call = client.call_async(self.sign(service, request))
+                proof = getattr(request, PROOF, "")
                 calls.append(call)
-                call.add_done_callback(lambda done: judge(done, before))
+                call.add_done_callback(lambda done: judge(done, proof))
 
-            def judge(done: Any, before: str) -> None:
-                if not done.cancelled() and done.exception() is None:
-                    again = done.result().message == STALE and len(calls) < _MOST_CALLS
-                    if again:
-                        self._on_next(before, ask)
+            def judge(done: Any, proof: str) -> None:
+                if not done.cancelled() and done.exception() is None and len(calls) < MOST_CALLS:
+                    message = getattr(done.result(), "message", "")
+                    if self.learn(message, proof) and not given_up.is_set():
+                        ask()
                         return
                 answered(done)
 
@@ -118,19 +153,9 @@ class Signer:
         ready = lambda: self.is_ready and client.service_is_ready()  # noqa: E731
         return Reply(service, limit, ready=ready, send=send, read=read)
 
-    def _on_next(self, before: str, ask: Callable[[], None]) -> None:
-        """Ask once another challenge was heard than the one before; on the node's thread."""
-        if self._heard != before:
-            ask()
-        else:
-            self._waiting.append(ask)
-
     def _hear(self, message: Any) -> None:
+        self._heard = True
         found = read_challenge(message.data, self._keys)
         # What anybody says without a key does not take the place of what the robot has said.
-        if found is None and self._found is not None:
-            return
-        self._found, self._heard = found, message.data
-        waiting, self._waiting = self._waiting, []
-        for ask in waiting:
-            ask()
+        if found is not None:
+            self._known, self._is_foreign = _Known(*found), False

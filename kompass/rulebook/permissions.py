@@ -45,7 +45,7 @@ _SETTING_TYPES = frozenset(
     | {f"automatika_ros_sugar/srv/{name}" for name in ("ConfigureFromFile", "ExecuteMethod")}
     | {"automatika_ros_sugar/srv/ReplaceTopic"}
     | {f"rcl_interfaces/srv/{name}" for name in ("SetParameters", "SetParametersAtomically")}
-    | {"lifecycle_msgs/srv/ChangeState"}
+    | {"lifecycle_msgs/srv/ChangeState", "kompass_interfaces/srv/SignedCall"}
 )
 _TABLE_TYPES = frozenset(
     f"kompass_interfaces/srv/{name}"

@@ -12,7 +12,7 @@ LIFE = 60.0  # s after which a challenge is exchanged; the one before counts for
 MOST_PROOFS = 10_000  # for one challenge; it is exchanged earlier then
 
 Verdict = Literal["good", "stale", "used", "wrong"]
-_CHALLENGE, _REQUEST = b"kompass challenge", b"kompass request"
+_CHALLENGE, _REQUEST, _ANSWER = b"kompass challenge", b"kompass request", b"kompass answer"
 
 
 def make_proof(key: RobotKey, challenge: str, service: str, request: Any) -> str:
@@ -34,6 +34,15 @@ def read_challenge(text: str, keys: Iterable[RobotKey]) -> tuple[str, RobotKey] 
         if key.has_signed(mark, _CHALLENGE, challenge.encode()):
             return challenge, key
     return None
+
+
+def read_answer(text: str, proof: str, key: RobotKey) -> str | None:
+    """The challenge that answers a stale proof; None if it is not of this key and for this proof.
+
+    The mark is over the random word of the proof: an answer to another request is worth nothing.
+    """
+    challenge, _, mark = text.partition(".")
+    return challenge if key.has_signed(mark, _ANSWER, *_words(proof, challenge)) else None
 
 
 class Verifier:
@@ -59,6 +68,12 @@ class Verifier:
         """The newest challenge, to be published."""
         with self._lock:
             return announce(self._key, next(reversed(self._challenges)))
+
+    def answer(self, proof: str) -> str:
+        """The newest challenge for whoever made a proof that counts no more."""
+        with self._lock:
+            challenge = next(reversed(self._challenges))
+        return f"{challenge}.{self._key.sign(_ANSWER, *_words(proof, challenge))}"
 
     def renew(self, now: float) -> None:
         """Exchange the challenge; the one before counts until the next time."""
@@ -93,10 +108,9 @@ class Verifier:
         return "good"
 
 
+def _words(*words: str) -> tuple[bytes, ...]:
+    return tuple(word.encode(errors="surrogatepass") for word in words)
+
+
 def _parts(challenge: str, nonce: str, service: str, request: Any) -> tuple[bytes, ...]:
-    words = (challenge, nonce, service)
-    return (
-        _REQUEST,
-        *(word.encode(errors="surrogatepass") for word in words),
-        canonical_bytes(request),
-    )
+    return (_REQUEST, *_words(challenge, nonce, service), canonical_bytes(request))

@@ -85,6 +85,43 @@ def test_a_node_that_is_started_again_and_again_is_no_intruder(join: Join) -> No
         assert watch.intruders(now) == {}
 
 
+def test_a_node_of_a_taken_name_is_found_though_it_comes_and_goes(join: Join) -> None:
+    owner = join("drive_manager")
+    owner.create_publisher(String, TOPIC, 1)
+    watch = watch_of(owner, owners=frozenset({"drive_manager"}))
+    sees(owner, "drive_manager")
+    assert watch.intruders(0.0) == {}
+    now, found = 100.0, []
+    for _ in range(3):
+        impostor = join("drive_manager")
+        impostor.create_publisher(String, TOPIC, 1)
+        sees(owner, "drive_manager", "drive_manager")
+        found.append(watch.intruders(now))
+        impostor.destroy_node()
+        sees(owner, "drive_manager")
+        assert watch.intruders(now + 18.0) == {}
+        now += 19.0
+    assert found == [{}, {}, {TOPIC: ("another drive_manager",)}]
+
+
+def test_who_finds_a_dead_one_beside_its_successor_takes_neither_for_an_intruder(
+    join: Join,
+) -> None:
+    dead, successor, owner = join("halt"), join("halt"), join("owner")
+    publish(dead, successor, owner)
+    watch = watch_of(owner, owners=frozenset({"owner", "halt"}))
+    assert watch.intruders(0.0) == {}
+    dead.destroy_node()
+    sees(owner, "owner", "owner", "halt", "halt")
+    assert watch.intruders(NAMESAKES - 5.0) == {}
+    # Long after that it is killed, too.
+    another = join("halt")
+    another.create_publisher(String, TOPIC, 1)
+    sees(owner, "owner", "owner", "halt", "halt", "halt")
+    assert watch.intruders(1000.0) == {}
+    assert watch.intruders(1000.0 + NAMESAKES - 5.0) == {}
+
+
 def test_two_processes_with_the_one_allowed_name_are_one_too_many(join: Join) -> None:
     impostor, controller = join("controller"), join("controller")
     publish(impostor, controller)

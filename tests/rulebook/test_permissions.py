@@ -95,6 +95,7 @@ def publish(topic: str, kind: str = TEXT) -> Publish:
         (SendGoal(action="monitor/backtest_rules", type="p/action/X"), "changes-rules"),
         # Past the gate: other topics, other files, other senses.
         (call("controller/change_topic", "automatika_ros_sugar/srv/ReplaceTopic"), "recipe-only"),
+        (call("controller/signed_call", "kompass_interfaces/srv/SignedCall"), "recipe-only"),
         (
             call("controller/configure_from_file", "automatika_ros_sugar/srv/ConfigureFromFile"),
             "recipe-only",

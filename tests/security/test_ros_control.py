@@ -8,6 +8,7 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -35,14 +36,16 @@ from kompass_interfaces.srv import (
     StopRobot,
 )
 from lifecycle_msgs.srv import ChangeState
+from rclpy.task import Future
 from std_msgs.msg import String
 
+from kompass.access.gatekeeper import STALE
 from kompass.access.ros_control import ROS_CONTROL, ros_control
 from kompass.access.signer import Signer
 from kompass.components import Component, DriveManager
 from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass.signing.key import RobotKey
-from kompass.signing.proof import Verifier, announce
+from kompass.signing.proof import Verifier, announce, make_proof, read_answer
 from kompass.store.robot_key import GIVEN, known_keys, robot_key
 from kompass_console.schema.roles import Role
 from tests.components.alive import LATCHED, Alive
@@ -194,7 +197,7 @@ def test_unsigned_questions_are_answered_unless_ros_is_off(
     refused = closed.ask(GetRules.Request())
     assert not refused.success
     assert not refused.answer
-    assert "it is not signed, and this robot gives answers only where it is" in refused.message
+    assert "not signed with the robot's key, and this robot gives answers only" in refused.message
     assert closed.ask_signed(GetRules.Request()).success
 
 
@@ -500,50 +503,100 @@ def test_a_service_that_is_none_is_refused_by_name(run: Run) -> None:
     assert "'explode': there is none; known are update_config_parameter, " in answer.message
 
 
-def released_after_a_restart(
-    run: Run, limit: float
-) -> tuple[DriveManager, Signer, Reply[ReleaseStop.Response]]:
-    """A release, signed for a drive manager that is not the one that gets it."""
+RELEASE = "/drive_manager/release_stop"
+
+
+def stopped(run: Run) -> tuple[DriveManager, Alive]:
     gate = DriveManager()
     alive = run(gate)
     assert unsigned(alive, StopRobot, "stop", StopRobot.Request()).success
-    signer = Signer(alive.node, "/drive_manager", known_keys())
-    client = alive.node.create_client(ReleaseStop, "/drive_manager/release_stop")
+    return gate, alive
+
+
+def release(alive: Alive, signer: Signer, limit: float = 10.0) -> Reply[ReleaseStop.Response]:
+    client = alive.node.create_client(ReleaseStop, RELEASE)
     wait_until(lambda: signer.is_ready and client.service_is_ready(), 10, "the service")
-    gate._gatekeeper._verifier = Verifier(robot_key(), time.monotonic())
     request = ReleaseStop.Request(operator_name="ava")
-    reply: Reply[Any] = signer.call(client, "/drive_manager/release_stop", request, limit)
-    wait_until(lambda: signer._waiting, 10, "the refusal of a proof that is too old")
-    return gate, signer, reply
+    reply: Reply[Any] = signer.call(client, RELEASE, request, patient(limit))
+    return reply
 
 
 def test_a_request_that_crosses_a_restart_is_signed_anew(run: Run) -> None:
-    gate, _, reply = released_after_a_restart(run, patient(10.0))
-    gate._gatekeeper._publish()  # what the new one says a moment later
-    assert reply.wait().success
+    gate, alive = stopped(run)
+    signer = Signer(alive.node, "/drive_manager", known_keys())
+    wait_until(lambda: signer.is_ready, 10, "a challenge")
+    # Nobody has heard what the new one says on its topic.
+    gate._gatekeeper._verifier = Verifier(robot_key(), time.monotonic())
+    assert release(alive, signer).wait().success
     assert not gate._latch.is_set
 
 
 def test_a_request_that_was_given_up_is_not_made_later(run: Run) -> None:
-    gate, signer, reply = released_after_a_restart(run, 0.3)
+    _, alive = stopped(run)
+    signer = Signer(alive.node, "/drive_manager", known_keys())
+    calls: list[Future] = []
+
+    class Client:
+        """Of a server that takes its time."""
+
+        def service_is_ready(self) -> bool:
+            return True
+
+        def call_async(self, request: Any) -> Future:
+            calls.append(Future())
+            self.proof = request.proof
+            return calls[-1]
+
+        def remove_pending_request(self, call: Future) -> None:
+            assert call is calls[-1]
+
+    wait_until(lambda: signer.is_ready, 10, "a challenge")
+    client = Client()
+    reply: Reply[Any] = signer.call(client, RELEASE, ReleaseStop.Request(), 0.1)
     with pytest.raises(NoAnswer, match="did not answer within"):
         reply.wait()
-    before = signer.challenge
+    late = Verifier(robot_key(), 0.0).answer(client.proof)
+    calls[0].set_result(ReleaseStop.Response(message=f"{STALE} [{late}]"))
+    time.sleep(0.1)
+    assert len(calls) == 1
+
+
+@pytest.mark.parametrize("word", ["nonsense", "forged", "old"])
+def test_who_repeats_or_invents_challenges_locks_nobody_out(run: Run, word: str) -> None:
+    gate, alive = stopped(run)
+    old = gate._gatekeeper._verifier.announcement
+    gate._gatekeeper._verifier = Verifier(robot_key(), time.monotonic())
     gate._gatekeeper._publish()
-    wait_until(lambda: signer.challenge != before, 10, "the new challenge")
-    assert not signer._waiting
-    assert gate._latch.is_set
-
-
-def test_what_others_say_on_its_topic_takes_no_challenge_away(run: Run) -> None:
-    alive = run(DriveManager())
-    signer = Signer(alive.node, "/drive_manager", known_keys())
-    wait_until(lambda: signer.is_ready, 10, "a challenge")
-    before = signer.challenge
-    liar = alive.publisher(String, "/drive_manager/challenge", LATCHED)
-    liar.publish(String(data="nonsense"))
-    liar.publish(String(data=announce(RobotKey.new(), "mine")))
+    said = {"nonsense": "nonsense", "forged": announce(RobotKey.new(), "mine"), "old": old}[word]
     heard = alive.hear(String, "/drive_manager/challenge", LATCHED)
-    wait_until(lambda: any("mine" in each.data for each in heard), 10, "what the liar said")
-    assert signer.challenge == before
-    assert signer.sign("/drive_manager/release_stop", ReleaseStop.Request()).proof
+    liar = alive.publisher(String, "/drive_manager/challenge", LATCHED)
+    ended = threading.Event()
+
+    def lie() -> None:
+        while not ended.wait(0.005):
+            liar.publish(String(data=said))
+
+    thread = threading.Thread(target=lie)
+    thread.start()
+    try:
+        wait_until(lambda: any(each.data == said for each in heard), 10, "what the liar says")
+        for _ in range(5):
+            signer = Signer(alive.node, "/drive_manager", known_keys())
+            assert release(alive, signer).wait().success
+            assert not gate._latch.is_set
+            assert unsigned(alive, StopRobot, "stop", StopRobot.Request()).success
+    finally:
+        ended.set()
+        thread.join()
+
+
+def test_an_answer_to_another_proof_is_not_believed() -> None:
+    key = robot_key()
+    verifier = Verifier(key, 0.0)
+    asked, other = (make_proof(key, "old", RELEASE, ReleaseStop.Request()) for _ in range(2))
+    answer = verifier.answer(asked)
+    assert read_answer(answer, asked, key) == answer.partition(".")[0]
+    assert read_answer(answer, other, key) is None
+    assert read_answer(answer, asked, RobotKey.new()) is None
+    challenge, _, mark = answer.partition(".")
+    assert read_answer(f"{challenge[::-1]}.{mark}", asked, key) is None

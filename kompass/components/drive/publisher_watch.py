@@ -1,6 +1,7 @@
 """Whether nodes that have no business there publish on a topic."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 PERIOD = (
@@ -31,9 +32,26 @@ class WatchedTopic(NamedTuple):
     others: int = 0
 
 
-# Since when a process, known by the prefix of its endpoints' ids, publishes as a node of a name.
-_Since = dict[tuple[str, bytes], float]
 _PREFIX = 12  # bytes of an endpoint's id that name its process (RTPS 2.5, 9.3.1)
+
+
+@dataclass
+class _Process:
+    """Publishes on a topic as a node of a name.
+
+    Attributes
+    ----------
+    since
+        When it was first seen.
+    rival_since
+        When another of that name came, or was found together with it.
+    found_together
+        Whether they were: then the other may be the older one.
+    """
+
+    since: float
+    rival_since: float | None = None
+    found_together: bool = False
 
 
 class PublisherWatch:
@@ -41,7 +59,8 @@ class PublisherWatch:
 
     Publishers of one process count as one. So do, for a while, those of processes whose nodes have
     one name: a node whose process died and was started again is there twice for as long as DDS
-    believes in the dead one. After that one of the two is an intruder.
+    believes in the dead one. One that is still there long after another of its name came was alive
+    when that came: one of the two is an intruder, also if it comes and goes.
 
     Parameters
     ----------
@@ -55,7 +74,7 @@ class PublisherWatch:
         self._node, self._topics = node, topics
         self._looked = -float("inf")
         self._nameless_since: dict[str, float] = {}
-        self._seen: dict[str, _Since] = {}
+        self._seen: dict[str, dict[tuple[str, bytes], _Process]] = {}
         self._intruders: dict[str, tuple[str, ...]] = {}
 
     def intruders(self, now: float) -> dict[str, tuple[str, ...]]:
@@ -87,9 +106,29 @@ class PublisherWatch:
         return (*sorted(intruders), *sorted(f"another {name}" for name in namesakes))
 
     def _namesakes(self, topic: str, infos: Iterable[Any], now: float) -> set[str]:
-        """Names that nodes of two processes have had for longer than a dead one is believed in."""
+        """Names that nodes of two living processes have."""
         before = self._seen.get(topic, {})
         there = {(info.node_name, bytes(info.endpoint_gid[:_PREFIX])) for info in infos}
-        self._seen[topic] = since = {one: before.get(one, now) for one in there}
-        settled = [name for (name, _), at in since.items() if now - at >= NAMESAKES]
-        return {name for name in settled if settled.count(name) > 1} - _NO_NAMES
+        self._seen[topic] = seen = {one: before.get(one) or _Process(now) for one in there}
+        return {name for name, _ in there if _are_rivals(_of_name(seen, name), now)} - _NO_NAMES
+
+
+def _of_name(seen: Mapping[tuple[str, bytes], _Process], name: str) -> list[_Process]:
+    return [process for (node, _), process in seen.items() if node == name]
+
+
+def _are_rivals(processes: Sequence[_Process], now: float) -> bool:
+    """Whether some of these were alive together, and are there together now."""
+    newest = max(process.since for process in processes)
+    for process in processes:
+        together = sum(other.since == process.since for other in processes) > 1
+        if process.found_together and not together:  # the other was the dead one before it
+            process.rival_since, process.found_together = None, False
+        if process.rival_since is None and (together or process.since < newest):
+            process.rival_since, process.found_together = now, together
+    if len(processes) == 1:
+        return False
+    return any(
+        process.rival_since is not None and now - process.rival_since >= NAMESAKES
+        for process in processes
+    )
