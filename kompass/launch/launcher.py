@@ -433,6 +433,11 @@ class Launcher:
                 limits=self.patience,
                 restarts=Restarts(self._failure_policies.process_retries),
                 activation_timeout=self.activation_timeout,
+                inactive=[
+                    one.node_name
+                    for one in self._components
+                    if one.lacks_robot or one.node_name not in self._activate
+                ],
             ).run()
         finally:
             for descriptor in held:

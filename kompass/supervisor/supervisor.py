@@ -11,6 +11,7 @@ import os
 import selectors
 import signal
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from kompass.supervisor.guard import guard_process
@@ -53,6 +54,8 @@ class Supervisor:
         How often, and after what delay, one that died is started again.
     activation_timeout
         Within which all that are announced must be active [s]; None to wait for ever.
+    inactive
+        Of whom it is known beforehand that they come up without becoming active.
     """
 
     def __init__(
@@ -63,6 +66,7 @@ class Supervisor:
         limits: LivenessLimits | None = None,
         restarts: Restarts | None = None,
         activation_timeout: float | None = None,
+        inactive: Sequence[str] = (),
     ) -> None:
         self._guard = guard_process(END_TIME)
         self._specs = [self._guard, *specs]
@@ -75,6 +79,7 @@ class Supervisor:
         self._stop: signal.Signals | None = None
         self._pending: list[_PendingStart] = []
         self._awaited = set(announced)
+        self._inactive = inactive
         self._started = 0.0
         self._assessed = 0.0
         self._states: dict[str, str] = {}  # the last line told of each process
@@ -264,7 +269,12 @@ class Supervisor:
         if child.spec.name in self._awaited:
             self._awaited.discard(child.spec.name)
             if not self._awaited:
-                log.info("all components active in %.2f s", time.monotonic() - self._started)
+                took = time.monotonic() - self._started
+                if self._inactive:
+                    names = ", ".join(self._inactive)
+                    log.info("all components up in %.2f s, but not active: %s", took, names)
+                else:
+                    log.info("all components active in %.2f s", took)
 
     def _forget_pipe(self, child: Child) -> None:
         if child.reports in self._selector.get_map():

@@ -151,7 +151,9 @@ def test_a_stack_without_a_robot_comes_up_and_its_health_says_why(
             client.node.create_subscription(
                 ComponentStatus, f"/{name}/status", heard[name].append, LATCHED_STATUS
             )
-        wait_until(lambda: "all components active" in log.read_text(), 30, "the stack")
+        up = "but not active: planner, controller, drive_manager"
+        wait_until(lambda: up in log.read_text(), 30, "the stack")
+        assert "all components active" not in log.read_text()
         wait_until(lambda: all(heard.values()), 20, "a status of each")
         for name in ("planner", "controller", "drive_manager"):
             assert heard[name][-1].status == FAILED
