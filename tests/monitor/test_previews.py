@@ -51,6 +51,19 @@ def test_a_latched_value_is_heard_at_once_and_a_silent_topic_is_not_waited_for(
     assert asking.newest("nobody_says") == {}
 
 
+def test_what_comes_by_itself_is_told_from_what_was_said_once(spinning: Spinning) -> None:
+    asking = Asking(spinning)
+    made = [spinning.node.create_publisher(Float32, name, LATCHED) for name in ("chart", "load")]
+    for publisher in made:
+        publisher.publish(Float32(data=1.0))
+    spinning.until(lambda: all(map(spinning.node.count_publishers, ("chart", "load"))))
+    assert asking.newest("chart", "load")["load"].rate == 0.0
+    made[1].publish(Float32(data=2.0))
+    spinning.until(lambda: asking.newest("load")["load"].message.data == 2.0)
+    newest = asking.newest("chart", "load")
+    assert newest["chart"].rate == 0.0 < newest["load"].rate
+
+
 def test_what_nobody_asks_for_any_more_is_let_go(
     spinning: Spinning, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -33,12 +33,19 @@ class _Preview:
     asked: float
     count: int = 0
     raw: bytes = b""
+    first: float = 0.0
     received: float = 0.0
 
     @property
     def settled(self) -> bool:
         """Whether waiting would tell nothing more."""
         return self.count >= (1 if self.latched else _ENOUGH)
+
+    @property
+    def rate(self) -> float:
+        """Messages per second; 0 where they came all at once, or one did."""
+        took = self.received - self.first
+        return (self.count - 1) / took if took > 0.0 else 0.0
 
 
 class Previews:
@@ -106,10 +113,12 @@ class Previews:
         with self._came:
             preview.count += 1
             preview.raw, preview.received = raw, time.monotonic()
+            if preview.count == 1:
+                preview.first = preview.received
             self._came.notify_all()
 
 
 def _newest(preview: _Preview) -> Newest:
     # Made only of those that are asked for: most are replaced before anybody looks.
     message = deserialize_message(preview.raw, preview.kind)
-    return Newest(message, preview.received, preview.settled)
+    return Newest(message, preview.received, preview.settled, preview.rate)

@@ -50,9 +50,10 @@ class Prospect(Model):
     ----------
     fires
         ``soon``: ``seconds`` after it is applied. ``with a message``: ``seconds`` after the next
-        message. ``when next true``: its condition is true, and must be false first. ``with a
-        change``: its condition is true, and a value must change. ``if silent``: ``seconds`` after
-        it is applied, unless a message comes. ``unknown``: no value is known yet.
+        message; without ``seconds``, with the next that changes a value. ``when next true``: its
+        condition is true, and must be false first. ``with a change``: its condition is true, and
+        a value must change on a topic that is silent. ``if silent``: ``seconds`` after it is
+        applied, unless a message comes. ``unknown``: no value is known yet.
     acts
         Whether it may stop or move the robot, or something of it.
     text
