@@ -36,6 +36,7 @@ STANDING = 0.01  # m/s
 SETTLED = 0.2  # s without motion that count as standstill
 WATCHED = 2.0  # s; who moves at their end drives on
 EXTENT = 2.2  # m, half of what goals are chosen in
+IN_A_ROW = 4  # signals to a process of one stack
 LONG = 1.2  # m, a way on which full speed is reached
 
 
@@ -113,8 +114,19 @@ def another_than(stack: Stack, name: str, pid: int) -> None:
 
 
 def of_process(name: str, number: signal.Signals, rounds: int) -> list[Halt]:
-    """Signals to one process of a stack."""
+    """Signals to one process, on a new stack now and then: who dies often is waited for longer."""
     chance = random.Random(1)
+    begun = range(0, rounds, IN_A_ROW)
+    return [
+        halt
+        for done in begun
+        for halt in _of_one_stack(name, number, min(IN_A_ROW, rounds - done), chance)
+    ]
+
+
+def _of_one_stack(
+    name: str, number: signal.Signals, rounds: int, chance: random.Random
+) -> list[Halt]:
     stack = Stack.simulated()
     halts = []
     try:
