@@ -9,6 +9,7 @@ from automatika_ros_sugar.msg import ComponentStatus
 from automatika_ros_sugar.srv import ChangeParameter
 from geometry_msgs.msg import PoseArray
 from kompass_interfaces.action import FollowPath
+from kompass_interfaces.srv import SetFault
 from rclpy.action import ActionClient
 from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Empty, Float32, Int32
@@ -160,6 +161,34 @@ def test_an_unknown_round_is_aborted_at_once(patrol: Robot) -> None:
     handle = send(patrol, "north")
     assert handle.accepted
     assert patrol.result(handle).status == ABORTED
+
+
+def test_a_round_that_is_walled_in_tries_again_until_it_is_free_and_goes_on(
+    patrol: Robot,
+) -> None:
+    """As with ``--fault boxed_in:20:60``, with a person who puts up the walls and takes them."""
+    journal = Journal(patrol)
+
+    def walls(*, on: bool) -> None:
+        request = SetFault.Request(fault="boxed_in", on=on)
+        assert patrol.call(SetFault, "/simulator/set_fault", request).success
+
+    handle = send(patrol, "west")
+    assert handle.accepted
+    wait_until(lambda: patrol.speed > 0.05, 20, "motion")
+    walls(on=True)
+    try:
+        assert patrol.result(handle, timeout=60).status == ABORTED
+        wait_until(lambda: len(journal.of("patrol-blocked", "done")) == 2, 20, "a second try")
+        for tried in journal.of("patrol-blocked", "done"):
+            assert not tried.ok
+            assert "boxed in: no way is free" in tried.text
+    finally:
+        walls(on=False)
+    wait_until(
+        lambda: any(step.ok for step in journal.of("patrol-blocked", "done")), 60, "a whole round"
+    )
+    assert patrol.distance_to(-1.5, 0.5) < 0.2
 
 
 # -- one that breaks --------------------------------------------------------------------------
