@@ -8,8 +8,8 @@ Each is a class of a few lines, started, watched and restarted like ours. The ba
 
 Try it: drive about until the battery is low, or have it drain faster: with a rule on the page whose
 action sets the parameter lasts_metres of battery to 5 (Rules, New rule; it is checked there as ours
-are). Another rule can call /mark_place and publish on /battery/changed. So can another terminal,
-where a ROS installation has brought the command ros2:
+are). Another rule can call /mark_place, and the battery's action changed. From another terminal the
+command ros2, if a ROS installation has brought it, asks for both:
 
     ros2 service call /mark_place std_srvs/srv/Trigger
     ros2 topic pub --times 3 /battery/changed std_msgs/msg/Empty
