@@ -98,9 +98,9 @@ Sim = Annotated[
 Fault = Annotated[
     list[str] | None,
     typer.Option(
-        metavar="NAME[:SECONDS]",
-        help="Switch a fault of the embedded robot on, so many seconds after the start; may be "
-        "given several times. Known: " + ", ".join(FAULTS) + ".",
+        metavar="NAME[:SECONDS[:DURATION]]",
+        help="Switch a fault of the embedded robot on, so many seconds after the start, and off "
+        "again after the duration; may be given several times. Known: " + ", ".join(FAULTS) + ".",
     ),
 ]
 

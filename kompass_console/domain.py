@@ -57,7 +57,7 @@ def choose_key(file: Path | None) -> None:
         os.environ[GIVEN] = str(file.absolute())
     if given := os.environ.get(GIVEN):
         try:
-            read_key(Path(given))
+            read_key(Path(given), given=True)
         except UnusableKey as error:
             said = "--robot-key" if file is not None else GIVEN
             raise CliError(2, f"{said}: {error}") from None

@@ -6,13 +6,19 @@ Each is a class of a few lines, started, watched and restarted like ours. The ba
 
     kompass-console run recipes/07_own_components.py --sim
 
-Try it: drive about until the battery is low, or have it drain faster, from another terminal or with
-a rule on the page (its settings are checked there like ours):
+Try it: drive about until the battery is low, or have it drain faster: with a rule on the page whose
+action sets the parameter lasts_metres of battery to 5 (Rules, New rule; it is checked there as ours
+are). Another rule can call /mark_place, and the battery's action changed. From another terminal the
+command ros2, if a ROS installation has brought it, asks for both:
+
+    ros2 service call /mark_place std_srvs/srv/Trigger
+    ros2 topic pub --times 3 /battery/changed std_msgs/msg/Empty
+
+Its request for a parameter is refused, for it is not signed, unless the recipe is run with
+--ros-control full:
 
     ros2 service call /battery/update_config_parameter automatika_ros_sugar/srv/ChangeParameter \\
         "{name: lasts_metres, value: '5.0', keep_alive: true}"
-    ros2 service call /mark_place std_srvs/srv/Trigger
-    ros2 topic pub --times 3 /battery/changed std_msgs/msg/Empty
 
 docs/components.md says what a component may override, and what it has at hand.
 """

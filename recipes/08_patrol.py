@@ -6,13 +6,17 @@ own action; so paths, obstacles and STOP are looked after as always.
 
     kompass-console run recipes/08_patrol.py --sim
 
-Try it: one round, from another terminal; a click on the floor of the page calls the robot off.
+Try it: one round, with a rule on the page (Rules, New rule; its action sends a goal to
+/patrol/follow_path, with the path_name west), or from another terminal, where a ROS installation
+has brought the command ros2. A click on the floor of the page calls the robot off.
 
     ros2 topic pub --once /patrol/start std_msgs/msg/Empty
     ros2 action send_goal --feedback /patrol/follow_path kompass_interfaces/action/FollowPath \\
         "{request: {path_name: west}}"
 
-Have walls stand around the robot meanwhile (--fault boxed_in:20), and a rule has it break free.
+Start with --fault boxed_in:20:60, and send the robot on a round: after twenty seconds walls stand
+around it for a minute. The round ends, and a rule tries to break free, every five seconds: as long
+as no way is free it fails and says so; then the robot frees itself and goes the round once more.
 """
 
 import math
@@ -80,6 +84,7 @@ class Patrol(Component):
             self.warn(f"there is no round '{name}'; known are {', '.join(self.config.rounds)}")
             goal_handle.abort()
             return result
+        self.health.set_healthy()  # a new round is a new try
         for number, point in enumerate(points, start=1):
             self.publishers_dict["point"].publish(number)
             ended = await self.drive_to(point, goal_handle)
@@ -92,7 +97,6 @@ class Patrol(Component):
                 self.warn(f"round '{name}' ended before point {number}: {ended.message}")
                 goal_handle.abort()
                 return result
-        self.health.set_healthy()
         goal_handle.succeed()
         result.reached_end = True
         return result
@@ -145,9 +149,11 @@ start = Event(Topic(name="/patrol/start", msg_type="Empty")).as_rule(
     "patrol-start", name="Start → the western round"
 )
 next_point = Event(point).as_rule("patrol-point", name="Next point → note it")
+# As long as the round is blocked, not once when it becomes so: the first try may be in vain.
 blocked = Event(
-    patrol.status_topic.msg.status == ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL, on_change=True
-).as_rule("patrol-blocked", name="Round blocked → break free, go again")
+    patrol.status_topic.msg.status == ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL,
+    keep_event_delay=5.0,
+).as_rule("patrol-blocked", name="Round blocked → break free, go again", mode={"kind": "single"})
 go_west = send_component_action_server_goal(component=patrol, request_msg=west)
 
 launcher = Launcher()

@@ -23,7 +23,7 @@ def main() -> None:
         action="append",
         default=[],
         type=_fault,
-        metavar="NAME[:SECONDS]",
+        metavar="NAME[:SECONDS[:DURATION]]",
         help="switch a fault on, so many seconds after the start; may be given several times",
     )
     parser.epilog = f"faults:\n{help_text()}"

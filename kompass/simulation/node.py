@@ -52,7 +52,7 @@ def run_simulator(
     stop
         Asked after every event, at least ten times a second, whether to end.
     faults
-        To begin by themselves, each as ``NAME`` or ``NAME:SECONDS`` after the start; see
+        To begin by themselves, each as ``NAME`` or ``NAME:SECONDS[:DURATION]`` after the start; see
         ``kompass.simulation.faults.fault_names``. More come from ``/simulator/set_fault``.
 
     Raises

@@ -4,6 +4,7 @@ import logging
 import os
 import secrets
 import stat
+import struct
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -18,6 +19,10 @@ from kompass.store.private import private_folder, private_opener
 FILE = "robot.key"
 GIVEN = "KOMPASS_ROBOT_KEY"  # a file to take the key from
 _LONGEST = 200  # bytes of a file that may be a key
+_ROOT = 0
+# POSIX access control lists as Linux hands them out: a version, and entries of tag, rights, id.
+_ACL, _ACL_HEADER = "system.posix_acl_access", 4
+_ACL_OWNER, _ACL_USER, _ACL_MASK, _ACL_OTHER = 0x01, 0x02, 0x10, 0x20
 
 _logger = logging.getLogger("kompass.store")
 # What this process has; whoever is forked from it has the same, also where no disk takes it.
@@ -40,7 +45,7 @@ def robot_key(environment: Mapping[str, str] = os.environ) -> RobotKey:
         When its file is damaged, or not for its owner alone.
     """
     if given := environment.get(GIVEN):
-        return read_key(Path(given))
+        return read_key(Path(given), given=True)
     try:
         path = robot_folder(environment) / FILE
     except StoreUnwritable:
@@ -57,44 +62,106 @@ def known_keys(environment: Mapping[str, str] = os.environ) -> list[RobotKey]:
     """
     keys = list(_had.values())
     given = environment.get(GIVEN)
-    files = [Path(given)] if given else []
+    files = [(Path(given), True)] if given else []
     try:
-        files += sorted(data_dir(environment).glob(f"*/{FILE}"))
+        files += [(path, False) for path in sorted(data_dir(environment).glob(f"*/{FILE}"))]
     except (StoreUnwritable, OSError) as error:
         _logger.debug("no keys of robots on this disk: %s", error)
-    for path in files:
+    for path, was_given in files:
         try:
-            keys.append(read_key(path))
+            keys.append(read_key(path, given=was_given))
         except UnusableKey as error:
             notice_once(str(error))
     return list({key.text: key for key in keys}.values())
 
 
-def read_key(path: Path) -> RobotKey:
+def read_key(path: Path, *, given: bool = False) -> RobotKey:
     """Read the file of a key.
+
+    Parameters
+    ----------
+    given
+        Somebody named the file; it is not the one that the robot makes for itself. The remedies
+        differ.
 
     Raises
     ------
     UnusableKey
-        When there is none, it is damaged, or others can read it.
+        When there is none, it is no regular file, it is damaged, it belongs to a stranger, or
+        others can read it.
     """
     try:
-        with path.open("rb") as file:
-            mode = stat.S_IMODE(os.fstat(file.fileno()).st_mode)
+        with open(path, "rb", opener=_without_waiting) as file:
+            _check(path, file.fileno(), given)
             text = file.read(_LONGEST).decode(errors="replace")
     except OSError as error:
         raise UnusableKey(f"the key {path} cannot be read: {error.strerror}") from None
-    if mode & 0o077:
-        raise UnusableKey(
-            f"the key {path} can be read by others (mode {mode:o}): chmod 600 {path}; if somebody "
-            "may have read it, delete it, and the robot makes a new one when it starts"
-        )
     try:
         return RobotKey.read(text)
     except NoKey as error:
+        remedy = (
+            "bring the robot's key there again, or name no file, and the robot has one of its own"
+            if given
+            else "delete it, and the robot makes a new one when it starts"
+        )
+        raise UnusableKey(f"{path} is damaged: {error}; {remedy}") from None
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    """A pipe would keep us until somebody writes into it."""
+    return os.open(path, flags | os.O_NONBLOCK)
+
+
+def _check(path: Path, descriptor: int, given: bool) -> None:
+    """Refuse a file that somebody else may have written, or can read.
+
+    Raises
+    ------
+    UnusableKey
+        With the remedy.
+    """
+    status = os.fstat(descriptor)
+    if not stat.S_ISREG(status.st_mode):
+        raise UnusableKey(f"the key {path} is no regular file; name the file that holds the key")
+    if status.st_uid not in _trusted():
         raise UnusableKey(
-            f"{path} is damaged: {error}; delete it, and the robot makes a new one when it starts"
-        ) from None
+            f"the key {path} belongs to another user ({status.st_uid}), who knows and may change "
+            f"it: chown {os.geteuid()} {path}, if the key is known to be the right one"
+        )
+    mode = stat.S_IMODE(status.st_mode)
+    if _others_read(descriptor, mode):
+        remedy = (
+            "put a new one there and wherever it was brought"
+            if given
+            else "delete it, and the robot makes a new one when it starts"
+        )
+        raise UnusableKey(
+            f"the key {path} can be read by others (mode {mode:o}): chmod 600 {path}; if somebody "
+            f"may have read it, {remedy}"
+        )
+
+
+def _trusted() -> tuple[int, int]:
+    return (os.geteuid(), _ROOT)
+
+
+def _others_read(descriptor: int, mode: int) -> bool:
+    """Whether anybody but us and root may do anything with a file.
+
+    Where there is an access control list, the group's bits of the mode are its mask and name
+    nobody. systemd's credentials are root's, and open to the unit's user by such a list.
+    """
+    try:
+        listed = os.getxattr(descriptor, _ACL)
+    except OSError:
+        return bool(mode & 0o077)
+    mask = mode >> 3
+    for tag, allowed, whom in struct.iter_unpack("<HHI", listed[_ACL_HEADER:]):
+        if tag in (_ACL_OWNER, _ACL_MASK) or (tag == _ACL_USER and whom in _trusted()):
+            continue
+        if allowed & (0o7 if tag == _ACL_OTHER else mask):
+            return True
+    return False
 
 
 def _kept(path: Path | None) -> RobotKey:

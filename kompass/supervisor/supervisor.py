@@ -114,6 +114,9 @@ class Supervisor:
                 self._run_once()
         finally:
             self._end_all()
+            # What is frozen is not collected at the interpreter's end, and extensions that count
+            # what is left of theirs, as OMPL's, call all of it leaked.
+            gc.unfreeze()
             signal.set_wakeup_fd(-1)
             for number, handler in before.items():
                 signal.signal(number, handler)

@@ -79,8 +79,23 @@ def test_a_cooldown_is_changed_reviewed_applied_and_kept(rules: RulesPage, stack
     expect(rules.get("revision-badge")).to_contain_text("confirmed")
     expect(rules.get("probation-band")).to_be_hidden()
     assert rules.in_force(STUCK)["event"]["cooldown"] == 45.0
+    expect(rules.get("applied")).to_contain_text("It stays.")
     rules.get("rules-tab-table").click()
     expect(rules.rule(STUCK)).to_contain_text("cooldown 45 s")
+
+
+def test_what_was_applied_and_taken_back_is_not_said_to_be_in_force(rules: RulesPage) -> None:
+    before = rules.in_force(STUCK)["event"]["cooldown"]
+    rules.edit(STUCK)
+    rules.get("cooldown").fill("52")
+    rules.review()
+    revision = rules.apply("to see it")
+    expect(rules.get("applied")).to_contain_text("unless you keep it")
+    rules.get("take-back").click()
+    expect(rules.get("applied")).to_contain_text(
+        f"Revision {revision} was applied, and is no longer in force"
+    )
+    assert rules.in_force(STUCK)["event"]["cooldown"] == before
 
 
 def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_back(

@@ -5,9 +5,12 @@ from typing import Any
 
 import pytest
 from automatika_ros_sugar.srv import ChangeParameters, ExecuteMethod
+from kompass_interfaces.action import FollowPath
+from kompass_interfaces.srv import StopRobot
 from nav2_msgs.srv import ClearEntireCostmap, LoadMap
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rclpy.action import ActionServer
 from std_srvs.srv import SetBool, Trigger
 
 from kompass.monitor.execution.action_runner import ActionRunner
@@ -17,8 +20,8 @@ from kompass.monitor.reporting.entries import ActionOutcome
 from kompass.rclpy_ext.timers import Timers
 from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.firing import Firing
-from kompass.rules.schema.actions import Action, CallService, Log, Method
-from kompass.rules.schema.table import Severity, Table
+from kompass.rules.schema.actions import Action, CallService, Log, Method, SendGoal
+from kompass.rules.schema.table import Rule, Severity, Table
 from tests.rules.building import received, rule
 from tests.support.spinning import Spinning
 
@@ -69,11 +72,11 @@ class Robot:
         """A service, that answers what a function makes of the response."""
         self._spinning.node.create_service(kind, name, lambda _, response: answer(response))
 
-    def run(self, *actions: Action) -> tuple[tuple[bool, str], list[ActionOutcome]]:
+    def run(self, *actions: Action, of: Rule = OWN) -> tuple[tuple[bool, str], list[ActionOutcome]]:
         """How a run of these ends, and each of its actions."""
         told: list[ActionOutcome] = []
         more: dict[str, Any] = {"lane": "normal", "severity": Severity.INFO, "actions": actions}
-        firing = Firing("r", 1, 0.0, 0.0, "hash", None, None, {}, (), rule=OWN, **more)
+        firing = Firing("r", 1, 0.0, 0.0, "hash", None, None, {}, (), rule=of, **more)
         ended = self._spinning.executor.create_task(self.runner.run, firing, told.append)
         self._spinning.until(ended.done, 20.0)
         result: tuple[bool, str] = ended.result()
@@ -116,6 +119,50 @@ def test_who_does_not_care_goes_on_and_it_is_recorded_all_the_same(robot: Robot)
     (ok, error), told = robot.run(call, Log(text="dark"))
     assert (ok, [each.ok for each in told]) == (False, [False, True])
     assert "the lamp is broken" in error
+
+
+def test_one_that_is_there_with_another_type_is_not_called_absent(robot: Robot) -> None:
+    robot.offer(SetBool, "shut_door", lambda response: response)
+    for type_name in ("std_srvs/srv/Trigger", "std_srvs/srv/Empty"):
+        call = CallService(service="shut_door", type=type_name, request={}, timeout=15.0)
+        (ok, error), _ = robot.run(call)
+        assert not ok
+        assert "the service /shut_door is there, but of type std_srvs/srv/SetBool" in error
+        assert f"not {type_name}" in error
+    call = CallService(service="no_door", type="std_srvs/srv/Trigger", request={}, timeout=15.0)
+    assert "no service no_door within 2 s" in robot.run(call)[0][1]
+
+
+def test_an_action_that_is_there_with_another_type_is_not_called_absent(
+    robot: Robot, spinning: Spinning
+) -> None:
+    server = ActionServer(spinning.node, FollowPath, "rounds", lambda handle: FollowPath.Result())
+    try:
+        send = SendGoal(action="rounds", type="kompass_interfaces/action/PlanPath", goal={})
+        (ok, error), _ = robot.run(send)
+    finally:
+        server.destroy()
+    assert not ok
+    assert "the action /rounds is there, but of type kompass_interfaces/action/FollowPath" in error
+
+
+def test_a_rule_that_stops_the_robot_says_which_it_is(robot: Robot, spinning: Spinning) -> None:
+    pressed: list[str] = []
+
+    def stop(request: StopRobot.Request, response: StopRobot.Response) -> StopRobot.Response:
+        pressed.append(request.operator_name)
+        response.success = True
+        return response
+
+    spinning.node.create_service(StopRobot, "drive_manager/stop", stop)
+    call = CallService(
+        service="drive_manager/stop", type="kompass_interfaces/srv/StopRobot", timeout=15.0
+    )
+    named = call.model_copy(update={"request": {"operator_name": "night watch"}})
+    walls = OWN.model_copy(update={"name": "Walls"})
+    assert robot.run(call, named)[0][0]
+    assert robot.run(call, of=walls)[0][0]
+    assert pressed == ["rule r", "night watch", "rule Walls"]
 
 
 def test_why_a_component_failed_is_told_beside_what_it_said(robot: Robot) -> None:

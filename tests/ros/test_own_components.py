@@ -1,6 +1,7 @@
 """Components of a user's own, in whole stacks: the recipes that show them, and one that breaks."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import httpx
@@ -9,6 +10,7 @@ from automatika_ros_sugar.msg import ComponentStatus
 from automatika_ros_sugar.srv import ChangeParameter
 from geometry_msgs.msg import PoseArray
 from kompass_interfaces.action import FollowPath
+from kompass_interfaces.srv import SetFault
 from rclpy.action import ActionClient
 from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Empty, Float32, Int32
@@ -68,13 +70,27 @@ def marking() -> Iterator[tuple[Stack, Robot]]:
         yield stack, client
 
 
-@pytest.fixture
-def page(marking: tuple[Stack, Robot]) -> Iterator[httpx.Client]:
+@contextmanager
+def logged_in(stack: Stack) -> Iterator[httpx.Client]:
     """The console, as the page asks it."""
-    url = marking[0].url
-    with httpx.Client(base_url=url, headers={"Origin": url}, timeout=30) as client:
+    with httpx.Client(base_url=stack.url, headers={"Origin": stack.url}, timeout=30) as client:
         assert client.post("/api/login", json={"token": TOKEN}).status_code == 200
         yield client
+
+
+@pytest.fixture
+def page(marking: tuple[Stack, Robot]) -> Iterator[httpx.Client]:
+    with logged_in(marking[0]) as client:
+        yield client
+
+
+def add_rule(page: httpx.Client, rule: dict[str, Any]) -> None:
+    """As an operator does it on the page; it stays."""
+    view = page.get("/api/rules").json()
+    table = {**view["table"], "rules": [*view["table"]["rules"], rule]}
+    wanted = {"table": table, "expected_revision": view["revision"], "probation": 0.0}
+    answer = page.post("/api/rules/apply", json=wanted)
+    assert answer.status_code == 200, answer.text
 
 
 def test_the_page_knows_them_their_settings_actions_and_rules(page: httpx.Client) -> None:
@@ -88,6 +104,26 @@ def test_the_page_knows_them_their_settings_actions_and_rules(page: httpx.Client
     rules = page.get("/api/rules").json()["table"]["rules"]
     names = {rule["id"]: rule["name"] for rule in rules}
     assert names["battery-low"] == "Battery low → mark the place"
+
+
+def test_what_its_text_says_of_rules_on_the_page_works_there(
+    marking: tuple[Stack, Robot], page: httpx.Client
+) -> None:
+    """They fire when they are applied: what they wait for is true already."""
+    journal = Journal(marking[1])
+    level = {"topic": "battery/level", "type": "std_msgs/msg/Float32", "path": ["data"]}
+    full = {"kind": "compare", "signal": level, "operator": ">", "value": 20.0}
+    actions = [
+        {"kind": "update_parameters", "component": "battery", "parameters": {"lasts_metres": 5.0}},
+        {"kind": "call_service", "service": "mark_place", "type": "std_srvs/srv/Trigger"},
+        {"kind": "method", "component": "battery", "method": "changed"},
+    ]
+    event = {"condition": full, "trigger": "edge"}
+    add_rule(page, {"id": "by-hand", "actions": actions, "event": event})
+    ended = journal.done("by-hand", timeout=20)
+    assert ended.ok, ended.text
+    say(marking[1], "/battery/changed")
+    assert journal.done("battery-changed").ok  # and nothing is marked
 
 
 def test_a_low_battery_has_the_place_marked_and_a_fresh_one_has_it_forgotten(
@@ -119,11 +155,17 @@ def test_a_low_battery_has_the_place_marked_and_a_fresh_one_has_it_forgotten(
 
 
 @pytest.fixture(scope="module")
-def patrol() -> Iterator[Robot]:
-    for client in started(Stack.simulated(recipe=RECIPE.with_name("08_patrol.py"))):
+def patrolling() -> Iterator[tuple[Stack, Robot]]:
+    stack = Stack.simulated(recipe=RECIPE.with_name("08_patrol.py"))
+    for client in started(stack):
         client.ready()
         client.subscribe(Int32, "/patrol/point")
-        yield client
+        yield stack, client
+
+
+@pytest.fixture
+def patrol(patrolling: tuple[Stack, Robot]) -> Robot:
+    return patrolling[1]
 
 
 def send(robot: Robot, name: str) -> Any:
@@ -147,6 +189,29 @@ def test_a_rule_starts_a_round_and_each_point_is_reached_and_noted(patrol: Robot
     assert all(step.ok for step in journal.of("patrol-point", "done"))
 
 
+def test_a_rule_on_the_page_can_send_it_on_a_round(patrolling: tuple[Stack, Robot]) -> None:
+    stack, robot = patrolling
+    journal = Journal(robot)
+    status = {
+        "topic": "patrol/status",
+        "type": "automatika_ros_sugar/msg/ComponentStatus",
+        "path": ["status"],
+    }
+    healthy = {"kind": "compare", "signal": status, "operator": "==", "value": 0}
+    go = {
+        "kind": "send_goal",
+        "action": "patrol/follow_path",
+        "type": "kompass_interfaces/action/FollowPath",
+        "goal": {"request": {"path_name": "west"}},
+        "timeout": None,
+    }
+    with logged_in(stack) as page:
+        event = {"condition": healthy, "trigger": "edge", "once": True}
+        add_rule(page, {"id": "by-hand", "actions": [go], "event": event})
+    ended = journal.done("by-hand", timeout=60)
+    assert ended.ok, ended.text
+
+
 def test_a_round_that_is_cancelled_stops_the_robot(patrol: Robot) -> None:
     handle = send(patrol, "west")
     assert handle.accepted
@@ -160,6 +225,34 @@ def test_an_unknown_round_is_aborted_at_once(patrol: Robot) -> None:
     handle = send(patrol, "north")
     assert handle.accepted
     assert patrol.result(handle).status == ABORTED
+
+
+def test_a_round_that_is_walled_in_tries_again_until_it_is_free_and_goes_on(
+    patrol: Robot,
+) -> None:
+    """As with ``--fault boxed_in:20:60``, with a person who puts up the walls and takes them."""
+    journal = Journal(patrol)
+
+    def walls(*, on: bool) -> None:
+        request = SetFault.Request(fault="boxed_in", on=on)
+        assert patrol.call(SetFault, "/simulator/set_fault", request).success
+
+    handle = send(patrol, "west")
+    assert handle.accepted
+    wait_until(lambda: patrol.speed > 0.05, 20, "motion")
+    walls(on=True)
+    try:
+        assert patrol.result(handle, timeout=60).status == ABORTED
+        wait_until(lambda: len(journal.of("patrol-blocked", "done")) == 2, 20, "a second try")
+        for tried in journal.of("patrol-blocked", "done"):
+            assert not tried.ok
+            assert "boxed in: no way is free" in tried.text
+    finally:
+        walls(on=False)
+    wait_until(
+        lambda: any(step.ok for step in journal.of("patrol-blocked", "done")), 60, "a whole round"
+    )
+    assert patrol.distance_to(-1.5, 0.5) < 0.2
 
 
 # -- one that breaks --------------------------------------------------------------------------

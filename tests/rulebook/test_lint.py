@@ -47,7 +47,9 @@ def context(**fields: Any) -> LintContext:
         "mapper/status": TopicFacts(FLOAT, 5.0, latched=True),
         "controller/status": TopicFacts(FLOAT, 5.0, latched=True),
     }
-    known = LintContext(topics, {"load_map"}, {"plan_path"}, COMPONENTS)
+    known = LintContext(
+        topics, {"load_map": ["p/srv/Load"]}, {"plan_path": ["p/action/Plan"]}, COMPONENTS
+    )
     return known._replace(**fields)
 
 
@@ -129,6 +131,18 @@ def test_a_sound_rule_is_left_alone(good: Rule) -> None:
             "once-safety",
             "event.once",
             "guards nothing",
+        ),
+        (
+            acting(CallService(service="load_map", type="q/srv/Load")),
+            "service-type",
+            "actions[0].type",
+            "the service /load_map is there, but of type p/srv/Load",
+        ),
+        (
+            acting(SendGoal(action="plan_path", type="p/action/Follow")),
+            "action-type",
+            "actions[0].type",
+            "the action /plan_path is there, but of type p/action/Plan",
         ),
         (
             acting(CallService(service="lod_map", type="p/srv/Load")),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import stat
+import struct
 from multiprocessing.synchronize import Barrier
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from kompass.store.robot_key import GIVEN, UnusableKey, known_keys, read_key, ro
 from tests.support.stack import Stack
 
 NAME = "KOMPASS_ROBOT_NAME"
+DELETE = "delete it, and the robot makes a new one"
 LAMP = """
 from kompass.components import Component
 from kompass.ros import Launcher
@@ -98,12 +101,24 @@ def test_robots_have_keys_of_their_own_and_their_user_knows_them_all(
 
 
 @pytest.mark.parametrize(
-    ("text", "mode", "said"),
+    ("text", "mode", "said", "own", "given"),
     [
-        ("no key\n", 0o600, r"robot\.key is damaged: .* delete it, and the robot makes a new one"),
-        ("", 0o600, r"robot\.key is damaged: .* delete it"),
-        ("0" * 64, 0o640, r"can be read by others \(mode 640\): chmod 600 /"),
-        ("0" * 64, 0o604, r"can be read by others"),
+        (
+            "no key\n",
+            0o600,
+            r"robot\.key is damaged: ",
+            DELETE,
+            "bring the robot's key there again",
+        ),
+        ("", 0o600, r"robot\.key is damaged: ", DELETE, "bring the robot's key there again"),
+        (
+            "0" * 64,
+            0o640,
+            r"can be read by others \(mode 640\): chmod 600 /",
+            DELETE,
+            "put a new one there and wherever it was brought",
+        ),
+        ("0" * 64, 0o604, r"can be read by others", DELETE, "put a new one there"),
     ],
 )
 def test_one_that_cannot_be_used_is_refused_with_a_remedy(
@@ -111,23 +126,89 @@ def test_one_that_cannot_be_used_is_refused_with_a_remedy(
     text: str,
     mode: int,
     said: str,
+    own: str,
+    given: str,
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     file = file_of(environment)
     file.parent.mkdir(parents=True)
     file.write_text(text)
     file.chmod(mode)
-    with pytest.raises(UnusableKey, match=said):
+    with pytest.raises(UnusableKey, match=said) as refused:
         robot_key(environment)
+    assert own in str(refused.value)
     assert file.read_text() == text  # nobody but a person takes it away
-    with pytest.raises(UnusableKey, match=said):
+    with pytest.raises(UnusableKey, match=said) as refused:
         robot_key({GIVEN: str(file)})
+    assert given in str(refused.value)
+    assert DELETE not in str(refused.value), "the robot makes none where one was given"
     # Who only asks goes on with the keys that are good, and tells of this one.
     good = robot_key({**environment, NAME: "r2"})
     with caplog.at_level("WARNING"):
         known = known_keys({**environment, GIVEN: str(file)})
     assert [key.text for key in known] == [good.text]
     assert str(file) in caplog.text
+
+
+def test_one_that_is_no_file_is_refused_at_once(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe, 0o600)
+    for path in (pipe, Path("/dev/zero")):
+        with pytest.raises(UnusableKey, match="is no regular file"):
+            read_key(path)
+
+
+def test_one_that_belongs_to_somebody_else_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    key = private_key(tmp_path)
+    here = os.geteuid()
+    monkeypatch.setattr(os, "geteuid", lambda: here + 1)
+    monkeypatch.setattr(module, "_ROOT", here + 2)
+    with pytest.raises(UnusableKey, match=rf"belongs to another user \({here}\).* chown"):
+        read_key(key)
+    monkeypatch.setattr(module, "_ROOT", here)  # root's is trusted
+    assert read_key(key)
+
+
+OWNER, USER, GROUP, NAMED_GROUP, MASK, OTHER = 0x01, 0x02, 0x04, 0x08, 0x10, 0x20
+
+
+@pytest.mark.parametrize(
+    ("entry", "good"),
+    [
+        ((USER, 4, "we"), True),  # as systemd opens a credential to the user of a unit
+        ((USER, 4, "a stranger"), False),
+        ((GROUP, 4, "nobody named"), False),
+        ((NAMED_GROUP, 4, "a stranger"), False),
+        ((OTHER, 4, "nobody named"), False),
+    ],
+)
+def test_an_access_control_list_says_who_can_read_it(
+    tmp_path: Path, entry: tuple[int, int, str], good: bool
+) -> None:
+    key = private_key(tmp_path)
+    ids = {"we": os.geteuid(), "a stranger": os.geteuid() + 1, "nobody named": 2**32 - 1}
+    rights = {(OWNER, 2**32 - 1): 4, (GROUP, 2**32 - 1): 0, (MASK, 2**32 - 1): 4}
+    rights |= {(OTHER, 2**32 - 1): 0, (entry[0], ids[entry[2]]): entry[1]}
+    entries = [struct.pack("<HHI", tag, allowed, whom) for (tag, whom), allowed in rights.items()]
+    try:
+        os.setxattr(key, "system.posix_acl_access", b"\2\0\0\0" + b"".join(sorted(entries)))
+    except OSError as error:
+        pytest.skip(f"no access control lists here: {error}")
+    assert stat.S_IMODE(key.stat().st_mode) & 0o070 == 0o040
+    if good:
+        assert read_key(key)
+    else:
+        with pytest.raises(UnusableKey, match="can be read by others"):
+            read_key(key)
+
+
+def private_key(folder: Path) -> Path:
+    key = folder / "robot.key"
+    key.touch(0o600)
+    key.write_text("0" * 64)
+    return key
 
 
 def test_one_that_was_named_and_is_not_there_is_refused(tmp_path: Path) -> None:

@@ -212,6 +212,15 @@ def test_a_fault_with_a_duration_ends_by_itself(robot: SimulatedRobot) -> None:
     robot.scan()
 
 
+def test_a_fault_that_is_ordered_with_a_duration_ends_by_itself(robot: SimulatedRobot) -> None:
+    made, _, told = manager(robot, FaultOrder("wheel_blocked", 5.0, 10.0))
+    made.advance(105.0)
+    made.advance(114.9)
+    assert told == [("wheel_blocked",)]
+    made.advance(115.0)
+    assert told == [("wheel_blocked",), ()]
+
+
 def test_a_fault_is_ordered_for_later_and_waits_for_its_target(robot: SimulatedRobot) -> None:
     made, late, _ = manager(robot, FaultOrder("wheel_blocked", 5.0), FaultOrder("stop:mapper"))
     made.advance(104.9)
@@ -266,9 +275,12 @@ def test_a_duration_that_is_no_time_is_refused(robot: SimulatedRobot, duration: 
         ("lidar_unplugged:2.5", FaultOrder("lidar_unplugged", 2.5)),
         ("kill:mapper", FaultOrder("kill:mapper")),
         ("stop:mapper:20", FaultOrder("stop:mapper", 20.0)),
+        ("stop:mapper:20:5", FaultOrder("stop:mapper", 20.0, 5.0)),
+        ("boxed_in:60:60", FaultOrder("boxed_in", 60.0, 60.0)),
+        ("map_withheld:0:9", FaultOrder("map_withheld", 0.0, 9.0)),
     ],
 )
-def test_an_order_is_a_name_and_perhaps_a_time(text: str, order: FaultOrder) -> None:
+def test_an_order_is_a_name_and_perhaps_times(text: str, order: FaultOrder) -> None:
     assert parse_fault(text) == order
 
 
@@ -282,7 +294,10 @@ def test_an_order_is_a_name_and_perhaps_a_time(text: str, order: FaultOrder) -> 
         ("stop:", "stop:mapper"),
         ("boxed_in:-1", "0 or more"),
         ("boxed_in:inf", "0 or more"),
+        ("boxed_in:1:-1", "-1 s is no time; give seconds of 0 or more"),
+        ("boxed_in:1:2:3", "there is no fault 'boxed_in:1'"),
         ("map_withheld:5", "leave out 5"),
+        ("kill:mapper:1:5", "it is over at once; leave out 5"),
     ],
 )
 def test_an_order_that_cannot_be_read_names_the_remedy(text: str, hint: str) -> None:

@@ -176,6 +176,14 @@ def programs() -> Iterator[list[Program]]:
         program.close()
 
 
+def test_its_end_does_not_look_like_a_crash(tmp_path: Path, programs: list[Program]) -> None:
+    program = Program(tmp_path, "from ompl import base; specs = [ProcessSpec('a', waits)]")
+    programs.append(program)
+    program.wait_for("a is up")
+    assert program.close() == 0
+    assert "leaked" not in program.text()
+
+
 def test_what_is_killed_is_started_again(tmp_path: Path, programs: list[Program]) -> None:
     program = Program(tmp_path, "specs = [ProcessSpec('a', waits)]")
     programs.append(program)

@@ -19,12 +19,12 @@ from automatika_ros_sugar.srv import (
     ExecuteMethod,
     ReplaceTopic,
 )
-from kompass_interfaces.srv import SignedCall
+from kompass_interfaces.srv import SignedCall, StopRobot
 from lifecycle_msgs.srv import ChangeState
 from pydantic import JsonValue
-from rclpy.action import ActionClient
+from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
 from rclpy.executors import Executor
-from rclpy.node import Node
+from rclpy.node import Node, NodeNameNonExistentError
 
 from kompass.access.signed_services import SIGNED_CALL, unwrap, wrap
 from kompass.access.signer import MOST_CALLS, Signer
@@ -312,6 +312,8 @@ class ActionRunner:
             case kinds.CallService():
                 given = made.get("srv_request_msg", made.get("request"))
                 request = _message(ros_class(action.type).Request, given, arguments(action.request))
+                if isinstance(request, StopRobot.Request) and not request.operator_name:
+                    request.operator_name = _who(firing)
                 answer = await self._call(
                     ros_class(action.type), action.service, request, action.timeout
                 )
@@ -362,12 +364,46 @@ class ActionRunner:
     ) -> Any:
         client = self._clients.get((kind, name))
         if client is None:
+            self._check_type(kind, "service", name)
             client = self._clients[(kind, name)] = self._node.create_client(kind, name)
         search = SEARCH if timeout is None else min(SEARCH, timeout)
-        await self._awaitables.until(client.service_is_ready, search, f"no service {name}")
+        try:
+            await self._awaitables.until(client.service_is_ready, search, f"no service {name}")
+        except TimeoutError:
+            self._check_type(kind, "service", name)
+            raise
         return await self._awaitables.result(
             client.call_async(request), timeout, f"no answer from {name}"
         )
+
+    def _check_type(self, kind: Any, what: str, name: str) -> None:
+        """Refuse to go on where the server has another type; one that is not there is no reason.
+
+        A client of the wrong type finds nobody, and stands in the way of the right one later.
+
+        Raises
+        ------
+        Failed
+            When all servers of that name have other types.
+        """
+        package, family = kind.__module__.split(".")[:2]
+        wanted, full = f"{package}/{family}/{kind.__name__}", self._node.resolve_service_name(name)
+        offered: set[str] = set()
+        for node, namespace in self._node.get_node_names_and_namespaces():
+            # Of each node: the graph as a whole counts clients, too, and their types.
+            with suppress(NodeNameNonExistentError):  # it has just ended
+                offered.update(
+                    dict(
+                        self._node.get_service_names_and_types_by_node(node, namespace)
+                        if what == "service"
+                        else get_action_server_names_and_types_by_node(self._node, node, namespace)
+                    ).get(full, ())
+                )
+        if offered and wanted not in offered:
+            raise Failed(
+                f"the {what} {full} is there, but of type {' and '.join(sorted(offered))}, not "
+                f"{wanted}; give the rule's action that type"
+            )
 
     async def _method(
         self, component: str, method: str, kwargs: Mapping[str, Any], timeout: float | None
@@ -410,9 +446,15 @@ class ActionRunner:
         kind = ros_class(action.type)
         client = self._actions.get((kind, action.action))
         if client is None:
+            self._check_type(kind, "action", action.action)
             client = ActionClient(self._node, kind, action.action)
             self._actions[(kind, action.action)] = client
-        await self._awaitables.until(client.server_is_ready, SEARCH, f"no server {action.action}")
+        try:
+            what = f"no server {action.action}"
+            await self._awaitables.until(client.server_is_ready, SEARCH, what)
+        except TimeoutError:
+            self._check_type(kind, "action", action.action)
+            raise
         handle = await self._awaitables.result(
             client.send_goal_async(goal), SEARCH, f"no answer from {action.action}"
         )
@@ -453,6 +495,11 @@ _STATUS = {
     GoalStatus.STATUS_CANCELED: "cancelled",
     GoalStatus.STATUS_ABORTED: "aborted",
 }
+
+
+def _who(firing: Firing) -> str:
+    """Who presses STOP, for those who look at the robot."""
+    return f"rule {(firing.rule and firing.rule.name) or firing.rule_id}"
 
 
 def _name(action: Any) -> str:

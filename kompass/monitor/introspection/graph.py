@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 
 from rclpy.action import get_action_names_and_types
 from rclpy.node import Node
@@ -79,8 +79,8 @@ class Graph:
                 each.name: TopicFacts(each.type, each.rate, each.latched, each.publishers)
                 for each in self._topics()
             },
-            services={each.name for each in self._services()},
-            actions={each.name for each in self._actions()},
+            services=_offered(self._node.get_service_names_and_types()),
+            actions=_offered(get_action_names_and_types(self._node)),
             components=self._catalog.components(),
             publishes=self._catalog.publishes,
         )
@@ -164,6 +164,11 @@ class Graph:
                 )
             )
         return tuple(made)
+
+
+def _offered(named: Iterable[tuple[str, Sequence[str]]]) -> dict[str, Collection[str]]:
+    """Types by name, without the leading slash; the services that make an action are its own."""
+    return {full.removeprefix("/"): types for full, types in named if "/_action/" not in full}
 
 
 def _component(spec: ComponentSpec) -> ComponentView:

@@ -32,7 +32,7 @@ class LintContext(NamedTuple):
     Attributes
     ----------
     topics, services, actions
-        On the graph, by name without the leading slash.
+        On the graph, by name without the leading slash; of the latter two the types they have.
     components
         Of the stack, by node name.
     verdicts
@@ -43,8 +43,8 @@ class LintContext(NamedTuple):
     """
 
     topics: Mapping[str, TopicFacts] | None = None
-    services: Collection[str] | None = None
-    actions: Collection[str] | None = None
+    services: Mapping[str, Collection[str]] | None = None
+    actions: Mapping[str, Collection[str]] | None = None
     components: Mapping[str, ComponentSpec] | None = None
     verdicts: Mapping[str, Verdict] = {}
     publishes: Mapping[str, Collection[str]] = {}

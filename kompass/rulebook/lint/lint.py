@@ -329,9 +329,21 @@ def _target(rule: Rule, where: str, action: Action, context: LintContext) -> Ite
         text, otherwise = f"no node serves the action /{name}", "start the node that serves it"
     else:
         return
-    if offered is not None and name not in offered:
+    if offered is None:
+        return
+    if name not in offered:
         near = nearest(name, offered, otherwise)
         yield _lint(rule, f"no-{field}", f"{where}.{field}", name, text, near)
+    elif not isinstance(action, CancelGoal) and action.type not in offered[name]:
+        there = " and ".join(offered[name])
+        yield _lint(
+            rule,
+            f"{field}-type",
+            f"{where}.type",
+            action.type,
+            f"the {field} /{name} is there, but of type {there}",
+            f"set the type to {there}",
+        )
 
 
 def _endless(rule: Rule, where: str, action: Action) -> Iterator[Finding]:

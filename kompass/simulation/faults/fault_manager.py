@@ -56,7 +56,7 @@ class FaultManager:
         changed: Callable[[tuple[str, ...]], None],
     ) -> None:
         self._kinds = kinds
-        self._due = [(now + order.after, order.name) for order in orders]
+        self._due = [(now + order.after, order) for order in orders]
         self._ends: dict[str, float] = {}
         self._changed = changed
 
@@ -101,12 +101,13 @@ class FaultManager:
 
     def advance(self, now: float) -> None:
         """Begin and end what is due at ``now`` (monotonic seconds)."""
-        for order in [order for order in self._due if order[0] <= now]:
-            self._due.remove(order)
+        for due in [due for due in self._due if due[0] <= now]:
+            self._due.remove(due)
+            order = due[1]
             try:
-                self.switch(order[1], True, 0.0, now)
+                self.switch(order.name, True, order.duration, now)
             except NotYet:
-                self._due.append(order)  # its target is on its way up; the next call tries again
+                self._due.append(due)  # its target is on its way up; the next call tries again
         ended = [name for kind in self._kinds for name in kind.ended() if name in self._ends]
         for name in ended:
             del self._ends[name]

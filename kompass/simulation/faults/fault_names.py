@@ -26,6 +26,7 @@ FAULTS = {
     "kill:NAME": "a process of the stack is killed (SIGKILL), once",
 }
 MAP_WITHHELD = "map_withheld"
+AT_ONCE = "kill:"  # nothing is left of it that could end
 TARGETED = ("stop", "kill")  # followed by the name of a process or of a node in it
 
 
@@ -43,10 +44,13 @@ class FaultOrder:
         One of ``FAULTS``, with a process in the place of NAME.
     after
         Seconds after the start.
+    duration
+        Seconds after which it ends by itself; 0 for never.
     """
 
     name: str
     after: float = 0.0
+    duration: float = 0.0
 
 
 def check_fault(name: str) -> str:
@@ -73,27 +77,41 @@ def check_fault(name: str) -> str:
 
 
 def parse_fault(text: str) -> FaultOrder:
-    """Read ``NAME`` or ``NAME:SECONDS``, as on a command line.
+    """Read ``NAME``, ``NAME:SECONDS`` or ``NAME:SECONDS:DURATION``, as on a command line.
 
     Raises
     ------
     UnknownFault
         There is no such fault, or the seconds are none.
     """
-    name, colon, last = text.rpartition(":")
-    try:
-        after = float(last) if colon else None
-    except ValueError:
-        after = None
-    if after is None:
-        return FaultOrder(check_fault(text))
-    if not (math.isfinite(after) and after >= 0.0):
-        raise UnknownFault(f"fault {text!r}: {last} s is no time; give seconds of 0 or more")
+    name, times = _split(text)
+    for each in times:
+        if not (math.isfinite(each) and each >= 0.0):
+            raise UnknownFault(f"fault {text!r}: {each:g} s is no time; give seconds of 0 or more")
+    after, duration = (*times, 0.0, 0.0)[:2]
+    check_fault(name)
     if name == MAP_WITHHELD and after:
         raise UnknownFault(
-            f"fault {text!r}: a map that was given cannot be withheld; leave out {last}"
+            f"fault {text!r}: a map that was given cannot be withheld; leave out {after:g}"
         )
-    return FaultOrder(check_fault(name), after)
+    if duration and name.startswith(AT_ONCE):
+        raise UnknownFault(f"fault {text!r}: it is over at once; leave out {duration:g}")
+    return FaultOrder(name, after, duration)
+
+
+def _split(text: str) -> tuple[str, list[float]]:
+    """The name, and up to two times behind it."""
+    name, times = text, list[float]()
+    while len(times) < 2:
+        before, colon, last = name.rpartition(":")
+        try:
+            time = float(last) if colon else None
+        except ValueError:
+            time = None
+        if time is None:
+            break
+        name, times = before, [time, *times]
+    return name, times
 
 
 def withholds_map(orders: Iterable[str]) -> bool:

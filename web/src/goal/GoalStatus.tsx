@@ -18,7 +18,7 @@ export function GoalStatus() {
   const goal = state?.goal ?? null;
   if (goal === null || goal.id === dismissed) return null;
 
-  const line = goalLine(goal);
+  const line = goalLine(goal, drive);
   const limit = isUnderWay(goal) ? limitText(drive) : null;
   const cancel = () => {
     setFailure(null);

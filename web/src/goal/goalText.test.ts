@@ -50,29 +50,32 @@ test("a refused goal says why in the planner's words", () => {
 });
 
 test("a goal under way says what is left of it", () => {
-  expect(goalLine(goal).text).toBe("2.1 m left, about 9 s");
-  expect(goalLine({ ...goal, eta: null }).text).toBe("2.1 m left");
-  expect(goalLine({ ...goal, distance_left: null }).text).toBe("On the way");
+  expect(goalLine(goal, null).text).toBe("2.1 m left, about 9 s");
+  expect(goalLine({ ...goal, eta: null }, null).text).toBe("2.1 m left");
+  expect(goalLine({ ...goal, distance_left: null }, null).text).toBe("On the way");
 });
 
 test("an arrival says how far off it is", () => {
-  const line = goalLine({ ...goal, phase: "arrived", error: 0.041 });
+  const line = goalLine({ ...goal, phase: "arrived", error: 0.041 }, null);
   expect(line).toMatchObject({ tone: "done", text: "Arrived, 4 cm off" });
-  expect(goalLine({ ...goal, phase: "arrived", error: 0.002 }).text).toBe(
+  expect(goalLine({ ...goal, phase: "arrived", error: 0.002 }, null).text).toBe(
     "Arrived, less than 1 cm off",
   );
 });
 
 test("a failed goal says why, and what to do", () => {
-  const line = goalLine({ ...goal, phase: "failed", message: "No path around the obstacle." });
+  const line = goalLine(
+    { ...goal, phase: "failed", message: "No path around the obstacle." },
+    null,
+  );
   expect(line.tone).toBe("problem");
   expect(line.text).toBe("No path around the obstacle.");
   expect(line.more).not.toBe("");
 });
 
 test("a goal that nobody accepts becomes a problem after three seconds", () => {
-  expect(goalLine({ ...goal, phase: "sent", elapsed: 1 }).tone).toBe("plain");
-  expect(goalLine({ ...goal, phase: "sent", elapsed: 4 }).tone).toBe("problem");
+  expect(goalLine({ ...goal, phase: "sent", elapsed: 1 }, null).tone).toBe("plain");
+  expect(goalLine({ ...goal, phase: "sent", elapsed: 4 }, null).tone).toBe("problem");
 });
 
 test("only goals that have not ended are under way", () => {
@@ -98,4 +101,14 @@ test("a held robot says what holds it, a free one nothing", () => {
 test("a place names its heading only where there is one", () => {
   expect(placeText(1.5, -0.25, null)).toBe("x 1.50, y −0.25 m");
   expect(placeText(0, 0, Math.PI / 2)).toBe("x 0.00, y 0.00 m, heading 90°");
+});
+
+test("a goal that failed says who stopped the robot since, and no longer to send it again", () => {
+  const failed: Goal = { ...goal, phase: "failed", message: "Stopped: operator pressed STOP." };
+  const by = (stopped_by: string): Drive => ({ ...drive, stopped: true, stopped_by });
+  expect(goalLine(failed, drive).more).toBe("Pick another point, or send the goal again.");
+  expect(goalLine(failed, by("operator")).more).toBe("When STOP is released, send the goal again.");
+  expect(goalLine(failed, by("rule Walls")).more).toBe(
+    "That was before rule Walls stopped the robot.",
+  );
 });

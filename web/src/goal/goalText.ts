@@ -29,7 +29,8 @@ export function placeText(x: number, y: number, yaw: number | null): string {
 /** A planner answers a goal at once; later than this, something is wrong. */
 const ACCEPT_WITHIN_S = 3;
 
-export function goalLine(goal: Goal): GoalLine {
+/** `drive` says who has stopped the robot, which need not be who ended the goal. */
+export function goalLine(goal: Goal, drive: Drive | null): GoalLine {
   switch (goal.phase) {
     case "sent":
       return goal.elapsed < ACCEPT_WITHIN_S
@@ -49,11 +50,19 @@ export function goalLine(goal: Goal): GoalLine {
       return line(
         "problem",
         goal.message === "" ? "The goal failed" : goal.message,
-        "Pick another point, or send the goal again.",
+        afterwards(goal, drive),
       );
     case "canceled":
       return line("plain", "Goal cancelled", goal.message);
   }
+}
+
+function afterwards(goal: Goal, drive: Drive | null): string {
+  if (drive === null || !drive.stopped) return "Pick another point, or send the goal again.";
+  const by = drive.stopped_by === "" ? "somebody" : drive.stopped_by;
+  return goal.message.includes(by)
+    ? "When STOP is released, send the goal again."
+    : `That was before ${by} stopped the robot.`;
 }
 
 function offText(error: number): string {

@@ -177,7 +177,8 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
           kind: "call_service",
           service: bare(service.name),
           type: service.type,
-          request: { operator_name: "rule", reason: "" },
+          // The monitor says which rule it is.
+          request: { reason: "" },
         }),
       ),
     );
