@@ -7,7 +7,7 @@ import traceback
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.task import Future
@@ -22,6 +22,7 @@ from kompass.components.base.actions import (
     fitted_call,
     undecorated,
 )
+from kompass.components.base.attributes import mistaken_attribute
 from kompass.components.base.component_config import (
     NO_ROBOT,
     ComponentConfig,
@@ -177,6 +178,16 @@ class Component:
             self.apply_config_file(config_file)
         self._topics_in.replace(topics_in)
         self._topics_out.replace(topics_out)
+
+    if not TYPE_CHECKING:  # whom it would tell that any name may be set
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            own = self.__dict__
+            if name not in own and "config" in own:
+                problem = mistaken_attribute(type(self), name, self.config, own.keys())
+                if problem:
+                    raise AttributeError(f"{own['node_name']}: {problem}")
+            super().__setattr__(name, value)
 
     # -- what a recipe says -------------------------------------------------------------------
 
