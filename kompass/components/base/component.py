@@ -407,6 +407,7 @@ class Component:
 
     # -- what it does about its own failures --------------------------------------------------
 
+    @named_arguments
     def on_fail(
         self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
     ) -> None:
@@ -422,24 +423,28 @@ class Component:
         """
         self.fallbacks.on_fail = make_fallback(self, action or fallback, max_retries)
 
+    @named_arguments
     def on_algorithm_fail(
         self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
     ) -> None:
         """What to do when the algorithm finds no answer; see :meth:`on_fail`."""
         self.fallbacks.on_algorithm_fail = make_fallback(self, action or fallback, max_retries)
 
+    @named_arguments
     def on_component_fail(
         self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
     ) -> None:
         """What to do about a defect of the component itself; see :meth:`on_fail`."""
         self.fallbacks.on_component_fail = make_fallback(self, action or fallback, max_retries)
 
+    @named_arguments
     def on_system_fail(
         self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
     ) -> None:
         """What to do when something outside is missing; see :meth:`on_fail`."""
         self.fallbacks.on_system_fail = make_fallback(self, action or fallback, max_retries)
 
+    @named_arguments
     def on_giveup(
         self, action: Any = None, max_retries: int | None = 1, *, fallback: Any = None
     ) -> None:
