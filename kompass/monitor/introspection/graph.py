@@ -83,6 +83,7 @@ class Graph:
             actions={each.name for each in self._actions()},
             components=self._catalog.components(),
             publishes=self._catalog.publishes,
+            messages=self._catalog,
         )
 
     def view(self) -> GraphView:
