@@ -15,6 +15,7 @@ from pydantic import (
     model_validator,
 )
 
+from kompass.porting import absent_names
 from kompass.settings import Settings
 
 # What no robot on the ground has: a slip of units, or of a digit.
@@ -333,3 +334,5 @@ __all__ = [
     "RobotGeometry",
     "RobotType",
 ]
+
+__getattr__ = absent_names("kompass.robot")
