@@ -188,7 +188,12 @@ def _explain_one(item: dict[str, Any], model: type[BaseModel], where: str) -> st
     prefix = f"{where}: " if where else ""
     if item["type"] == "extra_forbidden":
         return f"{prefix}'{path}' {item['msg']}"
-    return f"{prefix}'{path}' = {item['input']!r}: {item['msg']}{_range(model, item)}"
+    return f"{prefix}'{path}'{value_text(item['input'])}: {item['msg']}{_range(model, item)}"
+
+
+def value_text(value: Any) -> str:
+    """A refused value as `` = …``; of a whole section nothing, for the message says what it was."""
+    return "" if isinstance(value, (BaseModel, dict)) else f" = {value!r}"
 
 
 def _range(model: type[BaseModel], item: dict[str, Any]) -> str:

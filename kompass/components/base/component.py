@@ -138,7 +138,8 @@ class Component:
         if callback_group is not None:
             notice_once(f"{name}: callback_group has no effect; a component has one thread")
         if config is not None and not isinstance(config, self.config_class):
-            raise TypeError(f"{name}: config = {config!r} is not a {self.config_class.__name__}")
+            wanted = self.config_class.__name__
+            raise TypeError(f"{name}: config, a {type(config).__name__}, is not a {wanted}")
         self.node_name = name
         self.config = config.model_copy(deep=True) if config else self.config_class()
         self._run_type = self.allowed_run_types[0]
