@@ -192,8 +192,8 @@ def _explain_one(item: dict[str, Any], model: type[BaseModel], where: str) -> st
 
 
 def value_text(value: Any) -> str:
-    """A refused value as `` = …``; of a whole section nothing, for the message says what it was."""
-    return "" if isinstance(value, (BaseModel, dict)) else f" = {value!r}"
+    """What follows a refused name: `` = <value>``, and of a whole section that it does not fit."""
+    return " does not fit" if isinstance(value, (BaseModel, dict)) else f" = {value!r}"
 
 
 def _range(model: type[BaseModel], item: dict[str, Any]) -> str:

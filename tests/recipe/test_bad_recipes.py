@@ -90,7 +90,7 @@ MISTAKES = {
     ),
     "numbers of a shape": Mistake(
         f"RobotConfig(model_type='OMNI', {SHAPE}=[0.1, 0.2, 0.3], {LIMITS})",
-        r"ValidationError: RobotConfig: geometry_params of a CYLINDER are 2 numbers",
+        r"ValidationError: RobotConfig does not fit: geometry_params of a CYLINDER are 2 numbers",
     ),
     "config of another class": Mistake(
         "Controller(config=PlannerConfig())",
