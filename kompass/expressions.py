@@ -15,6 +15,9 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from kompass.field_types import field_types
+from kompass.rules.checks.catalog import FieldType
+from kompass.rules.checks.field_values import sought_in_vain
 from kompass.rules.schema.conditions import AllOf, AnyOf, Compare, Not, Received
 from kompass.rules.schema.conditions import Condition as RuleCondition
 from kompass.rules.schema.signals import Signal, path_text
@@ -250,6 +253,18 @@ def _walk(message: type[Any], path: tuple[str | int, ...]) -> Any:
     return _plain(value) if isinstance(value, np.generic | bytes) else value
 
 
+def _type_of(message: type[Any], path: tuple[str | int, ...]) -> FieldType | None:
+    """What the value at a path is declared as; None of a whole message, and below empty lists."""
+    last = max((at for at, step in enumerate(path) if isinstance(step, str)), default=None)
+    if last is None:
+        return None
+    holder = _walk(message, path[:last])
+    found = field_types(type(holder)).get(str(path[last])) if holder is not None else None
+    for _ in path[last + 1 :]:
+        found = found and found.element
+    return found if found is not None and found.kind != "message" else None
+
+
 def _compare(field: MessageField, operator: str, value: Any) -> Expression:
     literal = _as_truth(field._sample_, operator, _literal(field._sample_, operator, value))
     problem = _mismatch(field._sample_, operator, literal)
@@ -260,6 +275,14 @@ def _compare(field: MessageField, operator: str, value: Any) -> Expression:
             raise ValueError(f"{field!r} {operator} {number!r}: compare with a finite number")
     if operator == "between" and not literal[0] <= literal[1]:
         raise ValueError(f"{field!r} between {value!r}: give the lower number first")
+    held = _type_of(field._message_, field._path_)
+    vain = sought_in_vain(held, operator, literal) if held is not None else None
+    if vain is not None:
+        sought, misfit = vain
+        raise ValueError(
+            f"{field!r} {operator} {value!r}: it is {misfit.text}, and never {sought!r}; "
+            f"{misfit.remedy}"
+        )
     try:
         condition = Compare(signal=signal_of(field), operator=operator, value=literal)  # type: ignore[arg-type]
     except ValidationError as error:

@@ -4,14 +4,16 @@ A recipe or component written for these packages gets its answer at the import, 
 is here under another name, or in another module, is in ``kompass/compat``.
 """
 
+import difflib
 import sys
 from collections.abc import Callable, Sequence
 from importlib.abc import MetaPathFinder
-from importlib.machinery import ModuleSpec
+from importlib.machinery import ModuleSpec, PathFinder
 from types import ModuleType
 from typing import Any
 
 PAGE = "docs/porting.md"
+LIKENESS = 0.8  # of a name to one that is here, for it to be a slip of the same
 
 CAMERA = "nothing here sees with a camera; paths are followed with DWA, Stanley or PurePursuit"
 SETTINGS = "derive from kompass.config.Settings, whose fields are pydantic's"
@@ -30,6 +32,9 @@ LAUNCH = (
 )
 RECORDER = "`kompass-console run` records what the robot does; see docs/recorder.md"
 
+IN_COMPONENTS = "import it from kompass.components"
+EVENT = "use Event on the topic of what happens, e.g. component.status_topic"
+
 NAMES: dict[str, dict[str, str]] = {
     "kompass.actions": {
         "trigger_component_service": "use trigger_service(srv_name=…, srv_type=…)",
@@ -37,8 +42,8 @@ NAMES: dict[str, dict[str, str]] = {
         "send_component_action_goal": "use send_component_action_server_goal(component=…)",
     },
     "kompass.event": {
-        "InternalEvent": "use Event on the topic of what happens, e.g. component.status_topic",
-        "OnInternalEvent": "use Event on the topic of what happens, e.g. component.status_topic",
+        "InternalEvent": EVENT,
+        "OnInternalEvent": EVENT,
     },
     "kompass.ros": {
         "Publisher": PUBLISHING,
@@ -56,11 +61,21 @@ NAMES: dict[str, dict[str, str]] = {
         "MotionServerConfig": "drive by actions of the DriveManager, e.g. move_forward; the flight "
         "recorder records",
     },
+    "kompass.components.controller": {
+        **dict.fromkeys(("Controller", "ControllerConfig"), IN_COMPONENTS),
+        "ControllersID": "import it from kompass.control",
+        "CmdPublishType": "give the name: ControllerConfig(ctrl_publish_type='Parallel')",
+    },
+    "kompass.components.planner": dict.fromkeys(("Planner", "PlannerConfig"), IN_COMPONENTS),
     "kompass.control": {
         "VisionRGBFollowerConfig": CAMERA,
         "VisionRGBDFollowerConfig": CAMERA,
         "DVZConfig": "use DWAConfig, which goes round obstacles too",
         "ScanModelConfig": "rays are taken as they are; the map is set with MapConfig",
+    },
+    "kompass.robot": {
+        "Robot": "use RobotConfig of kompass.robot",
+        "RobotState": "a pose is (x, y, yaw); see kompass.algorithms.geometry",
     },
     "ros_sugar": {
         "UINode": UI,
@@ -77,6 +92,8 @@ NAMES: dict[str, dict[str, str]] = {
         "SystemActionRegistry": "use launcher.open_to_rules(…)",
         "RegisteredAction": "use @component_action, and rules may call it",
         "RegisteredEvent": "use Event",
+        "InternalEvent": EVENT,
+        "OnInternalEvent": EVENT,
     },
     "ros_sugar.io": {
         "Publisher": PUBLISHING,
@@ -120,6 +137,10 @@ MODULES: dict[str, str] = {
     "kompass.utils": "use kompass.config.Settings, and kompass.algorithms.geometry for poses",
     "kompass.cli": "the command is kompass-console; its help lists what it does",
     "kompass.callbacks": MESSAGES,
+    "kompass.components.drive_manager": "import DriveManager from kompass.components",
+    "kompass.components.mapper": "import LocalMapper from kompass.components",
+    "kompass.components.map_server": "import MapServer from kompass.components",
+    "kompass.components.motion_server": "drive by actions of the DriveManager, e.g. move_forward",
     "kompass.data_types": "use any ROS message type: Topic(msg_type='package/Type')",
     "kompass.executable": PROCESSES,
     "ros_sugar.base_clients": "use ServiceClientConfig, ActionClientConfig of kompass.ros",
@@ -136,6 +157,7 @@ MODULES: dict[str, str] = {
     "kompass_core.third_party": "use PlannerConfig(planner_id=…) for the planners of OMPL",
     "kompass_core.utils": "use kompass.algorithms.geometry",
     "kompass_core.vision": CAMERA,
+    "kompass_cpp": "use kompass.algorithms, whose parts take and give NumPy arrays",
     "launch": LAUNCH,
     "launch_ros": LAUNCH,
 }
@@ -152,16 +174,30 @@ def not_here(name: str, instead: str) -> NotHere:
 
 
 def absent_names(module: str) -> Callable[[str], Any]:
-    """The ``__getattr__`` of a module of this name, which lacks names of the original one."""
+    """The ``__getattr__`` of a module of this name, which lacks names of the original one.
+
+    A name that is nearly one of the module's is answered with that one.
+    """
     table = NAMES[module]
 
     def missing(name: str) -> Any:
+        # ``from … import`` drops the text of an AttributeError.
         if name in table:
-            # ``from … import`` drops the text of an AttributeError.
             raise not_here(f"{module}.{name}", table[name])
+        here = sys.modules[module]
+        # A package is asked for its modules, too, before they are looked for.
+        if not name.startswith("_") and not _is_module(here, name):
+            near = difflib.get_close_matches(name, getattr(here, "__all__", ()), 1, LIKENESS)
+            if near:
+                raise not_here(f"{module}.{name}", f"did you mean '{near[0]}'?")
         raise AttributeError(f"module {module!r} has no attribute {name!r}")
 
     return missing
+
+
+def _is_module(package: ModuleType, name: str) -> bool:
+    folders = getattr(package, "__path__", None)
+    return folders is not None and bool(PathFinder.find_spec(f"{package.__name__}.{name}", folders))
 
 
 class AbsentModules(MetaPathFinder):

@@ -15,7 +15,8 @@ from pydantic import (
     model_validator,
 )
 
-from kompass.settings import Settings
+from kompass.porting import absent_names
+from kompass.settings import Settings, ignored_of
 
 # What no robot on the ground has: a slip of units, or of a digit.
 LARGEST = 100.0  # m, any measure of its shape
@@ -258,7 +259,8 @@ class RobotConfig(Settings):
     @model_validator(mode="before")
     @classmethod
     def _is_whole(cls, given: Any) -> Any:
-        if isinstance(given, dict):
+        # Of a name that is none of the robot's the base says which was meant.
+        if isinstance(given, dict) and set(given) <= {*cls.model_fields, *ignored_of(cls)}:
             needed = [name for name, field in cls.model_fields.items() if field.is_required()]
             left_out = [name for name in needed if name not in given]
             if left_out:
@@ -333,3 +335,5 @@ __all__ = [
     "RobotGeometry",
     "RobotType",
 ]
+
+__getattr__ = absent_names("kompass.robot")

@@ -188,7 +188,12 @@ def _explain_one(item: dict[str, Any], model: type[BaseModel], where: str) -> st
     prefix = f"{where}: " if where else ""
     if item["type"] == "extra_forbidden":
         return f"{prefix}'{path}' {item['msg']}"
-    return f"{prefix}'{path}' = {item['input']!r}: {item['msg']}{_range(model, item)}"
+    return f"{prefix}'{path}'{value_text(item['input'])}: {item['msg']}{_range(model, item)}"
+
+
+def value_text(value: Any) -> str:
+    """What follows a refused name: `` = <value>``, and of a whole section that it does not fit."""
+    return " does not fit" if isinstance(value, (BaseModel, dict)) else f" = {value!r}"
 
 
 def _range(model: type[BaseModel], item: dict[str, Any]) -> str:

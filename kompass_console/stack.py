@@ -24,6 +24,7 @@ from pydantic import ValidationError
 from kompass.launch.companions import add_companion
 from kompass.launch.environment import EnvironmentProblem
 from kompass.printable import log_to_terminal
+from kompass.settings import value_text
 from kompass.supervisor.instance_lock import AlreadyRunning
 from kompass.supervisor.process import ProcessSpec, Report
 from kompass.supervisor.supervisor import StartupError
@@ -285,7 +286,8 @@ def _where(recipe: Path, error: Exception) -> str:
     text = str(error)
     if isinstance(error, ValidationError):
         text = "; ".join(
-            f"{'.'.join(str(part) for part in item['loc'])} = {item['input']!r}: {item['msg']}"
+            f"{'.'.join(map(str, item['loc'])) or error.title}{value_text(item['input'])}: "
+            f"{item['msg'].removeprefix('Value error, ')}"
             for item in error.errors()
         )
     return f"{recipe}{line}: {type(error).__name__}: {' '.join(text.split())}"

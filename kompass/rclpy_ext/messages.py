@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from kompass.rclpy_ext.field_types import field_types
+from kompass.field_types import field_types
 from kompass.rules.checks.catalog import FieldType
 from kompass.rules.checks.field_values import (
     Misfit,

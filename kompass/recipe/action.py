@@ -11,6 +11,7 @@ from typing import Any, get_type_hints
 
 from pydantic import PydanticSchemaGenerationError, PydanticUserError, TypeAdapter, ValidationError
 
+from kompass.arguments import named_arguments
 from kompass.components.base.actions import signature_text
 from kompass.components.base.component import Component
 from kompass.rclpy_ext.messages import checked, to_plain
@@ -43,6 +44,7 @@ class Action:
         When the arguments do not fit the function.
     """
 
+    @named_arguments
     def __init__(
         self,
         method: Callable[..., Any],

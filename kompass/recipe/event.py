@@ -11,6 +11,7 @@ from typing import Any, Self
 
 from pydantic import ValidationError
 
+from kompass.arguments import named_arguments
 from kompass.expressions import MessageField, condition_of, signal_of
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.condition_function import ConditionFunction, condition_function
@@ -83,6 +84,7 @@ class Event:
         When the delay is negative, or the rate is not above 0.
     """
 
+    @named_arguments
     def __init__(
         self,
         event_condition: Any,
@@ -256,6 +258,7 @@ class _NamedEvent(Event, ABC):
 class _Valued(_NamedEvent):
     """A named event that compares the field with a value."""
 
+    @named_arguments
     def __init__(
         self,
         event_name: str,
@@ -272,13 +275,13 @@ class _Valued(_NamedEvent):
 class OnAny(_NamedEvent):
     """Each message."""
 
+    @named_arguments
     def __init__(
         self,
         event_name: str,
         event_source: Topic,
         handle_once: bool = False,
         keep_event_delay: float = 0.0,
-        **_: Any,
     ) -> None:
         self._topic = event_source
         super().__init__(event_name, event_source, (), handle_once, keep_event_delay)
@@ -302,6 +305,7 @@ class OnDifferent(_Valued):
 
 
 class _Ordered(_Valued):
+    @named_arguments
     def __init__(
         self,
         event_name: str,
@@ -360,6 +364,7 @@ class OnChange(_NamedEvent):
 
     when = "change"
 
+    @named_arguments
     def __init__(
         self,
         event_name: str,

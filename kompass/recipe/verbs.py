@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from kompass.arguments import named_arguments
 from kompass.components.base.component import Component
 from kompass.components.base.parameter import with_values
 from kompass.expressions import type_name
@@ -30,6 +31,7 @@ def _component(name: str, component: Any) -> str:
     return component.node_name
 
 
+@named_arguments
 def start(*, component: Component) -> Action:
     """Configure and activate a component."""
     return Action.from_data(
@@ -37,6 +39,7 @@ def start(*, component: Component) -> Action:
     )
 
 
+@named_arguments
 def stop(*, component: Component) -> Action:
     """Deactivate a component."""
     return Action.from_data(
@@ -44,6 +47,7 @@ def stop(*, component: Component) -> Action:
     )
 
 
+@named_arguments
 def restart(*, component: Component, wait_time: float | None = None) -> Action:
     """Deactivate and activate a component.
 
@@ -65,6 +69,7 @@ def restart(*, component: Component, wait_time: float | None = None) -> Action:
     return Action.from_data(Lifecycle(component=name, action="restart", timeout=30.0))
 
 
+@named_arguments
 def reconfigure(*, component: Component, new_config: Any, keep_alive: bool = False) -> Action:
     """Give a component a new configuration.
 
@@ -85,6 +90,7 @@ def reconfigure(*, component: Component, new_config: Any, keep_alive: bool = Fal
     )
 
 
+@named_arguments
 def update_parameter(
     *, component: Component, param_name: str, new_value: Any, keep_alive: bool = True
 ) -> Action:
@@ -108,6 +114,7 @@ def update_parameter(
     )
 
 
+@named_arguments
 def update_parameters(
     *,
     component: Component,
@@ -152,6 +159,7 @@ def update_parameters(
     )
 
 
+@named_arguments
 def send_srv_request(*, srv_name: str, srv_type: type, srv_request_msg: Any = None) -> Action:
     """Call a service of any node.
 
@@ -174,6 +182,7 @@ def send_srv_request(*, srv_name: str, srv_type: type, srv_request_msg: Any = No
     )
 
 
+@named_arguments
 def send_action_goal(
     *,
     action_name: str | None = None,
@@ -213,6 +222,7 @@ def send_action_goal(
     )
 
 
+@named_arguments
 def trigger_service(*, srv_name: str, srv_type: type) -> Action:
     """Call a service of any node with a request made from the message that triggered.
 
@@ -223,6 +233,7 @@ def trigger_service(*, srv_name: str, srv_type: type) -> Action:
     return action
 
 
+@named_arguments
 def trigger_action_server(*, server_name: str, server_type: type) -> Action:
     """Send a goal made from the message that triggered; see :func:`trigger_service`."""
     action = send_action_goal(server_name=server_name, server_type=server_type)
@@ -230,6 +241,7 @@ def trigger_action_server(*, server_name: str, server_type: type) -> Action:
     return action
 
 
+@named_arguments
 def send_component_action_server_goal(*, component: Component, request_msg: Any) -> Action:
     """Send a goal to a component's main action.
 
@@ -242,6 +254,7 @@ def send_component_action_server_goal(*, component: Component, request_msg: Any)
     return send_action_goal(server_name=name, server_type=kind, request_msg=request_msg)
 
 
+@named_arguments
 def trigger_component_action_server(*, component: Component) -> Action:
     """Send a component's main action a goal made from the message that triggered."""
     name, kind = _main_action("trigger_component_action_server", component)
@@ -263,6 +276,7 @@ def _copier(kind: type) -> Any:
     return fields_of_the_message
 
 
+@named_arguments
 def publish_message(
     *,
     topic: Topic,
@@ -296,6 +310,7 @@ def publish_message(
     )
 
 
+@named_arguments
 def log(*, msg: str, logger_name: str | None = None) -> Action:
     """Write a line to the log."""
     return Action.from_data(Log(text=f"{logger_name}: {msg}" if logger_name else msg))

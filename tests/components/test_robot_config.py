@@ -1,8 +1,10 @@
 """A robot is described whole, belongs to whoever has it, and is never left half changed."""
 
 import copy
+import json
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -168,6 +170,28 @@ def test_nothing_of_a_robot_is_guessed(left_out: str) -> None:
 def test_a_mistyped_field_is_offered_the_nearest() -> None:
     with pytest.raises(ValidationError, match="did you mean 'geometry_params'"):
         described_robot(geometry_parms=[1, 2])
+    fields = dict(described_robot())
+    fields["modl_type"] = fields.pop("model_type")
+    with pytest.raises(ValidationError, match="did you mean 'model_type'") as refused:
+        RobotConfig(**fields)
+    assert "left out" not in str(refused.value)
+
+
+def test_a_config_of_another_class_is_named_and_not_told_whole() -> None:
+    with pytest.raises(TypeError) as refused:
+        Planner(config=DriveManagerConfig())  # type: ignore[arg-type, unused-ignore]
+    said = "planner: config, a DriveManagerConfig, is not a PlannerConfig"
+    assert str(refused.value) == said
+
+
+def test_a_robot_of_a_file_that_does_not_fit_is_not_told_whole(tmp_path: Path) -> None:
+    path = tmp_path / "robot.json"
+    robot = described_robot(geometry_type="CYLINDER", geometry_params=[0.1, 0.2])
+    given = {**robot.model_dump(mode="json"), "geometry_params": [0.1, 0.2, 0.3]}
+    path.write_text(json.dumps({"planner": {"robot": given}}))
+    with pytest.raises(ValueError, match=r"are 2 numbers \(radius, height, in metres\)") as refused:
+        Planner(config_file=str(path))
+    assert "ctrl_vx_limits" not in str(refused.value)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -0.1, 101.0, "fast", None])

@@ -389,7 +389,16 @@ def nothing(self: Any, *_: Any) -> None:
         ("attach_callbacks", nothing, "call attach_custom_callback in custom_on_activate"),
         ("_execution_step", lambda self, now: None, "is called with no argument besides self"),
         ("main_service_callback", lambda self, request: None, "is called with two arguments"),
-        ("_tick", nothing, "is used by the component itself"),
+        *(
+            (name, nothing, "is used by the component itself; give yours another one")
+            for name in (
+                *("_tick", "start", "stop", "restart", "inputs", "publish", "sleep", "get_logger"),
+                *("create_timer", "node_name", "config", "health", "on_activate", "fallbacks"),
+            )
+        ),
+        ("node", property(nothing), "is used by the component itself"),
+        ("callbacks", property(nothing), "is used by the component itself"),
+        ("loop_rate", 5.0, "is used by the component itself"),
     ],
 )
 def test_a_hook_that_would_never_be_called_is_an_error_when_the_component_is_made(

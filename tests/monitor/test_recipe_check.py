@@ -68,6 +68,19 @@ def test_what_does_not_fit_is_refused(made: dict[str, Any], words: tuple[str, ..
         assert word in str(refused.value)
 
 
+STATUS = "automatika_ros_sugar/msg/ComponentStatus"
+
+
+@pytest.mark.parametrize(
+    ("operator", "value"), [("==", 300), ("==", 1.5), ("in", [0, 300]), ("==", -1)]
+)
+def test_a_status_that_no_component_can_have_is_not_waited_for(operator: str, value: Any) -> None:
+    signal = {"topic": "controller/status", "type": STATUS, "path": ["status"]}
+    condition = {"kind": "compare", "signal": signal, "operator": operator, "value": value}
+    with pytest.raises(ValueError, match=r"'status' is an integer \(.*0 to 255\): this is never"):
+        check(rule("r", condition))
+
+
 def test_messages_requests_and_goals_are_known_by_their_fields() -> None:
     types = MessageTypes()
     known = types.field_type

@@ -16,12 +16,12 @@ from kompass_interfaces.msg import RuleFiring
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Byte, Float32, Float64, Int32, String, UInt8
 
+from kompass.field_types import field_types
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import Start
 from kompass.rclpy_ext.executor import TaskExecutor
-from kompass.rclpy_ext.field_types import field_types
 from kompass.rclpy_ext.messages import fill, to_plain
 from kompass.rclpy_ext.node import PlainNode
 from kompass.rclpy_ext.topic import Topic

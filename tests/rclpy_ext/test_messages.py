@@ -18,8 +18,8 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Byte, ByteMultiArray, Float32, Int32, String, UInt8
 
+from kompass.field_types import field_types
 from kompass.monitor.introspection.message_types import MessageTypes
-from kompass.rclpy_ext.field_types import field_types
 from kompass.rclpy_ext.messages import checked, fill, part_to_plain, to_plain
 from kompass.rules.checks.check import check_rule
 from kompass.rules.checks.problem import Problem

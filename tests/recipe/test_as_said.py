@@ -539,3 +539,53 @@ def test_what_a_parser_is_given_besides_is_given_to_the_function_too() -> None:
     (action,) = made.table.rules[0].actions
     assert isinstance(action, Python)
     assert called(made, action, {**action.kwargs, "msg": String()}) == ("words", True)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (
+            lambda: event.OnAny("e", NUMBER, handle_onc=True),  # type: ignore[call-arg]
+            r"OnAny\(\) has no argument 'handle_onc'; did you mean 'handle_once'\?",
+        ),
+        (
+            lambda: event.OnEqual("e", NUMBER, 1.0, "data", handle_onc=True),  # type: ignore[call-arg]
+            r"OnEqual\(\) has no argument 'handle_onc'; did you mean 'handle_once'\?",
+        ),
+        (
+            lambda: event.OnGreater("e", NUMBER, 1.0, "data", or_equl=True),  # type: ignore[call-arg]
+            r"OnGreater\(\) has no argument 'or_equl'; did you mean 'or_equal'\?",
+        ),
+        (
+            lambda: event.OnEqual("e", NUMBER),  # type: ignore[call-arg]
+            r"OnEqual\(\): missing a required argument: 'trigger_value'; it takes event_name, ",
+        ),
+        (
+            lambda: Event(NUMBER, on_chang=True),  # type: ignore[call-arg]
+            r"Event\(\) has no argument 'on_chang'; did you mean 'on_change'\?",
+        ),
+        (
+            lambda: Action(PLANNER.restart, arg=(1,)),  # type: ignore[call-arg]
+            r"Action\(\) has no argument 'arg'; did you mean 'args'\?",
+        ),
+        (
+            lambda: PLANNER.on_fail(Action(PLANNER.restart), max_retris=2),  # type: ignore[call-arg]
+            r"on_fail\(\) has no argument 'max_retris'; did you mean 'max_retries'\?",
+        ),
+        (
+            lambda: PLANNER.on_giveup(Action(PLANNER.restart), max_retris=2),  # type: ignore[call-arg]
+            r"on_giveup\(\) has no argument 'max_retris'; did you mean 'max_retries'\?",
+        ),
+        (
+            lambda: log(mesg="x"),  # type: ignore[call-arg]
+            r"log\(\) has no argument 'mesg'; did you mean 'msg'\?",
+        ),
+    ],
+)
+def test_an_argument_that_is_none_is_offered_the_nearest(
+    call: Callable[[], object], said: str
+) -> None:
+    with pytest.raises(TypeError, match=said) as refused:
+        call()
+    assert "__init__" not in str(refused.value)
+    assert "_Valued" not in str(refused.value)

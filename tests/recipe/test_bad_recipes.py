@@ -12,6 +12,7 @@ GOOD = """\
 from kompass import event
 from kompass.actions import Action, ComponentActions, LogInfo, update_parameter
 from kompass.components import Controller, DriveManager, LocalMapper, Planner, PlannerConfig
+from kompass.robot import AngularCtrlLimits, LinearCtrlLimits, RobotConfig
 from kompass.ros import Event, Launcher, Topic
 
 planner, driver, mapper = Planner(), DriveManager(), LocalMapper()
@@ -24,6 +25,12 @@ launcher.bringup()
 """
 LINE = GOOD.splitlines().index("MISTAKE") + 1
 BRINGUP = LINE + 2
+
+
+SHAPE = "geometry_type='CYLINDER', geometry_params"
+LIMITS = (
+    "ctrl_vx_limits=LinearCtrlLimits(max_vel=1.0), ctrl_omega_limits=AngularCtrlLimits(max_vel=1.0)"
+)
 
 
 class Mistake(NamedTuple):
@@ -77,6 +84,24 @@ MISTAKES = {
     ),
     "setting out of range": Mistake("PlannerConfig(loop_rate=-1.0)", r"loop_rate = -1\.0: .*great"),
     "mistyped setting": Mistake("PlannerConfig(loop_rat=1.0)", r"loop_rat"),
+    "mistyped field of a robot": Mistake(
+        f"RobotConfig(modl_type='OMNI', {SHAPE}=[0.1, 0.2], {LIMITS})",
+        r"ValidationError: modl_type = 'OMNI': is not a setting of RobotConfig; .*'model_type'\?$",
+    ),
+    "numbers of a shape": Mistake(
+        f"RobotConfig(model_type='OMNI', {SHAPE}=[0.1, 0.2, 0.3], {LIMITS})",
+        r"ValidationError: RobotConfig does not fit: geometry_params of a CYLINDER are 2 numbers",
+    ),
+    "config of another class": Mistake(
+        "Controller(config=PlannerConfig())",
+        r"TypeError: controller: config, a PlannerConfig, is not a ControllerConfig$",
+    ),
+    "mistyped attribute": Mistake(
+        "driver.loop_rat = 5.0", r"AttributeError: drive_manager: .*did you mean 'loop_rate'\?$"
+    ),
+    "value that is never there": Mistake(
+        "planner.status_topic.msg.status == 300", r"/planner/status status == 300: .*0 to 255"
+    ),
     "duplicate id": Mistake(
         "events.update({event.OnAny('same', number): LogInfo(msg='a'), "
         "event.OnAny('same', mapper.status_topic): LogInfo(msg='b')})",

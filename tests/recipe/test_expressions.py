@@ -1,5 +1,7 @@
 """A condition is checked while the recipe is read, and means what it says."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -161,6 +163,42 @@ def test_a_byte_is_compared_with_numbers_and_with_the_constants_of_its_message()
     assert compare(Expression(made)).value == 3
     with pytest.raises(TypeError, match="it is a number"):
         HEALTH.msg.level == "2"  # noqa: B015
+
+
+COUNT = Topic(name="count", msg_type="Int32")
+
+
+@pytest.mark.parametrize(
+    ("mistake", "said"),
+    [
+        (
+            lambda: HEALTH.msg.level == 300,
+            r"/health level == 300: it is an integer \(byte: 0 to 255\), and never 300; give a ",
+        ),
+        (
+            lambda: COUNT.msg.data == 2**40,
+            r"/count data == 1099511627776: .*\(int32: -2147483648 to 2147483647\), and never 109",
+        ),
+        (lambda: COUNT.msg.data == 10.5, r"/count data == 10\.5: it is an integer .* never 10\.5"),
+        (lambda: COUNT.msg.data.is_in([1, 2.5]), r"data in \[1, 2\.5\]: .* and never 2\.5; give "),
+        (lambda: BYTES.msg.data.contains(256), r"data contains 256: .*0 to 255.* and never 256"),
+        (lambda: ID.msg.uuid[0] == -1, r"uuid\[0\] == -1: .*0 to 255.* and never -1"),
+        (lambda: ID.msg.uuid == [1, 2], r"a list of exactly 16 uint8, and never 2; give 16 items"),
+        (lambda: OnEqual("e", COUNT, 2**40, "data"), r"/count data == 1099511627776: "),
+    ],
+)
+def test_a_value_that_the_field_never_holds_is_an_error_of_that_line(
+    mistake: Callable[[], object], said: str
+) -> None:
+    with pytest.raises(ValueError, match=said):
+        mistake()
+
+
+def test_bounds_beyond_what_a_field_holds_and_fractions_as_bounds_are_read() -> None:
+    assert compare(COUNT.msg.data > 10.5).value == 10.5
+    assert compare(COUNT.msg.data < 2**40).value == 2**40
+    assert compare(COUNT.msg.data == 10.0).value == 10.0
+    assert compare(COUNT.msg.data != 2**40).operator == "!="
 
 
 def test_an_item_of_a_fixed_list_of_numbers_is_a_number() -> None:

@@ -74,6 +74,21 @@ kompass.control VisionRGBFollowerConfig
 kompass.control VisionRGBDFollowerConfig
 kompass.control DVZConfig
 kompass.control ScanModelConfig
+kompass.components.controller Controller
+kompass.components.controller ControllerConfig
+kompass.components.controller ControllersID
+kompass.components.controller CmdPublishType
+kompass.components.planner PlannerConfig
+kompass.components.drive_manager DriveManager
+kompass.components.mapper LocalMapper
+kompass.components.map_server MapServer
+kompass.components.motion_server MotionServer
+kompass.robot Robot
+kompass.robot RobotState
+ros_sugar.core.event InternalEvent
+ros_sugar.core.event OnInternalEvent
+ros_sugar.io.topic QoSConfig
+kompass_cpp
 kompass.event InternalEvent
 kompass.event OnInternalEvent
 kompass.events InternalEvent
@@ -127,6 +142,34 @@ def test_a_name_by_attribute_is_answered_too() -> None:
     with pytest.raises(ImportError, match=r"MotionServer is not here: .*DriveManager"):
         _ = components.MotionServer
     assert not hasattr(components, "Nonsense")
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "meant"),
+    [
+        ("kompass.actions", "LogInfoo", "LogInfo"),
+        ("kompass.components", "Contoller", "Controller"),
+        ("kompass.ros", "Topics", "Topic"),
+        ("kompass.robot", "RobotConfg", "RobotConfig"),
+        ("ros_sugar.core", "BaseComponents", "BaseComponent"),
+    ],
+)
+def test_a_name_that_is_nearly_one_is_offered_it(module: str, name: str, meant: str) -> None:
+    with pytest.raises(ImportError, match=rf"{module}\.{name} is not here: did you mean '{meant}'"):
+        exec(f"from {module} import {name}", {})
+
+
+def test_a_module_below_one_that_answers_is_imported_though_its_name_is_like_another() -> None:
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "from kompass.components import planner, controller; print(planner)",
+        ],
+        capture_output=True,
+        text=True,
+    )
+    assert "kompass.components.planner" in done.stdout, done.stderr
 
 
 def test_a_base_of_the_original_name_makes_components() -> None:

@@ -176,6 +176,7 @@ PUBLIC: dict[str, list[str]] = {
     ],
     "ros_sugar.io": [
         "AllowedTopics",
+        "QoSConfig",
         "Topic",
     ],
     "ros_sugar.utils": [

@@ -8,7 +8,7 @@ from kompass.rulebook.lint.context import LintContext, TopicFacts
 from kompass.rulebook.lint.lint import findings_of, lint_table
 from kompass.rulebook.outlook import outlook
 from kompass.rulebook.schema.report import Finding
-from kompass.rules.checks.catalog import ComponentSpec
+from kompass.rules.checks.catalog import ComponentSpec, FieldType
 from kompass.rules.checks.problem import Problem
 from kompass.rules.schema.actions import (
     CallService,
@@ -343,3 +343,45 @@ def test_problems_become_errors_with_all_that_they_say() -> None:
 
 def test_a_log_is_no_reason_for_anything() -> None:
     assert codes(calm(compare("a", "<", 1), actions=(Log(text="!"),))) == []
+
+
+class Bytes:
+    """A catalog in which every field is a byte."""
+
+    def fields(self, type_name: str) -> list[str]:
+        return ["x"]
+
+    def field_type(self, type_name: str, path: tuple[str | int, ...]) -> FieldType | None:
+        return FieldType("int", primitive="octet")
+
+
+@pytest.mark.parametrize(
+    ("operator", "value", "code"),
+    [
+        ("<", 256, "always-true"),
+        ("<=", 255, "always-true"),
+        (">=", 0, "always-true"),
+        (">", -1, "always-true"),
+        ("!=", 300, "always-true"),
+        ("!=", 1.5, "always-true"),
+        ("between", (-1, 300), "always-true"),
+        (">", 255, "never-true"),
+        ("<", 0, "never-true"),
+        (">=", 300, "never-true"),
+        ("<=", -0.5, "never-true"),
+        ("between", (256, 300), "never-true"),
+    ],
+)
+def test_a_bound_beyond_what_the_field_holds_is_told(operator: Any, value: Any, code: str) -> None:
+    (finding,) = lints(calm(compare("a", operator, value)), messages=Bytes())
+    assert (finding.code, finding.field) == (code, "event.condition.value")
+    truth = code.removesuffix("-true")
+    assert finding.text == f"'x' is an integer (byte: 0 to 255): this is {truth} true"
+
+
+@pytest.mark.parametrize(
+    ("operator", "value"),
+    [("<", 255), ("<=", 254.5), (">", 0), (">=", 255), ("!=", 3), ("between", (255, 300))],
+)
+def test_of_a_bound_that_decides_something_nothing_is_told(operator: Any, value: Any) -> None:
+    assert lints(calm(compare("a", operator, value)), messages=Bytes()) == []

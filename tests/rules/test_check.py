@@ -26,6 +26,13 @@ def message(name: str) -> FieldType:
 
 TYPES: dict[str, dict[str, FieldType]] = {
     "p/msg/Scan": {"ranges": of(FLOAT), "range_max": FLOAT, "frame": TEXT},
+    "p/msg/Exact": {
+        "byte": FieldType("int", primitive="octet"),
+        "whole": FieldType("int", primitive="int32"),
+        "bytes": of(FieldType("int", primitive="uint8")),
+        "three": FieldType("list", element=FieldType("int", primitive="uint8"), size=3),
+        "real": FieldType("float", primitive="float"),
+    },
     "p/msg/Status": {"status": INT, "ok": BOOL, "sources": of(TEXT)},
     "p/msg/Pose": {"x": FLOAT, "y": FLOAT},
     "p/msg/Path": {"poses": of(message("p/msg/Pose")), "start": message("p/msg/Pose")},
@@ -71,6 +78,15 @@ def problems(type_name: str, path: tuple[Any, ...], operator: Any, value: Any, *
         ("p/msg/Status", ("sources",), "==", ("scan",)),
         ("p/msg/Scan", ("frame",), "contains", "LDS"),
         ("p/msg/Path", ("poses", 0, "x"), ">", 1),
+        ("p/msg/Exact", ("byte",), "==", 255),
+        ("p/msg/Exact", ("byte",), "<", 300),
+        ("p/msg/Exact", ("byte",), "!=", 300),
+        ("p/msg/Exact", ("whole",), "==", 10.0),
+        ("p/msg/Exact", ("whole",), ">", 10.5),
+        ("p/msg/Exact", ("whole",), "between", (-0.5, 2**40)),
+        ("p/msg/Exact", ("bytes",), "not_contains", 300),
+        ("p/msg/Exact", ("three",), "==", (1, 2, 3)),
+        ("p/msg/Exact", ("real",), "==", 10.5),
     ],
 )
 def test_what_fits_is_accepted_and_whole_numbers_are_numbers(
@@ -110,6 +126,33 @@ def test_what_does_not_fit_is_named_with_its_remedy(
     text = problems(type_name, path, operator, value)
     assert text.startswith("rule 'r': event.condition")
     assert complaint in text
+
+
+@pytest.mark.parametrize(
+    ("path", "operator", "value", "complaint"),
+    [
+        (("byte",), "==", 300, "value = 300: 'byte' is an integer (byte: 0 to 255): this is never"),
+        (("byte",), "==", -1, "give a whole number from 0 to 255"),
+        (("byte",), "in", (1, 300), "value = 300: 'byte' is an integer (byte: 0 to 255)"),
+        (("whole",), "==", 2**40, "(int32: -2147483648 to 2147483647): this is never true"),
+        (("whole",), "==", 10.5, "value = 10.5: 'whole' is an integer (int32: "),
+        (("whole",), "in", (1, 2.5), "value = 2.5"),
+        (("bytes",), "contains", 256, "value = 256: 'bytes' is an integer (uint8: 0 to 255)"),
+        (("bytes", 0), "==", 256, "give a whole number from 0 to 255"),
+        (("three",), "==", (1, 2), "value = 2: 'three' is a list of exactly 3 uint8: this is nev"),
+        (("real",), "==", 1e39, "this is never true; give a number from -3.4028235e38 to"),
+    ],
+)
+def test_what_a_field_never_holds_is_not_looked_for(
+    path: tuple[Any, ...], operator: str, value: Any, complaint: str
+) -> None:
+    assert complaint in problems("p/msg/Exact", path, operator, value)
+
+
+def test_a_tolerance_makes_a_fraction_reachable() -> None:
+    signal = Signal(topic="t", type="p/msg/Exact", path=("whole",))
+    near = Compare(signal=signal, operator="==", value=10.5, tolerance=0.6)
+    assert check_rule(rule(near), Definitions()) == []
 
 
 def test_aggregates_are_of_lists_of_numbers() -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from kompass.rclpy_ext.field_types import field_types
+from kompass.field_types import field_types
 from kompass.rclpy_ext.messages import message_class
 from kompass.rules.checks.catalog import FieldType
 

@@ -7,7 +7,7 @@ import traceback
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.task import Future
@@ -22,6 +22,7 @@ from kompass.components.base.actions import (
     fitted_call,
     undecorated,
 )
+from kompass.components.base.attributes import mistaken_attribute
 from kompass.components.base.component_config import (
     NO_ROBOT,
     ComponentConfig,
@@ -137,7 +138,8 @@ class Component:
         if callback_group is not None:
             notice_once(f"{name}: callback_group has no effect; a component has one thread")
         if config is not None and not isinstance(config, self.config_class):
-            raise TypeError(f"{name}: config = {config!r} is not a {self.config_class.__name__}")
+            wanted = self.config_class.__name__
+            raise TypeError(f"{name}: config, a {type(config).__name__}, is not a {wanted}")
         self.node_name = name
         self.config = config.model_copy(deep=True) if config else self.config_class()
         self._run_type = self.allowed_run_types[0]
@@ -177,6 +179,16 @@ class Component:
             self.apply_config_file(config_file)
         self._topics_in.replace(topics_in)
         self._topics_out.replace(topics_out)
+
+    if not TYPE_CHECKING:  # whom it would tell that any name may be set
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            own = self.__dict__
+            if name not in own and "config" in own:
+                problem = mistaken_attribute(type(self), name, self.config, own.keys())
+                if problem:
+                    raise AttributeError(f"{own['node_name']}: {problem}")
+            super().__setattr__(name, value)
 
     # -- what a recipe says -------------------------------------------------------------------
 
@@ -396,6 +408,7 @@ class Component:
 
     # -- what it does about its own failures --------------------------------------------------
 
+    @named_arguments
     def on_fail(
         self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
     ) -> None:
@@ -411,24 +424,28 @@ class Component:
         """
         self.fallbacks.on_fail = make_fallback(self, action or fallback, max_retries)
 
+    @named_arguments
     def on_algorithm_fail(
         self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
     ) -> None:
         """What to do when the algorithm finds no answer; see :meth:`on_fail`."""
         self.fallbacks.on_algorithm_fail = make_fallback(self, action or fallback, max_retries)
 
+    @named_arguments
     def on_component_fail(
         self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
     ) -> None:
         """What to do about a defect of the component itself; see :meth:`on_fail`."""
         self.fallbacks.on_component_fail = make_fallback(self, action or fallback, max_retries)
 
+    @named_arguments
     def on_system_fail(
         self, action: Any = None, max_retries: int | None = None, *, fallback: Any = None
     ) -> None:
         """What to do when something outside is missing; see :meth:`on_fail`."""
         self.fallbacks.on_system_fail = make_fallback(self, action or fallback, max_retries)
 
+    @named_arguments
     def on_giveup(
         self, action: Any = None, max_retries: int | None = 1, *, fallback: Any = None
     ) -> None:

@@ -46,6 +46,8 @@ DECLARATIONS = (
     "main_srv_type",
     "longest_step",
 )
+# What each object sets for itself.
+OF_THE_OBJECT = ("action_problem", "config", "fallbacks", "health", "node_name", "on_intent")
 # Hooks of other stacks that nothing calls here, with what to write instead.
 _MADE_HERE = "they are made from the inputs and outputs; make others in create_interfaces"
 FOREIGN = {
@@ -69,7 +71,8 @@ def check_hooks(kind: type, base: type) -> None:
     Raises
     ------
     TypeError
-        When a name is nearly one of ours, a hook has other parameters, or nothing would call it.
+        When a name is nearly one of ours or one that the component uses itself, a hook has other
+        parameters, or nothing would call it.
     """
     text = _mistake(kind, base)
     if text:
@@ -79,9 +82,16 @@ def check_hooks(kind: type, base: type) -> None:
 @cache
 def _mistake(kind: type, base: type) -> str:
     known = {*ARGUMENTS, *DECLARATIONS}
-    framework = {name for one in kind.__mro__ if _is_ours(one) for name in dir(one)}
+    reserved = {
+        name
+        for name, value in vars(base).items()
+        if (inspect.isfunction(value) or isinstance(value, property))
+        and name not in known
+        and not name.endswith("__")
+    }.union(OF_THE_OBJECT)
+    framework = {name for one in kind.__mro__ if is_ours(one) for name in dir(one)}
     for one in kind.__mro__:
-        if _is_ours(one) or not issubclass(one, base):
+        if is_ours(one) or not issubclass(one, base):
             continue
         for name, value in vars(one).items():
             where = f"{one.__name__}.{name}"
@@ -91,11 +101,8 @@ def _mistake(kind: type, base: type) -> str:
                     return text
             elif name in FOREIGN:
                 return f"{where} would never be called: {FOREIGN[name]}"
-            elif name.startswith("_") and name in vars(base) and not name.endswith("__"):
-                return (
-                    f"{where}: that name is used by the component itself; give the method "
-                    "another one"
-                )
+            elif name in reserved:
+                return f"{where}: that name is used by the component itself; give yours another one"
             elif name not in framework and not name.startswith("__"):
                 near = difflib.get_close_matches(name, known, n=1, cutoff=LIKENESS)
                 if near and abs(len(near[0]) - len(name)) <= LETTERS:
@@ -106,7 +113,8 @@ def _mistake(kind: type, base: type) -> str:
     return ""
 
 
-def _is_ours(kind: type) -> bool:
+def is_ours(kind: type) -> bool:
+    """Whether a class is one of the stack, not of whoever uses it."""
     return kind.__module__.partition(".")[0] == "kompass"
 
 

@@ -83,6 +83,7 @@ class Graph:
             actions=_offered(get_action_names_and_types(self._node)),
             components=self._catalog.components(),
             publishes=self._catalog.publishes,
+            messages=self._catalog,
         )
 
     def view(self) -> GraphView:

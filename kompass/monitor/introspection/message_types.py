@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from kompass.rclpy_ext.field_types import field_types
+from kompass.field_types import field_types
 from kompass.rclpy_ext.messages import message_class, part_to_plain
 from kompass.rules.checks.catalog import FieldType
 

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
-from kompass.rules.checks.catalog import ComponentSpec
+from kompass.rules.checks.catalog import Catalog, ComponentSpec
 from kompass.rules.schema.values import Verdict
 
 
@@ -40,6 +40,8 @@ class LintContext(NamedTuple):
         (:func:`kompass.rulebook.outlook.outlook`).
     publishes
         Topics that each component publishes on, without the leading slash.
+    messages
+        The message definitions that are installed.
     """
 
     topics: Mapping[str, TopicFacts] | None = None
@@ -48,3 +50,4 @@ class LintContext(NamedTuple):
     components: Mapping[str, ComponentSpec] | None = None
     verdicts: Mapping[str, Verdict] = {}
     publishes: Mapping[str, Collection[str]] = {}
+    messages: Catalog | None = None

@@ -10,6 +10,7 @@ from kompass.rulebook.lint.loops import loops, status_topics
 from kompass.rulebook.schema.report import Finding
 from kompass.rulebook.views.wording import seconds
 from kompass.rules.checks.check_calls import nearest
+from kompass.rules.checks.field_values import foregone
 from kompass.rules.checks.problem import Problem
 from kompass.rules.schema.actions import Action, CallService, CancelGoal, Publish, SendGoal
 from kompass.rules.schema.conditions import (
@@ -30,6 +31,7 @@ from kompass.rules.schema.conditions import (
     topic_of,
 )
 from kompass.rules.schema.describe import describe
+from kompass.rules.schema.signals import path_text
 from kompass.rules.schema.table import Rule, Table
 
 _QUICK = 1.0  # Hz from which messages come by themselves and not because a person did something
@@ -83,6 +85,7 @@ def _rule(rule: Rule, context: LintContext) -> Iterator[Finding]:
     yield from _negated(rule, context)
     said: set[tuple[str, str]] = set()
     for where, leaf in _leaves(rule):
+        yield from _foregone(rule, where, leaf, context)
         for finding in _leaf(rule, where, leaf, context, own_status):
             # Two leaves on one topic: what is said of the topic is said once.
             key = (finding.code, topic_of(leaf))
@@ -283,6 +286,26 @@ def _leaf(
             f"messages on /{topic} come every {seconds(1 / facts.rate)}: a single one holds that "
             "long",
             f"set it to {_round_up(2.0 / facts.rate)} s or more",
+        )
+
+
+def _foregone(rule: Rule, where: str, leaf: Leaf, context: LintContext) -> Iterator[Finding]:
+    """A bound beyond all that an integer can be."""
+    if not isinstance(leaf, Compare) or leaf.signal.aggregate or leaf.tolerance:
+        return
+    found = context.messages and context.messages.field_type(leaf.signal.type, leaf.signal.path)
+    known = foregone(found, leaf.operator, leaf.value) if found else None
+    if known is not None:
+        truth, what = known
+        value: JsonValue = [*leaf.value] if isinstance(leaf.value, tuple) else leaf.value
+        yield _lint(
+            rule,
+            "always-true" if truth else "never-true",
+            f"{where}.value",
+            value,
+            f"'{path_text(leaf.signal.path)}' is {what}: this is {'always' if truth else 'never'} "
+            "true",
+            "give a value within these bounds",
         )
 
 

@@ -10,7 +10,12 @@ from pydantic import JsonValue
 
 from kompass.rules.checks.catalog import Catalog, FieldType, StackCatalog
 from kompass.rules.checks.check_calls import check_calls
-from kompass.rules.checks.field_values import length_misfit, scalar_misfit, wrong_type
+from kompass.rules.checks.field_values import (
+    length_misfit,
+    scalar_misfit,
+    sought_in_vain,
+    wrong_type,
+)
 from kompass.rules.checks.problem import Problem
 from kompass.rules.schema.actions import (
     Action,
@@ -201,6 +206,12 @@ def _literal(rule: Rule, where: str, leaf: Compare, found: FieldType) -> Iterato
                 f"{name} {'holds' if wanted is not found else 'is'} {_a(wanted)}",
                 f"give {_a(wanted)}",
             )
+            return
+    vain = None if leaf.tolerance else sought_in_vain(found, operator, leaf.value)
+    if vain is not None:
+        literal, misfit = vain
+        text = f"{name} is {misfit.text}: this is never true"
+        yield Problem(rule.id, f"{where}.value", literal, text, misfit.remedy, misfit.code)
 
 
 def _fits(literal: Scalar, wanted: FieldType) -> bool:

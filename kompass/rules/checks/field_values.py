@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Any, Final, Literal, NamedTuple
 
 from kompass.rules.checks.catalog import FieldKind, FieldType
+from kompass.rules.schema.model import Scalar
 
 # Kinds of the primitives of IDL, as message definitions of ROS name them in generated code.
 PRIMITIVES: Final[Mapping[str, FieldKind]] = {
@@ -35,6 +36,8 @@ _FLOATS = {
     "float": (2**128 - 2**103, "3.4028235e38"),
     "double": (2**1024 - 2**970, "1.7976931348623157e308"),
 }
+# Comparisons that are true only when the field holds what they name.
+_SEEK = ("==", "in", "contains", "contains_any", "contains_all")
 _WORDS = {"bool": "a bool", "int": "an integer", "float": "a number", "text": "a text"}
 
 
@@ -109,6 +112,65 @@ def length_misfit(found: FieldType, length: int) -> Misfit | None:
         remedy = f"give at most {found.bound} items, not {length}"
         return Misfit(type_text(found), remedy, "out-of-range")
     return None
+
+
+def sought_in_vain(
+    found: FieldType, operator: str, value: Scalar | tuple[Scalar, ...]
+) -> tuple[Scalar | int, Misfit] | None:
+    """What a comparison seeks although its field never holds it, and why; None if it may be there.
+
+    Parameters
+    ----------
+    found
+        Type of the field; of a list, each of the values must fit an item.
+    operator
+        Of the comparison; of those that do not look for a value nothing is said.
+    value
+        What the field is compared with.
+    """
+    if operator not in _SEEK:
+        return None
+    literals = value if isinstance(value, tuple) else (value,)
+    wanted = found
+    if found.kind == "list":
+        misfit = length_misfit(found, len(literals)) if operator == "==" else None
+        if misfit is not None:
+            return len(literals), misfit
+        if found.element is None:
+            return None
+        wanted = found.element
+    for literal in literals:
+        misfit = scalar_misfit(wanted, literal)
+        if misfit is not None:
+            return literal, misfit
+    return None
+
+
+def foregone(
+    found: FieldType, operator: str, value: Scalar | tuple[Scalar, ...]
+) -> tuple[bool, str] | None:
+    """Whether a comparison of an integer is always true or always false, and what it holds.
+
+    None when it depends on the value, and for the operators of :func:`sought_in_vain`.
+    """
+    if found.kind != "int" or found.primitive not in _RANGES:
+        return None
+    low, high = _RANGES[found.primitive]
+    numbers = value if isinstance(value, tuple) else (value,)
+    if operator in ("!=", "not_in"):
+        never = all(scalar_misfit(found, each) is not None for each in numbers)
+        return (True, type_text(found)) if never else None
+    if not all(isinstance(each, (int, float)) for each in numbers):
+        return None
+    first, last = float(numbers[0]), float(numbers[-1])
+    always, never = {
+        "<": (high < first, low >= first),
+        "<=": (high <= first, low > first),
+        ">": (low > first, high <= first),
+        ">=": (low >= first, high < first),
+        "between": (first <= low and high <= last, high < first or last < low),
+    }.get(operator, (False, False))
+    return (always, type_text(found)) if always or never else None
 
 
 def wrong_type(found: FieldType) -> Misfit:
