@@ -5,6 +5,7 @@ import struct
 from collections.abc import Iterable
 from typing import Any
 
+_WHOLE = ("sequence<int", "sequence<uint")
 PROOF = "proof"  # the field that holds the proof, and cannot prove itself
 
 
@@ -42,4 +43,6 @@ def _plain(value: Any, kind: str) -> Any:
     if hasattr(value, "get_fields_and_field_types"):
         return _fields(value)
     values: Iterable[Any] = value.tolist() if hasattr(value, "tolist") else value
+    if kind.startswith(_WHOLE):
+        return list(values)  # there may be thousands of them
     return [_plain(each, kind) for each in values]

@@ -4,6 +4,7 @@ Only decorated methods are: without that, every attribute of a component would b
 recipe may open others of one's own, one by one and for its own rules, by naming them.
 """
 
+import functools
 import inspect
 import json
 import typing
@@ -85,6 +86,11 @@ def component_action(
 
 def actions_of(kind: type) -> Mapping[str, ActionSpec]:
     """The component actions of a class by name, inherited and overridden ones included."""
+    return _actions_of(kind)
+
+
+@functools.cache
+def _actions_of(kind: type) -> Mapping[str, ActionSpec]:
     found: dict[str, ActionSpec] = {}
     for base in reversed(kind.__mro__):
         for name, value in vars(base).items():
@@ -123,17 +129,13 @@ def fitted_call(
     ActionRefused
         When ``method`` does not take ``kwargs``; names what is wrong.
     """
-    signature = inspect.signature(method)
+    signature, hints = _declared(method)
     try:
         signature.bind(**kwargs)
     except TypeError as error:
         raise ActionRefused(
             f"{owner}.{method.__name__}: {error}; it takes {signature_text(signature)}"
         ) from None
-    try:
-        hints = typing.get_type_hints(method)
-    except (NameError, TypeError):
-        hints = {}  # names that only the type checker sees
     fitted = {}
     for name, value in kwargs.items():
         try:
@@ -145,6 +147,15 @@ def fitted_call(
                 f"{signature_text(signature)}"
             ) from None
     return fitted
+
+
+@functools.lru_cache(maxsize=256)  # rules call the same few again and again, and are to be quick
+def _declared(method: Callable[..., Any]) -> tuple[inspect.Signature, Mapping[str, Any]]:
+    try:
+        hints = typing.get_type_hints(method)
+    except (NameError, TypeError):
+        hints = {}  # names that only the type checker sees
+    return inspect.signature(method), hints
 
 
 def _fitted(hint: Any, value: Any) -> Any:

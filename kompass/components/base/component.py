@@ -979,7 +979,7 @@ class Component:
         ActionRefused
             When there is no such action, its arguments do not fit, or it needs an active component.
         """
-        spec = self.action_specs.get(name)
+        spec = actions_of(type(self)).get(name) or self._opened.get(name)
         if spec is None:
             raise ActionRefused(
                 f"{self.node_name} has no action '{name}'; known are "
