@@ -158,6 +158,17 @@ def _declared(method: Callable[..., Any]) -> tuple[inspect.Signature, Mapping[st
     return inspect.signature(method), hints
 
 
+_kept_adapter = functools.lru_cache(maxsize=256)(TypeAdapter)
+
+
+def _adapter(hint: Any) -> TypeAdapter[Any]:
+    try:
+        hash(hint)
+    except TypeError:  # a mapping in an Annotated
+        return TypeAdapter(hint)
+    return _kept_adapter(hint)
+
+
 def _fitted(hint: Any, value: Any) -> Any:
     if hasattr(hint, "get_fields_and_field_types") and isinstance(value, Mapping):
         return fill(hint(), value)
@@ -166,7 +177,7 @@ def _fitted(hint: Any, value: Any) -> Any:
     if hint is int and isinstance(value, float) and value.is_integer():
         return int(value)
     try:
-        adapter: TypeAdapter[Any] = TypeAdapter(hint)
+        adapter = _adapter(hint)
     except PydanticUserError:
         if hasattr(hint, "get_fields_and_field_types"):
             raise ValueError(f"it is no {hint.__name__}; give its fields by name") from None
