@@ -129,7 +129,7 @@ def fitted_call(
     ActionRefused
         When ``method`` does not take ``kwargs``; names what is wrong.
     """
-    signature, hints = _declared(method)
+    signature, hints = _declared(getattr(method, "__func__", method), inspect.ismethod(method))
     try:
         signature.bind(**kwargs)
     except TypeError as error:
@@ -149,13 +149,19 @@ def fitted_call(
     return fitted
 
 
-@functools.lru_cache(maxsize=256)  # rules call the same few again and again, and are to be quick
-def _declared(method: Callable[..., Any]) -> tuple[inspect.Signature, Mapping[str, Any]]:
+# Rules call the same few again and again, and are to be quick. Kept is the function: a method
+# would keep its component alive, and with it the component's place on the ROS network.
+@functools.lru_cache(maxsize=256)
+def _declared(
+    function: Callable[..., Any], is_bound: bool
+) -> tuple[inspect.Signature, Mapping[str, Any]]:
     try:
-        hints = typing.get_type_hints(method)
+        hints = typing.get_type_hints(function)
     except (NameError, TypeError):
         hints = {}  # names that only the type checker sees
-    return inspect.signature(method), hints
+    signature = inspect.signature(function)
+    own = list(signature.parameters.values())[is_bound:]
+    return signature.replace(parameters=own), hints
 
 
 _kept_adapter = functools.lru_cache(maxsize=256)(TypeAdapter)
