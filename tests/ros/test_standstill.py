@@ -141,6 +141,7 @@ def driven_from_outside(**environment: str) -> Iterator[tuple[Stack, Driver]]:
             wait_until(lambda: "console is up" in stack.output, 20, "the console")
             wait_until(lambda: "guard is up" in stack.output, 20, "the guard")
             wait_until(lambda: f"{HALT_NODE} is up" in stack.output, 20, "who halts the robot")
+            wait_until(lambda: "/simulator/ground_truth" in robot.newest, 20, "the robot's pose")
             commands = robot.node.create_publisher(Twist, "/control", 10)
             forward = Twist()
             forward.linear.x = 0.2
