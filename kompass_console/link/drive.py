@@ -21,6 +21,9 @@ from kompass_console.schema.world import Latest
 
 AVAILABLE_WITHIN = 1.5  # s; the drive manager speaks on change and at 5 Hz
 STOP_TIMEOUT = 1.0  # s
+# A release is answered when it is on disk, for which the drive manager waits for 0.7 s, and may
+# have to be signed anew. Nobody is in danger meanwhile.
+RELEASE_TIMEOUT = 4.0  # s
 
 _Said = tuple[bool, bool, str, str, str, float]
 
@@ -77,11 +80,12 @@ class DriveLink:
             When there is none or one does not answer within `STOP_TIMEOUT`.
         """
         request = StopRobot.Request(operator_name=operator, reason=plain(reason))
-        return await _ask_all(self._stops, request)
+        return await _ask_all(self._stops, request, STOP_TIMEOUT)
 
     async def release(self, operator: str) -> DriveAnswer:
         """Let the robot move again; as `stop`."""
-        return await _ask_all(self._releases, ReleaseStop.Request(operator_name=operator))
+        request = ReleaseStop.Request(operator_name=operator)
+        return await _ask_all(self._releases, request, RELEASE_TIMEOUT)
 
     def _store(self, said: _Said) -> None:
         before = self._said.get()
@@ -90,11 +94,11 @@ class DriveLink:
             self._changed()
 
 
-async def _ask_all(pool: ServicePool, request: Any) -> DriveAnswer:
+async def _ask_all(pool: ServicePool, request: Any, timeout: float) -> DriveAnswer:
     names = pool.names
     if not names:
         raise NoAnswer("no drive manager is there")
-    answers = await asyncio.gather(*(pool.call(request, STOP_TIMEOUT, name) for name in names))
+    answers = await asyncio.gather(*(pool.call(request, timeout, name) for name in names))
     refused = [a for a in answers if not a.success]
     return DriveAnswer(not refused, plain((refused or answers)[0].message))
 

@@ -90,6 +90,7 @@ class FakeStack:
         action: bool,
         statuses: bool,
         slow_checks: float,
+        slow_release: float,
         failing: str,
     ) -> None:
         self.node = rclpy.create_node("planner")
@@ -99,6 +100,7 @@ class FakeStack:
         self.stopped = threading.Event()
         self.ending = threading.Event()
         self.slow_checks = slow_checks
+        self.slow_release = slow_release
         self.failing = failing
         self.cells = world_map()
         group = ReentrantCallbackGroup()
@@ -249,6 +251,7 @@ class FakeStack:
         except NotAdmitted as error:
             response.message = str(error)
             return response
+        self.ending.wait(self.slow_release)
         self.stopped.clear()
         self.stopped_by, self.reason = "", ""
         self.say_drive()
@@ -336,6 +339,7 @@ def main() -> None:
     for name in ("poses", "points", "planner", "drive", "action", "statuses"):
         parser.add_argument(f"--no-{name}", dest=name, action="store_false")
     parser.add_argument("--slow-checks", type=float, default=0.0)
+    parser.add_argument("--slow-release", type=float, default=0.0)
     parser.add_argument("--failing", default="")
     rclpy.init()
     stack = FakeStack(**vars(parser.parse_args()))

@@ -203,6 +203,21 @@ def test_stop_ends_the_drive_and_stays_until_released(
     assert client.post("/api/goals", json={"x": 0.6, "y": 0.6}).status_code == 200
 
 
+def test_a_release_that_waits_for_the_disk_is_awaited(
+    socket: ClientConnection, client: httpx.Client
+) -> None:
+    """The drive manager writes a release down before it answers; a STOP is answered at once."""
+    slow = 1.5  # s
+    with running_stack("--slow-release", str(slow)):
+        until(socket, complete)
+        pressing = lambda: client.post("/api/stop", json={}).is_success  # noqa: E731
+        wait_until(pressing, 5.0, "the drive manager")
+        released = client.post("/api/stop/release")
+        assert released.is_success, released.text
+        assert released.json()["accepted"], released.text
+        until(socket, lambda s: not s["drive"]["stopped"])
+
+
 def test_stop_waits_for_nothing_else(console: Served, socket: ClientConnection) -> None:
     with running_stack("--slow-checks", "1.5"), console.client(Role.VIEWER) as client:
         until(socket, complete)

@@ -369,7 +369,9 @@ def test_with_ros_off_the_robots_own_console_does_what_it_always_did() -> None:
             release = ReleaseStop.Request(operator_name="neighbour")
             name = "/drive_manager/release_stop"
             assert "not signed" in robot.call_unsigned(ReleaseStop, name, release).message
-            assert page.post("/api/stop/release").json()["accepted"]
+            answer = page.post("/api/stop/release")
+            assert answer.is_success, answer.text
+            assert answer.json()["accepted"], answer.text
             goal = {"x": 0.5, "y": 0.0, "yaw": None, "view": None}
             sent = lambda: page.post("/api/goals", json=goal).is_success  # noqa: E731
             wait_until(sent, 20, "a planner that the console has found")
