@@ -10,7 +10,6 @@ import gc
 import os
 import select
 import signal
-import time
 from collections.abc import Sequence
 
 import rclpy
@@ -64,11 +63,26 @@ class HaltWatch:
         return any(self._lost.values()) or now < self._until
 
 
-class _ZeroPublishers:
-    """Publishes zero on the command topics of the drive managers, and cannot publish else."""
+class Halt:
+    """Publishes zero where drive managers send commands, while they cannot; and cannot publish else.
 
-    def __init__(self, node: Node, topics: Sequence[Topic], frame: str) -> None:
+    Parameters
+    ----------
+    node
+        Publishes.
+    gates
+        Names of the drive managers.
+    topics
+        Where they send commands, as Twist or TwistStamped.
+    frame
+        Of the robot's base.
+    """
+
+    def __init__(
+        self, node: Node, gates: Sequence[str], topics: Sequence[Topic], frame: str
+    ) -> None:
         self._node, self._frame = node, frame
+        self._watch = HaltWatch(gates)
         self._publishers = [
             (
                 topic.ros_msg_type,
@@ -79,13 +93,25 @@ class _ZeroPublishers:
             for topic in topics
         ]
 
-    def publish(self) -> None:
+    def note(self, line: str) -> None:
+        """Take what the supervisor tells of a process, a JSON line."""
+        self._watch.note(ProcessNews.of_line(line), self._node.clock.monotonic())
+
+    def note_end(self, *, orderly: bool) -> None:
+        """The stack ends."""
+        self._watch.note_end(self._node.clock.monotonic(), orderly=orderly)
+
+    def look(self) -> bool:
+        """Publish zero if that is wanted now, and return whether it is; every :data:`PERIOD`."""
+        if not self._watch.halts(self._node.clock.monotonic()):
+            return False
         for kind, publisher in self._publishers:
             message = kind()
             if isinstance(message, TwistStamped):
                 message.header.stamp = self._node.get_clock().now().to_msg()
                 message.header.frame_id = self._frame
             publisher.publish(message)
+        return True
 
 
 def run_halt(
@@ -124,8 +150,7 @@ def run_halt(
     node = PlainNode(
         HALT_NODE, namespace=namespace or None, start_parameter_services=False, enable_rosout=False
     )
-    zero = _ZeroPublishers(node, topics, frame)
-    watch = HaltWatch(gates)
+    halt = Halt(node, gates, topics, frame)
     inbox_open, ending, pending = True, False, b""
     poll = select.poll()
     poll.register(inbox, select.POLLIN)
@@ -133,10 +158,8 @@ def run_halt(
     report(f"active {HALT_NODE}")
     try:
         while True:
-            halting = watch.halts(time.monotonic())
-            if halting:
-                zero.publish()
-            elif ending:
+            halting = halt.look()
+            if ending and not halting:
                 return
             for descriptor, _ in poll.poll(1000 * (PERIOD if halting else LOOK)):
                 data = os.read(descriptor, 65536)
@@ -147,10 +170,10 @@ def run_halt(
                     poll.unregister(inbox)
                 *lines, pending = (pending + data).split(b"\n")
                 for line in lines:
-                    watch.note(ProcessNews.of_line(line.decode()), time.monotonic())
+                    halt.note(line.decode())
             if not ending and (ended or not inbox_open):
                 ending = True
-                watch.note_end(time.monotonic(), orderly=inbox_open)
+                halt.note_end(orderly=inbox_open)
             send_heartbeat(HALT_NODE)
     finally:
         node.destroy_node()
