@@ -64,7 +64,7 @@ class HaltWatch:
 
 
 class Halt:
-    """Publishes zero where drive managers send commands, while they cannot; and cannot publish else.
+    """Publishes zero where drive managers send commands, while they cannot, and nothing else.
 
     Parameters
     ----------
