@@ -2,7 +2,6 @@
 
 import logging
 import math
-import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -15,30 +14,22 @@ from kompass.components.base.config_file import sections_of_nobody
 from kompass.components.base.parameter import with_values
 from kompass.launch.companions import (
     add_companion,
-    companions,
     function_process,
     program_process,
 )
-from kompass.launch.environment import check_environment, prepare_key, processes_wanted
+from kompass.launch.environment import check_environment, processes_wanted
 from kompass.launch.failure_policies import FailurePolicies
-from kompass.launch.gates import feeders_of, halt_process
-from kompass.launch.host import host
+from kompass.launch.processes import run_processes
+from kompass.launch.stack import Monitored, Stack, taker
 from kompass.monitor.introspection.catalog import RecipeCatalog
-from kompass.monitor.process import NAME, run_monitor
 from kompass.monitor.tables.recipe_check import check_recipe
 from kompass.printable import log_to_terminal
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import recipe_rules
-from kompass.recorder.process import flight_recorder
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.rulebook.permissions import NOTHING_OPENED, Opened, opened
 from kompass.settings import notice_once
-from kompass.supervisor.desired_state import DesiredState
-from kompass.supervisor.instance_lock import lock_instance
 from kompass.supervisor.liveness import LivenessLimits
-from kompass.supervisor.process import ProcessSpec, Report
-from kompass.supervisor.restarts import Restarts
-from kompass.supervisor.supervisor import Supervisor
 
 NAMESPACE = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*/?", re.ASCII)
 
@@ -399,7 +390,6 @@ class Launcher:
                     "leave it out: the page and the log show what is done"
                 )
         check_environment()
-        prepare_key()
         if config_file:
             for component in self._components:
                 component.apply_config_file(config_file)
@@ -413,35 +403,28 @@ class Launcher:
             component.check_declaration()
         self._failure_policies.apply(self._components)
         log_to_terminal("kompass")
-        own, recorder = self._specs(), list[ProcessSpec]()
-        if self.enable_monitoring:
-            monitor, recorder = self._monitor()
-            own.append(monitor)
         self._judge_robot()
         self._judge_files()
-        names = [name for spec in own for name in spec.names]
-        # A node of the recipe's own takes the place of a companion of that name.
-        halt = halt_process(self._components, self.namespace)
-        more = [*halt, *recorder, *companions()]
-        beside = [spec for spec in more if not set(spec.names) & set(names)]
-        names += [name for spec in beside for name in spec.names]
-        held = lock_instance(names, self.namespace)
-        try:
-            Supervisor(
-                [*own, *beside],
-                announced=[spec.name for spec in own],
-                limits=self.patience,
-                restarts=Restarts(self._failure_policies.process_retries),
-                activation_timeout=self.activation_timeout,
-                inactive=[
-                    one.node_name
-                    for one in self._components
-                    if one.lacks_robot or one.node_name not in self._activate
-                ],
-            ).run()
-        finally:
-            for descriptor in held:
-                os.close(descriptor)
+        taker(run_processes)(self._stack())
+
+    def _stack(self) -> Stack:
+        groups = [[one] for one in self._components if one not in self._threaded]
+        return Stack(
+            groups=[*groups, self._threaded] if self._threaded else groups,
+            activate=frozenset(self._activate),
+            namespace=self.namespace,
+            monitored=self._monitored() if self.enable_monitoring else None,
+            process_retries=self._failure_policies.process_retries,
+            patience=self.patience,
+            activation_timeout=self.activation_timeout,
+        )
+
+    def _monitored(self) -> Monitored:
+        rules = recipe_rules(self._events_actions, self._components)
+        rules.opened = self._opened
+        catalog = RecipeCatalog(self._components, rules)
+        check_recipe(rules.table, catalog)
+        return Monitored(rules, catalog)
 
     def _judge_robot(self) -> None:
         """Say which components will not become active, for want of a robot."""
@@ -562,59 +545,6 @@ class Launcher:
 
     def setup_launch_description(self) -> None:
         """Nothing is to be set up before :meth:`bringup`."""
-
-    # -- processes ----------------------------------------------------------------------------
-
-    def _specs(self) -> list[ProcessSpec]:
-        """The processes of the components."""
-        groups = [[c] for c in self._components if c not in self._threaded]
-        if self._threaded:
-            groups.append(self._threaded)
-        return [self._spec(group) for group in groups]
-
-    def _monitor(self) -> tuple[ProcessSpec, list[ProcessSpec]]:
-        """The monitor's process, and those of its flight recorder."""
-        rules = recipe_rules(self._events_actions, self._components)
-        rules.opened = self._opened
-        catalog = RecipeCatalog(self._components, rules)
-        check_recipe(rules.table, catalog)
-        recording, recorder = flight_recorder(self._components, self.namespace)
-
-        def main(report: Report) -> None:
-            run_monitor(rules, catalog, report, spec.inbox, self.namespace, recording)
-
-        spec = ProcessSpec(name=NAME, main=main, names=[NAME], listens=True)
-        return spec, recorder
-
-    def _spec(self, group: list[Component]) -> ProcessSpec:
-        names = [component.node_name for component in group]
-        desired_state = DesiredState({name: name in self._activate for name in names})
-        stops_robot = any(component.stops_robot for component in group)
-
-        def main(report: Report) -> None:
-            host(
-                group,
-                desired_state,
-                report,
-                namespace=self.namespace,
-                first_start=spec.starts == 1,
-                inbox=spec.inbox,
-                feeders={
-                    component.node_name: feeders_of(component, self._components)
-                    for component in group
-                    if component.stops_robot
-                },
-            )
-
-        spec = ProcessSpec(
-            name=names[0] if len(names) == 1 else "components",
-            main=main,
-            names=names,
-            stops_robot=stops_robot,
-            listens=stops_robot,
-            allowed={component.node_name: component.longest_step for component in group},
-        )
-        return spec
 
 
 def _either(where: str, one: bool | None, other: bool | None) -> bool | None:

@@ -9,6 +9,7 @@ import pytest
 from kompass.components import Controller, DriveManager, LocalMapper, Planner
 from kompass.components.base.config_file import ConfigFileError
 from kompass.launch.companions import companions
+from kompass.launch.stack import Stack, stacks_go_to
 from kompass.launcher import Launcher
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import recipe_rules
@@ -17,9 +18,18 @@ from kompass.supervisor.process import ProcessSpec
 from tests.support.described import described_robot
 
 
+def stack_of(launcher: Launcher) -> Stack:
+    """What the launcher brings up."""
+    given: list[Stack] = []
+    with stacks_go_to(given.append):
+        launcher.bringup()
+    (stack,) = given
+    return stack
+
+
 def processes(launcher: Launcher) -> list[list[str]]:
     """Names of the nodes in each process of the components."""
-    return [spec.names for spec in launcher._specs()]
+    return [[one.node_name for one in group] for group in stack_of(launcher).groups]
 
 
 @pytest.mark.parametrize("keyword", ["multi_processing", "multiprocessing"])
@@ -194,8 +204,8 @@ def test_a_long_plan_is_given_its_time() -> None:
 
     launcher = Launcher()
     launcher.kompass([Planner(config=PlannerConfig(planning_timeout=30.0))])
-    (spec,) = launcher._specs()
-    assert spec.allowed["planner"] > 30.0
+    (planner,) = stack_of(launcher).components
+    assert planner.longest_step > 30.0
 
 
 # Every name that a recipe of some generation may call, read or set.

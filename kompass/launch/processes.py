@@ -1,0 +1,98 @@
+"""The processes of a stack: each with its own interpreter, forked and watched by a supervisor."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+
+from kompass.components.base.component import Component
+from kompass.launch.companions import companions
+from kompass.launch.environment import prepare_key
+from kompass.launch.gates import feeders_of, halt_process
+from kompass.launch.host import host
+from kompass.launch.stack import Stack
+from kompass.monitor.process import NAME, run_monitor
+from kompass.recorder.process import flight_recorder
+from kompass.supervisor.desired_state import DesiredState
+from kompass.supervisor.instance_lock import lock_instance
+from kompass.supervisor.process import ProcessSpec, Report
+from kompass.supervisor.restarts import Restarts
+from kompass.supervisor.supervisor import Supervisor
+
+
+def run_processes(stack: Stack) -> None:
+    """Run a stack until SIGINT or SIGTERM; see :meth:`kompass.launch.launcher.Launcher.bringup`."""
+    prepare_key()
+    own, recorder = [_host(stack, group) for group in stack.groups], list[ProcessSpec]()
+    if stack.monitored is not None:
+        monitor, recorder = _monitor(stack)
+        own.append(monitor)
+    names = [name for spec in own for name in spec.names]
+    # A node of the recipe's own takes the place of a companion of that name.
+    more = [*halt_process(stack.components, stack.namespace), *recorder, *companions()]
+    beside = [spec for spec in more if not set(spec.names) & set(names)]
+    names += [name for spec in beside for name in spec.names]
+    held = lock_instance(names, stack.namespace)
+    try:
+        Supervisor(
+            [*own, *beside],
+            announced=[spec.name for spec in own],
+            limits=stack.patience,
+            restarts=Restarts(stack.process_retries),
+            activation_timeout=stack.activation_timeout,
+            inactive=stack.inactive,
+        ).run()
+    finally:
+        for descriptor in held:
+            os.close(descriptor)
+
+
+def process_name(group: Sequence[Component]) -> str:
+    """What a process of components is called."""
+    return group[0].node_name if len(group) == 1 else "components"
+
+
+def _monitor(stack: Stack) -> tuple[ProcessSpec, list[ProcessSpec]]:
+    """The monitor's process, and those of its flight recorder."""
+    monitored = stack.monitored
+    assert monitored is not None
+    recording, recorder = flight_recorder(stack.components, stack.namespace)
+
+    def main(report: Report) -> None:
+        rules, catalog = monitored.rules, monitored.catalog
+        run_monitor(rules, catalog, report, spec.inbox, stack.namespace, recording)
+
+    spec = ProcessSpec(name=NAME, main=main, names=[NAME], listens=True)
+    return spec, recorder
+
+
+def _host(stack: Stack, group: Sequence[Component]) -> ProcessSpec:
+    """The process of some components."""
+    names = [component.node_name for component in group]
+    desired_state = DesiredState({name: name in stack.activate for name in names})
+    stops_robot = any(component.stops_robot for component in group)
+
+    def main(report: Report) -> None:
+        host(
+            list(group),
+            desired_state,
+            report,
+            namespace=stack.namespace,
+            first_start=spec.starts == 1,
+            inbox=spec.inbox,
+            feeders={
+                component.node_name: feeders_of(component, stack.components)
+                for component in group
+                if component.stops_robot
+            },
+        )
+
+    spec = ProcessSpec(
+        name=process_name(group),
+        main=main,
+        names=names,
+        stops_robot=stops_robot,
+        listens=stops_robot,
+        allowed={component.node_name: component.longest_step for component in group},
+    )
+    return spec
