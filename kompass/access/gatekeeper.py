@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
-from rclpy.clock import Clock
-from rclpy.clock_type import ClockType
-from rclpy.node import Node
 from std_msgs.msg import String
 
 from kompass.access.ros_control import ros_control
+from kompass.bus.node import Node
 from kompass.printable import printable
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.signing.proof import LIFE, Verifier
@@ -60,14 +57,14 @@ class Gatekeeper:
     """
 
     def __init__(self, node: Node) -> None:
-        self._node = node
+        self._node, self._clock = node, node.clock
         self._control = ros_control()
-        self._verifier = Verifier(robot_key(), time.monotonic())
+        self._verifier = Verifier(robot_key(), self._clock.monotonic())
         self._publisher = node.create_publisher(
             String, f"{node.get_name()}/{CHALLENGE}", LATCHED.to_ros()
         )
         self._logged, self._refused = float("-inf"), 0
-        node.create_timer(LIFE, self._renew, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        node.create_timer(LIFE, self._renew)
         self._publish()
 
     def admit(self, service: str, request: Any, *, changes: bool = True, who: str = "") -> bool:
@@ -97,7 +94,7 @@ class Gatekeeper:
             return False
         full = self._node.resolve_service_name(service)
         announced = self._verifier.announcement
-        verdict = self._verifier.judge(full, request, time.monotonic())
+        verdict = self._verifier.judge(full, request, self._clock.monotonic())
         if announced != self._verifier.announcement:
             self._publish()
         if verdict == "good":
@@ -128,7 +125,7 @@ class Gatekeeper:
 
     def _refuse(self, service: str, who: str, why: str) -> NotAdmitted:
         self._refused += 1
-        now = time.monotonic()
+        now = self._clock.monotonic()
         if now - self._logged >= LOG_PERIOD:
             by = f" of {printable(who, 40)!r}" if who else ""
             more = f" (and {self._refused - 1} before it)" if self._refused > 1 else ""
@@ -137,7 +134,7 @@ class Gatekeeper:
         return NotAdmitted(why)
 
     def _renew(self) -> None:
-        self._verifier.renew(time.monotonic())
+        self._verifier.renew(self._clock.monotonic())
         self._publish()
 
     def _publish(self) -> None:

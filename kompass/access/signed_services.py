@@ -7,10 +7,10 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from kompass_interfaces.srv import SignedCall
-from rclpy.node import Node
 from rclpy.serialization import deserialize_message, serialize_message
 
 from kompass.access.gatekeeper import Gatekeeper, NotAdmitted
+from kompass.bus.node import Node
 from kompass.rclpy_ext.deferred_service import create_deferred_service, defer_answers
 
 SIGNED_CALL = "signed_call"

@@ -6,10 +6,10 @@ import threading
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, TypeVar
 
-from rclpy.node import Node
 from std_msgs.msg import String
 
 from kompass.access.gatekeeper import CHALLENGE, answered_challenge
+from kompass.bus.node import Node
 from kompass.rclpy_ext.reply import Reply
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.signing.canonical import PROOF

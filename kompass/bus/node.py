@@ -162,6 +162,9 @@ class Node(Graph, Protocol):
     def destroy_client(self, client: Any) -> bool: ...
     def destroy_timer(self, timer: Any) -> bool: ...
     def destroy_node(self) -> None: ...
+    def write_log(self, level: str, text: str) -> None:
+        """A line of its log, for people; ``level`` is debug, info, warning or error."""
+
     def threads(self, count: int, name: str) -> Threads:
         """Threads for work that may block; what it has to say goes to the executor."""
 

@@ -9,8 +9,8 @@ from functools import partial
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
+from kompass.bus.node import LifecycleNode
 from kompass.components.base.component import Component
-from kompass.components.base.node import ComponentNode
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.heartbeat import send_heartbeat
@@ -110,7 +110,7 @@ def _listen(
     threading.Thread(target=read, name="inbox", daemon=True).start()
 
 
-def _watch_for_twin(node: ComponentNode, report: Report) -> None:
+def _watch_for_twin(node: LifecycleNode, report: Report) -> None:
     """Tell the supervisor when another machine runs a node of the same name."""
 
     def look() -> None:

@@ -29,11 +29,11 @@ from kompass_interfaces.srv import (
 )
 from pydantic import TypeAdapter
 from rclpy.action import ActionClient
-from rclpy.node import Node
 from std_msgs.msg import String
 
 from kompass.access.signer import Signer
 from kompass.backtest.report import BacktestReport
+from kompass.bus.node import Node
 from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass.rclpy_ext.topic import LATCHED, QoSConfig
 from kompass.rulebook.schema.alarm import Alarm

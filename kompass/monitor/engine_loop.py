@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple
@@ -17,6 +16,7 @@ from kompass.backtest.event_log import (
     swapped_text,
     to_data,
 )
+from kompass.bus.clock import SYSTEM, Clock
 from kompass.monitor.recording import EventLog
 from kompass.rules.engine.compiled_table import CompiledTable
 from kompass.rules.engine.explain import verdict_of
@@ -66,8 +66,8 @@ class EngineLoop:
         Tells recipes apart, for who reads the event log.
     event_log
         Takes down all that the engine takes; None for nothing.
-    clock, wall
-        Monotonic nanoseconds, and seconds since the epoch.
+    clock
+        Of the node.
     """
 
     def __init__(
@@ -81,30 +81,29 @@ class EngineLoop:
         used: Iterable[str] = (),
         recipe: str = "",
         event_log: EventLog | None = None,
-        clock: Callable[[], int] = time.monotonic_ns,
-        wall: Callable[[], float] = time.time,
+        clock: Clock = SYSTEM,
     ) -> None:
         self.table, self.revision, self.epoch = table, revision, epoch
-        self._handle, self._wake, self._clock, self._wall = handle, wake, clock, wall
+        self._handle, self._wake, self._clock = handle, wake, clock
         self._event_log = event_log
         self._unlogged: deque[tuple[Firing, int]] = deque()  # with the time of their step
-        began = clock()
+        began = clock.monotonic_ns()
         self.state: EngineState = initial_state(table, began * 1e-9)
         used = tuple(rule_id for rule_id in used if rule_id in table.by_id)
         for rule_id in used:
             self.state.rules[table.by_id[rule_id].index].fired = 1
         now = began * 1e-9
-        self._log(Began(now, wall(), epoch, revision, table.table, used, recipe), began)
+        self._log(Began(now, clock.wall(), epoch, revision, table.table, used, recipe), began)
 
     @property
     def now(self) -> float:
         """Monotonic seconds, as the engine counts them."""
-        return self._clock() * 1e-9
+        return self._clock.monotonic_ns() * 1e-9
 
     @property
     def wall_offset(self) -> float:
         """Seconds since the epoch at monotonic zero."""
-        return self._wall() - self.now
+        return self._clock.wall() - self.now
 
     def begin(self) -> None:
         """Let time pass for the engine; called once, when firings can be carried out."""
@@ -113,28 +112,28 @@ class EngineLoop:
     def heard(self, topic: str, type_name: str, message: Any, raw: bytes) -> None:
         """Take a message of ROS."""
         self._log_firings()
-        now = self._clock()
+        now = self._clock.monotonic_ns()
         if self._event_log is not None:
             self._event_log.message(topic, type_name, raw, now)
         self._step(Sample(topic, message), now)
 
     def answered(self, topic: str, answer: Any) -> None:
         """Take the answer of a polled function (topic ``callable/<name>``)."""
-        now = self._clock()
+        now = self._clock.monotonic_ns()
         self._log_firings()
         self._log(Heard(now * 1e-9, topic, "", _plain(answer)), now)
         self._step(Sample(topic, answer), now)
 
     def ended(self, rule_id: str, run_id: int, ok: bool, error: str) -> None:
         """Take the end of a run."""
-        now = self._clock()
+        now = self._clock.monotonic_ns()
         self._log_firings()
         self._log(Ended(now * 1e-9, rule_id, run_id, ok, error), now)
         self._step(RunEnded(rule_id, run_id, ok, error), now)
 
     def tick(self) -> None:
         """Take note that time has passed."""
-        self._step(Tick(), self._clock())
+        self._step(Tick(), self._clock.monotonic_ns())
 
     def swap(self, plan: Migration, revision: int, reset: Collection[str] = ()) -> Swap:
         """Go on with another table: one step was the old table's, the next is the new one's.
@@ -149,7 +148,7 @@ class EngineLoop:
             Ids of the rules that the plan starts afresh though they are unchanged.
         """
         assert plan.old is self.table
-        begun = self._clock()
+        begun = self._clock.monotonic_ns()
         now, before = begun * 1e-9, self.revision
         self.state, carried, outputs = swap(plan, self.state, now)
         self._unlogged += [(output, begun) for output in outputs if isinstance(output, Firing)]
@@ -161,7 +160,7 @@ class EngineLoop:
         verdicts = {
             rule.rule.id: verdict_of(plan.new, self.state, rule, now) for rule, _ in plan.fresh
         }
-        pause = (self._clock() - begun) * 1e-9
+        pause = (self._clock.monotonic_ns() - begun) * 1e-9
         # Only now, for what follows from it is the new table's; but it was the old one that fired.
         self._handle(outputs, plan.old, before)
         self._schedule()

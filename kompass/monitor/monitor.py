@@ -6,10 +6,9 @@ from collections.abc import Callable, Iterable
 from functools import partial
 
 from builtin_interfaces.msg import Time
-from rclpy.executors import Executor
-from rclpy.node import Node
 
 from kompass.access.gatekeeper import Gatekeeper
+from kompass.bus.node import Executor, Node
 from kompass.components.base.component import Component
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.monitor.execution.action_runner import ActionRunner
@@ -98,7 +97,7 @@ class Monitor:
         start = with_permissions(start, permissions)
         self._recording = recording
         self._main = main = MainThread(executor)
-        self._worker = WorkerThread("tables", node.get_logger())
+        self._worker = WorkerThread(node, "tables")
         timers = Timers(node)
         alarms = Alarms(node)
         # What fires begins runs, and the end of a run is an input of the engine: a circle.
@@ -112,6 +111,7 @@ class Monitor:
             used=start.used,
             recipe=_recipe_key(recipe.table, catalog.components()),
             event_log=recording.event_log if recording else None,
+            clock=node.clock,
         )
         firings = Firings(node, loop, store, stamp, recording.fired if recording else None)
         proxy = StatusProxy(node, loop.heard)
@@ -125,7 +125,7 @@ class Monitor:
         self._runs = runs = Runs(self._runner.run, loop.ended, firings)
         inputs = RuleInputs(node, proxy.pass_on)
         self._polled = PolledFunctions(
-            *(timers, main, recipe.polled),
+            *(node, timers, main, recipe.polled),
             answered=lambda name, answer: loop.answered(f"callable/{name}", answer),
             tell=firings.announce,
         )
@@ -136,6 +136,7 @@ class Monitor:
             InForce(start.table, start.revision, start.revision, notice=start.notice),
             start.merge,
             changed=lambda: main.post(state.changed),
+            clock=node.clock.monotonic,
         )
         state = RulesStatePublisher(node, loop, engine.extras, active, stamp, timers)
         tables = TableManager(

@@ -10,10 +10,9 @@ import threading
 import traceback
 
 import rclpy
-from rclpy.executors import Executor
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from kompass.bus.node import Node
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.recording import FlightRecording
@@ -92,7 +91,7 @@ def run_monitor(
         rclpy.shutdown()
 
 
-def _spin_once(node: Node, executor: Executor) -> None:
+def _spin_once(node: Node, executor: TaskExecutor) -> None:
     """Handle what comes next. A client that dies is no reason to leave the robot without rules."""
     try:
         executor.spin_once(timeout_sec=SPIN_TIMEOUT)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-from rclpy.executors import Executor
-from rclpy.node import Node
-
 from kompass.access.gatekeeper import Gatekeeper
+from kompass.bus.node import Executor, Node
 from kompass.rulebook.schema.journal import FiringRecord
 from kompass.store import RuleStore
 

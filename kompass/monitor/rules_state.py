@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from builtin_interfaces.msg import Time
 from kompass_interfaces.msg import RulesState
-from rclpy.node import Node
 
+from kompass.bus.node import Node
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.monitor.tables.active_table import ActiveTable
 from kompass.rclpy_ext.timers import Timers

@@ -19,9 +19,9 @@ from kompass_interfaces.srv import (
     RollbackRules,
     SaveRecording,
 )
-from rclpy.node import Node
 
 from kompass.access.gatekeeper import Gatekeeper, NotAdmitted
+from kompass.bus.node import Node
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import ChangeAnswer, Who
 from kompass.monitor.worker_thread import WorkerThread
@@ -100,7 +100,7 @@ class Services:
     ) -> None:
         self._gatekeeper = gatekeeper
         self._tables, self._sources = tables, sources
-        self._lookups = WorkerThread("lookups", node.get_logger())
+        self._lookups = WorkerThread(node, "lookups")
         offers: list[tuple[Any, str, Callable[..., Any], WorkerThread]] = [
             (GetRules, "get_rules", self._get, worker),
             (CheckRules, "check_rules", self._check, worker),

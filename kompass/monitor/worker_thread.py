@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future
+from typing import Any
 
-from rclpy.impl.rcutils_logger import RcutilsLogger
+from kompass.bus.node import Node
 
 
-class WorkerThread(ThreadPoolExecutor):
+class WorkerThread:
     """One thread, which does one thing after another.
 
     Parameters
     ----------
+    node
+        Has threads, and logs errors that nobody waits for.
     name
         Of the thread.
-    log
-        Where errors are told that nobody waits for.
     """
 
-    def __init__(self, name: str, log: RcutilsLogger) -> None:
-        super().__init__(1, thread_name_prefix=name)
-        self._log = log
+    def __init__(self, node: Node, name: str) -> None:
+        self._threads = node.threads(1, name)
+        self._log = node.get_logger()
+
+    def submit(self, work: Callable[[], Any]) -> Future[Any]:
+        """Have something done; what comes of it is in the future."""
+        return self._threads.submit(work)
 
     def post(self, work: Callable[[], None]) -> None:
         """Have something done that nobody waits for; what it raises is logged."""
@@ -32,8 +37,8 @@ class WorkerThread(ThreadPoolExecutor):
             except Exception as error:  # noqa: BLE001 - a worker's future tells nobody
                 self._log.error(f"{type(error).__name__}: {error}")
 
-        self.submit(do)
+        self._threads.submit(do)
 
     def close(self) -> None:
         """Begin nothing more; what is under way ends first."""
-        self.shutdown(wait=True, cancel_futures=True)
+        self._threads.shutdown(wait=True, cancel_futures=True)

@@ -19,7 +19,7 @@ Event handlers of what is destroyed end in SIGSEGV         ``node``             
 A callback group remembers each subscription that ever was ``node``             rclpy 1356
 The state of a lifecycle node has no public name           ``node``
 Its service for transitions cannot be refused              ``node``
-Goals of an action server are kept for good                ``goal_expiry``
+Goals of an action server are kept for good                ``action_server``
 Only an executor can empty a subscription                  ``subscription``
 Logging looks at files, and raises at a second severity    ``log``
 A reader does not follow what its publishers offer         ``qos``

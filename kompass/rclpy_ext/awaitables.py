@@ -5,13 +5,12 @@ rclpy (7.1.6) has neither: no sleep, and no deadline of an awaited future.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.executors import Executor
 from rclpy.task import Future
 
+from kompass.bus.node import Executor
 from kompass.rclpy_ext.timers import Timers
 
 POLL_PERIOD = 0.02  # s between two looks at what has no future of its own
@@ -30,6 +29,7 @@ class Awaitables:
 
     def __init__(self, timers: Timers, executor: Executor) -> None:
         self._timers = timers
+        self._clock = timers.clock
         self._executor = executor
 
     def future(self) -> Future:
@@ -62,9 +62,9 @@ class Awaitables:
         TimeoutError
             When it does not hold in time.
         """
-        deadline = time.monotonic() + timeout
+        deadline = self._clock.monotonic() + timeout
         while not condition():
-            if time.monotonic() >= deadline:
+            if self._clock.monotonic() >= deadline:
                 raise TimeoutError(f"{what} within {timeout:g} s")
             await self.sleep(POLL_PERIOD)
 

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from concurrent.futures import Executor as WorkerPool
-from typing import Any
+from typing import Any, Protocol
 
-from rclpy.node import Node
 from rclpy.task import Future
 
+from kompass.bus.node import Node
 from kompass.rclpy_ext.main_thread import MainThread
 
 # Takes request and response, gives the response to be sent.
 DeferredAnswer = Callable[[Any, Any], Awaitable[Any]]
 # Takes an empty response and what the answer raised; returns the response that says so.
 FailedAnswer = Callable[[Any, Exception], Any]
+
+
+class Worker(Protocol):
+    """Does work that may block."""
+
+    def submit(self, work: Callable[[], Any]) -> object:
+        """Have it done."""
 
 
 def create_deferred_service(
@@ -84,7 +90,7 @@ def defer_answers(node: Node, service: Any) -> None:
 
 
 def answered_by_worker(
-    main: MainThread, worker: WorkerPool, answer: Callable[[Any, Any], Any]
+    main: MainThread, worker: Worker, answer: Callable[[Any, Any], Any]
 ) -> DeferredAnswer:
     """Have answers made on a thread that may block.
 

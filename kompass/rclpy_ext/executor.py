@@ -116,7 +116,7 @@ class TaskExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
     rclpy's own would have the process die of SIGSEGV (7.1.6, ``ros2/rclpy`` issue 1641): it looks
     for the logger of its only node with an index into a set.
 
-    Its nodes must be :class:`kompass.rclpy_ext.node.NoEventCallbacks`.
+    Its nodes must be :class:`kompass.rclpy_ext.node.NodeOnDDS`.
 
     Parameters
     ----------

@@ -7,8 +7,9 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import TypeVar
 
-from rclpy.executors import Executor
 from rclpy.task import Future as RosFuture
+
+from kompass.bus.node import Executor
 
 T = TypeVar("T")
 _ENDED = "the executor has ended"

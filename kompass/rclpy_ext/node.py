@@ -3,22 +3,44 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from concurrent.futures import Executor as Threads
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+from rclpy.action import (
+    ActionClient,
+    get_action_names_and_types,
+    get_action_server_names_and_types_by_node,
+)
+from rclpy.clock import Clock as RosClock
+from rclpy.clock_type import ClockType
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 
+from kompass.bus.clock import SYSTEM, Clock
+from kompass.bus.node import NamesAndTypes
+from kompass.rclpy_ext.action_server import ForgetfulActionServer
+from kompass.rclpy_ext.log import write_log
 
-class NoEventCallbacks:
-    """Part of a node: its publishers and subscriptions have no event handlers unless asked for.
 
-    rclpy gives each one two, which log a warning when somebody's quality of service does not fit.
+class NodeOnDDS:
+    """Part of a node of rclpy that makes it one of :class:`kompass.bus.node.Node`.
+
+    Its publishers and subscriptions have no event handlers unless asked for: rclpy gives each one
+    two, which log a warning when somebody's quality of service does not fit.
     Where that happens while the publisher or subscription is destroyed, the events executor (7.1.6)
     dies of SIGSEGV (``ros2/rclpy`` issue 1644). A rule, a restart or a page that is closed destroys
     them all the time.
     """
+
+    clock: Clock = SYSTEM
+
+    def create_timer(self, *args: Any, **kwargs: Any) -> Any:
+        """As of :class:`rclpy.node.Node`, on the clock that nobody sets."""
+        kwargs.setdefault("clock", _STEADY)
+        return super().create_timer(*args, **kwargs)  # type: ignore[misc]
 
     def create_publisher(self, *args: Any, **kwargs: Any) -> Any:
         """As of :class:`rclpy.node.Node`."""
@@ -38,6 +60,51 @@ class NoEventCallbacks:
         entities = subscription.callback_group.entities
         entities.discard(weakref.ref(subscription))
         return bool(super().destroy_subscription(subscription))  # type: ignore[misc]
+
+    def create_action_server(
+        self,
+        action_type: Any,
+        action_name: str,
+        execute: Callable[[Any], Coroutine[Any, Any, Any]],
+        *,
+        goal_callback: Callable[[Any], Any],
+        cancel_callback: Callable[[Any], Any],
+    ) -> ForgetfulActionServer:
+        """As :class:`rclpy.action.ActionServer`."""
+        return ForgetfulActionServer(
+            self,
+            action_type,
+            action_name,
+            execute,
+            goal_callback=goal_callback,
+            cancel_callback=cancel_callback,
+        )
+
+    def create_action_client(self, action_type: Any, action_name: str) -> ActionClient:
+        """As :class:`rclpy.action.ActionClient`."""
+        return ActionClient(self, action_type, action_name)
+
+    def get_action_names_and_types(self) -> NamesAndTypes:
+        """As :func:`rclpy.action.get_action_names_and_types`."""
+        found: NamesAndTypes = get_action_names_and_types(self)
+        return found
+
+    def get_action_server_names_and_types_by_node(
+        self, node_name: str, node_namespace: str
+    ) -> NamesAndTypes:
+        """As :func:`rclpy.action.get_action_server_names_and_types_by_node`."""
+        found: NamesAndTypes = get_action_server_names_and_types_by_node(
+            self, node_name, node_namespace
+        )
+        return found
+
+    def write_log(self, level: str, text: str) -> None:
+        """A line of its log; see :func:`kompass.rclpy_ext.log.write_log`."""
+        write_log(self.get_logger(), level, text)  # type: ignore[attr-defined]
+
+    def threads(self, count: int, name: str) -> Threads:
+        """A pool of threads."""
+        return ThreadPoolExecutor(count, thread_name_prefix=name)
 
 
 def lifecycle_state(node: LifecycleNode) -> str:
@@ -70,9 +137,10 @@ def guard_change_state(
     service.callback = guard(service.callback)
 
 
-class PlainNode(NoEventCallbacks, Node):  # type: ignore[misc]  # rclpy has no types
+class PlainNode(NodeOnDDS, Node):  # type: ignore[misc]  # rclpy has no types
     """A node to be spun by :class:`kompass.rclpy_ext.executor.TaskExecutor`."""
 
 
 _NO_PUBLISHER_EVENTS = PublisherEventCallbacks(use_default_callbacks=False)
+_STEADY = RosClock(clock_type=ClockType.STEADY_TIME)
 _NO_SUBSCRIPTION_EVENTS = SubscriptionEventCallbacks(use_default_callbacks=False)

@@ -8,12 +8,11 @@ executor's queue, until it does nothing else and fills the memory.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from heapq import heapify, heappop, heappush
 from itertools import count
 
-from rclpy.node import Node
+from kompass.bus.node import Node
 
 LONGEST_WAIT = 3600.0  # s; later than that, it looks again
 MOST_CANCELLED = 256  # cancelled timers that may stay in the queue
@@ -42,6 +41,7 @@ class Timers:
     """
 
     def __init__(self, node: Node) -> None:
+        self.clock = node.clock
         self._heap: list[tuple[float, int, Timer]] = []
         self._order = count()
         node.executor.add_timers(self)
@@ -49,13 +49,13 @@ class Timers:
     def after(self, seconds: float, function: Callable[[], None]) -> Timer:
         """Call a function once, some seconds from now."""
         timer = Timer(function, None)
-        self._add(time.monotonic() + seconds, timer)
+        self._add(self.clock.monotonic() + seconds, timer)
         return timer
 
     def every(self, period: float, function: Callable[[], None]) -> Timer:
         """Call a function every ``period`` seconds; a time that is missed is left out."""
         timer = Timer(function, period)
-        self._add(time.monotonic() + period, timer)
+        self._add(self.clock.monotonic() + period, timer)
         return timer
 
     def _add(self, at: float, timer: Timer) -> None:
@@ -74,7 +74,7 @@ class Timers:
         float
             Time until the next is due [s].
         """
-        now = time.monotonic()
+        now = self.clock.monotonic()
         while self._heap and self._heap[0][0] <= now:
             at, _, timer = heappop(self._heap)
             if not timer.active:
@@ -88,7 +88,7 @@ class Timers:
             heappop(self._heap)
         if not self._heap:
             return LONGEST_WAIT
-        return min(max(self._heap[0][0] - time.monotonic(), 0.0), LONGEST_WAIT)
+        return min(max(self._heap[0][0] - self.clock.monotonic(), 0.0), LONGEST_WAIT)
 
 
 class MovableTimer:
@@ -110,7 +110,7 @@ class MovableTimer:
         if self._timer is not None:
             self._timer.cancel()
         self._at = at
-        self._timer = self._timers.after(at - time.monotonic(), self._fire)
+        self._timer = self._timers.after(at - self._timers.clock.monotonic(), self._fire)
 
     def _fire(self) -> None:
         self._timer, self._at = None, float("inf")

@@ -6,13 +6,13 @@ from contextlib import suppress
 
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import Odometry
-from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Float32, UInt32
 from tf2_msgs.msg import TFMessage
 
 from kompass.algorithms.geometry import compose, inverse
+from kompass.bus.node import Node
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation import messages
 from kompass.simulation.physics.mjcf import IMU_HEIGHT, LIDAR_HEIGHT

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from geometry_msgs.msg import Twist, TwistStamped
-from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
+
+from kompass.bus.node import Node
 
 TOPIC = "/cmd_vel"
 _TYPES = {"geometry_msgs/msg/TwistStamped": TwistStamped, "geometry_msgs/msg/Twist": Twist}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from nav2_msgs.srv import ClearEntireCostmap
-from rclpy.node import Node
 from std_msgs.msg import UInt32
 
+from kompass.bus.node import Node
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 
 # As Nav2's costmap node calls it.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from types import FrameType
@@ -15,6 +14,7 @@ from kompass.simulation.pacer import Pacer
 from kompass.simulation.worlds.registry import world
 
 if TYPE_CHECKING:
+    from kompass.bus.node import Node
     from kompass.simulation.broadcast import Broadcast
     from kompass.simulation.command_input import CommandInput
     from kompass.simulation.faults.fault_service import FaultService
@@ -86,8 +86,8 @@ def run_simulator(
             broken = FaultService(node, robot, orders)
             undo.callback(broken.close)
             Costmap(node)
-            loop = _Loop(robot, broadcast, commands, broken, node.get_logger().warning)
-            node.create_timer(PERIOD, lambda: loop.tick(time.monotonic()))
+            loop = _Loop(node, robot, broadcast, commands, broken)
+            node.create_timer(PERIOD, loop.tick)
             executor.add_node(node)
             node.get_logger().info(f"robot in {place.name!r}: {place.title}")
             while not (told_to_stop() or (stop is not None and stop())):
@@ -103,22 +103,23 @@ class _Loop:
 
     def __init__(
         self,
+        node: Node,
         robot: SimulatedRobot,
         broadcast: Broadcast,
         commands: CommandInput,
         faults: FaultService,
-        warn: Callable[[str], None],
     ) -> None:
+        self._node = node
         self._robot = robot
         self._broadcast = broadcast
         self._commands = commands
         self._faults = faults
-        self._warn = warn
-        self._pacer = Pacer(PERIOD, time.monotonic())
+        self._pacer = Pacer(PERIOD, node.clock.monotonic())
         self._ticks = 0
 
-    def tick(self, now: float) -> None:
-        """Simulate up to ``now`` (monotonic seconds) and publish the result once."""
+    def tick(self) -> None:
+        """Simulate up to now and publish the result once."""
+        now = self._node.clock.monotonic()
         self._faults.advance(now)
         self._robot.step(self._pacer.due(now) * PERIOD)
         self._broadcast.motion()
@@ -135,7 +136,7 @@ class _Loop:
         self._broadcast.rate(rate)
         self._broadcast.contacts()
         if rate < SLOW:
-            self._warn(
+            self._node.get_logger().warning(
                 f"the simulation runs at {rate:.2f} of real time ({lost:.2f} s lost): "
                 "the machine is too busy for it"
             )

@@ -10,6 +10,7 @@ from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.firing import Firing, Output
 from kompass.rules.engine.migration import plan_migration
 from kompass.rules.schema.table import Table
+from tests.support.clock import SetClock
 
 FLOAT = "std_msgs/msg/Float64"
 EPOCH_TIME = 1_000_000.0  # s since the epoch at monotonic zero
@@ -37,8 +38,7 @@ class LiveLoop:
             handle=self._take,
             wake=self._be_woken,
             event_log=self,
-            clock=lambda: self.now_ns,
-            wall=lambda: EPOCH_TIME + self.now_ns * 1e-9,
+            clock=SetClock(lambda: self.now_ns, EPOCH_TIME),
         )
         self.loop.begin()
 

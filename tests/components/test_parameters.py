@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from automatika_ros_sugar.srv import (
@@ -162,7 +163,8 @@ def test_a_change_of_the_loop_rate_changes_the_loop(run: Run) -> None:
     alive = run(mapper)
     assert set_one(alive, "loop_rate", "50").success
     # Beside the loop there is the timer that exchanges the challenge, once a minute.
-    assert sorted(round(1e9 / timer.timer_period_ns) for timer in mapper.node.timers) == [0, 50]
+    node: Any = mapper.node
+    assert sorted(round(1e9 / timer.timer_period_ns) for timer in node.timers) == [0, 50]
 
 
 def test_a_file_reconfigures_a_running_component(run: Run, tmp_path: Path) -> None:
@@ -226,7 +228,7 @@ def test_a_topic_that_does_not_fit_is_refused(run: Run, old: str, kind: str, mes
 def test_the_log_level_is_that_of_the_nodes_own_log_and_changes_while_it_runs(run: Run) -> None:
     driver = DriveManager(config=DriveManagerConfig(log_level="error"))
     alive = run(driver)
-    logger = driver.node.get_logger()
+    logger: Any = driver.node.get_logger()
     assert logger.get_effective_level() is LoggingSeverity.ERROR
     assert get_logger("rcl").get_effective_level() is LoggingSeverity.WARN
     assert set_one(alive, "log_level", "debug").success

@@ -5,6 +5,7 @@ import shutil
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -118,15 +119,19 @@ def test_a_file_that_was_taken_away_is_made_anew(tmp_path: Path) -> None:
 def test_what_could_not_be_written_is_said_and_tried_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("kompass.components.drive.stop_file.RETRY", 0.05)
     (tmp_path / "robot").write_text("in the way of the folder")
     said: list[str] = []
-    keeper = StopKeeper(file_in(tmp_path), said.append)
+    keeper = StopKeeper(file_in(tmp_path), ThreadPoolExecutor(1), said.append)
     keeper.keep(AVA)
     wait_until(lambda: said, 5, "word of the disk")
     assert "see to its disk and owner" in said[0]
     (tmp_path / "robot").unlink()
-    wait_until(lambda: file_in(tmp_path).load() == AVA, 5, "the STOP on disk")
+
+    def is_written() -> bool:
+        keeper.retry()
+        return file_in(tmp_path).load() == AVA
+
+    wait_until(is_written, 5, "the STOP on disk")
     keeper.close()
     assert len(said) == 1
 

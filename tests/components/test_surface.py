@@ -14,7 +14,8 @@ from kompass.components import (
 OF_ALL = """
 action_specs action_type add_callback_postprocessor add_publisher_preprocessor
 allowed_inputs allowed_outputs allowed_run_types apply_config_file attach_custom_callback
-available_actions awaits broadcast_status call_action callbacks check_declaration config_class
+available_actions awaits broadcast_status call_action callbacks check_declaration clock
+config_class
 create_interfaces create_node create_timer
 custom_on_activate custom_on_cleanup custom_on_configure custom_on_deactivate custom_on_error
 custom_on_shutdown default_inputs default_outputs destroy_timer fails frames get_in_topic get_logger

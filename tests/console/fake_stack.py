@@ -38,6 +38,7 @@ from std_msgs.msg import Float32
 from tf2_msgs.msg import TFMessage
 
 from kompass.access.gatekeeper import Gatekeeper, NotAdmitted
+from kompass.rclpy_ext.node import PlainNode
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -124,14 +125,15 @@ class FakeStack:
         node.create_timer(0.02, self.move, callback_group=group)
         node.create_timer(0.1, self.sense, callback_group=group)
         node.create_timer(0.2, self.report, callback_group=group)
+        self.gate: PlainNode | None = None
         if drive:
             self.drive = node.create_publisher(DriveState, "/drive_state", LATCHED)
-            self.gate = rclpy.create_node("drive_manager")
+            self.gate = PlainNode("drive_manager")
             self.gatekeeper = Gatekeeper(self.gate)
             node.create_service(StopRobot, "/drive_manager/stop", self.stop)
             node.create_service(ReleaseStop, "/drive_manager/release_stop", self.release)
         else:
-            self.drive = self.gate = None
+            self.drive = None
         if planner:
             node.create_service(
                 CheckGoal, "/planner/check_goal", self.check_goal, callback_group=group

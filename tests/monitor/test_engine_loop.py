@@ -15,6 +15,7 @@ from kompass.rules.engine.compiled_table import CompiledTable, compile_table
 from kompass.rules.engine.firing import Firing, Output
 from kompass.rules.engine.migration import plan_migration
 from kompass.rules.schema.table import Table
+from tests.support.clock import SetClock
 from tests.support.rules import compare, rule, signal
 
 
@@ -51,8 +52,7 @@ class World:
             handle=self._handle,
             wake=self._wake,
             event_log=self.event_log,
-            clock=lambda: self.now,
-            wall=lambda: 1_700_000_000.0 + self.now * 1e-9,
+            clock=SetClock(lambda: self.now, 1_700_000_000.0),
         )
         self.loop.begin()
 

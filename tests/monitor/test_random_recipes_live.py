@@ -20,6 +20,7 @@ from kompass.monitor.monitor import Monitor
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import Start
 from kompass.rclpy_ext.executor import TaskExecutor
+from kompass.rclpy_ext.node import PlainNode
 from kompass.recipe.table import recipe_rules
 from kompass.rules.engine.compiled_table import compile_table
 from tests.recipe.plain_model import World
@@ -110,7 +111,7 @@ def told(world: World) -> list[tuple[int, list[tuple[bool, str]]]]:
 def fresh() -> Iterator[Spinning]:
     """A node for each recipe: a monitor's subscriptions last as long as its node."""
     rclpy.init(args=[], domain_id=next_domain())
-    node = rclpy.create_node("tester")
+    node = PlainNode("tester")
     executor = TaskExecutor()
     executor.add_node(node)
     yield Spinning(node, executor)

@@ -9,7 +9,7 @@ from std_msgs.msg import Int32
 
 from kompass.components.base.node import ComponentNode
 from kompass.rclpy_ext.executor import TaskExecutor
-from kompass.rclpy_ext.node import NoEventCallbacks, PlainNode
+from kompass.rclpy_ext.node import NodeOnDDS, PlainNode
 from tests.support.domains import give_back, next_domain
 
 pytestmark = pytest.mark.ros
@@ -49,4 +49,4 @@ def test_readers_and_writers_that_do_not_fit_each_other_come_and_go() -> None:
 
 
 def test_components_are_spared_too() -> None:
-    assert issubclass(ComponentNode, NoEventCallbacks)
+    assert issubclass(ComponentNode, NodeOnDDS)

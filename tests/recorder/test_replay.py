@@ -45,6 +45,7 @@ from kompass.recorder.topics import SampledTopic
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Firing
 from kompass.rules.schema.table import Table, rule_hash
+from tests.support.clock import SetClock
 from tests.support.disk import no_larger_than
 from tests.support.patience import patient
 
@@ -417,8 +418,7 @@ def test_a_stretch_from_the_middle_knows_what_cools_down_runs_and_was_true_befor
         handle=lambda outputs, *_: due.extend(o for o in outputs if isinstance(o, Firing)),
         wake=lambda _: None,
         event_log=session.event_log,
-        clock=lambda: session.now_ns,
-        wall=lambda: (session.now_ns + session.queue.offset_ns) * 1e-9,
+        clock=SetClock(lambda: session.now_ns, session.queue.offset_ns * 1e-9),
     )
     due: list[Firing] = []
     for count in range(300):
@@ -456,8 +456,7 @@ def test_a_table_applied_in_the_middle_finds_what_the_engine_knew_then(
         handle=lambda outputs, *_: fired.extend(o for o in outputs if isinstance(o, Firing)),
         wake=lambda _: None,
         event_log=session.event_log,
-        clock=lambda: session.now_ns,
-        wall=lambda: (session.now_ns + session.queue.offset_ns) * 1e-9,
+        clock=SetClock(lambda: session.now_ns, session.queue.offset_ns * 1e-9),
     )
     for count in range(300):
         session.now_ns += NS // 10

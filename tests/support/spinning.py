@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 import rclpy
-from rclpy.node import Node
 
 from kompass.rclpy_ext.executor import TaskExecutor
+from kompass.rclpy_ext.node import PlainNode
 from tests.support.domains import next_domain
 from tests.support.patience import patient
 
@@ -15,7 +15,7 @@ from tests.support.patience import patient
 class Spinning:
     """A node, and the executor that the test spins itself."""
 
-    def __init__(self, node: Node, executor: TaskExecutor) -> None:
+    def __init__(self, node: PlainNode, executor: TaskExecutor) -> None:
         self.node, self.executor = node, executor
 
     def until(self, condition: Callable[[], object], timeout: float = 5.0) -> None:
@@ -35,7 +35,7 @@ class Spinning:
 @pytest.fixture(scope="module")
 def spinning() -> Iterator[Spinning]:
     rclpy.init(args=[], domain_id=next_domain())
-    node = rclpy.create_node("tester")
+    node = PlainNode("tester")
     executor = TaskExecutor()
     executor.add_node(node)
     yield Spinning(node, executor)

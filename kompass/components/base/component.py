@@ -2,7 +2,6 @@
 
 import inspect
 import re
-import time
 import traceback
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -14,6 +13,8 @@ from rclpy.task import Future
 
 from kompass.access.gatekeeper import Gatekeeper
 from kompass.arguments import named_arguments
+from kompass.bus.clock import SYSTEM, Clock
+from kompass.bus.node import LifecycleNode, MakeNode
 from kompass.components.base.actions import (
     ActionRefused,
     ActionSpec,
@@ -46,7 +47,6 @@ from kompass.components.base.ports import (
 )
 from kompass.components.base.services import ComponentServices
 from kompass.components.base.topics import DeclaredTopics, by_key
-from kompass.rclpy_ext.node import lifecycle_state_id
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.settings import notice_once
@@ -163,7 +163,7 @@ class Component:
         self._hook_failures: dict[str, str] = {}
         self._executed_once = False
         self._told_missing = ""
-        self._node: ComponentNode | None = None
+        self._node: LifecycleNode | None = None
         self._status: StatusPublisher | None = None
         self._inputs = InputPorts(self.qos)
         self._outputs = OutputPorts(self.qos)
@@ -484,7 +484,7 @@ class Component:
     # -- life --------------------------------------------------------------------------------
 
     @property
-    def node(self) -> ComponentNode:
+    def node(self) -> LifecycleNode:
         """The ROS node; only in the process that runs the component."""
         if self._node is None:
             raise RuntimeError(
@@ -493,14 +493,25 @@ class Component:
         return self._node
 
     @property
+    def clock(self) -> Clock:
+        """The time of the world that it runs in; ask it instead of the machine's."""
+        return SYSTEM if self._node is None else self._node.clock
+
+    @property
     def is_active(self) -> bool:
         """Whether the main loop runs."""
         return self._active_since is not None
 
-    def create_node(self, namespace: str = "") -> ComponentNode:
-        """Make the ROS node and the services that everybody offers; rclpy must be initialised."""
+    def create_node(self, namespace: str = "", make: MakeNode = ComponentNode) -> LifecycleNode:
+        """Make the node and the services that everybody offers.
+
+        Parameters
+        ----------
+        make
+            Of a node of ROS when left out; rclpy must be initialised.
+        """
         self.check_declaration()
-        self._node = ComponentNode(self.node_name, self, namespace)
+        self._node = make(self.node_name, self, namespace)
         self._node.set_log_levels(self.config.log_level, self.config.rclpy_log_level)
         self._status = StatusPublisher(self._node, self.config.status_rate)
         self._gatekeeper = Gatekeeper(self._node)
@@ -554,7 +565,7 @@ class Component:
             self._executed_once, self._told_missing = False, ""
             for _, port in self._inputs.walk():
                 port.afterwards = self._on_input if self._steps_on_messages else None
-            self._active_since = time.monotonic()
+            self._active_since = self.clock.monotonic()
             self.custom_on_activate()
             self._start_loop()
         except Exception:
@@ -748,7 +759,7 @@ class Component:
         """Whether it became active less than ``topic_subscription_timeout`` ago."""
         since = self._active_since
         limit = self.config.topic_subscription_timeout
-        return since is not None and time.monotonic() - since <= limit
+        return since is not None and self.clock.monotonic() - since <= limit
 
     def publish(self, key: str, message: Any, index: int = 0) -> None:
         """Publish on an output; nothing happens when the recipe took the output away."""
@@ -761,7 +772,7 @@ class Component:
 
     def warn(self, text: str, every: float = 5.0) -> None:
         """Log a warning, the same one at most once in ``every`` seconds."""
-        now = time.monotonic()
+        now = self.clock.monotonic()
         if now - self._logged.get(text, -float("inf")) >= every:
             self._logged[text] = now
             self.node.get_logger().warning(text)
@@ -821,7 +832,7 @@ class Component:
     @property
     def lifecycle_state(self) -> int:
         """Number of the lifecycle's state, as in ``lifecycle_msgs/msg/State``."""
-        return lifecycle_state_id(self.node)
+        return self.node.state_id
 
     def get_logger(self) -> Any:
         """The logger of the node."""

@@ -1,11 +1,10 @@
 """Health of a component, and how it is published: a level, a sentence, and who caused it."""
 
-import time
 from dataclasses import dataclass, field
 
 from automatika_ros_sugar.msg import ComponentStatus
-from rclpy.lifecycle import LifecycleNode
 
+from kompass.bus.node import LifecycleNode
 from kompass.rclpy_ext.topic import LATCHED
 
 TEXTS = {
@@ -161,6 +160,7 @@ class StatusPublisher:
         names = (f"{node.get_name()}/status", f"{node.get_name()}_status")
         qos = LATCHED.to_ros()
         self._publishers = [node.create_publisher(ComponentStatus, name, qos) for name in names]
+        self._clock = node.clock
         self._period = 1.0 / rate
         self._last: ComponentStatus | None = None
         self._sent = 0.0
@@ -172,7 +172,7 @@ class StatusPublisher:
     def publish(self, health: Health, *, always: bool = False) -> None:
         """Send when something changed or the period has passed, or ``always``."""
         message = health.to_msg()
-        now = time.monotonic()
+        now = self._clock.monotonic()
         due = always or now - self._sent >= 0.95 * self._period
         if message == self._last and not due:
             return

@@ -4,11 +4,11 @@ import math
 from typing import Protocol
 
 from geometry_msgs.msg import TransformStamped
-from rclpy.lifecycle import LifecycleNode
 from tf2_msgs.msg import TFMessage
 
 from kompass.algorithms.geometry import Pose2D, compose
 from kompass.algorithms.transforms import TransformError, TransformTree, matrix_of
+from kompass.bus.node import LifecycleNode
 from kompass.components.base.convert import pose_of, speed_of
 from kompass.components.base.ports import Input
 from kompass.rclpy_ext.topic import LATCHED, QoSConfig

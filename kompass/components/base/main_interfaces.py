@@ -4,13 +4,12 @@ import inspect
 import threading
 from typing import Any, Protocol
 
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action import CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 
 from kompass.rclpy_ext.deferred_service import create_deferred_service
 from kompass.rclpy_ext.executor import MIDDLEWARE_ERRORS
-from kompass.rclpy_ext.goal_expiry import expire_goals
 
 SERVICE_HOOK, ACTION_HOOK = "main_service_callback", "main_action_callback"
 # Fields in which services and actions tell people what went wrong; the first that there is.
@@ -101,8 +100,7 @@ class MainAction:
         self._taken = False
         self._thread: threading.Thread | None = None
         self._handle: ServerGoalHandle | None = None
-        self._server = ActionServer(
-            component.node,
+        self._server = component.node.create_action_server(
             kind,
             name,
             self._execute,
@@ -135,7 +133,7 @@ class MainAction:
 
     async def _execute(self, handle: ServerGoalHandle) -> Any:
         component = self._component
-        component.node.executor.create_task(expire_goals, self._server)
+        component.node.executor.create_task(self._server.expire_goals)
         self._handle = handle
         try:
             result = await self._pursue(handle)

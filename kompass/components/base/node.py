@@ -1,29 +1,21 @@
 """The lifecycle node behind a component. It only carries transitions over to the component."""
 
 from collections.abc import Callable
-from typing import Any, Protocol
 
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.logging import set_logger_level
 
-from kompass.rclpy_ext.node import NoEventCallbacks, guard_change_state, lifecycle_state
-
-ChangeState = Callable[[Any, Any], Any]
-
-
-class Transitions(Protocol):
-    """What a component does at each transition. An exception fails the transition."""
-
-    def on_configure(self) -> None: ...
-    def on_activate(self) -> None: ...
-    def on_deactivate(self) -> None: ...
-    def on_cleanup(self) -> None: ...
-    def on_shutdown(self) -> None: ...
-    def on_transition_error(self, transition: str, error: Exception) -> None: ...
+from kompass.bus.node import ChangeState, Transitions
+from kompass.rclpy_ext.node import (
+    NodeOnDDS,
+    guard_change_state,
+    lifecycle_state,
+    lifecycle_state_id,
+)
 
 
-class ComponentNode(NoEventCallbacks, LifecycleNode):  # type: ignore[misc]  # rclpy has no types
+class ComponentNode(NodeOnDDS, LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     """A lifecycle node; an exception in a transition is reported and leaves the node alive."""
 
     def __init__(self, name: str, component: Transitions, namespace: str = "") -> None:
@@ -39,6 +31,11 @@ class ComponentNode(NoEventCallbacks, LifecycleNode):  # type: ignore[misc]  # r
     def state(self) -> str:
         """Label of the lifecycle's state: unconfigured, inactive, active, finalized, …"""
         return lifecycle_state(self)
+
+    @property
+    def state_id(self) -> int:
+        """Number of that state, as in ``lifecycle_msgs/msg/State``."""
+        return lifecycle_state_id(self)
 
     def guard_transitions(self, guard: Callable[[ChangeState], ChangeState]) -> None:
         """Put something in front of the service for transitions.

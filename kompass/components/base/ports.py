@@ -1,13 +1,13 @@
 """The subscriptions and publishers behind a running component's inputs and outputs."""
 
-import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Generic, TypeVar
 
 from rclpy.duration import Duration
-from rclpy.lifecycle import LifecycleNode
 
+from kompass.bus.clock import SYSTEM, Clock
+from kompass.bus.node import LifecycleNode
 from kompass.components.base.topics import DeclaredTopics
 from kompass.components.base.values import message_of, value_of
 from kompass.rclpy_ext.topic import SENSOR, QoSConfig, Topic
@@ -48,6 +48,7 @@ class Input:
         self._callbacks = [] if callbacks is None else callbacks
         self._postprocessors = [] if postprocessors is None else postprocessors
         self._subscription: Any = None
+        self._clock: Clock = SYSTEM
 
     @property
     def is_open(self) -> bool:
@@ -82,6 +83,7 @@ class Input:
         """Subscribe; nothing happens when it is."""
         if self.is_open:
             return
+        self._clock = node.clock
         self._subscription = node.create_subscription(
             self.topic.ros_msg_type, self.topic.name, self._receive, self._qos.to_ros()
         )
@@ -99,11 +101,11 @@ class Input:
 
     def age(self) -> float:
         """Seconds since the newest message; infinite before the first."""
-        return float("inf") if self.received is None else time.monotonic() - self.received
+        return float("inf") if self.received is None else self._clock.monotonic() - self.received
 
     def _receive(self, message: Any) -> None:
         self.message = message
-        self.received = time.monotonic()
+        self.received = self._clock.monotonic()
         if self.on_message is not None:
             self.on_message(message)
         for callback in self._callbacks:

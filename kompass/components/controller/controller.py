@@ -1,6 +1,5 @@
 """The controller: follows the path, to its very end."""
 
-import time
 from typing import Any, ClassVar
 
 import numpy as np
@@ -153,7 +152,7 @@ class Controller(Component):
         sees = self._follower.needs_obstacles
         if follower.needs_obstacles and not sees and self._has_path:
             # The old one drives on until the new one can see.
-            self._incoming, self._incoming_since = follower, time.monotonic()
+            self._incoming, self._incoming_since = follower, self.clock.monotonic()
             return
         self._change_to(follower)
 
@@ -216,7 +215,7 @@ class Controller(Component):
     def _execution_step(self) -> None:
         if self._incoming is not None and self._obstacles is not None:
             sees = self._obstacles.points(self.config.sensor_timeout) is not None
-            if sees or time.monotonic() - self._incoming_since > HANDOVER:
+            if sees or self.clock.monotonic() - self._incoming_since > HANDOVER:
                 self._change_to(self._incoming)
         pose = self._located()
         seen = self._seen() if pose is not None else None
@@ -251,7 +250,7 @@ class Controller(Component):
     def _judge_progress(self, step: FollowStep, pose: Pose2D) -> None:
         """Commands that lead nowhere are a failure too; they go on, for the way may come free."""
         turning = step.phase in ("turning", "aligning")
-        stalled = self._progress.stalled(pose, time.monotonic(), turning=turning)
+        stalled = self._progress.stalled(pose, self.clock.monotonic(), turning=turning)
         if step.phase == "arrived" or stalled < self.config.progress_timeout:
             self.health.set_healthy()
             return

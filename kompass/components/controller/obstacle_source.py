@@ -1,13 +1,12 @@
 """Where the controller sees obstacles: the local map, or the scan itself."""
 
-import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rclpy.lifecycle import LifecycleNode
 
+from kompass.bus.node import LifecycleNode
 from kompass.components.base.ports import Input
 
 Points = NDArray[np.float64]
@@ -55,7 +54,7 @@ class ObstacleSource:
         if self._old is not None and self._old != key:
             self._close(self._old)
         self._old, self._wanted = self._wanted, key
-        self._changed = time.monotonic()
+        self._changed = self._node.clock.monotonic()
         if key is not None:
             self._find(key).open(self._node)
         else:
@@ -67,7 +66,7 @@ class ObstacleSource:
         if self._wanted is None:
             return None
         new = self._find(self._wanted)
-        over = time.monotonic() - self._changed > HANDOVER
+        over = self._node.clock.monotonic() - self._changed > HANDOVER
         if self._old is not None and (over or self._wanted in self._points):
             self._drop_old()
         return new if self._old is None else self._find(self._old)

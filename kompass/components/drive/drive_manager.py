@@ -1,7 +1,6 @@
 """The drive manager: the last gate before the wheels, and short motions that free the robot."""
 
 import math
-import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, ClassVar
@@ -50,6 +49,7 @@ USEFUL = 0.05  # m; a shorter way frees nothing
 HELD = 0.7  # s of being held back after which it is given up; a late scan passes sooner
 LONGEST_NAME = 40  # characters of who pressed STOP, in the log
 REST = 1.0  # s at most for the robot to come to rest
+DISK_RETRY = 5.0  # s after which a disk that could not be written is tried again
 SLOW_DISK = 0.7  # s; a release that is not on disk by then is answered all the same
 LATE = 0.3  # s in which commands of somebody who is lost may still come in
 
@@ -181,7 +181,7 @@ class DriveManager(Component):
 
     def on_feeder_lost(self, reason: str) -> None:
         # Commands that were under way when it was lost come in after its loss is told.
-        self._deaf_until = time.monotonic() + LATE
+        self._deaf_until = self.clock.monotonic() + LATE
         self._queue.clear()
         if not self._busy:  # a motion of our own needs nobody
             self._send_halt()
@@ -193,10 +193,10 @@ class DriveManager(Component):
         self, request: StopRobot.Request, response: StopRobot.Response
     ) -> StopRobot.Response:
         operator = printable(request.operator_name, LONGEST_NAME) or "somebody"
-        self._latch.set(operator, request.reason, time.time())
+        self._latch.set(operator, request.reason, self.clock.wall())
         self._halt()
         self._keep_stop()
-        self._publish_state(time.monotonic(), "stop", 0.0)
+        self._publish_state(self.clock.monotonic(), "stop", 0.0)
         reason = printable(request.reason) or "no reason given"
         self.node.get_logger().warning(f"STOP by {operator}: {reason}")
         response.success = True
@@ -227,7 +227,7 @@ class DriveManager(Component):
         # Commands from before the release are not carried out after it.
         self._queue.clear()
         self._latch.release()
-        self._publish_state(time.monotonic(), "", 1.0)
+        self._publish_state(self.clock.monotonic(), "", 1.0)
         by = operator if verified else f"{operator} (unverified)"
         self.node.get_logger().warning(f"STOP released by {by}")
         return response
@@ -242,8 +242,11 @@ class DriveManager(Component):
             log.error(f"STOP is not kept over a restart of the whole stack: {error}")
             return
         self._keeper = StopKeeper(
-            file, lambda problem: log.error(f"STOP is not kept as it is over a restart: {problem}")
+            file,
+            self.node.threads(1, "stop file"),
+            lambda problem: log.error(f"STOP is not kept as it is over a restart: {problem}"),
         )
+        self.node.create_timer(DISK_RETRY, self._keeper.retry)
         if not self._latch.is_loaded:
             self._latch.load(file.load())
             if self._latch.is_set:
@@ -290,14 +293,14 @@ class DriveManager(Component):
     # -- inputs -------------------------------------------------------------------------------
 
     def _on_command(self, message: Twist) -> None:
-        if self._busy or time.monotonic() < self._deaf_until:
+        if self._busy or self.clock.monotonic() < self._deaf_until:
             return
         command = (message.linear.x, message.linear.y, message.angular.z)
-        self._queue.put([command], 0.0, time.monotonic())
+        self._queue.put([command], 0.0, self.clock.monotonic())
 
     def _on_commands(self, message: TwistArray) -> None:
-        if not self._busy and time.monotonic() >= self._deaf_until:
-            self._queue.put_array(message, time.monotonic())
+        if not self._busy and self.clock.monotonic() >= self._deaf_until:
+            self._queue.put_array(message, self.clock.monotonic())
 
     def _watched_topics(self) -> list[WatchedTopic]:
         """The topics on which nobody, or nobody else, may speak."""
@@ -310,7 +313,7 @@ class DriveManager(Component):
         ]
 
     def _on_location(self, _message: object) -> None:
-        self._standstill.update(self._location.speed(), time.monotonic())
+        self._standstill.update(self._location.speed(), self.clock.monotonic())
 
     def _obstacles(self) -> NDArray[np.float64] | None:
         """Points of the newest scan in the robot's frame, shape (N, 2); None when unknown."""
@@ -339,7 +342,7 @@ class DriveManager(Component):
 
     def _execution_step(self) -> None:
         try:
-            self._turn(time.monotonic())
+            self._turn(self.clock.monotonic())
         except Exception:
             self._halt()
             raise
@@ -394,7 +397,7 @@ class DriveManager(Component):
         if self._manoeuvre is None or factor > 0.0:
             self._held_since = None
             return
-        now = time.monotonic()
+        now = self.clock.monotonic()
         self._held_since = now if self._held_since is None else self._held_since
         if limited_by == "stop":
             self._finish("STOP is pressed")
@@ -606,9 +609,9 @@ class DriveManager(Component):
 
     async def _rest(self) -> None:
         """Until odometry has measured standstill; what comes next starts from there."""
-        deadline = time.monotonic() + REST
-        while time.monotonic() < deadline and self.is_active:
-            if self._standstill.reached(time.monotonic(), self.config.odometry_timeout):
+        deadline = self.clock.monotonic() + REST
+        while self.clock.monotonic() < deadline and self.is_active:
+            if self._standstill.reached(self.clock.monotonic(), self.config.odometry_timeout):
                 return
             await self.sleep(0.05)
 

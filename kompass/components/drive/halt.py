@@ -15,9 +15,9 @@ from collections.abc import Sequence
 
 import rclpy
 from geometry_msgs.msg import TwistStamped
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from kompass.bus.node import Node
 from kompass.rclpy_ext.node import PlainNode
 from kompass.rclpy_ext.topic import QoSConfig, Topic
 from kompass.supervisor.heartbeat import send_heartbeat
@@ -70,15 +70,18 @@ class _ZeroPublishers:
     def __init__(self, node: Node, topics: Sequence[Topic], frame: str) -> None:
         self._node, self._frame = node, frame
         self._publishers = [
-            node.create_publisher(
-                topic.ros_msg_type, topic.name, (topic.qos_profile or QoSConfig()).to_ros()
+            (
+                topic.ros_msg_type,
+                node.create_publisher(
+                    topic.ros_msg_type, topic.name, (topic.qos_profile or QoSConfig()).to_ros()
+                ),
             )
             for topic in topics
         ]
 
     def publish(self) -> None:
-        for publisher in self._publishers:
-            message = publisher.msg_type()
+        for kind, publisher in self._publishers:
+            message = kind()
             if isinstance(message, TwistStamped):
                 message.header.stamp = self._node.get_clock().now().to_msg()
                 message.header.frame_id = self._frame

@@ -8,9 +8,8 @@ a file counts as stopped.
 import fcntl
 import json
 import os
-import queue
-import threading
 from collections.abc import Callable
+from concurrent.futures import Executor as Threads
 from pathlib import Path
 
 from kompass.components.drive.stop_latch import StopRecord
@@ -18,7 +17,6 @@ from kompass.store.durable import sync_folder
 from kompass.store.paths import safe_name
 
 SIZE = 4096  # bytes
-RETRY = 5.0  # s after which a disk that could not be written is tried again
 
 
 def stop_path(folder: Path, node_name: str) -> Path:
@@ -116,22 +114,22 @@ class StopFile:
 
 
 class StopKeeper:
-    """Writes the file from a thread of its own: nobody who halts a robot waits for a disk.
+    """Writes the file on a thread of its own: nobody who halts a robot waits for a disk.
 
     Parameters
     ----------
     file
         Written in the order of the calls of :meth:`keep`.
+    thread
+        One, which does its work in order.
     complain
-        Takes what is wrong with the disk, from that thread. What could not be written is tried
-        again until something newer is to be kept.
+        Takes what is wrong with the disk, from that thread, when it goes wrong.
     """
 
-    def __init__(self, file: StopFile, complain: Callable[[str], None]) -> None:
-        self._file, self._complain = file, complain
-        self._orders: queue.Queue[_Order | None] = queue.Queue()
-        self._thread = threading.Thread(target=self._run, name="stop file", daemon=True)
-        self._thread.start()
+    def __init__(self, file: StopFile, thread: Threads, complain: Callable[[str], object]) -> None:
+        self._file, self._thread, self._complain = file, thread, complain
+        self._orders = 0  # so far
+        self._failed: tuple[int, StopRecord | None] | None = None  # the order, and what it was
 
     def keep(self, record: StopRecord | None, written: Callable[[str], None] | None = None) -> None:
         """Have a STOP, or its release (None), written.
@@ -143,30 +141,28 @@ class StopKeeper:
         written
             Called once from the thread: with "" when it is on disk, else with what is wrong.
         """
-        self._orders.put((record, written))
+        self._orders += 1
+        self._thread.submit(self._do, self._orders, record, written)
+
+    def retry(self) -> None:
+        """Try again what could not be written, unless something newer is to be kept."""
+        if self._failed is not None and self._failed[0] == self._orders:
+            self._thread.submit(self._do, *self._failed, None)
 
     def close(self) -> None:
         """Write what waits, and end."""
-        self._orders.put(None)
-        self._thread.join()
+        self._thread.shutdown(wait=True)
         self._file.close()
 
-    def _run(self) -> None:
-        failed: _Order | None = None
-        while True:
-            try:
-                order = self._orders.get(timeout=RETRY if failed else None)
-            except queue.Empty:
-                order = failed
-            if order is None:
-                return
-            record, written = order
-            problem = self._write(record)
-            if written is not None:
-                written(problem)
-            if problem and failed is None:
-                self._complain(problem)
-            failed = (record, None) if problem else None
+    def _do(
+        self, order: int, record: StopRecord | None, written: Callable[[str], None] | None
+    ) -> None:
+        problem = self._write(record)
+        if written is not None:
+            written(problem)
+        if problem and self._failed is None:
+            self._complain(problem)
+        self._failed = (order, record) if problem else None
 
     def _write(self, record: StopRecord | None) -> str:
         try:
@@ -174,9 +170,6 @@ class StopKeeper:
         except OSError as error:
             return f"cannot write {self._file.path}: {error.strerror}; see to its disk and owner"
         return ""
-
-
-_Order = tuple[StopRecord | None, Callable[[str], None] | None]
 
 
 def _unknown(what: str) -> StopRecord:

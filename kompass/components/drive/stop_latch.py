@@ -4,6 +4,7 @@ import mmap
 import struct
 import time
 from dataclasses import dataclass
+from typing import Self
 
 TEXT = 240  # bytes of a name, or of a reason
 _SET, _LOADED, _RESTORED = 0, 1, 2
@@ -32,6 +33,10 @@ class StopLatch:
 
     def __init__(self) -> None:
         self._memory = mmap.mmap(-1, SIZE)
+
+    def __deepcopy__(self, _memo: object) -> Self:
+        """The same memory: whoever is copied as a fork would copy him shares it, too."""
+        return self
 
     @property
     def is_set(self) -> bool:

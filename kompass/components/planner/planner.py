@@ -1,7 +1,6 @@
 """The global planner: goals in, checked paths out, and every goal comes to an end."""
 
 import math
-import time
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,7 +9,7 @@ from kompass_interfaces.action import PlanPath
 from kompass_interfaces.msg import DriveState
 from kompass_interfaces.srv import CheckGoal
 from nav_msgs.msg import Path
-from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
+from rclpy.action import CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 from std_msgs.msg import Bool
@@ -28,7 +27,6 @@ from kompass.components.planner.config import PlannerConfig, usable_planner
 from kompass.components.planner.goal_check import check_goal
 from kompass.components.planner.mission import FREE_HEADING, GoalOutcome, Mission, Tolerance
 from kompass.printable import printable
-from kompass.rclpy_ext.goal_expiry import expire_goals
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 
 PROGRESS_RATE = 10.0  # Hz, only while a goal is pursued
@@ -107,8 +105,7 @@ class Planner(Component):
             DriveState, "drive_state", self._on_drive_state, LATCHED.to_ros()
         )
         if self._serves_action:
-            self._server = ActionServer(
-                self.node,
+            self._server = self.node.create_action_server(
                 PlanPath,
                 self.main_action_name,
                 self._execute,
@@ -117,7 +114,7 @@ class Planner(Component):
                 ),
                 cancel_callback=lambda _handle: CancelResponse.ACCEPT,
             )
-            self._client = ActionClient(self.node, PlanPath, self.main_action_name)
+            self._client = self.node.create_action_client(PlanPath, self.main_action_name)
 
     def custom_on_activate(self) -> None:
         self._location = LocationSource(self)
@@ -157,7 +154,7 @@ class Planner(Component):
         )
 
     def _on_location(self, _message: Any) -> None:
-        self._standstill.update(self._location.speed(), time.monotonic())
+        self._standstill.update(self._location.speed(), self.clock.monotonic())
 
     def _on_drive_state(self, state: DriveState) -> None:
         self._stopped = f"{state.stopped_by} pressed STOP" if state.stopped else ""
@@ -222,7 +219,7 @@ class Planner(Component):
     # -- the action ---------------------------------------------------------------------------
 
     async def _execute(self, handle: ServerGoalHandle) -> PlanPath.Result:
-        self.node.executor.create_task(expire_goals, self._server)
+        self.node.executor.create_task(self._server.expire_goals)
         self._end(GoalOutcome.PREEMPTED, "A newer goal took over.")
         self._handle, self._ended = handle, Future(executor=self.node.executor)
         ended = self._ended
@@ -253,7 +250,7 @@ class Planner(Component):
                 GoalOutcome.STOPPED, f"{self._stopped}; a person must release it before a new goal."
             )
             return
-        self._plan(time.monotonic())
+        self._plan(self.clock.monotonic())
         if self._mission is not None:
             self._progress.reset()
 
@@ -320,7 +317,7 @@ class Planner(Component):
 
     def _execution_step(self) -> None:
         """The slow loop: is the map there, does the path still hold?"""
-        now = time.monotonic()
+        now = self.clock.monotonic()
         mission = self._mission
         if mission is None:
             self._judge_inputs()
@@ -351,7 +348,7 @@ class Planner(Component):
         if self._handle is not None and self._handle.is_cancel_requested:
             self._end(GoalOutcome.CANCELED, "Canceled.")
             return
-        pose, now = self._location.pose(), time.monotonic()
+        pose, now = self._location.pose(), self.clock.monotonic()
         if pose is None:
             return
         standing = self._standstill.reached(now, self.config.location_timeout)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 import threading
-import time
 from collections.abc import Callable, Collection, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from contextlib import suppress
 from typing import Any
 
@@ -22,12 +21,11 @@ from automatika_ros_sugar.srv import (
 from kompass_interfaces.srv import SignedCall, StopRobot
 from lifecycle_msgs.srv import ChangeState
 from pydantic import JsonValue
-from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
-from rclpy.executors import Executor
-from rclpy.node import Node, NodeNameNonExistentError
+from rclpy.node import NodeNameNonExistentError
 
 from kompass.access.signed_services import SIGNED_CALL, unwrap, wrap
 from kompass.access.signer import MOST_CALLS, Signer
+from kompass.bus.node import ActionClient, Executor, Node
 from kompass.monitor.execution.publishers import Listeners, Publishers
 from kompass.monitor.execution.service_refusal import refusal
 from kompass.monitor.recipe_call import RecipeCall
@@ -35,7 +33,6 @@ from kompass.monitor.reporting.alarms import Alarms
 from kompass.monitor.reporting.entries import ActionOutcome
 from kompass.rclpy_ext.awaitables import Awaitables
 from kompass.rclpy_ext.executor import Cancelled
-from kompass.rclpy_ext.log import write_log
 from kompass.rclpy_ext.messages import checked, fill, part_to_plain, ros_class, to_plain
 from kompass.rclpy_ext.timers import Timers
 from kompass.recipe.action import METHOD_TIMEOUT
@@ -108,7 +105,7 @@ class ActionRunner:
         components: Collection[str],
         restart_if_stuck: Callable[[str], bool],
     ) -> None:
-        self._node = node
+        self._node, self._clock = node, node.clock
         self._alarms = alarms
         self._permissions = permissions
         self.publishers = Publishers(node, permissions, functions)
@@ -123,10 +120,7 @@ class ActionRunner:
         self._signers: dict[str, Signer] = {}
         self._actions: dict[tuple[type, str], ActionClient] = {}
         # A slow function of one lane never holds up the other.
-        self._threads = {
-            lane: ThreadPoolExecutor(THREADS, thread_name_prefix=lane)
-            for lane in ("normal", "safety")
-        }
+        self._threads = {lane: node.threads(THREADS, lane) for lane in ("normal", "safety")}
 
     def close(self) -> None:
         """Begin nothing more, and wait for nothing that is under way."""
@@ -188,14 +182,15 @@ class ActionRunner:
         """
         error = ""
         for action in firing.actions:
-            began = time.monotonic()
+            began = self._clock.monotonic()
             try:
                 text = await self._perform(action, firing)
-                outcome = ActionOutcome(_name(action), True, text, time.monotonic() - began)
+                outcome = ActionOutcome(_name(action), True, text, self._clock.monotonic() - began)
             except Exception as problem:  # noqa: BLE001 - becomes the outcome, which is reported
                 text = str(problem) or type(problem).__name__
                 why = (problem.problem if isinstance(problem, Failed) else "") or text
-                outcome = ActionOutcome(_name(action), False, text, time.monotonic() - began, why)
+                took = self._clock.monotonic() - began
+                outcome = ActionOutcome(_name(action), False, text, took, why)
                 error = error or f"{outcome.action}: {text}"
             tell(outcome)
             if not outcome.ok and action.on_error == "abort":
@@ -287,7 +282,7 @@ class ActionRunner:
 
         match action:
             case kinds.Log():
-                write_log(self._node.get_logger(), action.level, action.text)
+                self._node.write_log(action.level, action.text)
                 return action.text
             case kinds.RaiseAlarm():
                 self._alarms.raise_alarm(
@@ -396,7 +391,7 @@ class ActionRunner:
                     dict(
                         self._node.get_service_names_and_types_by_node(node, namespace)
                         if what == "service"
-                        else get_action_server_names_and_types_by_node(self._node, node, namespace)
+                        else self._node.get_action_server_names_and_types_by_node(node, namespace)
                     ).get(full, ())
                 )
         if offered and wanted not in offered:
@@ -447,7 +442,7 @@ class ActionRunner:
         client = self._actions.get((kind, action.action))
         if client is None:
             self._check_type(kind, "action", action.action)
-            client = ActionClient(self._node, kind, action.action)
+            client = self._node.create_action_client(kind, action.action)
             self._actions[(kind, action.action)] = client
         try:
             what = f"no server {action.action}"
@@ -477,10 +472,10 @@ class ActionRunner:
         with self.publishers.lease(action) as publisher:
             with suppress(TimeoutError):  # who listens is told; if nobody does, that is
                 await self._awaitables.until(publisher.has_found_all, MATCH, "listeners")
-            deadline = None if action.period is None else time.monotonic() + action.period
+            deadline = None if action.period is None else self._clock.monotonic() + action.period
             times = 1
             publisher.publish(message)
-            while action.rate and not (deadline and time.monotonic() >= deadline):
+            while action.rate and not (deadline and self._clock.monotonic() >= deadline):
                 await self._awaitables.sleep(1.0 / action.rate)
                 publisher.publish(message)
                 times += 1

@@ -7,9 +7,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
-from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from kompass.bus.node import Node
 from kompass.rclpy_ext.messages import ros_class
 from kompass.rclpy_ext.qos import best_for
 from kompass.recipe.fallbacks import FallbackSequence

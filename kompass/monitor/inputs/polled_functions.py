@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
+from kompass.bus.node import Node
 from kompass.monitor.recipe_call import RecipeCall
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.timers import Timer, Timers
@@ -23,9 +22,9 @@ REPEATED = 60.0  # s within which the same failure is the same
 class _Asking:
     """A function that has not answered yet."""
 
-    def __init__(self, function: Callable[[], Any]) -> None:
+    def __init__(self, function: Callable[[], Any], now: float) -> None:
         self.call = RecipeCall(function)
-        self.since = time.monotonic()
+        self.since = now
         self.is_late = False
 
 
@@ -37,6 +36,8 @@ class PolledFunctions:
 
     Parameters
     ----------
+    node
+        Has clock and threads.
     timers
         On the executor's thread.
     main
@@ -51,18 +52,19 @@ class PolledFunctions:
 
     def __init__(
         self,
+        node: Node,
         timers: Timers,
         main: MainThread,
         functions: Mapping[str, Callable[[], Any]],
         answered: Callable[[str, bool | None], None],
         tell: Callable[[str], None],
     ) -> None:
-        self._scheduler, self._main = timers, main
+        self._clock, self._scheduler, self._main = node.clock, timers, main
         self._functions, self._answered, self._tell = functions, answered, tell
         self._timers: dict[str, tuple[float, Timer]] = {}
         self._asking: dict[str, _Asking] = {}
         self._told: dict[str, tuple[str, float]] = {}
-        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="polled")
+        self._threads = node.threads(THREADS, "polled")
 
     def follow(self, table: CompiledTable) -> None:
         """Ask those that a table wants, and no others; of two rates of one, the faster."""
@@ -92,9 +94,9 @@ class PolledFunctions:
     def _ask(self, name: str) -> None:
         asking = self._asking.get(name)
         if asking is None:
-            self._asking[name] = asking = _Asking(self._functions[name])
+            self._asking[name] = asking = _Asking(self._functions[name], self._clock.monotonic())
             self._threads.submit(self._run, name, asking)
-        elif not asking.is_late and time.monotonic() - asking.since > LONGEST:
+        elif not asking.is_late and self._clock.monotonic() - asking.since > LONGEST:
             asking.is_late = True
             asking.call.cancel()
             self._fail(name, f"has not answered for {LONGEST:g} s")
@@ -121,7 +123,7 @@ class PolledFunctions:
 
     def _fail(self, name: str, problem: str) -> None:
         text, at = self._told.get(name, ("", 0.0))
-        now = time.monotonic()
+        now = self._clock.monotonic()
         if text != problem or now - at > REPEATED:
             self._told[name] = (problem, now)
             self._tell(f"the condition {name!r} {problem}")

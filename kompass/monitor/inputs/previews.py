@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
+from kompass.bus.node import Node
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.messages import ros_class
 from kompass.rclpy_ext.qos import best_for
@@ -79,12 +78,12 @@ class Previews:
 
     def tidy(self) -> None:
         """Listen no more to what was last asked for long ago; on the executor's thread."""
-        until = time.monotonic() - KEPT
+        until = self._node.clock.monotonic() - KEPT
         for name in [name for name, each in self._open.items() if each.asked < until]:
             self._node.destroy_subscription(self._open.pop(name).subscription)
 
     def _listen(self, topics: Mapping[str, str]) -> dict[str, _Preview]:
-        now = time.monotonic()
+        now = self._node.clock.monotonic()
         for name, type_name in topics.items():
             known = self._open.get(name)
             if known is not None:
@@ -112,7 +111,7 @@ class Previews:
     def _take(self, preview: _Preview, raw: bytes) -> None:
         with self._came:
             preview.count += 1
-            preview.raw, preview.received = raw, time.monotonic()
+            preview.raw, preview.received = raw, self._node.clock.monotonic()
             if preview.count == 1:
                 preview.first = preview.received
             self._came.notify_all()

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
+from kompass.bus.node import Node
 from kompass.rclpy_ext.messages import ros_class
 from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, ReaderQoS, best_for
 from kompass.rules.engine.compiled_table import CompiledTable
@@ -182,7 +181,8 @@ class RuleInputs:
         each = self._open.get(name)
         if each is None or reader not in (each.subscription, each.leaving):
             return  # was on its way when the subscription ended
-        if (each.leaving is not None or each.single) and _is_second(each, reader, raw):
+        single = each.leaving is None and not each.single
+        if not single and _is_second(each, reader, raw, self._node.clock.monotonic()):
             return
         each.count += 1
         each.recent.append(raw)
@@ -193,7 +193,7 @@ class RuleInputs:
             self._receive(name, each.type_name, message, raw)
 
 
-def _is_second(each: _Input, reader: Any, raw: bytes) -> bool:
+def _is_second(each: _Input, reader: Any, raw: bytes, now: float) -> bool:
     """Whether the other of two readers has brought this message already.
 
     rclpy tells no sequence numbers here, so it is known by its bytes. Of equal ones as many count
@@ -202,7 +202,6 @@ def _is_second(each: _Input, reader: Any, raw: bytes) -> bool:
     if raw in each.again and reader is each.subscription:
         each.again.discard(raw)
         return True
-    now = time.monotonic()
     brought = [(when, by) for when, by in each.single.pop(raw, []) if when > now - TOGETHER]
     second = bool(brought) and brought[-1][1] is not reader
     if second:

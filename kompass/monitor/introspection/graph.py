@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Collection, Iterable, Sequence
 
-from rclpy.action import get_action_names_and_types
-from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy
 
+from kompass.bus.node import Node
 from kompass.monitor.introspection.catalog import RecipeCatalog, status_topics
 from kompass.monitor.introspection.message_types import constants
 from kompass.rulebook.lint.context import LintContext, TopicFacts
@@ -54,12 +52,12 @@ class Graph:
     ) -> None:
         self._node, self._catalog, self._counts, self._own = node, catalog, counts, own
         self._rates: dict[str, float] = {}
-        self._before: tuple[float, dict[str, int]] = (time.monotonic(), {})
+        self._before: tuple[float, dict[str, int]] = (node.clock.monotonic(), {})
         self._heard: dict[str, float] = {}  # when a message last came, at most
 
     def measure(self) -> None:
         """Take note of how fast messages come; to be called every two seconds or so."""
-        now, counts = time.monotonic(), self._counts()
+        now, counts = self._node.clock.monotonic(), self._counts()
         then, before = self._before
         self._heard = {
             name: now if count != before.get(name, 0) else self._heard.get(name, now)
@@ -80,7 +78,7 @@ class Graph:
                 for each in self._topics()
             },
             services=_offered(self._node.get_service_names_and_types()),
-            actions=_offered(get_action_names_and_types(self._node)),
+            actions=_offered(self._node.get_action_names_and_types()),
             components=self._catalog.components(),
             publishes=self._catalog.publishes,
             messages=self._catalog,
@@ -133,7 +131,7 @@ class Graph:
         heard = self._heard.get(name)
         if heard is None or name in self._rates:
             return None
-        return round(time.monotonic() - heard, 1)
+        return round(self._node.clock.monotonic() - heard, 1)
 
     def _services(self) -> Iterable[TargetView]:
         for full, types in sorted(self._node.get_service_names_and_types()):
@@ -142,7 +140,7 @@ class Graph:
             yield TargetView(name=full.removeprefix("/"), type=types[0])
 
     def _actions(self) -> Iterable[TargetView]:
-        for full, types in sorted(get_action_names_and_types(self._node)):
+        for full, types in sorted(self._node.get_action_names_and_types()):
             if types:
                 yield TargetView(name=full.removeprefix("/"), type=types[0])
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import time
 
-from rclpy.node import Node
 from std_msgs.msg import String
 
+from kompass.bus.node import Node
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.rulebook.schema.alarm import Alarm
 
@@ -18,6 +17,7 @@ class Alarms:
     """Keeps the alarms in force, and tells them on ``<node>/alarms`` as a JSON list."""
 
     def __init__(self, node: Node) -> None:
+        self._clock = node.clock
         self._alarms: dict[str, Alarm] = {}
         self._publisher = node.create_publisher(
             String, f"{node.get_name()}/{TOPIC}", LATCHED.to_ros()
@@ -32,7 +32,7 @@ class Alarms:
             text=text,
             rule_id=rule_id,
             severity=severity,
-            since=known.since if known else time.time(),
+            since=known.since if known else self._clock.wall(),
             count=known.count + 1 if known else 1,
         )
         self._publish()

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Callable
 from typing import Any
 
 from builtin_interfaces.msg import Time
 from kompass_interfaces.msg import RuleFiring
-from rclpy.node import Node
 
+from kompass.bus.node import Node
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.monitor.reporting.brief import brief
 from kompass.monitor.reporting.entries import ActionOutcome, RunEntry
-from kompass.rclpy_ext.log import write_log
 from kompass.rclpy_ext.topic import QoSConfig
 from kompass.rulebook.schema.journal import ActionRecord, FiringRecord
 from kompass.store import RuleStore
@@ -48,7 +46,7 @@ class Firings:
         stamp: Callable[[], Time],
         kept: Callable[[FiringRecord], None] | None,
     ) -> None:
-        self._log = node.get_logger()
+        self._node, self._log, self._clock = node, node.get_logger(), node.clock
         self._loop, self._store, self._stamp, self._kept = loop, store, stamp, kept
         self._publisher = node.create_publisher(
             RuleFiring, f"{node.get_name()}/firings", QoSConfig(queue_size=100).to_ros()
@@ -95,20 +93,20 @@ class Firings:
         key = (entry.rule_id, outcome.action)
         if outcome.ok:
             self._failing.pop(key, None)
-            write_log(self._log, "info", f"{entry.rule_id}: {outcome.action} done: {outcome.text}")
+            self._node.write_log("info", f"{entry.rule_id}: {outcome.action} done: {outcome.text}")
             return
         text, at = self._failing.get(key, ("", float("-inf")))
         self._failing[key] = (outcome.text, entry.at)
         if outcome.text != text or entry.at - at > REPEATED:
             failed = f"{entry.rule_id}: {outcome.action} failed: {outcome.text}"
-            write_log(self._log, "error", failed)
+            self._node.write_log("error", failed)
 
     def ended(self, entry: RunEntry, number: int, ok: bool, error: str) -> None:
         """Tell that a run has ended."""
         actions = tuple(self._actions.pop(number, ()))
         if self._store is not None:
             self._store.finish_firing(
-                number, actions=actions, ended=time.time(), ok=ok, error=error
+                number, actions=actions, ended=self._clock.wall(), ok=ok, error=error
             )
         self._say(entry, "done", ok, error, {})
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from builtin_interfaces.msg import Time
 from kompass_interfaces.msg import ProcessState, StackState
-from rclpy.node import Node
 
+from kompass.bus.node import Node
 from kompass.monitor.reporting.status_proxy import StatusProxy
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.supervisor.news import ProcessNews

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 from automatika_ros_sugar.msg import ComponentStatus
-from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
+from kompass.bus.node import Node
 from kompass.components.base.health import Health
 from kompass.monitor.introspection.catalog import status_topics
 from kompass.rclpy_ext.topic import LATCHED

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from kompass_interfaces.action import BacktestRules
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action import CancelResponse, GoalResponse
 from rclpy.executors import Executor
 from rclpy.node import Node
 
 from kompass.access.gatekeeper import Gatekeeper, NotAdmitted
-from kompass.rclpy_ext.goal_expiry import expire_goals
+from kompass.rclpy_ext.action_server import ForgetfulActionServer
 from kompass.recorder.replay.worker import Worker, WorkerFailed
 
 AT_ONCE = 2
@@ -38,7 +38,7 @@ class BacktestServer:
         self._executor, self._recordings, self._gatekeeper = executor, recordings, gatekeeper
         self._name = f"{node.get_name()}/backtest_rules"
         self._jobs: dict[bytes, _Job] = {}
-        self._server = ActionServer(
+        self._server = ForgetfulActionServer(
             node,
             BacktestRules,
             self._name,
@@ -68,7 +68,7 @@ class BacktestServer:
 
     def _begin(self, handle: Any) -> None:
         # Reports are large: those that were fetched long ago make room.
-        self._executor.create_task(expire_goals, self._server)
+        self._executor.create_task(self._server.expire_goals)
         key = bytes(handle.goal_id.uuid)
         self._jobs[key] = _Job(handle, self._recordings, self._post, lambda: self._jobs.pop(key))
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Sequence
 
 from kompass_interfaces.srv import SetFault
-from rclpy.node import Node
 from std_msgs.msg import String
 
+from kompass.bus.node import Node
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation.faults.fault_manager import FaultManager, FaultRefused
 from kompass.simulation.faults.fault_names import MAP_WITHHELD, FaultOrder, UnknownFault, help_text
@@ -45,7 +44,7 @@ class FaultService:
             ProcessFaults(node),
             MapFaults(node, robot, withheld=withheld),
         )
-        self._manager = FaultManager(kinds, orders, time.monotonic(), self._publish)
+        self._manager = FaultManager(kinds, orders, node.clock.monotonic(), self._publish)
         self._publish(())
         node.create_service(SetFault, SERVICE, self._on_request)
 
@@ -65,7 +64,8 @@ class FaultService:
     ) -> SetFault.Response:
         try:
             if request.fault:
-                self._manager.switch(request.fault, request.on, request.duration, time.monotonic())
+                now = self._node.clock.monotonic()
+                self._manager.switch(request.fault, request.on, request.duration, now)
                 response.message = f"{request.fault} is {'on' if request.on else 'off'}"
             else:
                 response.message = help_text()

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from nav2_msgs.srv import LoadMap
 from nav_msgs.msg import OccupancyGrid
-from rclpy.node import Node
 
 from kompass.algorithms.grid import OCCUPIED, Grid
 from kompass.algorithms.map_file import save_map
+from kompass.bus.node import Node
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.share import map_path
 from kompass.simulation.faults.fault_manager import FaultRefused, NotYet

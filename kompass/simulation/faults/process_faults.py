@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from kompass_interfaces.msg import ProcessState, StackState
-from rclpy.node import Node
 
+from kompass.bus.node import Node
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation.faults.fault_manager import FaultRefused, NotYet
 from kompass.simulation.faults.fault_names import TARGETED

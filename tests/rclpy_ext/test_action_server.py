@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 from kompass_interfaces.action import MotionRecording
-from rclpy.action import ActionClient, ActionServer
+from rclpy.action import ActionClient
 
-from kompass.rclpy_ext.goal_expiry import expire_goals
+from kompass.rclpy_ext.action_server import ForgetfulActionServer
 from tests.support.spinning import Spinning
 
 pytestmark = pytest.mark.ros
@@ -17,7 +17,9 @@ def test_goals_that_have_ended_are_forgotten_after_their_time(spinning: Spinning
         handle.succeed()
         return MotionRecording.Result()
 
-    server = ActionServer(spinning.node, MotionRecording, "brief", execute, result_timeout=1)
+    server = ForgetfulActionServer(
+        spinning.node, MotionRecording, "brief", execute, result_timeout=1
+    )
     client = ActionClient(spinning.node, MotionRecording, "brief")
     spinning.until(client.server_is_ready)
     for _ in range(3):
@@ -28,7 +30,7 @@ def test_goals_that_have_ended_are_forgotten_after_their_time(spinning: Spinning
     assert len(server._goal_handles) == 3
 
     def forgotten() -> bool:
-        spinning.executor.create_task(expire_goals, server)
+        spinning.executor.create_task(server.expire_goals)
         spinning.rest(0.1)
         return not server._goal_handles and not server._result_futures
 
