@@ -28,6 +28,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("field_types",),
         ("expressions", "robot", "rulebook"),
         ("rclpy_ext",),
+        ("virtual",),
         ("backtest",),
         ("store",),
         ("access",),

@@ -73,7 +73,9 @@ class ActionClient(Protocol):
     def server_is_ready(self) -> bool:
         """Whether somebody takes them."""
 
-    def send_goal_async(self, goal: Any, feedback_callback: Any = None, **options: Any) -> Any:
+    def send_goal_async(
+        self, goal: Any, feedback_callback: Any = None, goal_uuid: Any = None
+    ) -> Any:
         """Send a goal; a future of its handle."""
 
     def destroy(self) -> None:
