@@ -12,7 +12,12 @@ from std_msgs.msg import String
 
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation.faults.fault_manager import FaultManager, FaultRefused
-from kompass.simulation.faults.fault_names import MAP_WITHHELD, FaultOrder, UnknownFault, help_text
+from kompass.simulation.faults.fault_names import (
+    FaultOrder,
+    UnknownFault,
+    help_text,
+    withholds_map,
+)
 from kompass.simulation.faults.map_faults import MapFaults
 from kompass.simulation.faults.process_faults import ProcessFaults
 from kompass.simulation.faults.robot_faults import RobotFaults
@@ -39,11 +44,10 @@ class FaultService:
         self._node = node
         self._published: tuple[str, ...] | None = None
         self._publisher = node.create_publisher(String, TOPIC, LATCHED_PROFILE)
-        withheld = any(order.name == MAP_WITHHELD for order in orders)
         kinds = (
             RobotFaults(robot),
             ProcessFaults(node),
-            MapFaults(node, robot, withheld=withheld),
+            MapFaults(node, robot, withheld=withholds_map(orders)),
         )
         self._manager = FaultManager(kinds, orders, time.monotonic(), self._publish)
         self._publish(())
