@@ -296,17 +296,18 @@ def _where(recipe: Path, error: Exception) -> str:
 def _add_robot(world_name: str, faults: Sequence[str]) -> None:
     """The embedded robot and its map, as processes beside the recipe's."""
     from kompass.share import map_path
-    from kompass.simulation.faults.fault_names import UnknownFault, withholds_map
-    from kompass.simulation.worlds.registry import world_names
+    from kompass.simulation.faults.fault_names import UnknownFault, parse_faults, withholds_map
+    from kompass.simulation.worlds.registry import world, world_names
 
     if world_name not in world_names():
         raise CliError(
             2, f"--sim {world_name}: there is no such world; known are {', '.join(world_names())}"
         )
     try:
-        map_file = None if withholds_map(faults) else str(map_path(world_name))
+        orders = parse_faults(faults, world(world_name))
     except UnknownFault as error:
         raise CliError(2, f"--fault: {error}") from None
+    map_file = None if withholds_map(orders) else str(map_path(world_name))
 
     def simulate(report: Report) -> None:
         from kompass.simulation.node import run_simulator

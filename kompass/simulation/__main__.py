@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
-from kompass.simulation.faults.fault_names import UnknownFault, help_text, parse_fault
+from kompass.simulation.faults.fault_names import UnknownFault, help_text, parse_faults
 from kompass.simulation.node import run_simulator
-from kompass.simulation.worlds.registry import world_names
+from kompass.simulation.worlds.registry import world, world_names
 
 
 def main() -> None:
@@ -22,24 +22,19 @@ def main() -> None:
         "--fault",
         action="append",
         default=[],
-        type=_fault,
         metavar="NAME[:SECONDS[:DURATION]]",
         help="switch a fault on, so many seconds after the start; may be given several times",
     )
     parser.epilog = f"faults:\n{help_text()}"
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     options = parser.parse_args()
+    try:
+        parse_faults(options.fault, world(options.world))
+    except UnknownFault as error:
+        parser.error(f"--fault: {error}")
     run_simulator(
         options.world, seed=options.seed, node_name=options.node_name, faults=options.fault
     )
-
-
-def _fault(text: str) -> str:
-    try:
-        parse_fault(text)
-    except UnknownFault as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-    return text
 
 
 if __name__ == "__main__":

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Time as StampMessage
 from nav_msgs.msg import Odometry
+from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.time import Time
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Float32, UInt32
 from tf2_msgs.msg import TFMessage
@@ -42,21 +44,25 @@ class Broadcast:
         self._tf_static = publisher(TFMessage, "/tf_static", LATCHED_PROFILE)
         self._rate = publisher(Float32, "/simulator/rate", _RELIABLE)
         self._contacts = publisher(UInt32, "/simulator/contacts", LATCHED_PROFILE)
-        self._published_contacts = -1
+        self._person_contacts = publisher(UInt32, "/simulator/person_contacts", LATCHED_PROFILE)
+        self._published_contacts = (-1, -1)
         self._announce_sensors()
 
     def motion(self) -> None:
         """Odometry of every kind, transforms and inertial readings: once per control period."""
-        stamp = self._clock.now().to_msg()
+        now = self._clock.now()
+        stamp = now.to_msg()
         self._truth.publish(messages.odometry(self._robot.truth(), stamp, MAP))
         self._imu.publish(messages.inertial(self._robot.imu(), stamp, IMU))
-        if self._robot.contacts != self._published_contacts:
+        if (self._robot.contacts, self._robot.person_contacts) != self._published_contacts:
             self.contacts()
         with suppress(NoReading):
-            self._odometry(stamp)
+            self._odometry(now)
 
-    def _odometry(self, stamp: Time) -> None:
+    def _odometry(self, now: Time) -> None:
         wheels, filtered = self._robot.wheel_odometry(), self._robot.filtered()
+        # Both are of one age: the faults that make them late make both late.
+        stamp = _stamp(now, filtered.age)
         self._filtered.publish(messages.odometry(filtered, stamp, MAP))
         self._wheels.publish(messages.odometry(wheels, stamp, ODOM))
         correction = compose(filtered.pose, inverse(wheels.pose))
@@ -72,18 +78,22 @@ class Broadcast:
 
     def scan(self, period: float) -> None:
         """One turn of the lidar, ``period`` seconds after the one before."""
-        stamp = self._clock.now().to_msg()
+        now = self._clock.now()
         with suppress(NoReading):
-            self._scan.publish(messages.laser_scan(self._robot.scan(), stamp, LIDAR, period))
+            ranges = self._robot.scan()
+            stamp = _stamp(now, self._robot.scan_age)
+            self._scan.publish(messages.laser_scan(ranges, stamp, LIDAR, period))
 
     def rate(self, rate: float) -> None:
         """Simulated seconds per real second."""
         self._rate.publish(Float32(data=rate))
 
     def contacts(self) -> None:
-        """How often the robot has touched something."""
-        self._published_contacts = self._robot.contacts
-        self._contacts.publish(UInt32(data=self._published_contacts))
+        """How often the robot has touched something, and how often that was a person."""
+        contacts, with_people = self._robot.contacts, self._robot.person_contacts
+        self._published_contacts = (contacts, with_people)
+        self._contacts.publish(UInt32(data=contacts))
+        self._person_contacts.publish(UInt32(data=with_people))
 
     def _announce_sensors(self) -> None:
         stamp = self._clock.now().to_msg()
@@ -96,3 +106,8 @@ class Broadcast:
                 ]
             )
         )
+
+
+def _stamp(now: Time, age: float) -> StampMessage:
+    """When it was measured what is published ``age`` seconds late."""
+    return (now - Duration(nanoseconds=round(age * 1e9)) if age else now).to_msg()

@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from kompass.simulation.faults.fault_names import parse_fault
+from kompass.simulation.faults.fault_names import parse_faults
 from kompass.simulation.pacer import Pacer
 from kompass.simulation.worlds.registry import world
 
@@ -58,10 +58,10 @@ def run_simulator(
     Raises
     ------
     ValueError
-        There is no such world, or no such fault.
+        There is no such world, or no such fault in it.
     """
     place = world(world_name)
-    orders = [parse_fault(text) for text in faults]
+    orders = parse_faults(faults, place)
     # Imported here, so that the process that forks this one stays small and without threads.
     import rclpy
     from rclpy.signals import SignalHandlerOptions

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import zlib
+from collections.abc import Collection, Iterable
 
 import mujoco
 import numpy as np
@@ -11,19 +12,30 @@ from numpy.typing import NDArray
 
 from kompass.simulation.physics.barriers import Barrier
 from kompass.simulation.physics.drive import DifferentialDrive
-from kompass.simulation.physics.mjcf import BARRIER_STORE, TIMESTEP, model_text
+from kompass.simulation.physics.mjcf import (
+    GLASS_GROUP,
+    SOLID_GROUP,
+    STORE,
+    TIMESTEP,
+    door_body,
+    model_text,
+    solid_geom,
+)
 from kompass.simulation.physics.motion import BodyMotion
 from kompass.simulation.physics.parts import Odometer, PoseSource, RangeFinder, WheelDrive
+from kompass.simulation.physics.person import Person
 from kompass.simulation.sensors.bumper import Bumper
 from kompass.simulation.sensors.imu import Imu, ImuReading
 from kompass.simulation.sensors.lidar import Lidar
 from kompass.simulation.sensors.localizer import Localizer
 from kompass.simulation.sensors.wheel_odometry import WheelOdometry
+from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
 
 # Encoders and localizer are sampled at this period of simulated time, however ``step`` is called.
 SAMPLE_STEPS = 10
 SAMPLE_PERIOD = SAMPLE_STEPS * TIMESTEP
+_CHANCE_STREAM = 4  # after those of the four sensors
 _SETTLING_STEPS = 250  # the wheels sink a few micrometres into the floor first
 
 
@@ -47,21 +59,31 @@ class SimulatedRobot:
         Where the robot is.
     drive, lidar, imu_sensor, wheels, localizer, bumper
         Its parts, which may be exchanged for objects that behave otherwise.
+    slip
+        How much further the (left, right) wheel has turned than its rolling says, per turn. The
+        encoders count it; the drive has to leave it out.
     """
 
     def __init__(self, world: World, seed: int = 0) -> None:
         self.world = world
+        self._seed = seed
         self._model = mujoco.MjModel.from_xml_string(model_text(world))
         self._data = mujoco.MjData(self._model)
         lidar, imu, wheels, localizer = (
             np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(4)
         )
         self.drive: WheelDrive = DifferentialDrive()
-        self.lidar: RangeFinder = Lidar(self._model, self._data, lidar)
+        self._lidar = Lidar(self._model, self._data, lidar)
+        self.lidar: RangeFinder = self._lidar
         self.imu_sensor = Imu(self._model, self._data, imu)
         self.wheels: Odometer = WheelOdometry(wheels)
         self.localizer: PoseSource = Localizer(localizer, SAMPLE_PERIOD)
         self.bumper = Bumper()
+        self.slip = (0.0, 0.0)
+        self._slipped = (0.0, 0.0)  # rad, of both wheels since the start
+        self._rolled = (0.0, 0.0)  # rad, as of the last sample
+        self._people: dict[str, Person] = {}
+        self._person_bumper = Bumper()
 
         self._touch = self._data.sensor("shell").data
         self._left, self._right = (
@@ -80,6 +102,16 @@ class SimulatedRobot:
     def contacts(self) -> int:
         """How often the shell has touched a wall or an obstacle since the start."""
         return self.bumper.episodes
+
+    @property
+    def person_contacts(self) -> int:
+        """How often the shell has touched a person; ``contacts`` counts these, too."""
+        return self._person_bumper.episodes
+
+    def chance(self, purpose: str) -> np.random.Generator:
+        """A stream of chance of its own for a purpose: the same for the same seed and purpose."""
+        key = (_CHANCE_STREAM, zlib.crc32(purpose.encode()))
+        return np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
 
     def place(self, pose: tuple[float, float, float]) -> None:
         """Set the robot down at rest at ``pose`` (x, y, yaw) in ``map``.
@@ -100,20 +132,58 @@ class SimulatedRobot:
         """Have walls stand beside the robot, where it is now."""
         pose = self.truth().pose
         for barrier in barriers:
-            x, y, yaw = barrier.place(pose)
-            self._put(barrier, (x, y, 0.0), yaw)
+            self._put(barrier.name, barrier.place(pose))
 
     def take_down(self, barriers: Iterable[Barrier]) -> None:
         """Take walls away."""
         for barrier in barriers:
-            self._put(barrier, (0.0, 0.0, BARRIER_STORE), 0.0)
+            self._store(barrier.name)
 
-    def _put(self, barrier: Barrier, position: tuple[float, float, float], yaw: float) -> None:
-        index = int(self._model.body(barrier.name).mocapid[0])
-        self._data.mocap_pos[index] = position
+    def close_door(self, door: Box) -> None:
+        """Close one of the world's doorways, at once."""
+        self._put(door_body(door.name), (*door.center, door.yaw))
+
+    def open_door(self, door: Box) -> None:
+        """Open it again."""
+        self._store(door_body(door.name))
+
+    def let_in(self, person: Person) -> None:
+        """Have a person walk, from the next step on."""
+        self._people[person.name] = person
+        self._put(person.name, (*person.position, 0.0))
+
+    def send_away(self, person: Person) -> None:
+        """Have a person be gone."""
+        del self._people[person.name]
+        self._store(person.name)
+
+    def set_surfaces(self, glass: Collection[str], mirrors: Collection[str]) -> None:
+        """Make walls and obstacles of glass or of mirrors, and all others as they are.
+
+        Parameters
+        ----------
+        glass
+            Names of the world's solids that the lidar sees through; they count before mirrors.
+        mirrors
+            Names of those that throw its rays back.
+        """
+        geoms = {
+            shape.name: self._model.geom(solid_geom(shape.name)) for shape in self.world.solids
+        }
+        for name, geom in geoms.items():
+            geom.group[0] = GLASS_GROUP if name in glass else SOLID_GROUP
+        self._lidar.mirrors = tuple(int(geoms[name].id) for name in mirrors)
+
+    def _put(self, name: str, pose: tuple[float, float, float], height: float = 0.0) -> None:
+        x, y, yaw = pose
+        index = int(self._model.body(name).mocapid[0])
+        self._data.mocap_pos[index] = (x, y, height)
         self._data.mocap_quat[index] = [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)]
         # The lidar sees it from its next scan on, whether or not time passes in between.
         mujoco.mj_kinematics(self._model, self._data)
+
+    def _store(self, name: str) -> None:
+        self._put(name, (0.0, 0.0, 0.0), STORE)
 
     def command(self, v: float, omega: float) -> None:
         """Drive with ``v`` (m/s) and ``omega`` (rad/s); see :meth:`DifferentialDrive.command`."""
@@ -138,9 +208,13 @@ class SimulatedRobot:
             self._data.ctrl[:] = self.drive.wheel_speeds(self.time)
             mujoco.mj_step(self._model, self._data)
             self._steps += 1
-            self.bumper.update(bool(self._touch[0] > 0.0), self.time)
+            touching = bool(self._touch[0] > 0.0)
+            self.bumper.update(touching, self.time)
+            if touching and self._people:
+                self._person_bumper.update(self._touches_person(), self.time)
             if self._steps % SAMPLE_STEPS == 0:
                 self._sample()
+                self._walk()
 
     def scan(self) -> NDArray[np.float32]:
         """Lidar ranges (360,) in metres from straight ahead anticlockwise; +inf = no return.
@@ -152,6 +226,11 @@ class SimulatedRobot:
             ``filtered``.
         """
         return self.lidar.scan()
+
+    @property
+    def scan_age(self) -> float:
+        """Seconds since the scan was measured that ``scan`` has returned last."""
+        return self.lidar.age
 
     def imu(self) -> ImuReading:
         """The newest inertial reading."""
@@ -176,5 +255,24 @@ class SimulatedRobot:
 
     def _sample(self) -> None:
         qpos = self._data.qpos
-        self.wheels.update(float(qpos[self._left]), float(qpos[self._right]), SAMPLE_PERIOD)
+        left, right = float(qpos[self._left]), float(qpos[self._right])
+        if self.slip != (0.0, 0.0):
+            self._slipped = (
+                self._slipped[0] + self.slip[0] * (left - self._rolled[0]),
+                self._slipped[1] + self.slip[1] * (right - self._rolled[1]),
+            )
+        self._rolled = left, right
+        self.wheels.update(left + self._slipped[0], right + self._slipped[1], SAMPLE_PERIOD)
         self.localizer.update(self.truth())
+
+    def _walk(self) -> None:
+        for person in self._people.values():
+            x, y, _ = self.truth().pose
+            person.advance((x, y), SAMPLE_PERIOD)
+            self._put(person.name, (*person.position, 0.0))
+
+    def _touches_person(self) -> bool:
+        shell = self._model.geom("shell").id
+        people = [self._model.geom(name).id for name in self._people]
+        pairs = self._data.contact.geom
+        return bool((np.isin(pairs, people).any(axis=1) & (pairs == shell).any(axis=1)).any())

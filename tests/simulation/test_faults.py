@@ -14,9 +14,11 @@ from kompass.simulation.faults.fault_names import (
     UnknownFault,
     check_fault,
     parse_fault,
+    parse_faults,
     withholds_map,
 )
-from kompass.simulation.faults.robot_faults import ROBOT_FAULTS, RobotFaults
+from kompass.simulation.faults.fault_parameters import PARAMETERS
+from kompass.simulation.faults.robot_faults import RobotFaults
 from kompass.simulation.physics.parts import NoReading
 from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.registry import world
@@ -278,6 +280,11 @@ def test_a_duration_that_is_no_time_is_refused(robot: SimulatedRobot, duration: 
         ("stop:mapper:20:5", FaultOrder("stop:mapper", 20.0, 5.0)),
         ("boxed_in:60:60", FaultOrder("boxed_in", 60.0, 60.0)),
         ("map_withheld:0:9", FaultOrder("map_withheld", 0.0, 9.0)),
+        ("scan_noise:0.050", FaultOrder("scan_noise:0.05")),
+        ("scan_noise:0.05:20", FaultOrder("scan_noise:0.05", 20.0)),
+        ("scan_late:1:20:5", FaultOrder("scan_late:1", 20.0, 5.0)),
+        ("wheel_slip:both:20", FaultOrder("wheel_slip:both", 20.0)),
+        ("door_closed:kitchen:20:5", FaultOrder("door_closed:kitchen", 20.0, 5.0)),
     ],
 )
 def test_an_order_is_a_name_and_perhaps_times(text: str, order: FaultOrder) -> None:
@@ -298,6 +305,19 @@ def test_an_order_is_a_name_and_perhaps_times(text: str, order: FaultOrder) -> N
         ("boxed_in:1:2:3", "there is no fault 'boxed_in:1'"),
         ("map_withheld:5", "leave out 5"),
         ("kill:mapper:1:5", "it is over at once; leave out 5"),
+        ("stop:20", "20 names no process; write for example stop:mapper"),
+        ("scan_noise", "needs METRES behind a colon; write for example scan_noise:0.05"),
+        ("scan_noise:", "needs METRES behind a colon"),
+        ("scan_noise:20", "20 is out of range; give metres (standard deviation), above 0 and up"),
+        ("scan_noise:nan", "above 0 and up to 1"),
+        ("scan_noise:much", "'much' is no number; give metres"),
+        ("scan_noise:0.05:20:5:1", "'0.05:20' is no number"),
+        ("glass:30", "give a share of the walls, above 0 and up to 1"),
+        ("scan_late:0", "give seconds, above 0 and up to 10"),
+        ("wheel_slip:20", "'20' is no wheel; choose of left, right, both"),
+        ("wheel_slip:lefft", "did you mean 'left'?"),
+        ("door_closed:kitchn", "did you mean 'kitchen'?"),
+        ("person_ahead:1:2:3", "there is no fault 'person_ahead:1'"),
     ],
 )
 def test_an_order_that_cannot_be_read_names_the_remedy(text: str, hint: str) -> None:
@@ -306,13 +326,24 @@ def test_an_order_that_cannot_be_read_names_the_remedy(text: str, hint: str) -> 
     assert hint in str(refusal.value)
 
 
-def test_every_fault_that_needs_no_target_is_one_that_can_be_ordered() -> None:
-    for name in FAULTS:
-        if ":" not in name:
-            assert check_fault(name) == name
-    assert set(ROBOT_FAULTS) <= set(FAULTS)
-    assert withholds_map(["boxed_in", "map_withheld"])
-    assert not withholds_map(["boxed_in:3"])
+def test_every_fault_can_be_ordered_and_is_known_to_somebody(robot: SimulatedRobot) -> None:
+    known = RobotFaults(robot)
+    elsewhere = {"map_withheld", "start_occupied", "stop", "kill"}
+    for shown in FAULTS:
+        kind, colon, _ = shown.partition(":")
+        assert bool(colon) == (kind in PARAMETERS), "a parameter is shown in capitals"
+        name = f"{kind}:{PARAMETERS[kind].example}" if colon else kind
+        assert check_fault(name) == name
+        assert known.knows(name) == (kind not in elsewhere)
+    assert withholds_map([FaultOrder("boxed_in"), FaultOrder("map_withheld")])
+    assert not withholds_map([FaultOrder("boxed_in")])
+
+
+def test_a_door_that_the_world_does_not_have_is_refused_before_the_start() -> None:
+    order = ["door_closed:kitchen:20"]
+    assert parse_faults(order, world("apartment")) == [FaultOrder("door_closed:kitchen", 20.0)]
+    with pytest.raises(UnknownFault, match="'hexagon' has no doorway 'kitchen'; take a world that"):
+        parse_faults(order, world("hexagon"))
 
 
 def test_the_recipes_tell_newcomers_of_every_fault() -> None:

@@ -37,6 +37,7 @@ STREAMS = {
 LATCHED = {
     "/tf_static": "tf2_msgs/msg/TFMessage",
     "/simulator/contacts": "std_msgs/msg/UInt32",
+    "/simulator/person_contacts": "std_msgs/msg/UInt32",
 }
 BEST_EFFORT = {"/scan", "/imu"}
 
@@ -84,15 +85,15 @@ class Observer:
 
 
 @contextlib.contextmanager
-def ros_node(name: str) -> Iterator[tuple[Any, Any]]:
-    """A node with its executor, on the tests' domain."""
+def ros_node(name: str, domain: int = DOMAIN) -> Iterator[tuple[Any, Any]]:
+    """A node with its executor, on the tests' domain unless another one is given."""
     import rclpy
     from rclpy.executors import SingleThreadedExecutor
     from rclpy.signals import SignalHandlerOptions
 
     context = rclpy.Context()
     rclpy.init(
-        args=[], context=context, domain_id=DOMAIN, signal_handler_options=SignalHandlerOptions.NO
+        args=[], context=context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO
     )
     with contextlib.ExitStack() as undo:
         undo.callback(context.try_shutdown)
@@ -168,7 +169,8 @@ def observer(simulator: int) -> Iterator[Observer]:
         watch.listen(TFMessage, "/tf", QoSProfile(depth=100))
         watch.listen(Float32, "/simulator/rate", QoSProfile(depth=10))
         watch.listen(TFMessage, "/tf_static", latched)
-        watch.listen(UInt32, "/simulator/contacts", latched)
+        for topic in ("/simulator/contacts", "/simulator/person_contacts"):
+            watch.listen(UInt32, topic, latched)
         watch.until(
             lambda: all(topic in watch.newest for topic in (*STREAMS, *LATCHED)),
             f"a message on each of {[*STREAMS, *LATCHED]}",
@@ -359,3 +361,59 @@ def test_signal_ends_it_within_half_a_second(number: signal.Signals) -> None:
             process.kill()
         assert time.monotonic() - told < patient(0.5)
         assert "Traceback" not in process.stderr.read()
+
+
+def test_late_sensors_publish_old_stamps_and_what_is_in_time_is_not_held_up() -> None:
+    from nav_msgs.msg import Odometry
+    from rclpy.qos import QoSProfile, qos_profile_sensor_data
+    from sensor_msgs.msg import LaserScan
+    from tf2_msgs.msg import TFMessage
+
+    faults = ("scan_late:0.5", "odometry_late:0.3")
+    with (
+        subprocess.Popen(
+            [
+                *(sys.executable, "-m", "kompass.simulation", "hexagon", "--node-name", "late"),
+                *(word for fault in faults for word in ("--fault", fault)),
+            ],
+            env={**environment(), "ROS_DOMAIN_ID": str(DOMAIN + 1)},
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as process,
+        ros_node("timekeeper", DOMAIN + 1) as (node, executor),
+    ):
+        watch = Observer(node, executor)
+        ages: dict[str, list[float]] = {}
+
+        def keep(topic: str, stamp: Any) -> None:
+            elapsed = node.get_clock().now().nanoseconds - stamp.sec * 1e9 - stamp.nanosec
+            ages.setdefault(topic, []).append(elapsed / 1e9)
+
+        def listen(message_type: type[Any], topic: str, profile: Any) -> None:
+            def heard(message: Any) -> None:
+                first = message.transforms[0] if topic == "/tf" else message
+                keep(topic, first.header.stamp)
+
+            node.create_subscription(message_type, topic, heard, profile)
+
+        expected = {
+            "/scan": 0.5,
+            "/odometry/filtered": 0.3,
+            "/odom": 0.3,
+            "/tf": 0.3,
+            "/simulator/ground_truth": 0.0,
+        }
+        listen(LaserScan, "/scan", qos_profile_sensor_data)
+        for topic in ("/odometry/filtered", "/odom", "/simulator/ground_truth"):
+            listen(Odometry, topic, QoSProfile(depth=100))
+        listen(TFMessage, "/tf", QoSProfile(depth=100))
+        try:
+            watch.until(
+                lambda: all(len(ages.get(topic, ())) >= 10 for topic in expected),
+                f"ten messages on each of {list(expected)}",
+            )
+        finally:
+            process.terminate()
+        # What the machine adds by being busy comes on top; the quickest of ten has little of it.
+        for topic, age in expected.items():
+            assert age - 0.01 < min(ages[topic]) < age + 0.2, topic

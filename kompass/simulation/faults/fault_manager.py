@@ -86,7 +86,8 @@ class FaultManager:
         FaultRefused
             It cannot be switched.
         """
-        kind = self._kind(check_fault(name))
+        name = check_fault(name)
+        kind = self._kind(name)
         if not (math.isfinite(duration) and duration >= 0.0):
             raise FaultRefused(
                 f"duration is {duration!r} s; give a time of 0 or more, 0 for no end"

@@ -10,16 +10,33 @@ import difflib
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kompass.simulation.faults.fault_parameters import PARAMETERS
+
+if TYPE_CHECKING:
+    from kompass.simulation.worlds.world import World
 
 FAULTS = {
     "lidar_unplugged": "no scan is published",
     "scan_frozen": "every scan repeats the ranges of the first one, with a new stamp",
     "scan_rate_halved": "every other scan is left out",
+    "scan_noise:METRES": "ranges scatter, by this standard deviation on top of the lidar's own",
+    "scan_late:DELAY": "scans come so many seconds late, with their old stamps",
+    "glass:SHARE": "the lidar sees through this share of walls and obstacles; they are solid",
+    "mirrors:SHARE": "the lidar's rays are thrown back by this share of walls and obstacles",
     "odometry_frozen": "odometry and transforms repeat one pose and twist, with new stamps",
     "odometry_silent": "no odometry and no transforms are published",
+    "odometry_late:DELAY": "odometry and transforms come so many seconds late, with old stamps",
+    "localizer_jump:METRES": "the filtered pose is off by so much, in a direction of chance",
+    "localizer_drift:RATE": "the filtered pose goes astray by so many metres per metre driven",
     "wheel_blocked": "the left wheel does not turn",
+    "wheel_slip:WHEEL": "the left, the right or both wheels turn more than they move the robot",
     "way_blocked": "a wall stands across the way, right ahead of the robot",
     "boxed_in": "walls stand around the robot, too close to leave",
+    "person_ahead": "a person steps into the robot's way and stands there",
+    "person_crossing": "a person crosses the robot's way and is gone; the fault ends with that",
+    "door_closed:DOORWAY": "a door closes a doorway of the world, which the map does not know",
     "map_withheld": "the map server has no map until /map_server/load_map is called",
     "start_occupied": "the map says that something stands where the robot is",
     "stop:NAME": "a process of the stack is stopped (SIGSTOP); it goes on when the fault ends",
@@ -28,6 +45,7 @@ FAULTS = {
 MAP_WITHHELD = "map_withheld"
 AT_ONCE = "kill:"  # nothing is left of it that could end
 TARGETED = ("stop", "kill")  # followed by the name of a process or of a node in it
+DOOR_CLOSED = "door_closed"
 
 
 class UnknownFault(ValueError):
@@ -41,7 +59,7 @@ class FaultOrder:
     Attributes
     ----------
     name
-        One of ``FAULTS``, with a process in the place of NAME.
+        One of ``FAULTS``, with its parameter in the place of what is in capitals.
     after
         Seconds after the start.
     duration
@@ -54,30 +72,54 @@ class FaultOrder:
 
 
 def check_fault(name: str) -> str:
-    """``name``, if there is such a fault.
+    """``name`` as it is always written, if there is such a fault.
 
     Raises
     ------
     UnknownFault
-        There is none; the message offers the nearest.
+        There is none, or its parameter cannot be read; the message tells the remedy.
     """
-    kind, colon, target = name.partition(":")
-    if colon and kind in TARGETED:
-        if not target:
-            raise UnknownFault(f"fault {name!r} names no process; write for example {kind}:mapper")
+    kind, _, argument = name.partition(":")
+    parameter = PARAMETERS.get(kind)
+    if parameter is not None:
+        example = f"write for example {kind}:{parameter.example}"
+        if not argument:
+            (whole,) = (one for one in FAULTS if one.partition(":")[0] == kind)
+            missing = whole.partition(":")[2]
+            raise UnknownFault(f"fault {name!r} needs {missing} behind a colon; {example}")
+        try:
+            return f"{kind}:{parameter.read(argument)}"
+        except ValueError as error:
+            raise UnknownFault(f"fault {name!r}: {error}; {example}") from None
+    if name in FAULTS:
         return name
-    if name in FAULTS and kind not in TARGETED:
-        return name
-    if kind in TARGETED:
-        raise UnknownFault(f"fault {name!r} names no process; write for example {kind}:mapper")
     known = [one.partition(":")[0] for one in FAULTS]
     near = difflib.get_close_matches(kind, known, n=1, cutoff=0.4)
     hint = f"did you mean {near[0]!r}? " if near else ""
     raise UnknownFault(f"there is no fault {name!r}; {hint}known are {', '.join(FAULTS)}")
 
 
+def check_place(name: str, place: World) -> None:
+    """Refuse a fault that a world has no room for: the closing of a door that it does not have.
+
+    Raises
+    ------
+    UnknownFault
+        With the doorways that there are.
+    """
+    kind, _, argument = name.partition(":")
+    doors = [door.name for door in place.doorways]
+    if kind == DOOR_CLOSED and argument not in doors:
+        remedy = f"choose of {', '.join(doors)}" if doors else "take a world that has doorways"
+        raise UnknownFault(
+            f"fault {name!r}: the world {place.name!r} has no doorway {argument!r}; {remedy}"
+        )
+
+
 def parse_fault(text: str) -> FaultOrder:
     """Read ``NAME``, ``NAME:SECONDS`` or ``NAME:SECONDS:DURATION``, as on a command line.
+
+    A fault that takes a parameter has it in its name: ``scan_noise:0.05:20`` begins after 20 s.
 
     Raises
     ------
@@ -89,7 +131,7 @@ def parse_fault(text: str) -> FaultOrder:
         if not (math.isfinite(each) and each >= 0.0):
             raise UnknownFault(f"fault {text!r}: {each:g} s is no time; give seconds of 0 or more")
     after, duration = (*times, 0.0, 0.0)[:2]
-    check_fault(name)
+    name = check_fault(name)
     if name == MAP_WITHHELD and after:
         raise UnknownFault(
             f"fault {text!r}: a map that was given cannot be withheld; leave out {after:g}"
@@ -100,12 +142,13 @@ def parse_fault(text: str) -> FaultOrder:
 
 
 def _split(text: str) -> tuple[str, list[float]]:
-    """The name, and up to two times behind it."""
+    """The name with its parameter, and up to two times behind it."""
     name, times = text, list[float]()
-    while len(times) < 2:
-        before, colon, last = name.rpartition(":")
+    colons = 1 if text.partition(":")[0] in PARAMETERS else 0
+    while len(times) < 2 and name.count(":") > colons:
+        before, _, last = name.rpartition(":")
         try:
-            time = float(last) if colon else None
+            time = float(last)
         except ValueError:
             time = None
         if time is None:
@@ -114,15 +157,23 @@ def _split(text: str) -> tuple[str, list[float]]:
     return name, times
 
 
-def withholds_map(orders: Iterable[str]) -> bool:
-    """Whether the map server must start without a map.
+def parse_faults(texts: Iterable[str], place: World) -> list[FaultOrder]:
+    """Read orders for the robot in a world.
 
     Raises
     ------
     UnknownFault
-        One of the orders cannot be read.
+        One of them cannot be read, or not be carried out in that world.
     """
-    return MAP_WITHHELD in [parse_fault(text).name for text in orders]
+    orders = [parse_fault(text) for text in texts]
+    for order in orders:
+        check_place(order.name, place)
+    return orders
+
+
+def withholds_map(orders: Iterable[FaultOrder]) -> bool:
+    """Whether the map server must start without a map."""
+    return MAP_WITHHELD in [order.name for order in orders]
 
 
 def help_text() -> str:

@@ -11,7 +11,12 @@ from std_msgs.msg import String
 from kompass.bus.node import Node
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation.faults.fault_manager import FaultManager, FaultRefused
-from kompass.simulation.faults.fault_names import MAP_WITHHELD, FaultOrder, UnknownFault, help_text
+from kompass.simulation.faults.fault_names import (
+    FaultOrder,
+    UnknownFault,
+    help_text,
+    withholds_map,
+)
 from kompass.simulation.faults.map_faults import MapFaults
 from kompass.simulation.faults.process_faults import ProcessFaults
 from kompass.simulation.faults.robot_faults import RobotFaults
@@ -38,11 +43,10 @@ class FaultService:
         self._node = node
         self._published: tuple[str, ...] | None = None
         self._publisher = node.create_publisher(String, TOPIC, LATCHED_PROFILE)
-        withheld = any(order.name == MAP_WITHHELD for order in orders)
         kinds = (
             RobotFaults(robot),
             ProcessFaults(node),
-            MapFaults(node, robot, withheld=withheld),
+            MapFaults(node, robot, withheld=withholds_map(orders)),
         )
         self._manager = FaultManager(kinds, orders, node.clock.monotonic(), self._publish)
         self._publish(())

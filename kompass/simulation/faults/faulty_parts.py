@@ -1,6 +1,16 @@
-"""Parts of the robot that behave as broken ones do. Each stands in front of the sound one."""
+"""Parts of the robot that behave as broken ones do. Each stands in front of a sound one.
+
+``sound`` is the part behind, which may itself be a broken one; it is exchanged when another fault
+ends, and what this one remembers stays.
+"""
 
 from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +23,18 @@ from kompass.simulation.physics.parts import (
     RangeFinder,
     WheelDrive,
 )
+from kompass.simulation.sensors.lidar import RANGE_MAX, SATURATED
+
+_ROUNDING = 1e-6  # s; times of readings are sums of many periods
 
 
 class UnpluggedLidar:
     """Says nothing."""
+
+    age = 0.0
+
+    def __init__(self, sound: RangeFinder) -> None:
+        self.sound = sound
 
     def scan(self) -> NDArray[np.float32]:
         raise NoReading("the lidar is unplugged")
@@ -25,13 +43,15 @@ class UnpluggedLidar:
 class FrozenLidar:
     """Repeats its first scan for ever, as a driver does whose buffer is never refilled."""
 
+    age = 0.0
+
     def __init__(self, sound: RangeFinder) -> None:
-        self._sound = sound
+        self.sound = sound
         self._first: NDArray[np.float32] | None = None
 
     def scan(self) -> NDArray[np.float32]:
         if self._first is None:
-            self._first = self._sound.scan()
+            self._first = self.sound.scan()
         return self._first.copy()
 
 
@@ -39,27 +59,99 @@ class SlowLidar:
     """Leaves out every other scan."""
 
     def __init__(self, sound: RangeFinder) -> None:
-        self._sound = sound
+        self.sound = sound
         self._turns = 0
+
+    @property
+    def age(self) -> float:
+        return self.sound.age
 
     def scan(self) -> NDArray[np.float32]:
         self._turns += 1
         if self._turns % 2 == 0:
             raise NoReading("every other scan is left out")
-        return self._sound.scan()
+        return self.sound.scan()
+
+
+class NoisyLidar:
+    """Scatters the ranges of what is within reach.
+
+    Parameters
+    ----------
+    sound
+        The lidar behind.
+    deviation
+        Standard deviation, metres.
+    random
+        Source of the noise.
+    """
+
+    def __init__(self, sound: RangeFinder, deviation: float, random: np.random.Generator) -> None:
+        self.sound = sound
+        self._deviation = deviation
+        self._random = random
+
+    @property
+    def age(self) -> float:
+        return self.sound.age
+
+    def scan(self) -> NDArray[np.float32]:
+        sound = self.sound.scan()
+        ranges = np.maximum(
+            sound + self._random.normal(0.0, self._deviation, len(sound)), SATURATED
+        )
+        ranges[ranges > RANGE_MAX] = np.inf
+        return ranges.astype(np.float32)
+
+
+class LateLidar:
+    """Hands out each scan some time after it was measured, and nothing until the first is due.
+
+    Parameters
+    ----------
+    sound
+        The lidar behind.
+    delay
+        Seconds.
+    time
+        Tells the simulated seconds.
+    """
+
+    def __init__(self, sound: RangeFinder, delay: float, time: Callable[[], float]) -> None:
+        self.sound = sound
+        self.age = 0.0
+        self._delay = delay
+        self._time = time
+        self._waiting = deque[tuple[float, float, NDArray[np.float32]]]()
+
+    def scan(self) -> NDArray[np.float32]:
+        now = self._time()
+        with suppress(NoReading):  # a gap then is a gap later
+            ranges = self.sound.scan()
+            self._waiting.append((now, self.sound.age, ranges))
+        due = None
+        while self._waiting and self._waiting[0][0] + self._delay <= now + _ROUNDING:
+            due = self._waiting.popleft()
+        if due is None:
+            raise NoReading("the next scan is still on its way")
+        measured, age, ranges = due
+        self.age = age + now - measured
+        return ranges
 
 
 class FrozenLocalizer:
     """Repeats one pose. The sound one behind it goes on, so that the end of the fault is a jump."""
 
     def __init__(self, sound: PoseSource) -> None:
-        self._sound = sound
-        self._kept = sound.read()
+        self.sound = sound
+        self._kept = _reading(sound)
 
     def update(self, truth: BodyMotion) -> None:
-        self._sound.update(truth)
+        self.sound.update(truth)
 
     def read(self) -> BodyMotion:
+        if self._kept is None:
+            self._kept = self.sound.read()
         return self._kept
 
 
@@ -67,13 +159,15 @@ class FrozenOdometry:
     """Repeats one pose of the wheels; see ``FrozenLocalizer``."""
 
     def __init__(self, sound: Odometer) -> None:
-        self._sound = sound
-        self._kept = sound.read()
+        self.sound = sound
+        self._kept = _reading(sound)
 
     def update(self, left_angle: float, right_angle: float, dt: float) -> None:
-        self._sound.update(left_angle, right_angle, dt)
+        self.sound.update(left_angle, right_angle, dt)
 
     def read(self) -> BodyMotion:
+        if self._kept is None:
+            self._kept = self.sound.read()
         return self._kept
 
 
@@ -81,10 +175,10 @@ class SilentLocalizer:
     """Says nothing, and works on behind."""
 
     def __init__(self, sound: PoseSource) -> None:
-        self._sound = sound
+        self.sound = sound
 
     def update(self, truth: BodyMotion) -> None:
-        self._sound.update(truth)
+        self.sound.update(truth)
 
     def read(self) -> BodyMotion:
         raise NoReading("the localizer is silent")
@@ -94,23 +188,165 @@ class SilentOdometry:
     """Says nothing, and works on behind."""
 
     def __init__(self, sound: Odometer) -> None:
-        self._sound = sound
+        self.sound = sound
 
     def update(self, left_angle: float, right_angle: float, dt: float) -> None:
-        self._sound.update(left_angle, right_angle, dt)
+        self.sound.update(left_angle, right_angle, dt)
 
     def read(self) -> BodyMotion:
         raise NoReading("the wheels' encoders are silent")
+
+
+class LateLocalizer:
+    """Hands out each reading some time after it was taken; see ``LateLidar``."""
+
+    def __init__(self, sound: PoseSource, delay: float, time: Callable[[], float]) -> None:
+        self.sound = sound
+        self._line = _DelayLine(delay, time)
+
+    def update(self, truth: BodyMotion) -> None:
+        self.sound.update(truth)
+        self._line.take(self.sound)
+
+    def read(self) -> BodyMotion:
+        return self._line.read()
+
+
+class LateOdometry:
+    """Hands out each reading some time after it was taken; see ``LateLidar``."""
+
+    def __init__(self, sound: Odometer, delay: float, time: Callable[[], float]) -> None:
+        self.sound = sound
+        self._line = _DelayLine(delay, time)
+
+    def update(self, left_angle: float, right_angle: float, dt: float) -> None:
+        self.sound.update(left_angle, right_angle, dt)
+        self._line.take(self.sound)
+
+    def read(self) -> BodyMotion:
+        return self._line.read()
+
+
+class JumpedLocalizer:
+    """Has lost its place once: its pose is off by the same in ``map`` from then on.
+
+    Parameters
+    ----------
+    sound
+        The localizer behind.
+    offset
+        (x, y, yaw) in metres and radians.
+    """
+
+    def __init__(self, sound: PoseSource, offset: tuple[float, float, float]) -> None:
+        self.sound = sound
+        self._offset = offset
+
+    def update(self, truth: BodyMotion) -> None:
+        self.sound.update(truth)
+
+    def read(self) -> BodyMotion:
+        return _shifted(self.sound.read(), self._offset)
+
+
+class DriftingLocalizer:
+    """Is off by more with every metre that the robot moves, always in one direction of ``map``.
+
+    Parameters
+    ----------
+    sound
+        The localizer behind.
+    rate
+        Metres per metre moved.
+    direction
+        In ``map``, radians.
+    """
+
+    def __init__(self, sound: PoseSource, rate: float, direction: float) -> None:
+        self.sound = sound
+        self._drift = (rate * math.cos(direction), rate * math.sin(direction))
+        self._last: tuple[float, float] | None = None
+        self._moved = 0.0
+
+    def update(self, truth: BodyMotion) -> None:
+        place = truth.pose[:2]
+        if self._last is not None:
+            self._moved += math.dist(self._last, place)
+        self._last = place
+        self.sound.update(truth)
+
+    def read(self) -> BodyMotion:
+        x, y = self._drift
+        return _shifted(self.sound.read(), (x * self._moved, y * self._moved, 0.0))
 
 
 class BlockedWheelDrive:
     """The left motor holds its wheel still."""
 
     def __init__(self, sound: WheelDrive) -> None:
-        self._sound = sound
+        self.sound = sound
 
     def command(self, v: float, omega: float, now: float) -> None:
-        self._sound.command(v, omega, now)
+        self.sound.command(v, omega, now)
 
     def wheel_speeds(self, now: float) -> tuple[float, float]:
-        return 0.0, self._sound.wheel_speeds(now)[1]
+        return 0.0, self.sound.wheel_speeds(now)[1]
+
+
+class SlippingDrive:
+    """Its wheels move the robot by less than they turn; the encoders are the robot's matter.
+
+    Parameters
+    ----------
+    sound
+        The drive behind.
+    grip
+        Which share of the turning of (left, right) is left.
+    """
+
+    def __init__(self, sound: WheelDrive, grip: tuple[float, float]) -> None:
+        self.sound = sound
+        self._grip = grip
+
+    def command(self, v: float, omega: float, now: float) -> None:
+        self.sound.command(v, omega, now)
+
+    def wheel_speeds(self, now: float) -> tuple[float, float]:
+        left, right = self.sound.wheel_speeds(now)
+        return self._grip[0] * left, self._grip[1] * right
+
+
+class _DelayLine:
+    """Readings that are on their way."""
+
+    def __init__(self, delay: float, time: Callable[[], float]) -> None:
+        self._delay = delay
+        self._time = time
+        self._waiting = deque[tuple[float, BodyMotion | None]]()
+        self._newest: tuple[float, BodyMotion | None] = (0.0, None)
+
+    def take(self, source: PoseSource | Odometer) -> None:
+        self._waiting.append((self._time(), _reading(source)))
+
+    def read(self) -> BodyMotion:
+        now = self._time()
+        while self._waiting and self._waiting[0][0] + self._delay <= now + _ROUNDING:
+            self._newest = self._waiting.popleft()
+        measured, motion = self._newest
+        if motion is None:
+            raise NoReading("the next reading is still on its way, or there was none then")
+        return replace(motion, age=motion.age + now - measured)
+
+
+def _reading(source: PoseSource | Odometer) -> BodyMotion | None:
+    """The reading that there is now; None from a source that is silent."""
+    try:
+        return source.read()
+    except NoReading:
+        return None
+
+
+def _shifted(motion: BodyMotion, offset: tuple[float, float, float]) -> BodyMotion:
+    x, y, yaw = motion.pose
+    dx, dy, turn = offset
+    return replace(motion, pose=(x + dx, y + dy, math.remainder(yaw + turn, math.tau)))

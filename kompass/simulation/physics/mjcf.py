@@ -11,6 +11,7 @@ import math
 from xml.sax.saxutils import quoteattr
 
 from kompass.simulation.physics.barriers import BARRIERS, BODY_RADIUS, Barrier
+from kompass.simulation.physics.person import HEIGHT, PEOPLE, RADIUS
 from kompass.simulation.worlds.shapes import Box, Shape
 from kompass.simulation.worlds.world import World
 
@@ -33,17 +34,36 @@ _FRONT_CASTER_GAP = 0.001  # the front caster only catches a nod
 
 TIMESTEP = 0.002  # s
 
-BARRIER_STORE = -10.0  # m; where walls lie that are not up, far below the floor
+STORE = -10.0  # m; where walls, doors and people are that are not up, far below the floor
 
 # Geom groups, by which the lidar's rays tell solids from the floor and from the robot itself.
-SOLID_GROUP, FLOOR_GROUP, ROBOT_GROUP = 0, 1, 2
+SOLID_GROUP, FLOOR_GROUP, ROBOT_GROUP, GLASS_GROUP = 0, 1, 2, 3
 _FLOOR_BIT, _SOLID_BIT = 1, 2
+
+
+def solid_geom(name: str) -> str:
+    """What the physics calls a wall or obstacle of the world."""
+    return f"solid {name}"
+
+
+def door_body(name: str) -> str:
+    """What the physics calls the door of a doorway."""
+    return f"door {name}"
 
 
 def model_text(world: World) -> str:
     """MJCF of ``world`` with the robot at its start pose."""
     solids = "\n".join(_solid(shape) for shape in world.solids)
-    barriers = "\n".join(map(_barrier, BARRIERS))
+    movable = "\n".join(
+        [
+            *map(_barrier, BARRIERS),
+            *(
+                _movable(door_body(door.name), _box(door.size, door.height), door.height)
+                for door in world.doorways
+            ),
+            *(_movable(name, _cylinder(RADIUS, HEIGHT), HEIGHT) for name in PEOPLE),
+        ]
+    )
     return f"""
 <mujoco model={quoteattr(world.name)}>
   <compiler angle="radian" autolimits="true"/>
@@ -64,7 +84,7 @@ def model_text(world: World) -> str:
     <geom name="floor" type="plane" size="0 0 1" contype="{_FLOOR_BIT}" conaffinity="0"
           group="{FLOOR_GROUP}" condim="1" friction="0"/>
     {solids}
-    {barriers}
+    {movable}
     {_robot(world.start)}
   </worldbody>
   <actuator>
@@ -87,22 +107,32 @@ def _solid(shape: Shape) -> str:
     x, y = shape.center
     place = f'pos="{x} {y} {shape.height / 2}"'
     if isinstance(shape, Box):
-        length, width = shape.size
-        form = (
-            f'type="box" size="{length / 2} {width / 2} {shape.height / 2}" euler="0 0 {shape.yaw}"'
-        )
+        form = f'{_box(shape.size, shape.height)} euler="0 0 {shape.yaw}"'
     else:
-        form = f'type="cylinder" size="{shape.radius} {shape.height / 2}"'
-    return f'<geom class="solid" name={quoteattr("solid " + shape.name)} {form} {place}/>'
+        form = _cylinder(shape.radius, shape.height)
+    return f'<geom class="solid" name={quoteattr(solid_geom(shape.name))} {form} {place}/>'
 
 
 def _barrier(barrier: Barrier) -> str:
-    half = barrier.height / 2
+    return _movable(
+        barrier.name, _box((barrier.thickness, barrier.length), barrier.height), barrier.height
+    )
+
+
+def _movable(name: str, form: str, height: float) -> str:
+    """What can be put anywhere, and lies in the store until then."""
     return f"""
-    <body name="{barrier.name}" mocap="true" pos="0 0 {BARRIER_STORE}">
-      <geom class="solid" type="box" pos="0 0 {half}"
-            size="{barrier.thickness / 2} {barrier.length / 2} {half}"/>
+    <body name={quoteattr(name)} mocap="true" pos="0 0 {STORE}">
+      <geom class="solid" name={quoteattr(name)} {form} pos="0 0 {height / 2}"/>
     </body>"""
+
+
+def _box(size: tuple[float, float], height: float) -> str:
+    return f'type="box" size="{size[0] / 2} {size[1] / 2} {height / 2}"'
+
+
+def _cylinder(radius: float, height: float) -> str:
+    return f'type="cylinder" size="{radius} {height / 2}"'
 
 
 def _robot(start: tuple[float, float, float]) -> str:

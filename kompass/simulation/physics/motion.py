@@ -28,9 +28,12 @@ class BodyMotion:
         (3, 3) of ``pose``; zeros for the truth.
     twist_covariance
         (3, 3) of ``twist``; zeros for the truth.
+    age
+        Seconds since it was measured.
     """
 
     pose: tuple[float, float, float]
     twist: tuple[float, float, float]
     pose_covariance: Matrix3 = field(default_factory=_zeros)
     twist_covariance: Matrix3 = field(default_factory=_zeros)
+    age: float = 0.0

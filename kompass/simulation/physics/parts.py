@@ -17,6 +17,10 @@ class NoReading(Exception):
 class RangeFinder(Protocol):
     """Measures distances all around."""
 
+    @property
+    def age(self) -> float:
+        """Seconds since the scan that was handed out last was measured."""
+
     def scan(self) -> NDArray[np.float32]:
         """Measure once.
 

@@ -24,7 +24,14 @@ class Lidar:
     """Casts its rays against the solids of the physics, all at one instant.
 
     Ray k looks along k·2π/360 from the robot's x axis, anticlockwise.
+
+    Attributes
+    ----------
+    mirrors
+        Ids of geoms that throw its rays back instead of scattering them.
     """
+
+    age = 0.0
 
     def __init__(
         self, model: mujoco.MjModel, data: mujoco.MjData, random: np.random.Generator
@@ -37,27 +44,46 @@ class Lidar:
         self._rays = np.stack([np.cos(angles), np.sin(angles), np.zeros(RAYS)], axis=1)
         self._groups = np.zeros(6, dtype=np.uint8)
         self._groups[SOLID_GROUP] = 1
+        self.mirrors: tuple[int, ...] = ()
         self._hit = np.empty(RAYS, dtype=np.int32)
         self._distance = np.empty(RAYS)
 
     def scan(self) -> NDArray[np.float32]:
         """Ranges (360,) in metres; +inf where nothing is within reach."""
         rotation = self._data.site_xmat[self._site].reshape(3, 3)
+        rays = self._rays @ rotation.T
+        normals = np.empty(3 * RAYS) if self.mirrors else None
         mujoco.mj_multiRay(
             self._model,
             self._data,
             self._data.site_xpos[self._site],
-            (self._rays @ rotation.T).ravel(),
+            rays.ravel(),
             self._groups,
             True,
             -1,
             self._hit,
             self._distance,
-            None,
+            normals,
             RAYS,
             RANGE_MAX,
         )
+        if normals is not None:
+            self._reflect(rays, normals.reshape(RAYS, 3))
         ranges = self._distance + self._random.normal(0.0, NOISE, RAYS)
         ranges = np.maximum(ranges, SATURATED)
         ranges[(self._hit < 0) | (ranges > RANGE_MAX)] = np.inf
         return ranges.astype(np.float32)
+
+    def _reflect(self, rays: NDArray[np.float64], normals: NDArray[np.float64]) -> None:
+        """Let the rays (360, 3) that met a mirror go on, once, to what they meet behind it."""
+        origin = self._data.site_xpos[self._site]
+        for ray in np.flatnonzero(np.isin(self._hit, self.mirrors)):
+            normal = normals[ray]
+            back = rays[ray] - 2.0 * (rays[ray] @ normal) * normal
+            # A hair in front of the mirror, lest the ray meet it again.
+            start = origin + self._distance[ray] * rays[ray] + 1e-6 * back
+            further = mujoco.mj_ray(
+                self._model, self._data, start, back, self._groups, True, -1, self._hit[ray:][:1]
+            )
+            if further >= 0.0:
+                self._distance[ray] += further

@@ -16,6 +16,11 @@ def _wall(name: str, start: tuple[float, float], end: tuple[float, float]) -> Bo
     return Box(name=name, center=center, size=size, height=1.0)
 
 
+def _door(name: str, start: tuple[float, float], end: tuple[float, float]) -> Box:
+    """The closed door between two ends of a wall along x, metres."""
+    return Box(name, ((start[0] + end[0]) / 2, start[1]), (end[0] - start[0], 0.04), height=1.0)
+
+
 # x runs along the hall from the front door, y across it; the hall is 1.5 m wide.
 APARTMENT = World(
     name="apartment",
@@ -47,5 +52,11 @@ APARTMENT = World(
         Box("desk_chair", (7.1, 5.9), (0.45, 0.45), yaw=0.4),
         Cylinder("plant", (8.6, 4.8), 0.22, height=0.9),
         Box("shoe_cabinet", (8.75, 3.6), (0.35, 0.8)),
+    ),
+    doorways=(
+        _door("living", (2.0, 2.85), (2.9, 2.85)),
+        _door("kitchen", (6.4, 2.85), (7.3, 2.85)),
+        _door("bedroom", (1.2, 4.35), (2.1, 4.35)),
+        _door("study", (5.6, 4.35), (6.5, 4.35)),
     ),
 )

@@ -36,6 +36,8 @@ class World:
         Of the outer wall, built outside the floor.
     wall_height
         Of the outer wall.
+    doorways
+        Where a door can close, each as the closed door; open ones, and so not in the map.
     """
 
     name: str
@@ -45,6 +47,7 @@ class World:
     obstacles: tuple[Shape, ...]
     wall_thickness: float = 0.10
     wall_height: float = 0.5
+    doorways: tuple[Box, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.floor) < 3:
@@ -56,7 +59,7 @@ class World:
                 f"world {self.name!r}: floor runs clockwise (signed area "
                 f"{_area(self.floor):.3f} m²); list its corners anticlockwise"
             )
-        names = [shape.name for shape in self.solids]
+        names = [shape.name for shape in (*self.solids, *self.doorways)]
         for name in names:
             if names.count(name) > 1:
                 raise ValueError(
