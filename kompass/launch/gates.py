@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 from geometry_msgs.msg import Twist, TwistStamped
 from kompass_interfaces.msg import TwistArray
@@ -26,13 +27,21 @@ def feeders_of(gate: Component, components: Sequence[Component]) -> frozenset[st
     )
 
 
-def halt_process(components: Sequence[Component], namespace: str = "") -> list[ProcessSpec]:
-    """The process that sends zero when a gate cannot; none where there is no gate.
+class Halting(NamedTuple):
+    """What is to be halted when gates cannot: their names, their command topics, the base."""
+
+    gates: list[str]
+    topics: list[Topic]
+    frame: str
+
+
+def halting(components: Sequence[Component]) -> Halting | None:
+    """What is to be halted; None where there is no gate.
 
     Raises
     ------
     ValueError
-        When a component has the name of its node.
+        When a component has the name of the node that does it.
     """
     if any(component.node_name == HALT_NODE for component in components):
         raise ValueError(
@@ -44,12 +53,18 @@ def halt_process(components: Sequence[Component], namespace: str = "") -> list[P
         dict.fromkeys(topic for gate in gates for topic in _topics(gate, "out", TO_THE_BASE))
     )
     if not topics:
+        return None
+    return Halting([gate.node_name for gate in gates], topics, gates[0].frames.robot_base)
+
+
+def halt_process(components: Sequence[Component], namespace: str = "") -> list[ProcessSpec]:
+    """The process that sends zero when a gate cannot; none where there is no gate."""
+    wanted = halting(components)
+    if wanted is None:
         return []
-    names = [gate.node_name for gate in gates]
-    frame = gates[0].frames.robot_base
 
     def main(report: Report) -> None:
-        run_halt(names, topics, frame, report, spec.inbox, namespace)
+        run_halt(*wanted, report, spec.inbox, namespace)
 
     spec = ProcessSpec(HALT_NODE, main, names=[HALT_NODE], listens=True, outlives=True)
     return [spec]

@@ -5,12 +5,14 @@ import signal
 import threading
 from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-from kompass.bus.node import LifecycleNode
+from kompass.bus.node import LifecycleNode, MakeNode
 from kompass.components.base.component import Component
+from kompass.components.base.node import ComponentNode
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.heartbeat import send_heartbeat
@@ -64,18 +66,9 @@ def host(
     executors: list[TaskExecutor] = []
     try:
         for component in components:
-            node = component.create_node(namespace)
             executor = TaskExecutor()
-            executor.add_node(node)
             executors.append(executor)
-            component.on_intent = partial(desired.set, component.node_name)
-            if desired.is_active(component.node_name):
-                node.trigger_configure()
-                # What nobody described a robot to waits for one, and its health says so.
-                if not component.lacks_robot:
-                    node.trigger_activate()
-                    if not component.health.is_healthy:
-                        raise RuntimeError(f"{component.node_name}: {component.health.message}")
+            node = give_life(component, executor, desired, namespace)
             if first_start:
                 _watch_for_twin(node, report)
         running = list(zip(components, executors, strict=True))
@@ -87,6 +80,42 @@ def host(
         for component in components:
             component.leave()
         rclpy.shutdown()
+
+
+def give_life(
+    component: Component,
+    executor: Any,
+    desired: DesiredState,
+    namespace: str,
+    make: MakeNode = ComponentNode,
+) -> LifecycleNode:
+    """Give a component its node, and make it active where it is meant to be.
+
+    Parameters
+    ----------
+    executor
+        Gets the node.
+    desired
+        What is meant to be active; kept up to date from then on.
+    namespace, make
+        Of the node.
+
+    Raises
+    ------
+    RuntimeError
+        When it does not become active; the message says why.
+    """
+    node = component.create_node(namespace, make)
+    executor.add_node(node)
+    component.on_intent = partial(desired.set, component.node_name)
+    if desired.is_active(component.node_name):
+        node.trigger_configure()
+        # What nobody described a robot to waits for one, and its health says so.
+        if not component.lacks_robot:
+            node.trigger_activate()
+            if not component.health.is_healthy:
+                raise RuntimeError(f"{component.node_name}: {component.health.message}")
+    return node
 
 
 def _listen(

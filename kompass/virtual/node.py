@@ -474,6 +474,9 @@ class VirtualNode:
         self.process.remove_node(self)
         self._executor = None
 
+    def write_log(self, level: str, text: str) -> None:
+        getattr(self._logger, level)(text)
+
     def threads(self, count: int, name: str) -> Threads:
         return VirtualThreads(self.process, count, name)
 

@@ -10,7 +10,7 @@ from std_msgs.msg import String
 
 from kompass.bus.node import Node
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
-from kompass.simulation.faults.fault_manager import FaultManager, FaultRefused
+from kompass.simulation.faults.fault_manager import FaultKind, FaultManager, FaultRefused
 from kompass.simulation.faults.fault_names import (
     FaultOrder,
     UnknownFault,
@@ -18,7 +18,6 @@ from kompass.simulation.faults.fault_names import (
     withholds_map,
 )
 from kompass.simulation.faults.map_faults import MapFaults
-from kompass.simulation.faults.process_faults import ProcessFaults
 from kompass.simulation.faults.robot_faults import RobotFaults
 from kompass.simulation.robot import SimulatedRobot
 
@@ -37,15 +36,23 @@ class FaultService:
         Whose faults they are.
     orders
         Faults to begin by themselves.
+    processes
+        The faults of the stack's processes.
     """
 
-    def __init__(self, node: Node, robot: SimulatedRobot, orders: Sequence[FaultOrder]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        robot: SimulatedRobot,
+        orders: Sequence[FaultOrder],
+        processes: FaultKind,
+    ) -> None:
         self._node = node
         self._published: tuple[str, ...] | None = None
         self._publisher = node.create_publisher(String, TOPIC, LATCHED_PROFILE)
         kinds = (
             RobotFaults(robot),
-            ProcessFaults(node),
+            processes,
             MapFaults(node, robot, withheld=withholds_map(orders)),
         )
         self._manager = FaultManager(kinds, orders, node.clock.monotonic(), self._publish)
