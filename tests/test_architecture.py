@@ -37,6 +37,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("monitor",),
         ("recorder",),
         ("simulation",),
+        ("drills",),
         ("launch",),
         ("actions", "event", "launcher"),
         ("events", "ros"),

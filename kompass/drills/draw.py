@@ -1,0 +1,250 @@
+"""Draws scenarios from a seed: the same seed, number and options give the same one everywhere.
+
+Only :meth:`random.Random.random` is asked for chance, whose sequence Python promises to keep, and
+the seed of it is a hash of the options, which depends on no hash seed of the process.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from random import Random
+from typing import Annotated, TypeVar
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from kompass.algorithms.distance_field import DistanceField
+from kompass.algorithms.planning.free_space import FreeSpace
+from kompass.drills.scenario import LONGEST, Goal, Scenario, ScheduledFault, Start
+from kompass.rules.schema.model import Model
+from kompass.simulation.faults.fault_names import AT_ONCE, FAULTS, MAP_WITHHELD, check_fault
+from kompass.simulation.worlds.rasterize import rasterize
+from kompass.simulation.worlds.registry import world, world_names
+
+ALL = "all"
+PROCESSES = ("planner", "controller", "mapper", "drive_manager")
+_TARGET = ":NAME"  # how FAULTS marks those that need the name of a process
+_FIRST_GOAL = 2.0  # s after the start at which the first goal is sent
+_TRIES = 50  # places looked at for a goal that is far enough
+# Where a fault begins on its way, as shares of the least time that the way can take: the robot has
+# set off, and cannot have arrived.
+_EARLY, _LATE = 0.15, 0.75
+_DURATIONS = (3.0, 20.0)  # s
+_T = TypeVar("_T")
+
+
+def expand_faults(names: Iterable[str], processes: Sequence[str] = PROCESSES) -> tuple[str, ...]:
+    """Names of faults, with ``all`` and faults of any process written out, each once.
+
+    Parameters
+    ----------
+    names
+        As after ``--faults``: names, ``all``, or ``kill`` and the like for each process.
+    processes
+        Those that faults of processes are to strike.
+
+    Raises
+    ------
+    UnknownFault
+        There is no such fault.
+    """
+    found: list[str] = []
+    for name in names:
+        if name == ALL:
+            wanted = list(FAULTS)
+        elif f"{name}{_TARGET}" in FAULTS:
+            wanted = [f"{name}{_TARGET}"]
+        else:
+            wanted = [name]
+        for one in wanted:
+            if one.endswith(_TARGET):
+                found += [one.removesuffix("NAME") + process for process in processes]
+            else:
+                found.append(one)
+    return tuple(dict.fromkeys(map(check_fault, found)))
+
+
+class DrawOptions(Model):
+    """What scenarios are drawn from.
+
+    Attributes
+    ----------
+    worlds
+        Of the embedded robot; each comes up equally often.
+    faults
+        Names, written out (:func:`expand_faults`); each comes up equally often as the first of its
+        drive. Empty for drives without faults.
+    faults_per_drive, goals
+        How many.
+    lasting
+        Share of the faults that never end, 0 to 1. From most of them nothing recovers: the best
+        is to stand and say why.
+    radius, clearance
+        Of the robot, and what it keeps from walls beyond that [m]: where it can go.
+    speed
+        The robot's highest [m/s], by which times are estimated.
+    shortest
+        Least length of the way to a goal [m], where the world has room for it.
+    """
+
+    worlds: Annotated[tuple[str, ...], Field(min_length=1)] = world_names()
+    faults: tuple[str, ...] = ()
+    faults_per_drive: Annotated[int, Field(ge=1, le=10)] = 1
+    goals: Annotated[int, Field(ge=1, le=20)] = 1
+    lasting: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    radius: Annotated[float, Field(gt=0.0, le=1.0)] = 0.10
+    clearance: Annotated[float, Field(ge=0.0, le=1.0)] = 0.10
+    speed: Annotated[float, Field(gt=0.0, le=10.0)] = 0.22
+    shortest: Annotated[float, Field(ge=0.0, le=100.0)] = 2.0
+
+    @field_validator("worlds")
+    @classmethod
+    def _worlds_exist(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(world(name).name for name in names)
+
+    @field_validator("faults")
+    @classmethod
+    def _faults_exist(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(map(check_fault, names))
+
+
+def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
+    """Scenario ``number`` (from 0) of a seed.
+
+    Raises
+    ------
+    ValueError
+        The number is negative, the robot has no room in a world, or the drive would last too long.
+    """
+    if number < 0:
+        raise ValueError(f"number: {number}; give 0 or more")
+    digest = hashlib.sha256(f"{seed}/{number}/{options.model_dump_json()}".encode()).digest()
+    random = Random(int.from_bytes(digest[:16], "big"))
+    faults = options.faults
+    # Faults alternate first, then worlds: few drives already meet every fault.
+    place = options.worlds[number // max(len(faults), 1) % len(options.worlds)]
+    first = faults[number % len(faults)] if faults else ""
+    room = _room(place, options.radius, options.clearance)
+
+    here = room.place(random)
+    start = Start(x=here.x, y=here.y, yaw=_heading(random))
+    goals: list[Goal] = []
+    ways: list[tuple[float, float]] = []  # when each can begin, and how long it takes at least
+    begin = _FIRST_GOAL
+    for index in range(options.goals):
+        there, length = room.another_place(here, options.shortest, random)
+        yaw = _heading(random) if random.random() < 0.5 else None
+        goals.append(Goal(x=there.x, y=there.y, yaw=yaw, at=None if index else _FIRST_GOAL))
+        ways.append((begin, length / options.speed))
+        begin += ways[-1][1]
+        here = there
+    chosen = _choose(first, options, random)
+    broken = tuple(_schedule(name, ways, options.lasting, random) for name in chosen)
+    # Thrice the least time and a minute of healing: a robot that comes through does so in less.
+    limit = math.ceil(3.0 * begin + 60.0 + sum(fault.duration for fault in broken))
+    if limit > LONGEST:
+        raise ValueError(
+            f"goals: {options.goals} at {options.speed:g} m/s may take {limit} s, and no drive "
+            f"lasts longer than {LONGEST:g} s; give fewer goals"
+        )
+    return Scenario(
+        name=f"{seed}-{number}",
+        world=place,
+        seed=int.from_bytes(digest[16:20], "big") >> 1,
+        start=start,
+        goals=tuple(goals),
+        faults=tuple(sorted(broken, key=lambda fault: (fault.at, fault.name))),
+        limit=float(limit),
+    )
+
+
+def _choose(first: str, options: DrawOptions, random: Random) -> list[str]:
+    if not first:
+        return []
+    chosen = [first]
+    while len(chosen) < min(options.faults_per_drive, len(options.faults)):
+        chosen.append(_one([name for name in options.faults if name not in chosen], random))
+    return chosen
+
+
+def _schedule(
+    name: str, ways: Sequence[tuple[float, float]], lasting: float, random: Random
+) -> ScheduledFault:
+    """A fault while one of the goals is under way."""
+    begin, least = _one(ways, random)
+    at = begin + least * _between(_EARLY, _LATE, random)
+    duration = _between(*_DURATIONS, random)
+    stays = random.random() < lasting
+    if name.startswith(AT_ONCE):
+        duration = 0.0
+    elif name == MAP_WITHHELD:
+        # It can only be there from the start; it must last until somebody asks for a plan.
+        at, duration = 0.0, _FIRST_GOAL + duration
+    if stays:
+        duration = 0.0
+    return ScheduledFault(name=name, at=round(at, 2), duration=round(duration, 2))
+
+
+class _Place:
+    """A cell where the robot has room."""
+
+    def __init__(self, cell: int, x: float, y: float) -> None:
+        self.cell = cell
+        self.x, self.y = round(x, 3), round(y, 3)
+
+
+class _Room:
+    """Where a robot can get to in a world from where the world has it start."""
+
+    def __init__(self, name: str, required: float) -> None:
+        place = world(name)
+        field = DistanceField(rasterize(place))
+        self._free = FreeSpace(field, required)
+        start = (place.start[0], place.start[1])
+        entry = self._free.entry(start, 1.0, 0.0)
+        if entry is None:
+            raise ValueError(
+                f"world {name!r} has no room for a robot that needs {required:.2f} m on every "
+                "side; give a smaller radius or clearance"
+            )
+        self._cells = self._free.region(entry)
+
+    def place(self, random: Random) -> _Place:
+        cell = int(self._cells[int(random.random() * len(self._cells))])
+        x, y = self._free.centres(np.array([cell]))[0]
+        return _Place(cell, float(x), float(y))
+
+    def another_place(self, here: _Place, shortest: float, random: Random) -> tuple[_Place, float]:
+        """A place, and the length of the way to it [m]; the farthest seen if none is far enough."""
+        best: tuple[_Place, float] | None = None
+        for _ in range(_TRIES):
+            there = self.place(random)
+            way = self._free.shortest(here.cell, there.cell)
+            assert way is not None  # all cells are of one region
+            length = round(way[1], 2)
+            if best is None or length > best[1]:
+                best = there, length
+            if length >= shortest:
+                return there, length
+        assert best is not None
+        return best
+
+
+@lru_cache(maxsize=16)
+def _room(name: str, radius: float, clearance: float) -> _Room:
+    return _Room(name, radius + clearance)
+
+
+def _one(items: Sequence[_T], random: Random) -> _T:
+    return items[int(random.random() * len(items))]
+
+
+def _between(low: float, high: float, random: Random) -> float:
+    return low + (high - low) * random.random()
+
+
+def _heading(random: Random) -> float:
+    return round(_between(-math.pi, math.pi, random), 3)
