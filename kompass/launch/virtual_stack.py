@@ -100,6 +100,8 @@ class VirtualStack:
         self._restarts = Restarts(stack.process_retries)
         self._states: dict[str, str] = {}  # the last line told of each process
         self._epochs = 0
+        # Told each piece of news that the processes are told.
+        self.on_news: Callable[[ProcessNews], object] = lambda _: None
         self.simulator: Simulator | None = None
         # As before any process: a life begins with a copy, as a fork does.
         groups = [copy.deepcopy(list(group)) for group in stack.groups]
@@ -259,6 +261,7 @@ class VirtualStack:
             pid = 1000 + 100 * program.starts + self._programs.index(program)
             news = ProcessNews(name, nodes, state, pid, program.starts - 1, reason, stopped, pid)
             self._states[name] = news.to_line()
+            self.on_news(news)
             for each in self._programs:
                 self._tell_listener(each, news.to_line())
 

@@ -1,0 +1,1 @@
+"""Lets drives happen, in virtual time, and writes down what was observed."""

@@ -1,0 +1,203 @@
+"""Writes down what happens in a drive, and takes no part in it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any
+
+from automatika_ros_sugar.msg import ComponentStatus
+from kompass_interfaces.msg import DriveState, RuleFiring
+from nav_msgs.msg import Odometry
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import String
+
+from kompass.bus.node import Node
+from kompass.drills.facts import (
+    ActionDone,
+    AlarmCleared,
+    AlarmRaised,
+    Contact,
+    Fact,
+    FaultBegan,
+    FaultEnded,
+    Motion,
+    ProcessEnded,
+    ProcessStarted,
+    RuleFired,
+    RunDone,
+    SeesAgain,
+    Status,
+    StopPressed,
+    StopReleased,
+    WentBlind,
+)
+from kompass.monitor.process import NAME as MONITOR
+from kompass.rclpy_ext.qos import LATCHED_PROFILE
+from kompass.simulation.simulator import Simulator
+from kompass.supervisor.news import ProcessNews
+
+PERIOD = 0.1  # s between two looks at the robot
+BLIND = 0.5  # s without a message of a sensor
+_ANY = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+_ALL = QoSProfile(depth=100)
+SENSES: tuple[tuple[str, str, Any], ...] = (
+    ("scan", "/scan", LaserScan),
+    ("odometry", "/odometry/filtered", Odometry),
+)
+
+
+class Observer:
+    """Collects facts, from topics and from the truth of the simulation.
+
+    Parameters
+    ----------
+    node
+        Listens; in a process of its own, which no fault strikes.
+    components
+        Names of those whose statuses are noted.
+    simulator
+        Gives the embedded robot, once there is one.
+
+    Attributes
+    ----------
+    facts
+        What was observed so far; times are seconds since :meth:`begin`.
+    """
+
+    def __init__(
+        self, node: Node, components: Iterable[str], simulator: Callable[[], Simulator | None]
+    ) -> None:
+        self.facts: list[Fact] = []
+        self._node, self._simulator = node, simulator
+        self._began: float | None = None
+        self._silent: set[str] = set()
+        self._stopped = False
+        self._faults: list[str] = []
+        self._alarms: dict[str, str] = {}
+        self._contacts = (0, 0)
+        self._heard: dict[str, float] = {}
+        self._blind: set[str] = set()
+        listen = node.create_subscription
+        for name in components:
+            note = partial(self._on_status, name)
+            listen(ComponentStatus, f"{name}/status", note, LATCHED_PROFILE)
+        listen(RuleFiring, f"{MONITOR}/firings", self._on_firing, _ALL)
+        listen(String, f"{MONITOR}/alarms", self._on_alarms, LATCHED_PROFILE)
+        listen(DriveState, "drive_state", self._on_drive_state, LATCHED_PROFILE)
+        listen(String, "/simulator/faults", self._on_faults, LATCHED_PROFILE)
+        for sense, topic, kind in SENSES:
+            listen(kind, topic, partial(self._on_sense, sense), _ANY, raw=True)
+        node.create_timer(PERIOD, self._look)
+
+    def begin(self) -> None:
+        """Let the drive begin: from now on, facts count."""
+        self._began = self._node.clock.monotonic()
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether the drive has begun."""
+        return self._began is not None
+
+    @property
+    def now(self) -> float:
+        """Seconds since the beginning."""
+        assert self._began is not None
+        return round(self._node.clock.monotonic() - self._began, 6)
+
+    def note(self, kind: type[Any], *values: Any, at: float | None = None, **more: Any) -> None:
+        """Write a fact down, at a time or now; nothing before the beginning."""
+        if self._began is not None:
+            self.facts.append(kind(self.now if at is None else at, *values, **more))
+
+    def on_news(self, news: ProcessNews) -> None:
+        """Take what the supervisor tells of a process."""
+        if news.state in ("dead", "stuck"):
+            self._silent.update(news.nodes)
+            self.note(ProcessEnded, news.name, tuple(news.nodes), news.reason)
+        elif news.state == "active" and self._silent & set(news.nodes):
+            self._silent.difference_update(news.nodes)
+            self.note(ProcessStarted, news.name)
+
+    # -- topics -------------------------------------------------------------------------------
+
+    def _on_status(self, component: str, status: ComponentStatus) -> None:
+        own = component not in self._silent
+        self.note(Status, component, int(status.status), status.msg, own=own)
+
+    def _on_firing(self, firing: RuleFiring) -> None:
+        details = json.loads(firing.details or "{}")
+        run, rule, epoch = int(firing.run_id), firing.rule_id, details.get("epoch", "")
+        match firing.phase:
+            case "fired":
+                self.note(RuleFired, rule, run, firing.text, epoch=epoch)
+            case "action":
+                self.note(
+                    ActionDone, rule, run, details["action"], firing.ok, firing.text, epoch=epoch
+                )
+            case "done":
+                self.note(RunDone, rule, run, firing.ok, firing.text, epoch=epoch)
+
+    def _on_alarms(self, message: String) -> None:
+        alarms = {each["name"]: each["text"] for each in json.loads(message.data)}
+        for name, text in alarms.items():
+            if name not in self._alarms:
+                self.note(AlarmRaised, name, text)
+        for name in self._alarms:
+            if name not in alarms:
+                self.note(AlarmCleared, name)
+        self._alarms = alarms
+
+    def _on_drive_state(self, state: DriveState) -> None:
+        if state.stopped and not self._stopped:
+            self.note(StopPressed, state.stopped_by, state.reason)
+        self._stopped = state.stopped
+
+    def released(self, by: str) -> None:
+        """A person has released STOP."""
+        self.note(StopReleased, by)
+
+    def _on_faults(self, message: String) -> None:
+        faults = json.loads(message.data)
+        for name in faults:
+            if name not in self._faults:
+                self.note(FaultBegan, name)
+        for name in self._faults:
+            if name not in faults:
+                self.note(FaultEnded, name)
+        self._faults = faults
+
+    def _on_sense(self, sense: str, _: bytes) -> None:
+        self._heard[sense] = self._node.clock.monotonic()
+        if sense in self._blind:
+            self._blind.discard(sense)
+            self.note(SeesAgain, sense)
+
+    # -- the truth ----------------------------------------------------------------------------
+
+    def _look(self) -> None:
+        simulator = self._simulator()
+        if self._began is None or simulator is None:
+            return
+        now = self._node.clock.monotonic()
+        for sense, at in self._heard.items():
+            if now - at > BLIND and sense not in self._blind:
+                self._blind.add(sense)
+                self.note(WentBlind, sense, at=round(max(at - self._began, 0.0), 6))
+        robot = simulator.robot
+        motion = robot.truth()
+        x, y, yaw = (round(float(part), 4) for part in motion.pose)
+        along, across, omega = motion.twist
+        speed, turning = round(math.hypot(along, across), 4), round(float(omega), 4)
+        self.note(Motion, x, y, yaw, speed, turning)
+        of_people = robot.person_contacts
+        others = robot.contacts - of_people
+        for what, count, before in zip(
+            ("something", "a person"), (others, of_people), self._contacts, strict=True
+        ):
+            for _ in range(count - before):
+                self.note(Contact, what)
+        self._contacts = (others, of_people)
