@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
@@ -184,6 +185,13 @@ class VirtualActionServer:
         self._node.destroy_publisher(self._feedback)
         self._node.destroy_publisher(self._status)
 
+    async def expire_goals(self) -> None:
+        """Forget the goals that ended long ago."""
+        for key, goal in list(self._goals.items()):
+            if goal.ended_at is not None and self.now - goal.ended_at > RESULT_KEPT:
+                goal.forgotten = True
+                del self._goals[key]
+
     # -- for goal handles ---------------------------------------------------------------------
 
     def execute(self, goal: VirtualGoalHandle, execute: Callable[[Any], Any] | None) -> None:
@@ -214,9 +222,9 @@ class VirtualActionServer:
 
     async def _on_goal(self, request: Any, response: Any) -> Any:
         key = bytes(request.goal_id.uuid)
-        self._expire()
         if key not in self._goals:
-            answer = await await_or_execute(self._goal_callback, request.goal)
+            with _fatal(self._node):
+                answer = await await_or_execute(self._goal_callback, request.goal)
             response.accepted = answer == GoalResponse.ACCEPT
         response.stamp = self._node.get_clock().now().to_msg()
         if response.accepted:
@@ -252,7 +260,8 @@ class VirtualActionServer:
     async def _on_cancel(self, request: Any, response: Any) -> Any:
         response.return_code, goals = self._to_cancel(request.goal_info)
         for goal in goals:
-            answer = await await_or_execute(self._cancel_callback, goal)
+            with _fatal(self._node):
+                answer = await await_or_execute(self._cancel_callback, goal)
             # As rclpy: the code says no that all were refused.
             if answer == CancelResponse.ACCEPT and goal.can("cancel"):
                 goal.advance("cancel")
@@ -275,13 +284,6 @@ class VirtualActionServer:
         if not self._goals[key].can("cancel"):
             return CancelGoal.Response.ERROR_GOAL_TERMINATED, []
         return CancelGoal.Response.ERROR_NONE, [self._goals[key]]
-
-    def _expire(self) -> None:
-        """Forget the goals that ended long ago."""
-        for key, goal in list(self._goals.items()):
-            if goal.ended_at is not None and self.now - goal.ended_at > RESULT_KEPT:
-                goal.forgotten = True
-                del self._goals[key]
 
 
 class VirtualClientGoalHandle:
@@ -402,7 +404,8 @@ class VirtualActionClient:
     def _on_feedback(self, message: Any) -> None:
         callback = self._feedback.get(bytes(message.goal_id.uuid))
         if callback is not None:
-            callback(message)
+            with _fatal(self._node):
+                callback(message)
 
     def _on_status(self, message: GoalStatusArray) -> None:
         for each in message.status_list:
@@ -412,6 +415,17 @@ class VirtualActionClient:
                 handle.status = each.status
                 if each.status in _OVER:
                     del self._goals[key]
+
+
+@contextmanager
+def _fatal(node: ActionNode) -> Iterator[None]:
+    """What is raised in here ends the process, as the events executor does (rclpy issue 1641)."""
+    try:
+        yield
+    except Exception as error:
+        node.get_logger().fatal(f"the process dies of {type(error).__name__}: {error}")
+        node.process.kill()
+        raise
 
 
 def _time(info: GoalInfo) -> int:

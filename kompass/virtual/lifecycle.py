@@ -193,10 +193,8 @@ class VirtualLifecycleNode(VirtualNode):
             )
         self._state = step.goal
         start, goal = (State(id=each, label=STATES[each]) for each in (step.start, step.goal))
-        transition = Transition(id=step.id, label=step.label)
-        self._events.publish(
-            TransitionEvent(transition=transition, start_state=start, goal_state=goal)
-        )
+        # As rcl_lifecycle does, it leaves open which transition it was.
+        self._events.publish(TransitionEvent(start_state=start, goal_state=goal))
 
     # -- services -----------------------------------------------------------------------------
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 
 from kompass.virtual.qos import QoS
@@ -287,8 +288,21 @@ class Network:
             self._nodes.remove(entry)
 
     def add(self, endpoint: Writer | Reader) -> None:
-        """Match what is new with what is there."""
+        """Match what is new with what is there.
+
+        Raises
+        ------
+        rclpy._rclpy_pybind11.RCLError
+            When its process has the name with another type: a participant of DDS has one of each.
+        """
         key = endpoint.kind, endpoint.name
+        for ends in (self._writers, self._readers):
+            for other in ends.get(key, ()):
+                if other.owner is endpoint.owner and other.type_name != endpoint.type_name:
+                    raise rclpy_implementation.RCLError(
+                        f"{endpoint.name} is {other.type_name} in this process already, with "
+                        f"which {endpoint.type_name} is incompatible"
+                    )
         if isinstance(endpoint, Writer):
             self._writers.setdefault(key, []).append(endpoint)
             pairs = [(endpoint, reader) for reader in self._readers.get(key, ())]

@@ -20,6 +20,7 @@ from rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
 from rclpy.validate_full_topic_name import validate_full_topic_name
 from rclpy.validate_namespace import validate_namespace
 from rclpy.validate_node_name import validate_node_name
+from rclpy.validate_topic_name import validate_topic_name
 
 from kompass.bus.clock import Clock
 from kompass.bus.node import NamesAndTypes
@@ -376,14 +377,19 @@ class VirtualNode:
         rclpy.exceptions.InvalidTopicNameException
             When it cannot be one.
         """
-        name: str = expand_topic_name(topic, self._name, self._namespace)
-        validate_full_topic_name(name)
-        return name
+        return self._resolve(topic, is_service=False)
 
     def resolve_service_name(self, service: str) -> str:
-        """As :meth:`resolve_topic_name`."""
-        name: str = expand_topic_name(service, self._name, self._namespace)
-        validate_full_topic_name(name, is_service=True)
+        """As :meth:`resolve_topic_name`; raises its ``InvalidServiceNameException``."""
+        return self._resolve(service, is_service=True)
+
+    def _resolve(self, given: str, *, is_service: bool) -> str:
+        try:
+            name: str = expand_topic_name(given, self._name, self._namespace)
+        except ValueError:
+            validate_topic_name(given, is_service=is_service)
+            raise
+        validate_full_topic_name(name, is_service=is_service)
         return name
 
     # -- its parts ----------------------------------------------------------------------------
@@ -475,6 +481,7 @@ class VirtualNode:
         self._executor = None
 
     def write_log(self, level: str, text: str) -> None:
+        """A line of its log."""
         getattr(self._logger, level)(text)
 
     def threads(self, count: int, name: str) -> Threads:
