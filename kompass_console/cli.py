@@ -1,4 +1,4 @@
-"""The command line: ``kompass-console run | demo | attach | rules | audit``."""
+"""The command line: ``kompass-console run | demo | attach | rules | drill | audit``."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ from kompass_console.domain import (
     choose_key,
     choose_ros_control,
 )
+from kompass_console.drill_cli import app as drill
+from kompass_console.drill_cli import recipe_first
 from kompass_console.rules_cli.app import app as rules
 
 # What each command needs is imported when it runs: help answers at once, and Ctrl-C during the
@@ -45,6 +47,7 @@ app = typer.Typer(
 
 app.add_typer(rules)
 app.add_typer(audit)
+app.add_typer(drill)
 
 Host = Annotated[
     str, typer.Option(help="Address to listen on. Others than loopback are seen by the network.")
@@ -274,7 +277,7 @@ def name_the_world(arguments: list[str]) -> list[str]:
 def main() -> None:
     """Entry point of ``kompass-console``."""
     try:
-        app(name_the_world(sys.argv[1:]), standalone_mode=True)
+        app(name_the_world(recipe_first(sys.argv[1:])), standalone_mode=True)
     except CliError as problem:
         typer.echo(f"kompass-console: {problem}", err=True)
         raise SystemExit(problem.code) from None

@@ -20,13 +20,22 @@ from kompass.algorithms.distance_field import DistanceField
 from kompass.algorithms.planning.free_space import FreeSpace
 from kompass.drills.scenario import LONGEST, Goal, Scenario, ScheduledFault, Start
 from kompass.rules.schema.model import Model
-from kompass.simulation.faults.fault_names import AT_ONCE, FAULTS, MAP_WITHHELD, check_fault
+from kompass.simulation.faults.fault_names import (
+    AT_ONCE,
+    DOOR_CLOSED,
+    FAULTS,
+    MAP_WITHHELD,
+    TARGETED,
+    UnknownFault,
+    check_fault,
+    check_place,
+)
+from kompass.simulation.faults.fault_parameters import PARAMETERS
 from kompass.simulation.worlds.rasterize import rasterize
 from kompass.simulation.worlds.registry import world, world_names
 
 ALL = "all"
 PROCESSES = ("planner", "controller", "mapper", "drive_manager")
-_TARGET = ":NAME"  # how FAULTS marks those that need the name of a process
 _FIRST_GOAL = 2.0  # s after the start at which the first goal is sent
 _TRIES = 50  # places looked at for a goal that is far enough
 # Where a fault begins on its way, as shares of the least time that the way can take: the robot has
@@ -51,20 +60,23 @@ def expand_faults(names: Iterable[str], processes: Sequence[str] = PROCESSES) ->
     UnknownFault
         There is no such fault.
     """
+    kinds = [one.partition(":")[0] for one in FAULTS]
     found: list[str] = []
     for name in names:
-        if name == ALL:
-            wanted = list(FAULTS)
-        elif f"{name}{_TARGET}" in FAULTS:
-            wanted = [f"{name}{_TARGET}"]
-        else:
-            wanted = [name]
-        for one in wanted:
-            if one.endswith(_TARGET):
-                found += [one.removesuffix("NAME") + process for process in processes]
+        for one in kinds if name == ALL else [name]:
+            if one in TARGETED:
+                found += [f"{one}:{process}" for process in processes]
+            elif one == DOOR_CLOSED:
+                found += [f"{one}:{door}" for door in _doorways()]
+            elif one in PARAMETERS:
+                found.append(f"{one}:{PARAMETERS[one].example}")
             else:
                 found.append(one)
     return tuple(dict.fromkeys(map(check_fault, found)))
+
+
+def _doorways() -> list[str]:
+    return [door.name for name in world_names() for door in world(name).doorways]
 
 
 class DrawOptions(Model):
@@ -123,9 +135,9 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
         raise ValueError(f"number: {number}; give 0 or more")
     digest = hashlib.sha256(f"{seed}/{number}/{options.model_dump_json()}".encode()).digest()
     random = Random(int.from_bytes(digest[:16], "big"))
-    faults = options.faults
     # Faults alternate first, then worlds: few drives already meet every fault.
-    place = options.worlds[number // max(len(faults), 1) % len(options.worlds)]
+    place = options.worlds[number // max(len(options.faults), 1) % len(options.worlds)]
+    faults = [name for name in options.faults if _fits(name, place)]
     first = faults[number % len(faults)] if faults else ""
     room = _room(place, options.radius, options.clearance)
 
@@ -141,7 +153,7 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
         ways.append((begin, length / options.speed))
         begin += ways[-1][1]
         here = there
-    chosen = _choose(first, options, random)
+    chosen = _choose(first, faults, options.faults_per_drive, random)
     broken = tuple(_schedule(name, ways, options.lasting, random) for name in chosen)
     # Thrice the least time and a minute of healing: a robot that comes through does so in less.
     limit = math.ceil(3.0 * begin + 60.0 + sum(fault.duration for fault in broken))
@@ -161,12 +173,21 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
     )
 
 
-def _choose(first: str, options: DrawOptions, random: Random) -> list[str]:
+def _fits(fault: str, place: str) -> bool:
+    """Whether a world has what a fault breaks."""
+    try:
+        check_place(fault, world(place))
+    except UnknownFault:
+        return False
+    return True
+
+
+def _choose(first: str, faults: Sequence[str], count: int, random: Random) -> list[str]:
     if not first:
         return []
     chosen = [first]
-    while len(chosen) < min(options.faults_per_drive, len(options.faults)):
-        chosen.append(_one([name for name in options.faults if name not in chosen], random))
+    while len(chosen) < min(count, len(faults)):
+        chosen.append(_one([name for name in faults if name not in chosen], random))
     return chosen
 
 

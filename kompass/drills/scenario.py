@@ -13,7 +13,13 @@ from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from kompass.rules.schema.model import Model
-from kompass.simulation.faults.fault_names import AT_ONCE, MAP_WITHHELD, UnknownFault, check_fault
+from kompass.simulation.faults.fault_names import (
+    AT_ONCE,
+    MAP_WITHHELD,
+    UnknownFault,
+    check_fault,
+    check_place,
+)
 from kompass.simulation.worlds.registry import world, world_names
 from kompass.simulation.worlds.world import START_CLEARANCE
 
@@ -233,6 +239,11 @@ class Scenario(Model):
 
     def _check_faults(self) -> None:
         ends: dict[str, float] = {}
+        for index, fault in enumerate(self.faults):
+            try:
+                check_place(fault.name, world(self.world))
+            except UnknownFault as error:
+                raise _said(f"faults[{index}].name", str(error)) from None
         for index, fault in sorted(enumerate(self.faults), key=lambda item: item[1].at):
             where = f"faults[{index}]"
             if fault.name == MAP_WITHHELD and fault.at:

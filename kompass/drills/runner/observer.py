@@ -76,6 +76,7 @@ class Observer:
         self._began: float | None = None
         self._silent: set[str] = set()
         self._stopped = False
+        self._epoch = ""
         self._faults: list[str] = []
         self._alarms: dict[str, str] = {}
         self._contacts = (0, 0)
@@ -130,7 +131,9 @@ class Observer:
 
     def _on_firing(self, firing: RuleFiring) -> None:
         details = json.loads(firing.details or "{}")
-        run, rule, epoch = int(firing.run_id), firing.rule_id, details.get("epoch", "")
+        run, rule = int(firing.run_id), firing.rule_id
+        # Told of what fires, and not of what comes of it, which the same monitor tells.
+        self._epoch = epoch = details.get("epoch", self._epoch)
         match firing.phase:
             case "fired":
                 self.note(RuleFired, rule, run, firing.text, epoch=epoch)

@@ -1,0 +1,230 @@
+"""``kompass-console drill``: what a change of the rules would do to the robot, before it is made."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from kompass_console.cli_error import CliError
+
+if TYPE_CHECKING:
+    from kompass.drills.draw import DrawOptions
+    from kompass.drills.drive import DriveResult
+    from kompass.drills.report_json import Report, TableName
+    from kompass.drills.scenario import Scenario
+    from kompass.rules.schema.table import Table
+
+BAD_INPUT, FAILED = 2, 1
+PROGRESS_PERIOD = 2.0  # s between two lines of progress where there is no terminal
+EXIT_CODES = """
+Exit codes: 0 the drill was made and all that --require asks for is met, 1 something of that is
+not met, 2 something in the command is wrong, 3 a drive could not be made.
+"""
+
+app = typer.Typer(
+    name="drill",
+    help="Try a recipe and its rules in many faulted drives, in virtual time.",
+    epilog=EXIT_CODES,
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+@app.command("run", epilog=EXIT_CODES)
+def run(
+    recipe: Annotated[Path, typer.Argument(help="A Python file that calls launcher.bringup().")],
+    rules: Annotated[
+        Path | None,
+        typer.Option(help="Table of rules to try (JSON or YAML); the recipe's own when left out."),
+    ] = None,
+    against: Annotated[
+        Path | None,
+        typer.Option(help="Another table to compare it with; 'recipe' for the recipe's own."),
+    ] = None,
+    worlds: Annotated[
+        str, typer.Option(help="Worlds of the embedded robot, separated by commas.")
+    ] = "hexagon",
+    faults: Annotated[
+        str, typer.Option(help="Faults, separated by commas; 'all', or empty for none.")
+    ] = "all",
+    seed: Annotated[int, typer.Option(min=0, help="What all chance comes from.")] = 1,
+    seeds: Annotated[int, typer.Option(min=1, max=100_000, help="How many drives.")] = 20,
+    scenarios: Annotated[
+        Path | None,
+        typer.Option(help="A file or folder of scenarios (YAML) instead of drawn ones."),
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, max=256, help="Drives at a time; else one per processor.")
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write all of it to this file.")
+    ] = None,
+    report_file: Annotated[
+        Path | None, typer.Option("--report", help="Write a page to look at (HTML) to this file.")
+    ] = None,
+    require: Annotated[
+        str, typer.Option(help="What must hold, as 'recovered >= 0.95, contacts == 0'.")
+    ] = "",
+) -> None:
+    """Make drives, and say what became of the robot."""
+    from kompass.drills.report_html import report_html
+    from kompass.drills.report_json import make_report, report_json
+    from kompass.drills.requirement import BadRequirement, parse_requirements
+    from kompass.drills.runner.worker import DriveFailed, look_at
+    from kompass.rules.schema.table import Table
+
+    if not recipe.is_file():
+        raise CliError(BAD_INPUT, f"there is no recipe {recipe}; give the path of a Python file")
+    try:
+        requirements = parse_requirements(require) if require else ()
+    except BadRequirement as error:
+        raise CliError(BAD_INPUT, f"--require: {error}") from None
+    for option, file in (("--json", json_file), ("--report", report_file)):
+        if file is not None and not file.absolute().parent.is_dir():
+            raise CliError(BAD_INPUT, f"{option} {file}: there is no folder {file.parent}")
+    chosen, options = _scenarios(scenarios, worlds, faults, seed, seeds)
+    try:
+        proposed = _table("--rules", rules)
+        other = (
+            None if against is None or str(against) == "recipe" else _table("--against", against)
+        )
+        looked = look_at(recipe, proposed)
+        if other is not None:
+            look_at(recipe, other)
+        own = Table.model_validate_json(looked.table)
+        tried = (_name(rules, proposed or own), proposed)
+        compared = None if against is None else (_name(against, other or own), other)
+        drives, drives_against = _make(recipe, chosen, tried, compared, jobs or os.cpu_count() or 1)
+    except DriveFailed as error:
+        raise CliError(3, str(error)) from None
+    report = make_report(
+        recipe=recipe.name,
+        table=tried[0],
+        drives=drives,
+        against=None if compared is None else compared[0],
+        drives_against=drives_against,
+        seed=None if options is None else seed,
+        options=options,
+        requirements=requirements,
+    )
+    if json_file is not None:
+        json_file.write_text(report_json(report), encoding="utf-8")
+    if report_file is not None:
+        report_file.write_text(report_html(report), encoding="utf-8")
+    raise SystemExit(_tell(report))
+
+
+def _table(option: str, file: Path | None) -> Table | None:
+    if file is None:
+        return None
+    if not file.is_file():
+        raise CliError(BAD_INPUT, f"{option} {file}: there is no such file; give a table of rules")
+    from kompass_console.rules_cli.table_file import TableFile
+
+    return TableFile(file).table
+
+
+def _name(file: Path | None, table: Table) -> TableName:
+    from kompass.drills.report_json import TableName
+
+    return TableName.of("recipe" if file is None or str(file) == "recipe" else file.name, table)
+
+
+def _scenarios(
+    files: Path | None, worlds: str, faults: str, seed: int, count: int
+) -> tuple[list[Scenario], DrawOptions | None]:
+    """Those of files, or drawn ones with what they were drawn from."""
+    from pydantic import ValidationError
+
+    from kompass.drills.draw import DrawOptions, draw, expand_faults
+    from kompass.drills.scenario_file import BadScenario, read_scenarios
+    from kompass.simulation.faults.fault_names import UnknownFault
+
+    if files is not None:
+        try:
+            return list(read_scenarios(files)), None
+        except BadScenario as error:
+            raise CliError(BAD_INPUT, f"--scenarios: {error}") from None
+    try:
+        options = DrawOptions(worlds=tuple(_parts(worlds)), faults=expand_faults(_parts(faults)))
+    except UnknownFault as error:
+        raise CliError(BAD_INPUT, f"--faults: {error}") from None
+    except ValidationError as error:
+        text = error.errors()[0]["msg"].removeprefix("Value error, ")
+        raise CliError(BAD_INPUT, f"--worlds: {text}") from None
+    return [draw(seed, number, options) for number in range(count)], options
+
+
+def _parts(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def _make(
+    recipe: Path,
+    scenarios: Sequence[Scenario],
+    tried: tuple[TableName, Table | None],
+    compared: tuple[TableName, Table | None] | None,
+    jobs: int,
+) -> tuple[list[DriveResult], list[DriveResult]]:
+    from kompass.drills.drive import DriveResult
+    from kompass.drills.runner.worker import Order, make_drives
+
+    tables = [tried[1]] if compared is None else [tried[1], compared[1]]
+    # Both tables of a scenario one after the other: a drill that is ended early compares, too.
+    orders = [Order(recipe, scenario, table) for scenario in scenarios for table in tables]
+    made: dict[int, DriveResult] = {}
+    for index, text in _with_progress(make_drives(orders, jobs), len(orders)):
+        made[index] = DriveResult.model_validate_json(text)
+    step = len(tables)
+    first = [made[index] for index in range(0, len(orders), step)]
+    second = [made[index] for index in range(1, len(orders), step)] if compared else []
+    return first, second
+
+
+def _with_progress(drives: Iterator[tuple[int, str]], total: int) -> Iterator[tuple[int, str]]:
+    """Say how far it is: in one line of a terminal, or a line now and then."""
+    terminal = sys.stderr.isatty()
+    told, begun = time.monotonic(), time.monotonic()
+    for done, drive in enumerate(drives, 1):
+        now = time.monotonic()
+        if terminal or now - told >= PROGRESS_PERIOD or done == total:
+            told = now
+            left = (now - begun) / done * (total - done)
+            text = f"{done} of {total} drives" + (f", {left:.0f} s left" if done < total else "")
+            end = "\n" if not terminal or done == total else ""
+            typer.echo(f"\r{text}  {end}" if terminal else text, err=True, nl=not terminal)
+        yield drive
+
+
+def _tell(report: Report) -> int:
+    """The sentence that matters, what came of the drives, and whether all is met."""
+    typer.echo(report.sentence)
+    if report.comparison is not None:
+        typer.echo(report.comparison.chance)
+        for change in report.comparison.changes:
+            typer.echo(f"  {change.scenario}: {change.text}")
+    else:
+        for drive in report.drives:
+            broken = ", ".join(f.name for f in drive.scenario.faults) or "no fault"
+            typer.echo(f"  {drive.scenario.name}  {broken}: {drive.why}")
+    for drive in report.drives:
+        for each in drive.broken:
+            typer.echo(f"  {drive.scenario.name}: {each.invariant} at {each.at:g} s: {each.text}")
+    for requirement in report.requirements:
+        typer.echo(f"  {'met' if requirement.met else 'NOT met'}: {requirement.text}")
+    return 0 if all(requirement.met for requirement in report.requirements) else FAILED
+
+
+def recipe_first(arguments: Sequence[str]) -> list[str]:
+    """``drill RECIPE`` is ``drill run RECIPE``."""
+    given = list(arguments)
+    words = {command.name for command in app.registered_commands} | {"-h", "--help"}
+    if given[:1] == ["drill"] and len(given) > 1 and given[1] not in words:
+        given.insert(1, "run")
+    return given
