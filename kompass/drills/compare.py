@@ -25,7 +25,8 @@ class DriveChange(Model):
         Its name.
     change
         ``better`` and ``worse`` when the outcome is of another grade, a contact or a broken
-        invariant more or less, or a recovery faster or slower by ``NOTICED``; else ``other``.
+        invariant more or less, or the recovery (without one: the way) faster or slower by
+        ``NOTICED``; the first of these that differs decides. Else ``other``.
     text
         How it differs.
     """
@@ -43,7 +44,8 @@ class Comparison(Model):
     sentence
         The one that matters.
     chance
-        A word on chance, of the difference in recovering.
+        A word on chance: of the difference in coming through; where there is none, of that in
+        time; empty where there is neither.
     p_value
         Of the exact sign test on the pairs of which only one came through.
     pairs
@@ -98,7 +100,7 @@ def compare(before: Sequence[DriveResult], after: Sequence[DriveResult]) -> Comp
     found = Comparison(
         verdict="same",
         sentence="",
-        chance=in_words(gained, lost),
+        chance="",
         p_value=sign_test(gained, lost),
         pairs=len(pairs),
         disturbed=len(felt),
@@ -115,7 +117,8 @@ def compare(before: Sequence[DriveResult], after: Sequence[DriveResult]) -> Comp
         faster_pairs=sum(delay <= -NOTICED for delay in delays),
         changes=tuple(sorted(changes, key=lambda one: (_ORDER[one.change], natural(one.scenario)))),
     )
-    return found.model_copy(update={"verdict": _verdict(found), "sentence": _sentence(found)})
+    said = {"verdict": _verdict(found), "sentence": _sentence(found), "chance": _chance(found)}
+    return found.model_copy(update=said)
 
 
 _ORDER: dict[Change, int] = {"worse": 0, "better": 1, "other": 2}
@@ -168,6 +171,11 @@ def _change(before: DriveResult, after: DriveResult) -> DriveChange | None:
         if abs(delay) >= NOTICED:
             notes.append(f"recovered in {after.recovery:.1f} s instead of {before.recovery:.1f} s")
             votes.append(1 if delay > 0 else -1)
+    elif before.time_to_goal is not None and after.time_to_goal is not None:
+        delay = after.time_to_goal - before.time_to_goal
+        if abs(delay) >= NOTICED:
+            notes.append(f"took {after.time_to_goal:.1f} s instead of {before.time_to_goal:.1f} s")
+            votes.append(1 if delay > 0 else -1)
     if _did(before) != _did(after):
         notes.append(_other_firings(before, after))
     if not notes:
@@ -200,22 +208,33 @@ def _other_firings(before: DriveResult, after: DriveResult) -> str:
 
 
 def _verdict(found: Comparison) -> Verdict:
-    kinds = {change.change for change in found.changes}
     graver = max(found.contacts_after - found.contacts_before, 0) + max(
         found.broken_after - found.broken_before, 0
     )
     if graver:
         # A contact is no matter of chance: this drive can be looked at.
         return "mixed" if found.gained > found.lost and found.p_value < RARE else "worse"
-    if found.gained != found.lost:
-        if found.p_value >= RARE:
-            return "may be chance"
-        return "better" if found.gained > found.lost else "worse"
-    if not kinds & {"better", "worse"}:
+    if found.gained + found.lost:
+        ups, downs = found.gained, found.lost
+    else:
+        kinds = [change.change for change in found.changes]
+        ups, downs = kinds.count("better"), kinds.count("worse")
+    if not ups + downs:
         return "same"
-    if len(kinds & {"better", "worse"}) == 2:
+    if ups == downs:
         return "mixed"
-    return "better" if "better" in kinds else "worse"
+    if sign_test(ups, downs) >= RARE:
+        return "may be chance"
+    return "better" if ups > downs else "worse"
+
+
+def _chance(found: Comparison) -> str:
+    if found.gained + found.lost:
+        return in_words(found.gained, found.lost)
+    if found.slower_pairs + found.faster_pairs:
+        said = in_words(found.faster_pairs, found.slower_pairs)
+        return f"Of the time it takes: {said[0].lower()}{said[1:]}"
+    return ""
 
 
 def _sentence(found: Comparison) -> str:

@@ -87,7 +87,7 @@ def _shown(report: Report) -> list[_Shown]:
 
 def _head(report: Report) -> str:
     found = report.comparison
-    chance = "" if found is None else f'<p class="chance">{escape(found.chance)}</p>'
+    chance = f"<p>{escape(found.chance)}</p>" if found is not None and found.chance else ""
     tables = f"rules <b>{_table(report.table)}</b>"
     if report.against is not None:
         tables += f" against <b>{_table(report.against)}</b>"

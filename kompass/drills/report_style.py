@@ -40,7 +40,8 @@ table{border-collapse:collapse;margin-top:8px;min-width:min(100%,24rem)}
 th,td{text-align:left;padding:5px 16px 5px 0;border-bottom:1px solid var(--line);
 vertical-align:top;font-weight:400}
 thead th{font-weight:600;color:var(--muted);vertical-align:bottom}
-th,td{overflow-wrap:break-word}tbody th{min-width:6.5em}.numbers thead th{overflow-wrap:anywhere;min-width:4.4em}
+th,td{overflow-wrap:break-word}tbody th{min-width:6.5em}
+.numbers thead th{overflow-wrap:anywhere;min-width:4.4em}
 .numbers td,.numbers thead th:not(:first-child){text-align:right}.numbers td{white-space:nowrap}
 .pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,480px),1fr));gap:0 12px}
 .pair section{min-width:0}
@@ -87,7 +88,8 @@ details ol>li{padding:2px 0 2px 4.6em;text-indent:-4.6em}
 details ol ul{margin:2px 0;padding-left:1.2em;text-indent:0}
 time{display:inline-block;width:4.2em;margin-right:.4em;color:var(--muted);text-indent:0}
 @media (max-width:700px){body{padding:8px;font-size:16px}header,section,footer{padding:12px}
-h1{font-size:1.4rem}th,td{padding-right:6px}.numbers tbody th{font-size:.95em}summary{padding:11px 0}}
+h1{font-size:1.4rem}th,td{padding-right:6px}.numbers tbody th{font-size:.95em}
+summary{padding:11px 0}}
 @media print{body{background:#fff}header,section,footer{break-inside:auto}
 article{break-inside:avoid}}
 """

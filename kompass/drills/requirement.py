@@ -58,7 +58,8 @@ NAMES = (*SHARES, *COUNTS, *SECONDS)
 _PART = re.compile(
     r"(?P<name>[A-Za-z_]\w*)\s*(?P<operator>[<>=!]+)\s*(?P<number>\S+?)\s*(?P<unit>%|s)?"
 )
-_NUMBER = re.compile(r"\d{1,9}(\.\d{1,9})?")
+_NUMBER = re.compile(r"[0-9]+(\.[0-9]+)?")
+_DIGITS = 9  # before the point, and behind it
 
 
 class BadRequirement(ValueError):
@@ -134,7 +135,7 @@ def _parse(part: str) -> Requirement:
     if match is None:
         raise BadRequirement(
             f"{part!r} is no requirement; give a name, a comparison and a number, as "
-            f"'recovered >= 0.95'. Names: {', '.join(NAMES)}"
+            f"'recovered >= 0.95', and a comma before the next. Names: {', '.join(NAMES)}"
         )
     name, sign, digits, unit = match.group("name", "operator", "number", "unit")
     if name not in NAMES:
@@ -146,6 +147,11 @@ def _parse(part: str) -> Requirement:
         raise BadRequirement(f"{part!r}: {sign!r} is no comparison; {hint}")
     if not _NUMBER.fullmatch(digits):
         raise BadRequirement(f"{part!r}: {digits!r} is no number of 0 or more; give one, as 0.95")
+    if max(map(len, digits.split("."))) > _DIGITS:
+        raise BadRequirement(
+            f"{part!r}: {digits!r} has too many digits; give at most {_DIGITS} before the point, "
+            "and as many behind it"
+        )
     return _made(part, name, sign, digits, unit or "")
 
 
@@ -201,7 +207,7 @@ def _compared(requirement: Requirement, value: Fraction, told: str, unit: str) -
 
 def _number(value: Fraction, kind: Kind) -> str:
     """As it can be read again, and as what it is."""
-    # All of them have a finite number of decimals: they were written with some.
+    # Each was written with at most _DIGITS decimals, and a percentage has two more.
     digits = f"{value.numerator * 10**11 // value.denominator:012d}"
     whole, decimals = digits[:-11], digits[-11:].rstrip("0")
     if kind == "share":

@@ -160,15 +160,18 @@ def scenario_text(scenario: Scenario) -> str:
 
 
 def _load(text: str, where: str) -> tuple[Node | None, Any]:
-    loader = yaml.SafeLoader(text)
     try:
-        root = loader.get_single_node()
-        if root is None:
-            return None, None
-        for key in _doubles(root):
-            problem = f"'{key.value}' is given twice; keep one"
-            raise BadScenario([ScenarioProblem(_at(where, key), "", "", problem)])
-        return root, loader.construct_document(root)
+        loader = yaml.SafeLoader(text)
+        try:
+            root = loader.get_single_node()
+            if root is None:
+                return None, None
+            for key in _doubles(root):
+                problem = f"'{key.value}' is given twice; keep one"
+                raise BadScenario([ScenarioProblem(_at(where, key), "", "", problem)])
+            return root, loader.construct_document(root)
+        finally:
+            loader.dispose()
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = f"{where}:{mark.line + 1}" if mark else where
@@ -179,8 +182,6 @@ def _load(text: str, where: str) -> tuple[Node | None, Any]:
             raise
         problem = f"{' '.join(str(error).split())}; correct it"
         raise BadScenario([ScenarioProblem(where, "", "", problem)]) from None
-    finally:
-        loader.dispose()
 
 
 def _doubles(node: Node) -> Iterator[ScalarNode]:

@@ -18,6 +18,7 @@ import yaml
 
 from kompass.components import Controller, DriveManager, LocalMapper, MapServer, Planner
 from kompass.components.base.config_file import read_config_file
+from kompass.drills.scenario_file import BadScenario, parse_scenario, scenario_text
 from kompass.launch.launcher import Launcher
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.tables.recipe_check import faults_of
@@ -166,7 +167,8 @@ def robot() -> list[Any]:
 
 
 def is_rules(block: Block) -> bool:
-    return block.option("settings") is None and "refused" not in block.note.split()
+    other = block.option("settings") or block.option("scenario")
+    return other is None and "refused" not in block.note.split()
 
 
 def table_of(block: Block, folder: Path) -> Table:
@@ -217,6 +219,25 @@ def test_every_file_of_settings_is_taken(block: Block, tmp_path: Path) -> None:
     assert sections <= {component.node_name for component in robot()}
     for component in robot():
         component.apply_config_file(str(file))
+
+
+def scenario_blocks(option: str) -> list[Block]:
+    return [b for b in all_blocks("yaml") if b.option("scenario") == option]
+
+
+@pytest.mark.parametrize("block", scenario_blocks("yes"), ids=ids)
+def test_every_scenario_is_read_and_written_back(block: Block) -> None:
+    scenario = parse_scenario(block.text, block.where)
+    assert parse_scenario(scenario_text(scenario)) == scenario
+
+
+@pytest.mark.parametrize("block", scenario_blocks("refused"), ids=ids)
+def test_a_scenario_is_refused_with_what_the_page_says(block: Block) -> None:
+    with pytest.raises(BadScenario) as refused:
+        parse_scenario(block.text, "crate.yaml")
+    told = str(refused.value)
+    text = next(b.text for b in blocks_of(block.page) if b.line > block.line)
+    assert told.startswith(text.strip().removesuffix("…").rstrip(" ,"))
 
 
 # -- Python -----------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Sequence
+from functools import cache
 
 from kompass.drills.drive import DriveResult
 from kompass.drills.facts import (
@@ -127,11 +128,13 @@ def failing(component: str, begin: float, end: float, message: str) -> list[Fact
     return [Status(0.0, component, 0), *said, Status(end, component, 0)]
 
 
+@cache
 def undisturbed(name: str = "1-0") -> DriveResult:
     """It arrived as if nothing were."""
     return judge(scenario(name), arriving())
 
 
+@cache
 def recovered(name: str = "1-0", halt: float = 8.0) -> DriveResult:
     """Stood for ``halt`` seconds before a wall, and arrived."""
     made = scenario(name, [("way_blocked", 8.0, halt)])
@@ -143,6 +146,7 @@ def recovered(name: str = "1-0", halt: float = 8.0) -> DriveResult:
     return judge(made, facts)
 
 
+@cache
 def gave_up(name: str = "1-0", halt: float = 8.0) -> DriveResult:
     """The planner ended the goal of the same scenario, and said why."""
     made = scenario(name, [("way_blocked", 8.0, halt)])
@@ -159,6 +163,7 @@ def gave_up(name: str = "1-0", halt: float = 8.0) -> DriveResult:
     return judge(made, facts)
 
 
+@cache
 def touched(name: str = "1-0", halt: float = 8.0) -> DriveResult:
     """It touched the wall of the same scenario, and arrived."""
     made = scenario(name, [("way_blocked", 8.0, halt)])

@@ -1,0 +1,138 @@
+"""Many drives are counted right, and two tables compared honestly."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import binomtest
+
+from kompass.drills.chance import in_words, sign_test
+from kompass.drills.compare import compare
+from kompass.drills.drive import DriveResult
+from kompass.drills.names import natural
+from kompass.drills.summary import summarize
+from tests.drills.drives import gave_up, recovered, touched, undisturbed
+
+MAKERS = (recovered, gave_up, touched)
+
+
+def drives(*kinds: str) -> list[DriveResult]:
+    makers = {"r": recovered, "g": gave_up, "t": touched}
+    return [makers[kind](f"1-{number}") for number, kind in enumerate("".join(kinds))]
+
+
+def test_drives_are_counted_by_outcome() -> None:
+    found = summarize([*drives("rrgt"), undisturbed("u")])
+    assert {kind: n for kind, n in found.outcomes.items() if n} == {
+        "arrived": 1, "recovered": 2, "gave_up": 1, "contact": 1,
+    }  # fmt: skip
+    assert (found.drives, found.disturbed, found.contacts) == (5, 4, 1)
+    assert found.recovered == 2
+    assert found.came_through == 3
+    assert found.recovery_median == pytest.approx(9.0, abs=0.2)
+    assert [(rule.rule_id, rule.firings, rule.drives) for rule in found.rules] == [
+        ("stuck-unblock", 2, 2)
+    ]
+    assert [(f.name, f.drives, f.came_through) for f in found.faults] == [("way_blocked", 4, 2)]
+
+
+@given(st.lists(st.sampled_from(MAKERS), max_size=8), st.randoms(use_true_random=False))
+def test_sums_do_not_depend_on_the_order_of_drives(made: list[object], rng: random.Random) -> None:
+    found = [make(f"1-{n}") for n, make in enumerate(made)]  # type: ignore[operator]
+    shuffled = list(found)
+    rng.shuffle(shuffled)
+    assert summarize(found) == summarize(shuffled)
+    assert sum(summarize(found).outcomes.values()) == len(found)
+
+
+@given(st.lists(st.sampled_from(MAKERS), min_size=1, max_size=8))
+def test_a_table_does_not_differ_from_itself(made: list[object]) -> None:
+    found = [make(f"1-{n}") for n, make in enumerate(made)]  # type: ignore[operator]
+    same = compare(found, found[::-1])
+    assert same.verdict == "same"
+    assert same.changes == ()
+    assert same.sentence.startswith("No difference in ")
+    assert (same.gained, same.lost, same.p_value) == (0, 0, 1.0)
+
+
+def test_the_sentence_says_what_matters() -> None:
+    before = drives("r" * 41 + "g" * 9)
+    after = [*drives("r" * 47 + "g" * 3)[:-1], touched("1-49")]
+    found = compare(before, after)
+    assert found.sentence == "Recovers in 47 of 50 instead of 41; one new contact."
+    assert (found.gained, found.lost) == (6, 0)
+    # Six of six is no chance; the contact is one, and shown first.
+    assert found.verdict == "mixed"
+    assert found.changes[0].scenario == "1-49"
+    assert found.changes[0].change == "worse"
+    assert "gave up and said why → touched something; one contact instead of none" in (
+        found.changes[0].text
+    )
+
+
+def test_slower_ways_are_told() -> None:
+    before = [recovered(f"1-{n}", halt=8.0) for n in range(6)]
+    after = [
+        drive.model_copy(update={"scenario": old.scenario})
+        for n, old in enumerate(before)
+        for drive in [recovered(f"1-{n}", halt=10.0)]
+    ]
+    found = compare(before, after)
+    assert found.sentence == "Recovers in 6 of 6, as before; 2.0 s slower."
+    assert (found.slower_pairs, found.faster_pairs) == (6, 0)
+    assert found.verdict == "worse"
+    assert found.chance.startswith("Of the time it takes: hardly chance: 6 of 6")
+    assert found.changes[0].text == "recovered in 11.0 s instead of 9.0 s"
+    few = compare(before[:2], after[:2])
+    assert (few.verdict, few.chance[:33]) == ("may be chance", "Of the time it takes: may be chan")
+    assert compare(after, before).sentence == "Recovers in 6 of 6, as before; 2.0 s faster."
+
+
+def test_a_small_difference_may_be_chance() -> None:
+    found = compare(drives("rrrrrgg"), drives("rrrrrrg"))
+    assert found.verdict == "may be chance"
+    assert found.chance.startswith("May be chance: 1 of 1 drives that differ point the same way")
+    assert "in 100 % of such drills" in found.chance
+
+
+def test_a_large_difference_is_hardly_chance() -> None:
+    better = compare(drives("r" * 5 + "g" * 10), drives("r" * 15))
+    assert better.verdict == "better"
+    assert better.chance.startswith("Hardly chance: 10 of 10")
+    worse = compare(drives("r" * 15), drives("r" * 5 + "g" * 10))
+    assert worse.verdict == "worse"
+
+
+def test_a_new_contact_is_worse_whatever_chance_says() -> None:
+    found = compare(drives("rr"), drives("rt"))
+    assert found.verdict == "worse"
+    assert found.sentence == "Recovers in 1 of 2 instead of 2; one new contact."
+
+
+def test_only_the_same_scenarios_are_compared() -> None:
+    with pytest.raises(ValueError, match="'1-1' was driven under one table only"):
+        compare(drives("r"), drives("rr"))
+    with pytest.raises(ValueError, match="'1-0' is not the same under both tables"):
+        compare([recovered("1-0", halt=8.0)], [recovered("1-0", halt=9.0)])
+    with pytest.raises(ValueError, match="'1-0' is there twice"):
+        compare([recovered(), recovered()], [recovered()])
+
+
+@given(st.integers(0, 60), st.integers(0, 60))
+def test_the_sign_test_is_the_exact_one(ups: int, downs: int) -> None:
+    expected = 1.0 if ups + downs == 0 else binomtest(ups, ups + downs, 0.5).pvalue
+    assert sign_test(ups, downs) == pytest.approx(expected, rel=1e-9)
+    assert ("May be chance" in in_words(ups, downs)) == (ups + downs > 0 and expected >= 0.05)
+
+
+def test_no_number_of_pairs_is_negative() -> None:
+    with pytest.raises(ValueError, match="give numbers of 0 or more"):
+        sign_test(-1, 2)
+
+
+def test_names_are_sorted_as_a_person_counts() -> None:
+    names = ["7-10", "7-9", "7-1", "a", "10-1", "7-01"]
+    assert sorted(names, key=natural) == ["a", "7-01", "7-1", "7-9", "7-10", "10-1"]

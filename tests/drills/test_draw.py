@@ -1,0 +1,164 @@
+"""Drawn scenarios are the same everywhere, can be driven, and have faults that matter."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from kompass.algorithms.planning.planner import GlobalPlanner
+from kompass.drills.draw import DrawOptions, draw, expand_faults
+from kompass.drills.scenario_file import parse_scenario, scenario_text
+from kompass.simulation.faults.fault_names import FAULTS, UnknownFault
+from kompass.simulation.worlds.rasterize import rasterize
+from kompass.simulation.worlds.registry import world, world_names
+
+ALL = DrawOptions(faults=expand_faults(["all"]))
+PROGRAM = """
+from kompass.drills.draw import DrawOptions, draw, expand_faults
+from kompass.drills.scenario_file import scenario_text
+options = DrawOptions(faults=expand_faults(["all"]), faults_per_drive=2, goals=2, lasting=0.3)
+print("".join(scenario_text(draw(5, number, options)) for number in range(8)), end="")
+"""
+
+
+def drawn(hash_seed: str) -> str:
+    environment = {**os.environ, "PYTHONHASHSEED": hash_seed}
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM], env=environment, text=True, capture_output=True, check=True
+    )
+    return done.stdout
+
+
+def test_another_process_with_another_hash_seed_draws_the_same() -> None:
+    assert drawn("0") == drawn("4711")
+
+
+def test_the_first_drive_of_a_seed_stays_the_one_it_is() -> None:
+    """A report names drives by seed and number; a later release must mean the same ones."""
+    options = DrawOptions(worlds=("warehouse",), faults=("way_blocked",))
+    assert scenario_text(draw(7, 0, options)) == WRITTEN
+
+
+WRITTEN = """\
+name: 7-0
+world: warehouse
+seed: 193224940
+start:
+  x: 7.525
+  y: 5.375
+  yaw: -2.211
+goals:
+- x: 8.125
+  y: 1.025
+  yaw: 1.201
+  at: 2.0
+faults:
+- name: way_blocked
+  at: 13.72
+  duration: 17.52
+operators: []
+walkers: []
+limit: 147.0
+"""
+
+
+@pytest.fixture(scope="module")
+def planners() -> dict[str, GlobalPlanner]:
+    return {
+        name: GlobalPlanner(rasterize(world(name)), robot_radius=0.10, clearance=0.10)
+        for name in world_names()
+    }
+
+
+@pytest.mark.parametrize("number", range(len(ALL.faults) * 3))
+def test_the_robot_can_get_to_every_goal_and_a_fault_begins_on_the_way(
+    number: int, planners: dict[str, GlobalPlanner]
+) -> None:
+    options = ALL.model_copy(update={"goals": 2})
+    scenario = draw(3, number, options)
+    x, y, _ = scenario.first_pose
+    assert float(world(scenario.world).distance(np.array([[x, y]]))[0]) >= 0.2
+    begin = 2.0
+    ways: list[tuple[float, float]] = []
+    for goal in scenario.goals:
+        plan = planners[scenario.world].plan((x, y, 0.0), (goal.x, goal.y, goal.yaw))
+        assert plan.length >= 1.5
+        ways.append((begin, begin + plan.length / options.speed))
+        begin, x, y = ways[-1][1], goal.x, goal.y
+    for fault in scenario.faults:
+        ends = fault.at + fault.duration
+        if fault.name == "map_withheld":
+            assert fault.at == 0.0
+            assert ends > 2.0, "the map is still missing when the first plan is asked for"
+        else:
+            assert any(first < fault.at < last for first, last in ways)
+        assert scenario.limit > ends + 30.0, "time is left to recover in"
+    assert parse_scenario(scenario_text(scenario)) == scenario
+
+
+def test_every_fault_and_every_world_comes_up_equally_often() -> None:
+    number = len(ALL.faults) * len(world_names())
+    found = [draw(1, index, ALL) for index in range(number)]
+    faults = Counter(one.faults[0].name for one in found)
+    assert set(faults) == set(ALL.faults)
+    assert set(faults.values()) == {len(world_names())}
+    assert len(set(Counter(one.world for one in found).values())) == 1
+
+
+def test_numbers_and_seeds_draw_different_drives() -> None:
+    found = [draw(seed, number, ALL) for seed in range(3) for number in range(20)]
+    assert len({scenario_text(one) for one in found}) == 60
+    assert len({one.seed for one in found}) == 60
+    assert len({one.name for one in found}) == 60
+
+
+def test_several_faults_of_a_drive_differ() -> None:
+    options = ALL.model_copy(update={"faults_per_drive": 4})
+    for number in range(20):
+        names = [fault.name for fault in draw(2, number, options).faults]
+        assert len(names) == len(set(names)) == 4
+
+
+def test_lasting_faults_last() -> None:
+    def forever(share: float) -> int:
+        options = DrawOptions(faults=("way_blocked",), lasting=share)
+        return sum(draw(1, n, options).faults[0].duration == 0.0 for n in range(40))
+
+    assert forever(0.0) == 0
+    assert 5 < forever(0.5) < 35
+    assert forever(1.0) == 40
+
+
+def test_drives_without_faults_can_be_drawn() -> None:
+    assert draw(1, 0, DrawOptions()).faults == ()
+
+
+def test_all_faults_are_written_out_for_each_process() -> None:
+    everything = expand_faults(["all"], ["planner", "own"])
+    plain = [name for name in FAULTS if ":" not in name]
+    assert set(plain) <= set(everything)
+    assert {"kill:planner", "kill:own", "stop:planner", "stop:own"} <= set(everything)
+    assert expand_faults(["kill", "kill:own", "way_blocked"], ["own"]) == (
+        "kill:own",
+        "way_blocked",
+    )
+    with pytest.raises(UnknownFault, match="did you mean 'way_blocked'"):
+        expand_faults(["way_bloked"])
+
+
+def test_what_cannot_be_drawn_is_refused() -> None:
+    with pytest.raises(ValueError, match="world is 'mars'"):
+        DrawOptions(worlds=("mars",))
+    with pytest.raises(ValueError, match="there is no fault 'flood'"):
+        DrawOptions(faults=("flood",))
+    with pytest.raises(ValueError, match="number: -1; give 0 or more"):
+        draw(1, -1, ALL)
+    with pytest.raises(ValueError, match="give fewer goals"):
+        draw(1, 0, DrawOptions(goals=20, speed=0.05))
+    with pytest.raises(ValueError, match="give a smaller radius"):
+        draw(1, 0, DrawOptions(radius=1.0, clearance=1.0))
