@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from typing import Any
 
 from rclpy.task import Future
@@ -44,6 +44,8 @@ class VirtualExecutor:
         # Kept, so that a coroutine of a process that was killed is not closed: its `finally`
         # blocks would run, in a process that is no more.
         self._tasks: set[Task] = set()
+        # Not begun yet; closed when they never will be, which runs nothing of them.
+        self._to_begin: dict[Coroutine[Any, Any, Any], None] = {}
         process.add_executor(self)
 
     @property
@@ -91,8 +93,18 @@ class VirtualExecutor:
             self.push(call)
             return result
 
+        if self._process.dead:
+            callback.close()
+            return result
+        self._to_begin[callback] = None
+        self.push(self._begin, callback, result)
+        return result
+
+    def _begin(self, coroutine: Coroutine[Any, Any, Any], result: Future) -> None:
+        del self._to_begin[coroutine]
+
         async def run() -> None:
-            result.set_result(await callback)
+            result.set_result(await coroutine)
 
         def ended(error: BaseException | None) -> None:
             self._tasks.difference_update(tasks)
@@ -100,15 +112,10 @@ class VirtualExecutor:
                 result.set_exception(error)
 
         tasks: list[Task] = []
-
-        def begin() -> None:
-            task = Task(run(), ended)
-            if not task.done:
-                tasks.append(task)
-                self._tasks.add(task)
-
-        self.push(begin)
-        return result
+        task = Task(run(), ended)
+        if not task.done:
+            tasks.append(task)
+            self._tasks.add(task)
 
     # -- for the process ----------------------------------------------------------------------
 
@@ -129,6 +136,9 @@ class VirtualExecutor:
         self.pause()
         self._ready.clear()
         self._timers.clear()
+        for coroutine in self._to_begin:
+            coroutine.close()
+        self._to_begin.clear()
 
     # -- turns --------------------------------------------------------------------------------
 

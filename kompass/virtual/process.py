@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 from kompass.virtual.log import LogEntry
 from kompass.virtual.network import GID_PREFIX, Conditions, Endpoint, Network, NodeEntry
@@ -40,7 +40,7 @@ class Member(Protocol):
 
 
 class World:
-    """Time, a network and the processes on it.
+    """Time, a network and the processes on it; as a context, they are killed at its end.
 
     Parameters
     ----------
@@ -70,11 +70,21 @@ class World:
         self.network = Network(self.scheduler, conditions=conditions, **options)
         self.log: list[LogEntry] = []
         self._started = 0
+        self._processes: list[VirtualProcess] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in self._processes:
+            process.kill()
 
     def process(self, name: str, cost: float | CostModel = COST) -> VirtualProcess:
         """Start a process; one of a name that has died may be started again."""
         self._started += 1
-        return VirtualProcess(self, name, self._started, cost)
+        process = VirtualProcess(self, name, self._started, cost)
+        self._processes.append(process)
+        return process
 
 
 class VirtualProcess:

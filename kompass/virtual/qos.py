@@ -4,12 +4,20 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 
-_REMEDIES = {
-    "deadline": "leave it out",
-    "lifespan": "leave it out",
-    "liveliness_lease_duration": "leave it out",
+_TIMES = ("deadline", "lifespan", "liveliness_lease_duration")
+_KNOWN = {
+    "reliability": (ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT),
+    "durability": (DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE),
+    "history": (HistoryPolicy.KEEP_LAST, HistoryPolicy.KEEP_ALL),
+    "liveliness": (LivelinessPolicy.AUTOMATIC, LivelinessPolicy.SYSTEM_DEFAULT),
 }
 
 
@@ -43,14 +51,10 @@ def qos_of(given: Any, where: str) -> QoS:
         When it asks for something that this bus does not carry out.
     """
     profile = given if isinstance(given, QoSProfile) else QoSProfile(depth=given)
-    for name, remedy in _REMEDIES.items():
+    for name in _TIMES:
         if getattr(profile, name).nanoseconds:
-            raise _refused(where, name, getattr(profile, name), remedy)
-    for name, known in (
-        ("reliability", (ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT)),
-        ("durability", (DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE)),
-        ("history", (HistoryPolicy.KEEP_LAST, HistoryPolicy.KEEP_ALL)),
-    ):
+            raise _refused(where, name, getattr(profile, name), "leave it out")
+    for name, known in _KNOWN.items():
         value = getattr(profile, name)
         if value not in known:
             names = " or ".join(each.name for each in known)

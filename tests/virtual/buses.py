@@ -189,7 +189,7 @@ class VirtualBus:
         VirtualExecutor(node.process, self.errors.append).add_node(node)
 
     def close(self) -> None:
-        pass
+        self.world.__exit__()
 
 
 @contextmanager
