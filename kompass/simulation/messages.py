@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from sensor_msgs.msg import Imu, LaserScan
@@ -16,19 +16,21 @@ from kompass.algorithms.geometry import quaternion_from_yaw
 from kompass.simulation.physics.motion import BodyMotion, Matrix3
 from kompass.simulation.sensors import imu, lidar
 
-# Where x, y and yaw stand among (x, y, z, roll, pitch, yaw).
-_PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
+# Where the covariances of x, y and yaw stand among those of (x, y, z, roll, pitch, yaw).
+_PLANAR = np.array([0, 1, 5, 6, 7, 11, 30, 31, 35])
 # Of what a planar robot does not measure: it is held on the floor.
 _OFF_PLANE = 1e-9
+_FLAT = np.zeros(36)
+_FLAT[[14, 21, 28]] = _OFF_PLANE
 
 
 def spatial_covariance(planar: Matrix3) -> NDArray[np.float64]:
     """(36,) row-major covariance of (x, y, z, roll, pitch, yaw) from that of (x, y, yaw)."""
-    full = np.zeros((6, 6))
-    if planar.any():
-        full[[2, 3, 4], [2, 3, 4]] = _OFF_PLANE
-    full[_PLANAR] = planar
-    return full.ravel()
+    if not planar.any():
+        return np.zeros(36)
+    full = _FLAT.copy()
+    full[_PLANAR] = planar.ravel()
+    return full
 
 
 def odometry(motion: BodyMotion, stamp: Time, frame: str, child: str = "base_link") -> Odometry:
@@ -90,20 +92,22 @@ def inertial(reading: imu.ImuReading, stamp: Time, frame: str) -> Imu:
     orientation = message.orientation
     orientation.x, orientation.y, orientation.z, orientation.w = reading.orientation
     rate, acceleration = message.angular_velocity, message.linear_acceleration
-    rate.x, rate.y, rate.z = (float(part) for part in reading.angular_velocity)
-    acceleration.x, acceleration.y, acceleration.z = (
-        float(part) for part in reading.linear_acceleration
-    )
-    message.orientation_covariance = _diagonal(imu.ORIENTATION_NOISE)
-    message.angular_velocity_covariance = _diagonal(imu.GYRO_NOISE)
-    message.linear_acceleration_covariance = _diagonal(imu.ACCELERATION_NOISE)
+    rate.x, rate.y, rate.z = reading.angular_velocity.tolist()
+    acceleration.x, acceleration.y, acceleration.z = reading.linear_acceleration.tolist()
+    message.orientation_covariance = _ORIENTATION.copy()
+    message.angular_velocity_covariance = _RATE.copy()
+    message.linear_acceleration_covariance = _ACCELERATION.copy()
     return message
 
 
-def _set_yaw(quaternion: object, yaw: float) -> None:
-    for name, value in zip("xyzw", quaternion_from_yaw(yaw), strict=True):
-        setattr(quaternion, name, float(value))
+def _set_yaw(quaternion: Quaternion, yaw: float) -> None:
+    quaternion.x, quaternion.y, quaternion.z, quaternion.w = quaternion_from_yaw(yaw)
 
 
 def _diagonal(deviation: float) -> NDArray[np.float64]:
     return (np.eye(3) * deviation**2).ravel()
+
+
+_ORIENTATION = _diagonal(imu.ORIENTATION_NOISE)
+_RATE = _diagonal(imu.GYRO_NOISE)
+_ACCELERATION = _diagonal(imu.ACCELERATION_NOISE)

@@ -204,17 +204,19 @@ class SimulatedRobot:
         self._left_over += dt
         count = int(self._left_over / TIMESTEP + 1e-6)
         self._left_over -= count * TIMESTEP
+        model, data, touch, ctrl = self._model, self._data, self._touch, self._data.ctrl
         for _ in range(count):
-            self._data.ctrl[:] = self.drive.wheel_speeds(self.time)
-            mujoco.mj_step(self._model, self._data)
+            ctrl[0], ctrl[1] = self.drive.wheel_speeds(self._steps * TIMESTEP)
+            mujoco.mj_step(model, data)
             self._steps += 1
-            touching = bool(self._touch[0] > 0.0)
-            self.bumper.update(touching, self.time)
-            if touching and self._people:
-                self._person_bumper.update(self._touches_person(), self.time)
+            if touch[0] > 0.0:
+                self.bumper.update(True, self.time)
+                if self._people:
+                    self._person_bumper.update(self._touches_person(), self.time)
             if self._steps % SAMPLE_STEPS == 0:
                 self._sample()
-                self._walk()
+                if self._people:
+                    self._walk()
 
     def scan(self) -> NDArray[np.float32]:
         """Lidar ranges (360,) in metres from straight ahead anticlockwise; +inf = no return.
@@ -246,11 +248,11 @@ class SimulatedRobot:
 
     def truth(self) -> BodyMotion:
         """Where the robot is in ``map`` and how it moves, exactly."""
-        x, y, _, w, i, j, k = (float(part) for part in self._data.qpos[:7])
+        x, y, _, w, i, j, k = self._data.qpos[:7].tolist()
         yaw = math.atan2(2 * (w * k + i * j), 1 - 2 * (j * j + k * k))
-        east, north = (float(part) for part in self._data.qvel[:2])
+        # A free joint's rotation is in the body's frame.
+        east, north, _, _, _, omega = self._data.qvel[:6].tolist()
         cos, sin = math.cos(yaw), math.sin(yaw)
-        omega = float(self._data.qvel[5])  # a free joint's rotation is in the body's frame
         return BodyMotion((x, y, yaw), (cos * east + sin * north, cos * north - sin * east, omega))
 
     def _sample(self) -> None:
@@ -266,8 +268,8 @@ class SimulatedRobot:
         self.localizer.update(self.truth())
 
     def _walk(self) -> None:
+        x, y, _ = self.truth().pose
         for person in self._people.values():
-            x, y, _ = self.truth().pose
             person.advance((x, y), SAMPLE_PERIOD)
             self._put(person.name, (*person.position, 0.0))
 

@@ -1,6 +1,7 @@
 """People step into the way, wait for nobody to be hurt, and go; doors close and open again."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -8,8 +9,10 @@ import pytest
 from kompass.simulation.faults.fault_manager import FaultManager, NotYet
 from kompass.simulation.faults.fault_names import FaultOrder, UnknownFault
 from kompass.simulation.faults.robot_faults import RobotFaults
+from kompass.simulation.physics.person import RADIUS, Walk, cross, step_in
 from kompass.simulation.robot import SimulatedRobot
-from kompass.simulation.worlds.registry import world
+from kompass.simulation.worlds.registry import world, world_names
+from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
 
 PERIOD = 0.02
@@ -144,21 +147,47 @@ def test_without_room_for_a_person_nobody_comes_until_there_is() -> None:
     assert faults.active == ()
 
 
-def test_people_walk_where_there_is_floor() -> None:
-    for name in ("hexagon", "apartment", "warehouse"):
-        for seed in SEEDS:
-            robot = SimulatedRobot(world(name), seed)
-            faults = RobotFaults(robot)
-            try:
-                faults.begin("person_ahead")
-            except NotYet:
-                continue
-            robot.step(2.0)
-            with_person = robot.scan()
-            faults.end("person_ahead")
-            nearer = with_person < robot.scan() - 0.1
-            assert nearer.any(), "in sight of the robot"
-            assert (with_person[nearer] > 0.3).all()
+@pytest.mark.parametrize("find_way", [step_in, cross])
+@pytest.mark.parametrize("name", world_names())
+def test_people_walk_where_there_is_floor_and_stand_where_the_robot_sees_them(
+    name: str, find_way: Callable[..., Walk | None]
+) -> None:
+    place = world(name)
+    found = 0
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        x, y = random.uniform(place.bounds[:2], place.bounds[2:])
+        spot = np.array([[x, y]])
+        if not place.on_floor(spot)[0] or place.distance(spot)[0] < 0.15:
+            continue
+        yaw = random.uniform(0.0, math.tau)
+        walk = find_way(place, (x, y, yaw), random)
+        if walk is None:
+            continue
+        found += 1
+        way = np.linspace(walk.start, walk.goal, 200)
+        assert place.on_floor(way).all()
+        assert place.distance(way).min() > RADIUS - 0.02
+        across = np.linspace((x, y), np.array(walk.start) / 2 + np.array(walk.goal) / 2, 200)
+        seen = walk.goal if find_way is step_in else across[-1]
+        assert place.distance(np.linspace((x, y), seen, 200)).min() > -0.02
+        ahead = (seen[0] - x) * math.cos(yaw) + (seen[1] - y) * math.sin(yaw)
+        assert 0.65 < ahead < 1.25
+    assert found > 5
+
+
+def test_nobody_comes_behind_a_wall() -> None:
+    wall = Box("wall", (0.4, 0.0), (0.1, 9.0))
+    halves = World(
+        name="halves",
+        title="Two halves",
+        floor=HALL.floor,
+        start=(0.0, 0.0, 0.0),
+        obstacles=(wall,),
+    )
+    for name in ("person_ahead", "person_crossing"):
+        with pytest.raises(NotYet, match="no room for a person"):
+            RobotFaults(SimulatedRobot(halves)).begin(name)
 
 
 def test_a_closed_door_is_seen_stops_the_robot_and_opens_again() -> None:

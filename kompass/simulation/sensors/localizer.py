@@ -35,6 +35,7 @@ class Localizer:
 
     def __init__(self, random: np.random.Generator, dt: float) -> None:
         self._random = random
+        self._floor = np.array(SPEED_FLOOR)
         self._sigma = np.array([POSITION_ERROR, POSITION_ERROR, HEADING_ERROR])
         beta = CORRELATION
         stationary = np.diag([1.0, beta**2])
@@ -45,21 +46,24 @@ class Localizer:
         self._kick = np.linalg.cholesky(gained)
         # Rows: error and its rate, in standard deviations; columns: x, y, yaw.
         self._error = np.array([[1.0], [beta]]) * random.standard_normal((2, 3))
+        self._covariance = np.diag(self._sigma**2)
         self._motion = BodyMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
     def update(self, truth: BodyMotion) -> None:
         """Take in the true motion, ``dt`` seconds after the last one."""
         noise = self._random.standard_normal((3, 3))
         self._error = self._step @ self._error + self._kick @ noise[:2]
-        offset = np.clip(self._error[0], -BOUND, BOUND) * self._sigma
-        x, y, yaw = np.array(truth.pose) + offset
-        deviation = np.array(SPEED_FLOOR) + SPEED_ERROR * np.abs(truth.twist)
-        vx, vy, omega = np.array(truth.twist) + deviation * noise[2]
+        offset = np.minimum(np.maximum(self._error[0], -BOUND), BOUND) * self._sigma
+        x, y, yaw = (truth.pose + offset).tolist()
+        deviation = self._floor + SPEED_ERROR * np.abs(truth.twist)
+        vx, vy, omega = (truth.twist + deviation * noise[2]).tolist()
+        variance = np.zeros((3, 3))
+        variance.flat[::4] = deviation**2
         self._motion = BodyMotion(
-            (float(x), float(y), math.remainder(float(yaw), math.tau)),
-            (float(vx), float(vy), float(omega)),
-            np.diag(self._sigma**2),
-            np.diag(deviation**2),
+            (x, y, math.remainder(yaw, math.tau)),
+            (vx, vy, omega),
+            self._covariance.copy(),
+            variance,
         )
 
     def read(self) -> BodyMotion:
