@@ -37,8 +37,8 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("monitor",),
         ("recorder",),
         ("simulation",),
-        ("drills",),
         ("launch",),
+        ("drills",),
         ("actions", "event", "launcher"),
         ("events", "ros"),
         ("compat",),
@@ -59,6 +59,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("api",),
         ("openapi", "server"),
         ("audit_cli", "rules_cli", "stack"),
+        ("drill_cli",),
         ("cli",),
     ),
 }

@@ -33,6 +33,7 @@ from kompass.simulation.faults.fault_names import (
 from kompass.simulation.faults.fault_parameters import PARAMETERS
 from kompass.simulation.worlds.rasterize import rasterize
 from kompass.simulation.worlds.registry import world, world_names
+from kompass.simulation.worlds.world import World
 
 ALL = "all"
 PROCESSES = ("planner", "controller", "mapper", "drive_manager")
@@ -137,7 +138,7 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
     random = Random(int.from_bytes(digest[:16], "big"))
     # Faults alternate first, then worlds: few drives already meet every fault.
     place = options.worlds[number // max(len(options.faults), 1) % len(options.worlds)]
-    faults = [name for name in options.faults if _fits(name, place)]
+    faults = [name for name in options.faults if fits(name, world(place))]
     first = faults[number % len(faults)] if faults else ""
     room = _room(place, options.radius, options.clearance)
 
@@ -173,10 +174,10 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
     )
 
 
-def _fits(fault: str, place: str) -> bool:
+def fits(fault: str, place: World) -> bool:
     """Whether a world has what a fault breaks."""
     try:
-        check_place(fault, world(place))
+        check_place(fault, place)
     except UnknownFault:
         return False
     return True

@@ -106,7 +106,11 @@ def test_every_fault_and_every_world_comes_up_equally_often() -> None:
     found = [draw(1, index, ALL) for index in range(number)]
     faults = Counter(one.faults[0].name for one in found)
     assert set(faults) == set(ALL.faults)
-    assert set(faults.values()) == {len(world_names())}
+    # Where a world has no such door, another fault takes the turn of its closing.
+    doors = {name for name in faults if name.startswith("door_closed:")}
+    assert all(faults[name] in (1, 2) for name in doors)
+    assert all(faults[name] >= len(world_names()) for name in set(faults) - doors)
+    assert max(faults.values()) <= len(world_names()) + len(doors)
     assert len(set(Counter(one.world for one in found).values())) == 1
 
 

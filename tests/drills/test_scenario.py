@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kompass.drills.draw import PROCESSES, expand_faults
+from kompass.drills.draw import PROCESSES, expand_faults, fits
 from kompass.drills.scenario import (
     Goal,
     OperatorAct,
@@ -60,7 +60,8 @@ def scenarios(draw: st.DrawFn) -> Scenario:
     place = world(draw(st.sampled_from(world_names())))
     at = st.floats(0, 99)
     faults = []
-    for name in draw(st.lists(st.sampled_from(FAULTS), unique=True, max_size=4)):
+    usable = [name for name in FAULTS if fits(name, place)]
+    for name in draw(st.lists(st.sampled_from(usable), unique=True, max_size=4)):
         lasts = draw(st.floats(0, 500)) if not name.startswith("kill:") else 0.0
         begins = draw(at) if name != "map_withheld" else 0.0
         faults.append(ScheduledFault(name=name, at=begins, duration=lasts))

@@ -1,4 +1,4 @@
 """All that a drive needs, imported once for all of them."""
 
 import kompass.drills.runner.run
-import kompass.launcher  # noqa: F401
+import kompass.launch.launcher  # noqa: F401
