@@ -16,6 +16,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         (
             "algorithms",
             "arguments",
+            "invalid",
             "porting",
             "printable",
             "rules",

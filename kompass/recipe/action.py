@@ -14,6 +14,7 @@ from pydantic import PydanticSchemaGenerationError, PydanticUserError, TypeAdapt
 from kompass.arguments import named_arguments
 from kompass.components.base.actions import signature_text
 from kompass.components.base.component import Component
+from kompass.invalid import first_invalid
 from kompass.rclpy_ext.messages import checked, to_plain
 from kompass.recipe.arguments import as_data, refers
 from kompass.recipe.functions import component_of, name_of, signature_of
@@ -201,7 +202,7 @@ def _check_types(method: Callable[..., Any], name: str, bound: dict[str, Any]) -
         except ValidationError as error:
             raise TypeError(
                 f"Action: {name}{signature_text(inspect.signature(method))}: "
-                f"{key} = {value!r}: {error.errors()[0]['msg']}"
+                f"{key} = {value!r}: {first_invalid(error).text}"
             ) from None
         except (PydanticSchemaGenerationError, PydanticUserError):
             continue  # a type of the recipe's own, of which nothing is known
