@@ -15,7 +15,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass": (
         (
             "algorithms",
-            "arguments",
+            "named_arguments",
             "invalid",
             "porting",
             "printable",

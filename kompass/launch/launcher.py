@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from kompass.arguments import named_arguments
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import NO_ROBOT
 from kompass.components.base.config_file import sections_of_nobody
@@ -26,6 +25,7 @@ from kompass.launch.host import host
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.process import NAME, run_monitor
 from kompass.monitor.tables.recipe_check import check_recipe
+from kompass.named_arguments import named_arguments
 from kompass.printable import log_to_terminal
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import recipe_rules

@@ -10,7 +10,7 @@ from typing import Any
 
 from kompass.recipe.action import Action
 from kompass.recipe.function_names import Use
-from kompass.recipe.functions import by_name, component_of, name_of, signature_of
+from kompass.recipe.functions import by_name, component_of, name_of, needed, signature_of
 from kompass.rules.schema.arguments import references, resolve
 
 RATE = 10.0  # Hz, unless stated
@@ -70,13 +70,7 @@ def condition_function(asked: Any, check_rate: float | None) -> ConditionFunctio
                 f"Event: {name}: {key} = {value}: whoever is asked at a rate has no message; "
                 "compare the field of the topic instead"
             )
-    missing = [
-        one.name
-        for one in signature.parameters.values()
-        if one.default is one.empty
-        and one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
-        and one.name not in given
-    ]
+    missing = needed(signature, given)
     if missing:
         raise TypeError(
             f"Event: {name} needs {', '.join(missing)}; give it with Action({name}, kwargs={{…}})"

@@ -11,9 +11,9 @@ from typing import Any, Self
 
 from pydantic import ValidationError
 
-from kompass.arguments import named_arguments
 from kompass.expressions import MessageField, condition_of, signal_of
 from kompass.invalid import first_invalid
+from kompass.named_arguments import named_arguments
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.condition_function import ConditionFunction, condition_function
 from kompass.recipe.functions import name_of
