@@ -7,6 +7,7 @@ import statistics
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -79,25 +80,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def stack(folder: Path) -> Iterator[Stack]:
-    running = Stack(
-        *("run", str(LAB), "--no-browser", "--port", "0"),
-        LAB_FOLDER=str(folder),
-        KOMPASS_ROBOT_NAME="lab",
-    )
-    try:
-        running.wait_for_line("all components active", 20)
+    with closing(Stack.active(LAB, LAB_FOLDER=str(folder), KOMPASS_ROBOT_NAME="lab")) as running:
         yield running
-    finally:
-        running.close()
 
 
 @pytest.fixture(scope="module")
 def robot(stack: Stack) -> Iterator[Robot]:
-    client = Robot(stack.domain)
-    try:
+    with closing(Robot(stack.domain)) as client:
         yield client
-    finally:
-        client.close()
 
 
 @pytest.fixture(scope="module")

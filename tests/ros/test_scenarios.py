@@ -3,6 +3,7 @@
 import json
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any, cast
 
@@ -32,23 +33,19 @@ SUCCEEDED = 4
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Stack]:
     # A distribution whose bases are driven with stamped commands.
-    running = Stack.simulated("--fault", "map_withheld", recipe=RECIPE, ROS_DISTRO="jazzy")
-    try:
+    with closing(
+        Stack.simulated("--fault", "map_withheld", recipe=RECIPE, ROS_DISTRO="jazzy")
+    ) as running:
         yield running
-    finally:
-        running.close()
 
 
 @pytest.fixture(scope="module")
 def robot(stack: Stack) -> Iterator[Robot]:
-    client = Robot(stack.domain)
-    try:
+    with closing(Robot(stack.domain)) as client:
         for name in ("planner", "controller", "mapper", "drive_manager"):
             client.subscribe(ComponentStatus, f"/{name}/status", LATCHED)
         client.ready()
         yield client
-    finally:
-        client.close()
 
 
 SPOKEN = {
