@@ -265,10 +265,12 @@ def test_what_nobody_confirms_is_taken_back_and_says_so(rules: Rules) -> None:
 
 def test_what_is_confirmed_stays_and_can_be_rolled_back(rules: Rules) -> None:
     before = rules.view()
-    revision = rules.must_apply([*rules.rules(), rule("kept", compare("a", ">", 1))], probation=0.7)
+    probation = patient(0.7)
+    new = [*rules.rules(), rule("kept", compare("a", ">", 1))]
+    revision = rules.must_apply(new, probation=probation)
     assert not rules.confirm(revision, role="viewer").success
     assert rules.confirm(revision).success
-    time.sleep(1.0)
+    time.sleep(probation)  # nothing happens: there is nothing else to wait for
     assert rules.view().revision == revision
     assert rules.roll_back(role="viewer").outcome == Request.REFUSED
     answer = rules.roll_back()
