@@ -13,10 +13,11 @@ from kompass_interfaces.action import IntelligentRest, MotionRecording
 from lifecycle_msgs.msg import State
 from nav_msgs.srv import GetMap
 from pydantic import Field
-from std_msgs.msg import Bool, Float32, Float32MultiArray, String
+from std_msgs.msg import Bool, Byte, Float32, Float32MultiArray, Int32MultiArray, String
 from std_srvs.srv import Trigger
 
 from kompass.components import Component, component_action
+from kompass.components.base.values import message_of, value_of
 from kompass.config import BaseComponentConfig
 from kompass.expressions import condition_of
 from kompass.monitor.introspection.component_specs import component_spec
@@ -624,14 +625,19 @@ def test_a_publisher_takes_plain_values(
     assert told(heard[-1])
 
 
-def test_arrays_keep_their_shape_on_the_way(run: Run) -> None:
-    from kompass.components.base.values import message_of, value_of
-
-    array = np.arange(6.0).reshape(2, 3)
-    sent = message_of(Float32MultiArray, array)
-    np.testing.assert_array_equal(value_of(sent), array)
-    pose = message_of(PoseStamped, (1.0, 2.0, 0.5, 0.3))
-    np.testing.assert_allclose(value_of(pose), (1.0, 2.0, 0.5, 0.3))
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [
+        (Float32MultiArray, np.arange(6.0).reshape(2, 3)),
+        (Float32MultiArray, [[1, 2], [3, 4]]),
+        (Int32MultiArray, [-(2**31), 2**31 - 1]),
+        (Int32MultiArray, []),
+        (Byte, 7),
+        (PoseStamped, (1.0, 2.0, 0.5, 0.3)),
+    ],
+)
+def test_values_read_as_they_were_written(kind: type, value: Any) -> None:
+    np.testing.assert_allclose(value_of(message_of(kind, value)), value)
 
 
 @pytest.mark.parametrize(
@@ -643,6 +649,10 @@ def test_arrays_keep_their_shape_on_the_way(run: Run) -> None:
         ("Bool", 1, "1 makes no Bool; give True or False"),
         ("String", 3, "3 makes no String; give a text"),
         ("Twist", (1.0, 2.0), r"\(there are 2\); give \(vx, vy, omega\)"),
+        ("Int32", 2**31, r"makes no Int32 \(data = 2147483648: .*int32: -2147483648 to 2147483647"),
+        ("Float32", 1e300, r"makes no Float32 .*float32"),
+        ("String", "\ud800", "makes no String .*surrogate"),
+        ("Float32MultiArray", [0.0, 1e300], r"makes no Float32MultiArray \(data\[1\] = 1e\+300"),
         ("String", {"text": "x"}, "has no field 'text'"),
         ("PoseStamped", Bool(), "give .* a PoseStamped message"),
     ],
