@@ -15,7 +15,8 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass": (
         (
             "algorithms",
-            "arguments",
+            "named_arguments",
+            "invalid",
             "porting",
             "printable",
             "rules",

@@ -13,7 +13,6 @@ from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.task import Future
 
 from kompass.access.gatekeeper import Gatekeeper
-from kompass.arguments import named_arguments
 from kompass.components.base.actions import (
     ActionRefused,
     ActionSpec,
@@ -46,6 +45,7 @@ from kompass.components.base.ports import (
 )
 from kompass.components.base.services import ComponentServices
 from kompass.components.base.topics import DeclaredTopics, by_key
+from kompass.named_arguments import named_arguments
 from kompass.rclpy_ext.node import lifecycle_state_id
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.robot import RobotConfig, RobotFrames
