@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from kompass.field_types import field_types
+from kompass.invalid import first_invalid
 from kompass.rules.checks.catalog import FieldType
 from kompass.rules.checks.field_values import sought_in_vain
 from kompass.rules.schema.conditions import AllOf, AnyOf, Compare, Not, Received
@@ -286,7 +287,7 @@ def _compare(field: MessageField, operator: str, value: Any) -> Expression:
     try:
         condition = Compare(signal=signal_of(field), operator=operator, value=literal)  # type: ignore[arg-type]
     except ValidationError as error:
-        why = error.errors()[0]["msg"].removeprefix("Value error, ")
+        why = first_invalid(error).text
         raise TypeError(f"{field!r} {operator} {value!r}: {why}") from None
     return Expression(condition)
 

@@ -15,8 +15,9 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass": (
         (
             "algorithms",
-            "arguments",
             "bus",
+            "invalid",
+            "named_arguments",
             "porting",
             "printable",
             "rules",

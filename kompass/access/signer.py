@@ -154,8 +154,8 @@ class Signer:
         return Reply(service, limit, ready=ready, send=send, read=read)
 
     def _hear(self, message: Any) -> None:
-        self._heard = True
         found = read_challenge(message.data, self._keys)
         # What anybody says without a key does not take the place of what the robot has said.
         if found is not None:
             self._known, self._is_foreign = _Known(*found), False
+        self._heard = True  # last: another thread signs as soon as it sees this

@@ -7,9 +7,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from kompass.arguments import named_arguments
 from kompass.components.base.component import Component
-from kompass.components.base.component_config import NO_ROBOT
+from kompass.components.base.component_config import NO_ROBOT, ComponentConfig
 from kompass.components.base.config_file import sections_of_nobody
 from kompass.components.base.parameter import with_values
 from kompass.launch.companions import (
@@ -23,6 +22,7 @@ from kompass.launch.processes import run_processes
 from kompass.launch.stack import Monitored, Stack, taker
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.tables.recipe_check import check_recipe
+from kompass.named_arguments import named_arguments
 from kompass.printable import log_to_terminal
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.table import recipe_rules
@@ -160,14 +160,14 @@ class Launcher:
             all_active = activate_all_components_on_start
             chosen = added if (self._activates if all_active is None else all_active) else []
         levels = {"log_level": ros_log_level, "rclpy_log_level": rclpy_log_level}
-        before = [component.config.model_copy(deep=True) for component in added]
-        try:
-            for component in added:
-                self._set_up(component, levels)
-        except ValueError:
-            for component, config in zip(added, before, strict=True):
-                component.config = config
-            raise
+        given = {name: level for name, level in levels.items() if level is not None}
+        configs = [
+            with_values(one.config, given, one.node_name) if given else one.config for one in added
+        ]
+        if self.config_file:
+            _check_file(self.config_file, added)
+        for component, config in zip(added, configs, strict=True):
+            self._set_up(component, config)
         self._components += added
         self._activate += [one.node_name for one in chosen]
         for event, action in (events_actions or {}).items():
@@ -181,11 +181,9 @@ class Launcher:
             if names.count(name) > 1:
                 raise ValueError(f"two components are called '{name}'; names must differ")
 
-    def _set_up(self, component: Component, levels: Mapping[str, str | None]) -> None:
+    def _set_up(self, component: Component, config: ComponentConfig) -> None:
         """Give a new component what the launcher was given for all."""
-        given = {name: level for name, level in levels.items() if level is not None}
-        if given:
-            component.config = with_values(component.config, given, component.node_name)
+        component.config = config
         if self.config_file:
             component.apply_config_file(self.config_file)
         if self._robot is not None:
@@ -305,15 +303,19 @@ class Launcher:
         ValueError
             When there is no such component.
         ConfigFileError
-            When the file or a setting in it cannot be used.
+            When the file or a setting in it cannot be used; nothing is changed then.
         """
         chosen = [c for c in self._components if component_name in (None, c.node_name)]
         if not chosen:
             known = ", ".join(component.node_name for component in self._components)
             raise ValueError(f"configure: no component '{component_name}'; there are {known}")
-        for component in chosen:
-            component.apply_config_file(config_file)
-        self._files.append(config_file)
+        self._apply_file(config_file, chosen)
+
+    def _apply_file(self, path: str, components: Sequence[Component]) -> None:
+        _check_file(path, components)
+        for component in components:
+            component.apply_config_file(path)
+        self._files.append(path)
 
     # -- topics -------------------------------------------------------------------------------
 
@@ -391,9 +393,7 @@ class Launcher:
                 )
         check_environment()
         if config_file:
-            for component in self._components:
-                component.apply_config_file(config_file)
-            self._files.append(config_file)
+            self._apply_file(config_file, self._components)
         if ros_log_level is not None:
             for component in self._components:
                 component.config = with_values(
@@ -545,6 +545,12 @@ class Launcher:
 
     def setup_launch_description(self) -> None:
         """Nothing is to be set up before :meth:`bringup`."""
+
+
+def _check_file(path: str, components: Iterable[Component]) -> None:
+    """Raise what a component has against a file before the file has changed another one."""
+    for component in components:
+        component.settings_of_file(path)
 
 
 def _either(where: str, one: bool | None, other: bool | None) -> bool | None:

@@ -111,6 +111,11 @@ class LiveEngine:
 
         return self._main.call(between_messages)
 
+    @property
+    def in_force(self) -> CompiledTable:
+        """The table in force; may be asked from any thread."""
+        return self._loop.table
+
     def running(self) -> frozenset[str]:
         """Ids of the rules whose actions are running."""
         return self._main.call(self._runs.running)

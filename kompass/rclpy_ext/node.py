@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Iterable
 from concurrent.futures import Executor as Threads
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -121,6 +121,20 @@ def lifecycle_state(node: LifecycleNode) -> str:
 def lifecycle_state_id(node: LifecycleNode) -> int:
     """Number of that state, as ``lifecycle_msgs/msg/State`` has it; rclpy has no name for it."""
     return int(node._state_machine.current_state[0])
+
+
+def of_others(node: Node, endpoints: Iterable[Any]) -> list[Any]:
+    """The publishers or subscriptions of a topic that other nodes have.
+
+    By name and namespace, so that those of the node's own dead process are not another's.
+
+    Parameters
+    ----------
+    endpoints
+        As ``node.get_publishers_info_by_topic`` and its like tell them.
+    """
+    own = (node.get_name(), node.get_namespace())
+    return [each for each in endpoints if (each.node_name, each.node_namespace) != own]
 
 
 def guard_change_state(

@@ -7,8 +7,8 @@ from typing import Any
 from pydantic import Field
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from kompass.arguments import named_arguments
 from kompass.expressions import Expression, MessageField, condition_of
+from kompass.named_arguments import named_arguments
 from kompass.settings import Settings
 
 # Searched in this order for a bare type name; "package/Type" names the package itself.

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import functools
 import inspect
-import json
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, get_type_hints
 
 from pydantic import PydanticSchemaGenerationError, PydanticUserError, TypeAdapter, ValidationError
 
-from kompass.arguments import named_arguments
 from kompass.components.base.actions import signature_text
 from kompass.components.base.component import Component
-from kompass.rclpy_ext.messages import checked, to_plain
-from kompass.recipe.arguments import as_data, refers
-from kompass.recipe.functions import component_of, name_of, signature_of
+from kompass.invalid import first_invalid
+from kompass.named_arguments import named_arguments
+from kompass.recipe.arguments import argument, refers
+from kompass.recipe.functions import component_of, name_of, needed, signature_of
 from kompass.recipe.parsed import Parser
 from kompass.rules.schema.actions import Action as RuleAction
 from kompass.rules.schema.actions import Lifecycle, Method, Python
@@ -95,18 +93,12 @@ class Action:
         """Names of the arguments that the function needs and nothing gives."""
         if self.method is None:
             return []
-        parameters = signature_of(self.method, "Action").parameters.values()
         given = set(getattr(self._data, "kwargs", ()))
         if self.parser is not None:
             if self.parser.output is None:
                 return []  # what it makes is known only when it was called
             given |= {self.parser.output, *self.parser.extra}
-        variable = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
-        return [
-            one.name
-            for one in parameters
-            if one.default is one.empty and one.kind not in variable and one.name not in given
-        ]
+        return needed(signature_of(self.method, "Action"), given)
 
     def __call__(self) -> Any:
         """Call the function here and now, as when it is the condition of an event.
@@ -201,7 +193,7 @@ def _check_types(method: Callable[..., Any], name: str, bound: dict[str, Any]) -
         except ValidationError as error:
             raise TypeError(
                 f"Action: {name}{signature_text(inspect.signature(method))}: "
-                f"{key} = {value!r}: {error.errors()[0]['msg']}"
+                f"{key} = {value!r}: {first_invalid(error).text}"
             ) from None
         except (PydanticSchemaGenerationError, PydanticUserError):
             continue  # a type of the recipe's own, of which nothing is known
@@ -209,51 +201,3 @@ def _check_types(method: Callable[..., Any], name: str, bound: dict[str, Any]) -
 
 def _arguments(name: str, bound: dict[str, Any]) -> dict[str, Any]:
     return {key: argument(name, key, value) for key, value in bound.items()}
-
-
-def argument(name: str, key: str, value: Any) -> Any:
-    """An argument of an action as data; a field of a topic in it stands for its newest value.
-
-    Raises
-    ------
-    TypeError
-        When it cannot be.
-    ValueError
-        When a number in it is not finite.
-    """
-    made = as_data(value)
-    _check_finite(made, f"argument {key} = {value!r} of {name}")
-    try:
-        json.dumps(made)
-    except (TypeError, ValueError):
-        raise TypeError(
-            f"Action: argument {key} = {value!r} of {name} cannot be stored as data; "
-            "give numbers, texts, lists or mappings, or make it inside the function"
-        ) from None
-    return made
-
-
-def message_data(name: str, value: Any) -> dict[str, Any]:
-    """A message, or a mapping of its fields, as arguments of an action; nothing of None.
-
-    Raises
-    ------
-    TypeError, ValueError
-        When it cannot be data.
-    """
-    if value is None:
-        return {}
-    # Messages of rclpy are set to plain values and never to fields of topics: a mapping may be.
-    is_message = hasattr(value, "get_fields_and_field_types") and not isinstance(value, type)
-    data = to_plain(checked(value)) if is_message else value
-    if not isinstance(data, Mapping):
-        raise TypeError(f"{name}: {value!r} is neither a message nor a mapping of its fields")
-    return {key: argument(name, key, each) for key, each in data.items()}
-
-
-def _check_finite(value: Any, what: str) -> None:
-    if isinstance(value, float) and not math.isfinite(value):
-        raise ValueError(f"Action: {what}: {value!r} cannot be stored; give a finite number")
-    items = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    for item in items:
-        _check_finite(item, what)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -38,3 +39,47 @@ def refers(value: Any) -> bool:
     if isinstance(value, list | tuple):
         return any(map(refers, value))
     return isinstance(value, MessageField)
+
+
+def argument(name: str, key: str, value: Any) -> Any:
+    """An argument of an action as data; a field of a topic in it stands for its newest value.
+
+    Raises
+    ------
+    TypeError
+        When it cannot be.
+    ValueError
+        When a number in it is not finite.
+    """
+    made = as_data(value)
+    try:
+        json.dumps(made, allow_nan=False)
+    except ValueError:
+        raise ValueError(
+            f"Action: argument {key} = {value!r} of {name}: a number in it cannot be stored; "
+            "give finite numbers"
+        ) from None
+    except TypeError:
+        raise TypeError(
+            f"Action: argument {key} = {value!r} of {name} cannot be stored as data; "
+            "give numbers, texts, lists or mappings, or make it inside the function"
+        ) from None
+    return made
+
+
+def message_data(name: str, value: Any) -> dict[str, Any]:
+    """A message, or a mapping of its fields, as arguments of an action; nothing of None.
+
+    Raises
+    ------
+    TypeError, ValueError
+        When it cannot be data.
+    """
+    if value is None:
+        return {}
+    # Messages of rclpy are set to plain values and never to fields of topics: a mapping may be.
+    is_message = hasattr(value, "get_fields_and_field_types") and not isinstance(value, type)
+    data = to_plain(checked(value)) if is_message else value
+    if not isinstance(data, Mapping):
+        raise TypeError(f"{name}: {value!r} is neither a message nor a mapping of its fields")
+    return {key: argument(name, key, each) for key, each in data.items()}

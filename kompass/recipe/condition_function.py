@@ -10,7 +10,8 @@ from typing import Any
 
 from kompass.recipe.action import Action
 from kompass.recipe.function_names import Use
-from kompass.recipe.functions import by_name, component_of, name_of, signature_of
+from kompass.recipe.functions import by_name, component_of, name_of, needed, signature_of
+from kompass.rules.schema.arguments import references, resolve
 
 RATE = 10.0  # Hz, unless stated
 
@@ -48,7 +49,7 @@ def condition_function(asked: Any, check_rate: float | None) -> ConditionFunctio
     if isinstance(asked, Action):
         if asked.method is None or asked.parser is not None:
             raise TypeError(f"Event: {asked!r} is an action and no condition; give a function")
-        function, given = asked.method, dict(getattr(asked.to_data(), "kwargs", {}))
+        function, given = asked.method, getattr(asked.to_data(), "kwargs", {})
     name = name_of(function)
     owner = component_of(function)
     if owner is not None:
@@ -64,23 +65,17 @@ def condition_function(asked: Any, check_rate: float | None) -> ConditionFunctio
             "the function of an event returns bool"
         )
     for key, value in given.items():
-        if "$topic[" in str(value) or "$msg" in str(value):
+        if any(references(value)):
             raise TypeError(
                 f"Event: {name}: {key} = {value}: whoever is asked at a rate has no message; "
                 "compare the field of the topic instead"
             )
-    missing = [
-        one.name
-        for one in signature.parameters.values()
-        if one.default is one.empty
-        and one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
-        and one.name not in given
-    ]
+    missing = needed(signature, given)
     if missing:
         raise TypeError(
             f"Event: {name} needs {', '.join(missing)}; give it with Action({name}, kwargs={{…}})"
         )
-    return ConditionFunction(Use(function, given, _rate(check_rate)))
+    return ConditionFunction(Use(function, resolve(given, None), _rate(check_rate)))
 
 
 def _rate(stated: float | None) -> float:

@@ -11,8 +11,9 @@ from typing import Any, Self
 
 from pydantic import ValidationError
 
-from kompass.arguments import named_arguments
 from kompass.expressions import MessageField, condition_of, signal_of
+from kompass.invalid import first_invalid
+from kompass.named_arguments import named_arguments
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.condition_function import ConditionFunction, condition_function
 from kompass.recipe.functions import name_of
@@ -216,10 +217,8 @@ def _rule_event(**fields: Any) -> RuleEvent:
     try:
         return RuleEvent(**fields)
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"]))
-        said = first["msg"].removeprefix("Value error, ")
-        text = f"{where} = {first['input']!r}: {said}" if where else said
+        where, value, said = first_invalid(error)
+        text = f"{where} = {value!r}: {said}" if where else said
         raise ValueError(f"Event({describe(fields['condition'])}): {text}") from None
 
 

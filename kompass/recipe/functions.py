@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -51,6 +51,17 @@ def signature_of(function: Function, where: str) -> inspect.Signature:
             f"{where}: {name_of(function)} does not tell what it takes; wrap it in a function of "
             "yours"
         ) from None
+
+
+def needed(signature: inspect.Signature, given: Collection[str]) -> list[str]:
+    """Names of the parameters that must be given, and are not."""
+    return [
+        one.name
+        for one in signature.parameters.values()
+        if one.default is one.empty
+        and one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)
+        and one.name not in given
+    ]
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from kompass.components.base.component import Component
+from kompass.invalid import first_invalid
 from kompass.recipe.action import Action
 from kompass.recipe.action_data import ActionData, uses_of
 from kompass.recipe.event import Event, slug
@@ -117,10 +118,8 @@ def _rule(
     try:
         return Rule(event=rule_event, actions=actions, source="recipe", **fields)
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"]))
-        said = first["msg"].removeprefix("Value error, ")
-        raise ValueError(f"{event!r}: {where} = {first['input']!r}: {said}") from None
+        where, value, said = first_invalid(error)
+        raise ValueError(f"{event!r}: {where} = {value!r}: {said}") from None
 
 
 def _named(event: Event, made: RecipeRules, names: FunctionNames) -> RuleEvent:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from kompass.arguments import named_arguments
 from kompass.components.base.component import Component
 from kompass.components.base.parameter import with_values
 from kompass.expressions import type_name
+from kompass.named_arguments import named_arguments
 from kompass.rclpy_ext.messages import copy_fields
 from kompass.rclpy_ext.topic import Topic
-from kompass.recipe.action import METHOD_TIMEOUT, Action, argument, message_data
-from kompass.recipe.arguments import refers
+from kompass.recipe.action import METHOD_TIMEOUT, Action
+from kompass.recipe.arguments import argument, message_data, refers
 from kompass.rules.schema.actions import (
     CallService,
     Lifecycle,

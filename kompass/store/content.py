@@ -6,6 +6,7 @@ import sqlite3
 
 from pydantic import ValidationError
 
+from kompass.invalid import first_invalid
 from kompass.rules.schema.identity_cache import IdentityCache
 from kompass.rules.schema.interned import read_rule, text_of
 from kompass.rules.schema.table import Rule, Table
@@ -62,10 +63,9 @@ def read_table(connection: sqlite3.Connection, content: str, what: str) -> Table
         try:
             rules.append(read_rule(found[0]))
         except ValidationError as error:
-            first = error.errors()[0]
-            where = ".".join(str(part) for part in first["loc"])
+            where, _, why = first_invalid(error)
             raise StoreCorrupt(
-                f"{what} cannot be read by this release: rule {place + 1}, {where}: {first['msg']}"
+                f"{what} cannot be read by this release: rule {place + 1}, {where}: {why}"
             ) from None
     return Table(rules=tuple(rules))
 
@@ -75,11 +75,8 @@ def _check_readable(rule: Rule) -> None:
     try:
         Rule.model_validate_json(text_of(rule))
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise MalformedTable(
-            f"a rule cannot be stored: {where} = {first['input']!r}: {first['msg']}"
-        ) from None
+        where, value, why = first_invalid(error)
+        raise MalformedTable(f"a rule cannot be stored: {where} = {value!r}: {why}") from None
 
 
 _readable = IdentityCache[Rule, None](_check_readable)

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 from fastapi import Request, Response
 from pydantic import BaseModel, ValidationError
 
+from kompass.invalid import first_invalid
 from kompass.monitor.client import Json, MonitorClient, Refused
 from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass_console.schema.models import ErrorDetail
@@ -102,9 +103,8 @@ def _split(raw: bytes, rest: type[_Envelope]) -> tuple[str, _Envelope]:
     try:
         checked = rest.model_validate(body)
     except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"])
-        raise _unreadable(f"{field}: {first['msg']}") from None
+        invalid = first_invalid(error)
+        raise _unreadable(f"{invalid.where}: {invalid.text}") from None
     return json.dumps(table), checked
 
 

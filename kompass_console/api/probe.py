@@ -8,6 +8,7 @@ import json
 from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
 
+from kompass.invalid import first_invalid
 from kompass_console.api.access import console_of
 from kompass_console.api.sockets import Pace, admitted, telling, texts
 from kompass_console.link.rules.probes import ConditionProbe
@@ -40,10 +41,8 @@ class PageProbes:
         try:
             request = ProbeRequest.model_validate_json(text)
         except ValidationError as error:
-            first = error.errors()[0]
-            field = ".".join(str(part) for part in first["loc"])
-            message = first["msg"].removeprefix("Value error, ")
-            self._fail(_id_of(text), f"{field or 'The message'}: {message}.")
+            invalid = first_invalid(error)
+            self._fail(_id_of(text), f"{invalid.where or 'The message'}: {invalid.text}.")
             return
         self._end(request.id)
         if request.condition is None:

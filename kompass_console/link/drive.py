@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -21,9 +22,10 @@ from kompass_console.schema.world import Latest
 
 AVAILABLE_WITHIN = 1.5  # s; the drive manager speaks on change and at 5 Hz
 STOP_TIMEOUT = 1.0  # s
+FOUND_WITHIN = 1.5  # s in which a service shows up of a stack that has just come
 # A release is answered when it is on disk, for which the drive manager waits for 0.7 s, and may
 # have to be signed anew. Nobody is in danger meanwhile.
-RELEASE_TIMEOUT = 4.0  # s
+RELEASE_TIMEOUT = 3.0  # s
 
 _Said = tuple[bool, bool, str, str, str, float]
 
@@ -83,7 +85,10 @@ class DriveLink:
         return await _ask_all(self._stops, request, STOP_TIMEOUT)
 
     async def release(self, operator: str) -> DriveAnswer:
-        """Let the robot move again; as `stop`."""
+        """Let the robot move again; as `stop`, but for a drive manager that is only being found."""
+        deadline = time.monotonic() + FOUND_WITHIN
+        while not self._releases.names and time.monotonic() < deadline:
+            await asyncio.sleep(0.05)
         request = ReleaseStop.Request(operator_name=operator)
         return await _ask_all(self._releases, request, RELEASE_TIMEOUT)
 

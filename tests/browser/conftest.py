@@ -9,33 +9,15 @@ from playwright.sync_api import Browser, expect
 from tests.browser.chromium import chromium
 from tests.browser.console_page import ConsolePage
 from tests.support.robot import Robot
+from tests.support.running import robot, stack
 from tests.support.stack import TOKEN, Stack
+
+__all__ = ["browser", "new_page", "page", "robot", "stack"]
 
 OpenPage = Callable[..., ConsolePage]
 
 # A busy machine without a GPU draws slowly; waiting longer costs nothing where it is fast.
 expect.set_options(timeout=15_000)
-
-
-@pytest.fixture(scope="module")
-def stack() -> Iterator[Stack]:
-    """Recipe 01 with the embedded robot and the console."""
-    running = Stack.simulated()
-    try:
-        yield running
-    finally:
-        running.close()
-
-
-@pytest.fixture(scope="module")
-def robot(stack: Stack) -> Iterator[Robot]:
-    """An independent client on the stack's domain."""
-    client = Robot(stack.domain)
-    try:
-        client.ready()
-        yield client
-    finally:
-        client.close()
 
 
 @pytest.fixture(scope="module")

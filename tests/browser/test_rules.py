@@ -4,6 +4,7 @@ import os
 import re
 import signal
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -29,11 +30,8 @@ STUCK = "stuck-unblock"
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Stack]:
     """Recipe 03, whose table has a rule "controller stuck → unblock"."""
-    running = Stack.simulated(recipe=RECIPE)
-    try:
+    with closing(Stack.simulated(recipe=RECIPE)) as running:
         yield running
-    finally:
-        running.close()
 
 
 @pytest.fixture

@@ -51,10 +51,11 @@ class Alive:
         self.node.create_subscription(
             ComponentStatus, f"{component.node_name}/status", self.statuses.append, LATCHED
         )
-        client_executor = SingleThreadedExecutor(context=self.client_context)
-        client_executor.add_node(self.node)
+        self._client_executor = SingleThreadedExecutor(context=self.client_context)
+        self._client_executor.add_node(self.node)
         self._threads = [
-            threading.Thread(target=self._spin, args=(one,)) for one in (executor, client_executor)
+            threading.Thread(target=self._spin, args=(one,))
+            for one in (executor, self._client_executor)
         ]
         for thread in self._threads:
             thread.start()
@@ -88,6 +89,15 @@ class Alive:
     def _begin(self, kind: type, name: str, request: Any, timeout: float) -> Reply[Any]:
         full = f"/{self.component.node_name}/{name}"
         return self._calls.begin(kind, full, request, patient(timeout))
+
+    def do(self, work: Callable[[], Any]) -> Any:
+        """Do something on the client's thread; what it returns.
+
+        rclpy may else see the answer to a goal before it knows the question.
+        """
+        done = self._client_executor.create_task(work)
+        wait_until(done.done, 5, "the work")
+        return done.result()
 
     def execute(self, name: str, timeout: float = 10.0, **kwargs: Any) -> Any:
         """Call a component action, as rules do."""

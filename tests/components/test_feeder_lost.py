@@ -53,7 +53,7 @@ def test_it_halts_and_takes_no_command_that_was_under_way(
     commands = Commands(alive)
     wait_until(commands.moving, 10, "motion")
     lose(alive)
-    wait_until(lambda: commands.robot.commands[-1] == (0.0, 0.0), 5, "a zero twist")
+    wait_until(commands.robot.is_halted, 5, "a zero twist")
     commands.robot.commands.clear()
     commands.a_while()
     assert not [one for one in commands.robot.commands if one != (0.0, 0.0)]
@@ -64,7 +64,7 @@ def test_it_obeys_the_next_one(run: Run) -> None:
     commands = Commands(alive)
     wait_until(commands.moving, 10, "motion")
     lose(alive)
-    wait_until(lambda: commands.robot.commands[-1] == (0.0, 0.0), 5, "a zero twist")
+    wait_until(commands.robot.is_halted, 5, "a zero twist")
     wait_until(commands.moving, 5, "motion again")
 
 

@@ -1,7 +1,6 @@
 """Components that were written for Sugarcoat, with its order of arguments, run as they did."""
 
 import threading
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -15,11 +14,13 @@ from kompass.components import Component
 from kompass.config import BaseComponentConfig, ComponentRunType
 from kompass.ros import Topic
 from tests.components.alive import Alive
+from tests.components.goals import Goals
 from tests.support.processes import wait_until
 
 pytestmark = pytest.mark.ros
 
 Run = Callable[..., Alive]
+SUCCEEDED = 4
 
 
 class Child(BaseComponent):  # type: ignore[misc,unused-ignore]
@@ -103,13 +104,11 @@ def test_an_action_server_that_names_its_action_offers_it_under_that_name(run: R
             pass
 
         def main_action_callback(self, goal_handle: Any) -> Any:
-            time.sleep(0.05)
             goal_handle.succeed()
             return IntelligentRest.Result()
 
-    alive = run(Counting("counter"))
-    services = "/counter/count/_action/send_goal"
-    wait_until(lambda: services in dict(alive.node.get_service_names_and_types()), 10, "the action")
+    goals = Goals(run(Counting("counter")), IntelligentRest, "/counter/count")
+    assert goals.result(goals.send()).status == SUCCEEDED
 
 
 def test_topics_and_settings_may_be_given_by_position(run: Run) -> None:

@@ -4,7 +4,9 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -27,8 +29,9 @@ from kompass.robot import AngularCtrlLimits, LinearCtrlLimits
 from tests.components.alive import Alive
 from tests.components.toy_robot import ToyRobot
 from tests.support.described import described_robot
-from tests.support.domains import next_domain
-from tests.support.processes import wait_until
+from tests.support.domains import give_back, next_domain
+from tests.support.patience import patient
+from tests.support.processes import end_with_parent, wait_until
 from tests.support.robot import LATCHED as LATCHED_STATUS
 from tests.support.robot import Robot
 
@@ -130,9 +133,47 @@ def test_a_stack_without_a_robot_comes_up_and_its_health_says_why(
 ) -> None:
     program = tmp_path / "recipe.py"
     program.write_text(RECIPE)
+    with (
+        running(program, tmp_path / "log", processes) as (stack, domain, log),
+        closing(Robot(domain)) as client,
+    ):
+        heard = {
+            name: hear(client, name)
+            for name in ("planner", "controller", "mapper", "drive_manager")
+        }
+        up = "but not active: planner, controller, drive_manager"
+        wait_until(lambda: up in log(), 30, "the stack")
+        assert "all components active" not in log()
+        for name in ("planner", "controller", "drive_manager"):
+            wait_until(partial(fails, heard[name]), 20, f"the failure of {name}")
+            assert NO_ROBOT in heard[name][-1].msg
+        wait_until(lambda: heard["mapper"], 20, "a status of the mapper")
+        assert not [told.msg for told in heard["mapper"] if NO_ROBOT in told.msg]
+        text = f"planner, controller, drive_manager cannot become active: {NO_ROBOT}"
+        assert text in log()
+        assert stack.poll() is None
+
+
+def hear(client: Robot, name: str) -> list[ComponentStatus]:
+    """What a component says of itself, from now on."""
+    heard: list[ComponentStatus] = []
+    client.node.create_subscription(
+        ComponentStatus, f"/{name}/status", heard.append, LATCHED_STATUS
+    )
+    return heard
+
+
+def fails(heard: list[ComponentStatus]) -> bool:
+    return bool(heard) and heard[-1].status == FAILED
+
+
+@contextmanager
+def running(
+    program: Path, output: Path, processes: str
+) -> Iterator[tuple[subprocess.Popen[bytes], int, Callable[[], str]]]:
+    """A recipe without a console: its process, its domain, and what it has written."""
     domain = next_domain(stack=True)
-    log = tmp_path / "log"
-    with log.open("w") as out:
+    with output.open("w") as out:
         stack = subprocess.Popen(
             [sys.executable, str(program)],
             env={
@@ -142,28 +183,11 @@ def test_a_stack_without_a_robot_comes_up_and_its_health_says_why(
             },
             stdout=out,
             stderr=subprocess.STDOUT,
+            preexec_fn=end_with_parent,
         )
-    client = Robot(domain)
     try:
-        heard: dict[str, list[ComponentStatus]] = {}
-        for name in ("planner", "controller", "mapper", "drive_manager"):
-            heard[name] = []
-            client.node.create_subscription(
-                ComponentStatus, f"/{name}/status", heard[name].append, LATCHED_STATUS
-            )
-        up = "but not active: planner, controller, drive_manager"
-        wait_until(lambda: up in log.read_text(), 30, "the stack")
-        assert "all components active" not in log.read_text()
-        wait_until(lambda: all(heard.values()), 20, "a status of each")
-        for name in ("planner", "controller", "drive_manager"):
-            assert heard[name][-1].status == FAILED
-            assert NO_ROBOT in heard[name][-1].msg
-        assert NO_ROBOT not in heard["mapper"][-1].msg
-        assert f"planner, controller, drive_manager cannot become active: {NO_ROBOT}" in (
-            log.read_text()
-        )
-        assert stack.poll() is None
+        yield stack, domain, output.read_text
     finally:
-        client.close()
         stack.send_signal(signal.SIGTERM)
-        assert stack.wait(30) == 0, log.read_text()
+        assert stack.wait(patient(30)) == 0, output.read_text()
+        give_back(domain)

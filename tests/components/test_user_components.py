@@ -13,11 +13,11 @@ from kompass_interfaces.action import IntelligentRest, MotionRecording
 from lifecycle_msgs.msg import State
 from nav_msgs.srv import GetMap
 from pydantic import Field
-from rclpy.action import ActionClient
-from std_msgs.msg import Bool, Float32, Float32MultiArray, String
+from std_msgs.msg import Bool, Byte, Float32, Float32MultiArray, Int32MultiArray, String
 from std_srvs.srv import Trigger
 
 from kompass.components import Component, component_action
+from kompass.components.base.values import message_of, value_of
 from kompass.config import BaseComponentConfig
 from kompass.expressions import condition_of
 from kompass.monitor.introspection.component_specs import component_spec
@@ -29,6 +29,7 @@ from kompass.rules.schema.actions import Method
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.table import Rule, Table
 from tests.components.alive import Alive
+from tests.components.goals import Goals
 from tests.support.processes import wait_until
 
 pytestmark = pytest.mark.ros
@@ -260,66 +261,43 @@ class Rest(Component):
         return IntelligentRest.Result()
 
 
-class Client:
-    """An action client of the test."""
-
-    def __init__(self, alive: Alive, kind: type, name: str) -> None:
-        self._alive, self._kind = alive, kind
-        self._client = ActionClient(alive.node, kind, name)
-        self.feedback: list[Any] = []
-        wait_until(self._client.server_is_ready, 10, f"the action {name}")
-
-    def send(self, **fields: Any) -> Any:
-        """Send a goal; its handle."""
-        goal = self._kind.Goal(**fields)  # type: ignore[attr-defined]
-        sent = self._client.send_goal_async(goal, feedback_callback=self.feedback.append)
-        wait_until(sent.done, 10, "the answer to the goal")
-        return sent.result()
-
-    def result(self, handle: Any) -> Any:
-        """How a goal ended."""
-        ended = handle.get_result_async()
-        wait_until(ended.done, 10, "the end of the goal")
-        return ended.result()
-
-
 def test_an_action_server_pursues_a_goal_beside_its_loop_and_reports(run: Run) -> None:
     rest = Rest()
     alive = run(rest)
-    client = Client(alive, IntelligentRest, "/rest/intelligent_rest")
-    handle = client.send(period_secs=0.4)
+    goals = Goals(alive, IntelligentRest, "/rest/intelligent_rest")
+    handle = goals.send(period_secs=0.4)
     assert handle.accepted
     assert alive.execute("broadcast_status").success, "the loop goes on"
-    assert client.result(handle).status == SUCCEEDED
-    assert client.feedback
+    assert goals.result(handle).status == SUCCEEDED
+    assert goals.feedback
 
 
 def test_a_second_goal_is_refused_until_the_first_has_ended(run: Run) -> None:
     rest = Rest()
-    client = Client(run(rest), IntelligentRest, "/rest/intelligent_rest")
-    first = client.send(period_secs=60.0)
+    goals = Goals(run(rest), IntelligentRest, "/rest/intelligent_rest")
+    first = goals.send(period_secs=60.0)
     assert rest.begun.wait(5)
-    assert not client.send(period_secs=0.0).accepted
-    first.cancel_goal_async()
-    assert client.result(first).status == CANCELED
-    again = client.send(period_secs=0.0)
+    assert not goals.send(period_secs=0.0).accepted
+    goals.cancel(first)
+    assert goals.result(first).status == CANCELED
+    again = goals.send(period_secs=0.0)
     assert again.accepted
-    assert client.result(again).status == SUCCEEDED
+    assert goals.result(again).status == SUCCEEDED
 
 
 def test_deactivation_ends_the_goal_and_refuses_the_next(run: Run) -> None:
     rest = Rest()
     alive = run(rest)
-    client = Client(alive, IntelligentRest, "/rest/intelligent_rest")
-    handle = client.send(period_secs=60.0)
+    goals = Goals(alive, IntelligentRest, "/rest/intelligent_rest")
+    handle = goals.send(period_secs=60.0)
     assert rest.begun.wait(5)
     assert alive.execute("stop").success
-    assert client.result(handle).status == ABORTED
+    assert goals.result(handle).status == ABORTED
     assert rest.left.wait(5), "the hook sees that its goal is over"
-    assert not client.send(period_secs=0.0).accepted
+    assert not goals.send(period_secs=0.0).accepted
     assert alive.execute("start").success
     status_comes(alive, HEALTHY)
-    assert client.result(client.send(period_secs=0.0)).status == SUCCEEDED
+    assert goals.result(goals.send(period_secs=0.0)).status == SUCCEEDED
 
 
 def test_an_action_callback_may_be_a_coroutine(run: Run) -> None:
@@ -331,8 +309,8 @@ def test_an_action_callback_may_be_a_coroutine(run: Run) -> None:
 
     component = Async("later", main_action_type=IntelligentRest)
     component.main_action_name = "later/rest"
-    client = Client(run(component), IntelligentRest, "/later/rest")
-    assert client.result(client.send(period_secs=0.1)).status == SUCCEEDED
+    goals = Goals(run(component), IntelligentRest, "/later/rest")
+    assert goals.result(goals.send(period_secs=0.1)).status == SUCCEEDED
 
 
 def test_an_action_callback_that_raises_aborts_its_goal_and_says_why(run: Run) -> None:
@@ -347,13 +325,13 @@ def test_an_action_callback_that_raises_aborts_its_goal_and_says_why(run: Run) -
 
     component = Broken("broken", main_action_type=MotionRecording)
     alive = run(component)
-    client = Client(alive, MotionRecording, "/broken/motion_recording")
-    ended = client.result(client.send())
+    goals = Goals(alive, MotionRecording, "/broken/motion_recording")
+    ended = goals.result(goals.send())
     assert ended.status == ABORTED
     assert ended.result.message == "ZeroDivisionError: no such thing"
     status_comes(alive, COMPONENT, "main_action_callback: ZeroDivisionError: no such thing")
     component.broken = False
-    assert client.result(client.send()).status == SUCCEEDED
+    assert goals.result(goals.send()).status == SUCCEEDED
     status_comes(alive, HEALTHY)
 
 
@@ -364,8 +342,8 @@ def test_what_is_no_result_is_said_and_the_goal_is_not_won(run: Run, given: obje
             return given
 
     alive = run(Forgetful("forgetful", main_action_type=IntelligentRest))
-    client = Client(alive, IntelligentRest, "/forgetful/intelligent_rest")
-    assert client.result(client.send()).status == ABORTED
+    goals = Goals(alive, IntelligentRest, "/forgetful/intelligent_rest")
+    assert goals.result(goals.send()).status == ABORTED
     status_comes(alive, COMPONENT, "return the result, a IntelligentRest.Result")
 
 
@@ -647,14 +625,19 @@ def test_a_publisher_takes_plain_values(
     assert told(heard[-1])
 
 
-def test_arrays_keep_their_shape_on_the_way(run: Run) -> None:
-    from kompass.components.base.values import message_of, value_of
-
-    array = np.arange(6.0).reshape(2, 3)
-    sent = message_of(Float32MultiArray, array)
-    np.testing.assert_array_equal(value_of(sent), array)
-    pose = message_of(PoseStamped, (1.0, 2.0, 0.5, 0.3))
-    np.testing.assert_allclose(value_of(pose), (1.0, 2.0, 0.5, 0.3))
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [
+        (Float32MultiArray, np.arange(6.0).reshape(2, 3)),
+        (Float32MultiArray, [[1, 2], [3, 4]]),
+        (Int32MultiArray, [-(2**31), 2**31 - 1]),
+        (Int32MultiArray, []),
+        (Byte, 7),
+        (PoseStamped, (1.0, 2.0, 0.5, 0.3)),
+    ],
+)
+def test_values_read_as_they_were_written(kind: type, value: Any) -> None:
+    np.testing.assert_allclose(value_of(message_of(kind, value)), value)
 
 
 @pytest.mark.parametrize(
@@ -666,6 +649,10 @@ def test_arrays_keep_their_shape_on_the_way(run: Run) -> None:
         ("Bool", 1, "1 makes no Bool; give True or False"),
         ("String", 3, "3 makes no String; give a text"),
         ("Twist", (1.0, 2.0), r"\(there are 2\); give \(vx, vy, omega\)"),
+        ("Int32", 2**31, r"makes no Int32 \(data = 2147483648: .*int32: -2147483648 to 2147483647"),
+        ("Float32", 1e300, r"makes no Float32 .*float32"),
+        ("String", "\ud800", "makes no String .*surrogate"),
+        ("Float32MultiArray", [0.0, 1e300], r"makes no Float32MultiArray \(data\[1\] = 1e\+300"),
         ("String", {"text": "x"}, "has no field 'text'"),
         ("PoseStamped", Bool(), "give .* a PoseStamped message"),
     ],
@@ -882,8 +869,8 @@ def test_a_safe_restart_on_the_thread_of_a_goal_is_refused(run: Run) -> None:
                 pass
 
     alive = run(Restless("restless", main_action_type=MotionRecording))
-    client = Client(alive, MotionRecording, "/restless/motion_recording")
-    ended = client.result(client.send())
+    goals = Goals(alive, MotionRecording, "/restless/motion_recording")
+    ended = goals.result(goals.send())
     assert ended.status == ABORTED
     assert "make main_action_callback an 'async def'" in ended.result.message
     assert alive.component.is_active

@@ -38,6 +38,10 @@ class ToyRobot:
         node.create_timer(PERIOD, self._tick)
         wait_until(self._found, 10, "a listener to the scan or the odometry")
 
+    def is_halted(self) -> bool:
+        """Whether the newest command is zero; it may come after the answer of who sent it."""
+        return bool(self.commands) and self.commands[-1] == (0.0, 0.0)
+
     def _found(self) -> bool:
         return bool(self._odometry.get_subscription_count())
 

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import closing, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -87,15 +87,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def stack(folder: Path) -> Iterator[Stack]:
-    running = Stack(
-        *("run", str(folder / "lamp.py"), "--no-browser", "--port", "0"),
-        *("--name", "desk lamp", "--data-dir", str(folder / "data")),
-    )
-    try:
-        running.wait_for_line("all components active", 20)
+    options = ("--name", "desk lamp", "--data-dir", str(folder / "data"))
+    with closing(Stack.active(folder / "lamp.py", *options)) as running:
         yield running
-    finally:
-        running.close()
 
 
 @pytest.fixture(scope="module")

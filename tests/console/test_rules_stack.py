@@ -8,6 +8,7 @@ import os
 import re
 import signal
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -29,19 +30,14 @@ LAB = Path(__file__).parents[1] / "recipes" / "rules_lab.py"
 @pytest.fixture(scope="module")
 def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
     folder = str(tmp_path_factory.mktemp("lab"))
-    started = Stack("run", str(LAB), "--no-browser", "--port", "0", LAB_FOLDER=folder)
-    try:
-        started.wait_for_line("all components active", 60)
-        yield started
-    finally:
-        started.close()
+    with closing(Stack.active(LAB, LAB_FOLDER=folder)) as running:
+        yield running
 
 
 @pytest.fixture(scope="module")
 def robot(stack: Stack) -> Iterator[Robot]:
-    tester = Robot(stack.domain)
-    yield tester
-    tester.close()
+    with closing(Robot(stack.domain)) as client:
+        yield client
 
 
 @contextlib.contextmanager

@@ -309,6 +309,29 @@ def test_what_cannot_be_carried_out_is_refused_and_adds_nothing(
     assert launcher.components == []
 
 
+@pytest.mark.parametrize("when", ["added", "configured", "brought up"])
+def test_a_file_that_one_component_refuses_changes_none(when: str, tmp_path: Path) -> None:
+    path = tmp_path / "robot.yaml"
+    path.write_text(
+        "planner:\n  loop_rate: 3.0\n"
+        "  inputs: {location: {name: /pose, msg_type: PoseStamped}}\n"
+        "controller:\n  loop_rate: -1.0\n"
+    )
+    components = [planner := Planner(), Controller()]
+    rate, location = planner.loop_rate, planner.in_topic_name("location")
+    launcher = Launcher(config_file=str(path) if when == "added" else None)
+    if when != "added":
+        launcher.kompass(components)
+    refused: dict[str, Callable[[], Any]] = {
+        "added": lambda: launcher.kompass(components),
+        "configured": lambda: launcher.configure(str(path)),
+        "brought up": lambda: launcher.bringup(str(path)),
+    }
+    with pytest.raises(ConfigFileError, match="'loop_rate' = -1"):
+        refused[when]()
+    assert (planner.loop_rate, planner.in_topic_name("location")) == (rate, location)
+
+
 @pytest.mark.parametrize("name", ["introspect", "launch_debug"])
 def test_what_another_launch_system_does_is_refused(name: str) -> None:
     launcher = Launcher()

@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any
 
 import pytest
-import rclpy
 from kompass_interfaces.msg import RuleFiring
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
@@ -19,14 +18,11 @@ from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import Start
-from kompass.rclpy_ext.executor import TaskExecutor
-from kompass.rclpy_ext.node import PlainNode
 from kompass.recipe.table import recipe_rules
 from kompass.rules.engine.compiled_table import compile_table
 from tests.recipe.plain_model import World
 from tests.recipe.random_recipes import DRIVER, KINDS, PLANNER, Recipe, Writer, plain, value_of
-from tests.support.domains import next_domain
-from tests.support.spinning import Spinning
+from tests.support.spinning import Spinning, spinner
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 MESSAGES = 12
@@ -110,13 +106,8 @@ def told(world: World) -> list[tuple[int, list[tuple[bool, str]]]]:
 @pytest.fixture
 def fresh() -> Iterator[Spinning]:
     """A node for each recipe: a monitor's subscriptions last as long as its node."""
-    rclpy.init(args=[], domain_id=next_domain())
-    node = PlainNode("tester")
-    executor = TaskExecutor()
-    executor.add_node(node)
-    yield Spinning(node, executor)
-    node.destroy_node()
-    rclpy.shutdown()
+    with spinner() as one:
+        yield one
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -1,6 +1,7 @@
 """What comes and goes under the events executor takes nobody with it."""
 
 import time
+from typing import Any
 
 import pytest
 import rclpy
@@ -9,8 +10,9 @@ from std_msgs.msg import Int32
 
 from kompass.components.base.node import ComponentNode
 from kompass.rclpy_ext.executor import TaskExecutor
-from kompass.rclpy_ext.node import NodeOnDDS, PlainNode
+from kompass.rclpy_ext.node import NodeOnDDS, PlainNode, of_others
 from tests.support.domains import give_back, next_domain
+from tests.support.spinning import Spinning
 
 pytestmark = pytest.mark.ros
 
@@ -50,3 +52,18 @@ def test_readers_and_writers_that_do_not_fit_each_other_come_and_go() -> None:
 
 def test_components_are_spared_too() -> None:
     assert issubclass(ComponentNode, NodeOnDDS)
+
+
+def test_a_node_of_the_same_name_in_another_namespace_is_another_one(spinning: Spinning) -> None:
+    own = spinning.node
+    twin = rclpy.create_node(own.get_name(), namespace="/other_robot")
+    try:
+        publishers = [node.create_publisher(Int32, "/shared", 10) for node in (own, twin)]
+
+        def found() -> list[Any]:
+            return list(own.get_publishers_info_by_topic("/shared"))
+
+        spinning.until(lambda: len(found()) == len(publishers))
+        assert [each.node_namespace for each in of_others(own, found())] == ["/other_robot"]
+    finally:
+        twin.destroy_node()

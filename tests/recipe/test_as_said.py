@@ -150,6 +150,20 @@ def test_a_function_that_is_alone_keeps_its_name() -> None:
     assert (list(made.polled), list(made.functions)) == (["check"], ["check"])
 
 
+@pytest.mark.parametrize("text", ["$5", "$$", "$msg", "$topic[/odom]", "paid in $msgs"])
+def test_a_condition_is_asked_with_the_text_that_it_was_given(text: str) -> None:
+    asked: list[str] = []
+
+    def is_paid(text: str) -> bool:
+        asked.append(text)
+        return True
+
+    made = read({Event(Action(is_paid, args=(text,))): LogInfo(msg="x")})
+    (ask,) = made.polled.values()
+    assert ask()
+    assert asked == [text]
+
+
 def test_one_function_asked_at_two_rates_is_asked_at_both() -> None:
     low = near(0.5)
     made = read(

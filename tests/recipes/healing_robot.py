@@ -77,7 +77,10 @@ silent = Topic(name="/test/silent", msg_type="Bool")
 first = Topic(name="/test/first", msg_type="Bool")
 second = Topic(name="/test/second", msg_type="Int32")
 odometry = Topic(name="/odometry/filtered", msg_type="Odometry")
-moving = odometry.msg.twist.twist.linear.x > 0.05
+speed = odometry.msg.twist.twist.linear.x
+moving = (speed > 0.05) & armed.msg.data.is_true()
+# The speed is measured with noise: moving above one bound, standing below another.
+sets_off = Event(moving, on_change=True).as_rule("sets-off", clear=speed < 0.01)
 
 launcher = Launcher()
 launcher.kompass(
@@ -112,7 +115,8 @@ launcher.kompass(
         # Conditions over several topics.
         Event(~silent.msg.data.is_true()): LogInfo(msg="not true"),
         Event(first.msg.data.is_true() & (second.msg.data > 0), on_change=True): LogInfo(msg="4"),
-        Event(moving & armed.msg.data.is_true(), on_change=True): LogInfo(msg="5"),
+        Event(moving, on_change=True): LogInfo(msg="5"),
+        sets_off: LogInfo(msg="6"),
     },
     activate_all_components_on_start=True,
     multi_processing=True,

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -44,16 +45,11 @@ class Lab:
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     folder = tmp_path_factory.mktemp("lab")
-    stack = Stack("run", str(LAB), "--no-browser", "--port", "0", LAB_FOLDER=str(folder))
-    try:
-        stack.wait_for_line("all components active", 20)
-        robot = Robot(stack.domain)
-        try:
-            yield Lab(stack, robot, folder)
-        finally:
-            robot.close()
-    finally:
-        stack.close()
+    with (
+        closing(Stack.active(LAB, LAB_FOLDER=str(folder))) as stack,
+        closing(Robot(stack.domain)) as robot,
+    ):
+        yield Lab(stack, robot, folder)
 
 
 def test_two_async_conditions_of_one_name_are_both_asked(lab: Lab) -> None:

@@ -5,6 +5,7 @@ import json
 import os
 import signal
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -25,23 +26,17 @@ SUCCEEDED, ABORTED = 4, 6
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Stack]:
-    running = Stack.simulated(recipe=RECIPE)
-    try:
+    with closing(Stack.simulated(recipe=RECIPE)) as running:
         yield running
-    finally:
-        running.close()
 
 
 @pytest.fixture(scope="module")
 def robot(stack: Stack) -> Iterator[Robot]:
-    client = Robot(stack.domain)
-    try:
+    with closing(Robot(stack.domain)) as client:
         client.ready()
         for name in ("planner", "controller", "mapper", "drive_manager"):
             client.subscribe(ComponentStatus, f"/{name}/status", LATCHED)
         yield client
-    finally:
-        client.close()
 
 
 def execute(robot: Robot, component: str, name: str, **kwargs: Any) -> ExecuteMethod.Response:

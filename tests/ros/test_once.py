@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from contextlib import closing
 
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
@@ -19,23 +20,10 @@ HEALING = RECIPE.with_name("04_cross_component_healing.py")
 LATE = 0.2  # s, as was seen of a mapper under load
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def stack() -> Iterator[Stack]:
-    running = Stack.simulated(recipe=HEALING)
-    try:
+    with closing(Stack.simulated(recipe=HEALING)) as running:
         yield running
-    finally:
-        running.close()
-
-
-@pytest.fixture
-def robot(stack: Stack) -> Iterator[Robot]:
-    client = Robot(stack.domain)
-    try:
-        client.ready()
-        yield client
-    finally:
-        client.close()
 
 
 def test_a_late_mapper_does_not_use_up_the_rule_that_its_death_fires(

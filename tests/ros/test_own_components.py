@@ -261,9 +261,8 @@ def test_a_round_that_is_walled_in_tries_again_until_it_is_free_and_goes_on(
 @pytest.fixture(scope="module")
 def mending() -> Iterator[tuple[Stack, Robot]]:
     recipe = RECIPE.parents[1] / "tests" / "recipes" / "mending_components.py"
-    stack = Stack("run", str(recipe), "--no-browser", "--port", "0")
+    stack = Stack.active(recipe)
     for client in started(stack):
-        stack.wait_for_line("all components active", 20)
         yield stack, client
 
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import httpx
@@ -23,21 +24,15 @@ pytestmark = pytest.mark.ros
 
 @pytest.fixture
 def stack() -> Iterator[Stack]:
-    running = Stack.simulated()
-    try:
+    with closing(Stack.simulated()) as running:
         yield running
-    finally:
-        running.close()
 
 
 @pytest.fixture
 def robot(stack: Stack) -> Iterator[Robot]:
-    client = Robot(stack.domain)
-    try:
+    with closing(Robot(stack.domain)) as client:
         client.ready()
         yield client
-    finally:
-        client.close()
 
 
 def alive(pid: int) -> bool:

@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -42,21 +43,15 @@ SECONDS = 12.0
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Stack]:
     """Recipe 01 with the embedded robot; firings of any severity are kept."""
-    running = Stack.simulated(KOMPASS_KEEP_FIRINGS="critical")
-    try:
+    with closing(Stack.simulated(KOMPASS_KEEP_FIRINGS="critical")) as running:
         yield running
-    finally:
-        running.close()
 
 
 @pytest.fixture(scope="module")
 def reality(robot: Robot) -> Iterator[Reality]:
     """The client that has the robot drive."""
-    made = Reality(robot)
-    try:
+    with closing(Reality(robot)) as made:
         yield made
-    finally:
-        made.close()
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ import resource
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -38,25 +39,15 @@ reality.result(handle, 600)
 
 @pytest.fixture(scope="module")
 def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
-    running = Stack(
-        *("run", str(LAB), "--no-browser", "--port", "0"),
-        LAB_FOLDER=str(tmp_path_factory.mktemp("lab")),
-        KOMPASS_ROBOT_NAME="needy",
-    )
-    try:
-        running.wait_for_line("all components active", 20)
+    folder = str(tmp_path_factory.mktemp("lab"))
+    with closing(Stack.active(LAB, LAB_FOLDER=folder, KOMPASS_ROBOT_NAME="needy")) as running:
         yield running
-    finally:
-        running.close()
 
 
 @pytest.fixture(scope="module")
 def robot(stack: Stack) -> Iterator[Robot]:
-    client = Robot(stack.domain)
-    try:
+    with closing(Robot(stack.domain)) as client:
         yield client
-    finally:
-        client.close()
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ import statistics
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -79,25 +80,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def stack(folder: Path) -> Iterator[Stack]:
-    running = Stack(
-        *("run", str(LAB), "--no-browser", "--port", "0"),
-        LAB_FOLDER=str(folder),
-        KOMPASS_ROBOT_NAME="lab",
-    )
-    try:
-        running.wait_for_line("all components active", 20)
+    with closing(Stack.active(LAB, LAB_FOLDER=str(folder), KOMPASS_ROBOT_NAME="lab")) as running:
         yield running
-    finally:
-        running.close()
 
 
 @pytest.fixture(scope="module")
 def robot(stack: Stack) -> Iterator[Robot]:
-    client = Robot(stack.domain)
-    try:
+    with closing(Robot(stack.domain)) as client:
         yield client
-    finally:
-        client.close()
 
 
 @pytest.fixture(scope="module")
@@ -275,10 +265,12 @@ def test_what_nobody_confirms_is_taken_back_and_says_so(rules: Rules) -> None:
 
 def test_what_is_confirmed_stays_and_can_be_rolled_back(rules: Rules) -> None:
     before = rules.view()
-    revision = rules.must_apply([*rules.rules(), rule("kept", compare("a", ">", 1))], probation=0.7)
+    probation = patient(0.7)
+    new = [*rules.rules(), rule("kept", compare("a", ">", 1))]
+    revision = rules.must_apply(new, probation=probation)
     assert not rules.confirm(revision, role="viewer").success
     assert rules.confirm(revision).success
-    time.sleep(1.0)
+    time.sleep(probation)  # nothing happens: there is nothing else to wait for
     assert rules.view().revision == revision
     assert rules.roll_back(role="viewer").outcome == Request.REFUSED
     answer = rules.roll_back()

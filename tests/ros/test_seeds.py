@@ -4,6 +4,7 @@ import os
 import re
 import signal
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
@@ -62,21 +63,8 @@ def recipe(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def stack(run: Run, recipe: Path) -> Iterator[Stack]:
-    running = Stack.simulated(*["--single-process"] * run.single, recipe=recipe)
-    try:
+    with closing(Stack.simulated(*["--single-process"] * run.single, recipe=recipe)) as running:
         yield running
-    finally:
-        running.close()
-
-
-@pytest.fixture(scope="module")
-def robot(stack: Stack) -> Iterator[Robot]:
-    client = Robot(stack.domain)
-    try:
-        client.ready()
-        yield client
-    finally:
-        client.close()
 
 
 def test_a_clicked_point_drives_the_robot_there_and_the_goal_succeeds(

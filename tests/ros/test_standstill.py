@@ -6,7 +6,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -42,12 +42,9 @@ class Driver(Robot):
 
 @pytest.fixture
 def robot(stack: Stack) -> Iterator[Driver]:
-    client = Driver(stack.domain)
-    try:
+    with closing(Driver(stack.domain)) as client:
         client.ready()
         yield client
-    finally:
-        client.close()
 
 
 @contextmanager

@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -99,21 +100,15 @@ class Watched(Robot):
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Stack]:
-    running = Stack.simulated(recipe=RECIPE)
-    try:
+    with closing(Stack.simulated(recipe=RECIPE)) as running:
         yield running
-    finally:
-        running.close()
 
 
 @pytest.fixture(scope="module")
 def robot(stack: Stack) -> Iterator[Watched]:
-    client = Watched(stack)
-    try:
+    with closing(Watched(stack)) as client:
         client.ready()
         yield client
-    finally:
-        client.close()
 
 
 def test_a_killed_mapper_is_answered_within_half_a_second(stack: Stack, robot: Watched) -> None:

@@ -306,6 +306,20 @@ def test_rules_that_set_one_thing_to_two_values_at_once_contradict(
     assert "contradiction" not in codes(*alike)
 
 
+@pytest.mark.parametrize(("value", "told"), [("$$5", ["contradiction"]), ("$msg.text", [])])
+def test_what_a_message_brings_contradicts_nothing_and_a_text_may(
+    value: str, told: list[str]
+) -> None:
+    set_prices = [
+        UpdateParameters(component="controller", parameters={"price": price})
+        for price in ("$$6", value)
+    ]
+    pair = [
+        acting(each, rule_id) for rule_id, each in zip(("one", "other"), set_prices, strict=True)
+    ]
+    assert codes(*pair) == told
+
+
 def test_starting_and_stopping_one_component_contradicts_but_not_in_one_rule() -> None:
     pair = [acting(start("mapper"), "one"), acting(stop("mapper"), "other")]
     assert codes(*pair) == ["contradiction"]

@@ -33,6 +33,7 @@ from tests.rules.building import compare, rule
             Method(component="c", method="turn", kwargs={"angle": "$msg.yaw", "fast": True}),
             "c: turn (angle = $msg.yaw, fast = true)",
         ),
+        (Method(component="c", method="pay", kwargs={"price": "$$5"}), 'c: pay (price = "$5")'),
         (Lifecycle(component="mapper", action="restart"), "restart mapper"),
         (
             UpdateParameters(component="controller", parameters={"use_direct_sensor": True}),

@@ -29,7 +29,7 @@ CONTROLLER = ComponentSpec(
         "unblock": MethodSpec("unblock", open=True),
     },
     parameters={
-        "algorithm": ParameterSpec("algorithm", "text", options=("DWA", "Stanley")),
+        "algorithm": ParameterSpec("algorithm", "text", options=("DWA", "Stanley", "$5")),
         "loop_rate": ParameterSpec("loop_rate", "float", minimum=1.0, maximum=100.0),
         "use_direct_sensor": ParameterSpec("use_direct_sensor", "bool"),
         "span": ParameterSpec("span", "int", optional=True),
@@ -65,6 +65,7 @@ def problems(action: Any) -> list[str]:
         UpdateParameters(component="controller", parameters={"loop_rate": 10, "span": None}),
         UpdateParameters(component="controller", parameters={"robot.radius": 0.1, "extra.a": 1}),
         UpdateParameters(component="controller", parameters={"robot": {"radius": 0.1}}),
+        UpdateParameters(component="controller", parameters={"algorithm": "$$5"}),
         Reconfigure(component="controller", config="controller.yaml"),
         Reconfigure(component="controller", config={"algorithm": "DWA"}),
         Python(name="say_hello"),

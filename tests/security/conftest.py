@@ -1,5 +1,6 @@
-"""What an attacker meets: the console of the other tests."""
+"""What an attacker meets: the console of the other tests, and a robot of its own."""
 
 from tests.console.conftest import console, domain
+from tests.support.running import robot
 
-__all__ = ["console", "domain"]
+__all__ = ["console", "domain", "robot"]

@@ -63,13 +63,9 @@ def recipe(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @contextlib.contextmanager
 def robot_on(host: Host, recipe: Path, *options: str, **environment: str) -> Iterator[Stack]:
     """A stack on a host, ready."""
-    command = ("run", str(recipe), "--no-browser", "--port", "0", *options)
-    stack = Stack(*command, domain=None, through=host.enter, **environment)
-    try:
-        stack.wait_for_line("all components active", 20)
+    started = Stack.active(recipe, *options, through=host.enter, **environment)
+    with contextlib.closing(started) as stack:
         yield stack
-    finally:
-        stack.close()
 
 
 class Asking:

@@ -3,6 +3,7 @@
 import json
 import random
 from collections.abc import Iterator
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -46,21 +47,8 @@ PRESSED = {"kind": "received", "signal": signal("press", "", "Bool")}
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Stack]:
-    running = Stack.simulated(recipe=RECIPE)
-    try:
+    with closing(Stack.simulated(recipe=RECIPE)) as running:
         yield running
-    finally:
-        running.close()
-
-
-@pytest.fixture(scope="module")
-def robot(stack: Stack) -> Iterator[Robot]:
-    client = Robot(stack.domain)
-    try:
-        client.ready()
-        yield client
-    finally:
-        client.close()
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import pytest
 import rclpy
@@ -32,8 +33,9 @@ class Spinning:
             self.executor.spin_once(timeout_sec=0.02)
 
 
-@pytest.fixture(scope="module")
-def spinning() -> Iterator[Spinning]:
+@contextmanager
+def spinner() -> Iterator[Spinning]:
+    """A node on a ROS domain of its own, with an executor that the test spins."""
     rclpy.init(args=[], domain_id=next_domain())
     node = PlainNode("tester")
     executor = TaskExecutor()
@@ -41,3 +43,9 @@ def spinning() -> Iterator[Spinning]:
     yield Spinning(node, executor)
     node.destroy_node()
     rclpy.shutdown()
+
+
+@pytest.fixture(scope="module")
+def spinning() -> Iterator[Spinning]:
+    with spinner() as one:
+        yield one

@@ -64,8 +64,15 @@ class Stack:
     @classmethod
     def simulated(cls, *arguments: str, recipe: Path = RECIPE, **environment: str) -> "Stack":
         """A recipe with the embedded robot, ready to drive."""
-        command = ("run", str(recipe), "--sim", "--no-browser", "--port", "0", *arguments)
-        stack = cls(*command, domain=None, **environment)
+        return cls.active(recipe, "--sim", *arguments, **environment)
+
+    @classmethod
+    def active(
+        cls, recipe: Path, *arguments: str, through: Sequence[str] = (), **environment: str
+    ) -> "Stack":
+        """A recipe, once all of its components are active."""
+        command = ("run", str(recipe), "--no-browser", "--port", "0", *arguments)
+        stack = cls(*command, domain=None, through=through, **environment)
         try:
             stack.wait_for_line("all components active", 20)
         except AssertionError:

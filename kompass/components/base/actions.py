@@ -14,6 +14,7 @@ from typing import Any, TypeVar, overload
 
 from pydantic import PydanticUserError, TypeAdapter, ValidationError
 
+from kompass.invalid import first_invalid
 from kompass.rclpy_ext.messages import fill
 
 ATTRIBUTE = "__component_action__"
@@ -141,7 +142,7 @@ def fitted_call(
         try:
             fitted[name] = _fitted(hints.get(name, Any), value)
         except (ValueError, AttributeError) as error:
-            why = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
+            why = first_invalid(error).text if isinstance(error, ValidationError) else str(error)
             raise ActionRefused(
                 f"{owner}.{method.__name__}: {name} = {value!r}: {why}; it takes "
                 f"{signature_text(signature)}"

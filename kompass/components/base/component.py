@@ -12,7 +12,6 @@ from automatika_ros_sugar.msg import ComponentStatus
 from rclpy.task import Future
 
 from kompass.access.gatekeeper import Gatekeeper
-from kompass.arguments import named_arguments
 from kompass.bus.clock import SYSTEM, Clock
 from kompass.bus.node import LifecycleNode, MakeNode
 from kompass.components.base.actions import (
@@ -47,6 +46,7 @@ from kompass.components.base.ports import (
 )
 from kompass.components.base.services import ComponentServices
 from kompass.components.base.topics import DeclaredTopics, by_key
+from kompass.named_arguments import named_arguments
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.settings import notice_once

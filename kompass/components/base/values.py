@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from kompass.components.base.convert import pose_of, quaternion_msg
-from kompass.rclpy_ext.messages import fill
+from kompass.rclpy_ext.messages import fill, part_to_plain
 
 _NUMBERS = {
     **dict.fromkeys(("Float32", "Float64"), float),
@@ -27,7 +27,7 @@ def value_of(message: Any) -> Any:
     """
     kind = type(message).__name__
     if kind in _NUMBERS or kind in ("Bool", "String"):
-        return message.data
+        return part_to_plain(message.data)
     if kind in _ARRAYS:
         array = np.array(message.data)
         shape = [dimension.size for dimension in message.layout.dim]
@@ -93,15 +93,13 @@ def _number(kind: type[Any], value: Any) -> Any:
     fits = numbers.Real if wanted is float else numbers.Integral
     if isinstance(value, bool | np.bool_) or not isinstance(value, fits):
         raise TypeError
-    if kind.__name__ == "Byte":
-        return kind(data=bytes([wanted(value)]))
-    return kind(data=wanted(value))
+    return fill(kind(), {"data": wanted(value)})
 
 
 def _text(kind: type[Any], value: Any) -> Any:
     if not isinstance(value, str):
         raise TypeError
-    return kind(data=value)
+    return fill(kind(), {"data": value})
 
 
 def _truth(kind: type[Any], value: Any) -> Any:
@@ -114,12 +112,10 @@ def _array(kind: type[Any], value: Any) -> Any:
     from std_msgs.msg import MultiArrayDimension
 
     array = np.asarray(value)
-    if array.dtype.kind not in ("fiu" if kind.__name__.startswith("Float") else "iu"):
+    fits = "fiu" if kind.__name__.startswith("Float") else "iu"
+    if array.size and array.dtype.kind not in fits:
         raise TypeError
-    message = kind(data=array.ravel().tolist())
-    # Floats are kept as floats, also when whole numbers were given.
-    if kind.__name__.startswith("Float"):
-        message.data = [float(each) for each in array.ravel()]
+    message = fill(kind(), {"data": array.ravel().tolist()})
     stride = array.size
     for index, size in enumerate(array.shape):
         label = f"axis {index}"

@@ -11,6 +11,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from kompass.bus.node import Node
 from kompass.rclpy_ext.messages import ros_class
+from kompass.rclpy_ext.node import of_others
 from kompass.rclpy_ext.qos import best_for
 from kompass.recipe.fallbacks import FallbackSequence
 from kompass.recipe.parsed import Parsed
@@ -194,7 +195,7 @@ class Publishers:
 
     def _should_latch(self, key: Target, now: bool) -> bool:
         infos = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(key.topic))
-        others = [info for info in infos if info.node_name != self._node.get_name()]
+        others = of_others(self._node, infos)
         return best_for(others).latched if others else now
 
     def _retire(self, each: RulePublisher) -> None:

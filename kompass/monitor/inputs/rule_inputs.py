@@ -11,6 +11,7 @@ from rclpy.serialization import deserialize_message
 
 from kompass.bus.node import Node
 from kompass.rclpy_ext.messages import ros_class
+from kompass.rclpy_ext.node import of_others
 from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, ReaderQoS, best_for
 from kompass.rules.engine.compiled_table import CompiledTable
 
@@ -157,7 +158,7 @@ class RuleInputs:
         """The best that every publisher of a topic offers."""
         infos = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(name))
         # What rules publish with gives way to whoever else speaks there.
-        infos = [info for info in infos if info.node_name != self._node.get_name()] or infos
+        infos = of_others(self._node, infos) or infos
         fitting = [info for info in infos if info.topic_type == type_name]
         if infos and not fitting:
             self.broken[name] = f"/{name} is published as {infos[0].topic_type}, not as {type_name}"

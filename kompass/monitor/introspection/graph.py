@@ -9,6 +9,7 @@ from rclpy.qos import DurabilityPolicy
 from kompass.bus.node import Node
 from kompass.monitor.introspection.catalog import RecipeCatalog, status_topics
 from kompass.monitor.introspection.message_types import constants
+from kompass.rclpy_ext.node import of_others
 from kompass.rulebook.lint.context import LintContext, TopicFacts
 from kompass.rulebook.schema.graph_view import (
     ComponentView,
@@ -113,7 +114,7 @@ class Graph:
                 continue
             infos = self._node.get_publishers_info_by_topic(full)
             if name in own:
-                infos = [info for info in infos if info.node_name != self._node.get_name()]
+                infos = of_others(self._node, infos)
             latched = bool(infos) and all(
                 info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in infos
             )

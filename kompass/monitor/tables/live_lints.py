@@ -50,7 +50,7 @@ class LiveLints:
 
     def foreseen(self, table: CompiledTable) -> Foreseen:
         """A table that may come, as if it were applied now."""
-        listened = self._engine.snapshot().table.by_topic
+        listened = self._engine.in_force.by_topic
         others = {name: kind for name, kind in topics_of(table).items() if name not in listened}
         heard = self._previews.newest(others) if others else {}
         now, in_force, state = self._engine.snapshot()

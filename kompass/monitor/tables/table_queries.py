@@ -70,9 +70,8 @@ class TableQueries:
             robot=self._robot,
             probation_left=self._active.probation_left,
             notice=now.notice,
-            findings=tuple(self._validator.foreseen(compile_table(table)).findings)
-            if current
-            else (),
+            # Nothing in it is new: no condition of it is asked once more.
+            findings=self._validator.found(table, {}) if current else (),
             merge=self._active.merge if current else None,
             safe_mode=self._safe_mode,
         )

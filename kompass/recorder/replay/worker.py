@@ -21,6 +21,7 @@ from typing import Any, Self
 
 from pydantic import ValidationError
 
+from kompass.invalid import first_invalid
 from kompass.recorder.clip_writer import ClipNotSaved, save_clip
 from kompass.recorder.mcap.contents import NotMcap
 from kompass.recorder.places import BadName
@@ -127,9 +128,8 @@ def main() -> None:
     try:
         say(answer=_JOBS[kind](say, **job))
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        say(error=f"table: {where}: {first['msg']}")
+        invalid = first_invalid(error)
+        say(error=f"table: {invalid.where}: {invalid.text}")
     except _EXPECTED as error:
         say(error=str(error))
 

@@ -9,6 +9,7 @@ from pydantic import JsonValue
 
 from kompass.rulebook.schema.report import Finding
 from kompass.rules.schema.actions import Lifecycle, UpdateParameters
+from kompass.rules.schema.arguments import is_reference
 from kompass.rules.schema.conditions import AllOf, Compare, Condition
 from kompass.rules.schema.describe import describe
 from kompass.rules.schema.model import Scalar
@@ -52,7 +53,7 @@ def _assignments(rule: Rule) -> Iterator[tuple[str, _Assignment]]:
     for index, action in enumerate(rule.actions):
         if isinstance(action, UpdateParameters):
             for name, value in action.parameters.items():
-                if not (isinstance(value, str) and value.startswith("$")):
+                if not is_reference(value):
                     where = f"actions[{index}].parameters.{name}"
                     last[f"{action.component}.{name}"] = _Assignment(rule, where, value)
         elif isinstance(action, Lifecycle) and action.action in _CONTRARY:

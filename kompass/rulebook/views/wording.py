@@ -19,6 +19,7 @@ from kompass.rules.schema.actions import (
     SendGoal,
     UpdateParameters,
 )
+from kompass.rules.schema.arguments import is_reference, meant
 from kompass.rules.schema.describe import describe
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.table import Rule
@@ -101,7 +102,7 @@ def _listed(arguments: Mapping[str, JsonValue]) -> str:
 
 
 def _value(value: JsonValue) -> str:
-    if isinstance(value, str) and value.startswith("$"):
-        return value  # a reference to a message
-    text = json.dumps(value, ensure_ascii=False)
+    if is_reference(value):
+        return str(value)
+    text = json.dumps(meant(value), ensure_ascii=False)
     return text if len(text) <= _LONG else text[: _LONG - 1] + "…"

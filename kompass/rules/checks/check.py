@@ -25,7 +25,7 @@ from kompass.rules.schema.actions import (
     SendGoal,
     arguments_of,
 )
-from kompass.rules.schema.arguments import ArgumentError, expand, references
+from kompass.rules.schema.arguments import ArgumentError, expand, is_reference, meant, references
 from kompass.rules.schema.conditions import (
     CallableCondition,
     Changed,
@@ -276,10 +276,9 @@ def _value(
     catalog: Catalog,
 ) -> Iterator[Problem]:
     """Check a literal against the field that it is for, to its innermost items."""
-    if isinstance(value, str) and value.startswith("$"):
-        if not value.startswith("$$"):
-            return  # what a reference brings is seen when it is there
-        value = value[1:]
+    if is_reference(value):
+        return  # what it brings is seen when it is there
+    value = meant(value)
     if found.kind == "message" and isinstance(value, dict):
         yield from _fields(rule, where, value, type_name, at, catalog)
         return

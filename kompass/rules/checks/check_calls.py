@@ -17,6 +17,7 @@ from kompass.rules.schema.actions import (
     UpdateParameters,
     component_of,
 )
+from kompass.rules.schema.arguments import is_reference, meant
 from kompass.rules.schema.conditions import CallableCondition, Condition, leaves
 from kompass.rules.schema.table import Rule
 
@@ -144,7 +145,7 @@ def _parents(name: str) -> list[str]:
 def _value(
     rule: Rule, where: str, value: JsonValue, spec: ArgumentSpec | ParameterSpec, what: str
 ) -> Iterator[Problem]:
-    if _is_reference(value):
+    if is_reference(value):
         return  # what it brings is seen when it is there
     optional = spec.optional if isinstance(spec, ParameterSpec) else not spec.required
     if value is None and (optional or spec.kind == "any"):
@@ -152,7 +153,7 @@ def _value(
     if not _fits(value, spec.kind):
         text, remedy = f"{what} is {_a(spec.kind)}", f"give {_a(spec.kind)}"
         yield Problem(rule.id, where, value, text, remedy, "wrong-type")
-    elif spec.options and value not in spec.options:
+    elif spec.options and meant(value) not in spec.options:
         options = [str(option) for option in spec.options]
         remedy = nearest(str(value), options, "")
         text = f"{what} is one of: {', '.join(options)}"
@@ -161,13 +162,9 @@ def _value(
         yield from _bounds(rule, where, value, spec, what)
     elif isinstance(value, list):
         for index, item in enumerate(value):
-            if not _is_reference(item) and not _fits(item, spec.element):
+            if not is_reference(item) and not _fits(item, spec.element):
                 text, remedy = f"each item of {what} is {_a(spec.element)}", "correct it"
                 yield Problem(rule.id, f"{where}[{index}]", item, text, remedy, "wrong-type")
-
-
-def _is_reference(value: JsonValue) -> bool:
-    return isinstance(value, str) and value.startswith("$") and not value.startswith("$$")
 
 
 def _bounds(

@@ -80,6 +80,16 @@ def _expanded(value: Any) -> Any:
     return [_expanded(item) for item in value] if isinstance(value, list) else value
 
 
+def is_reference(value: JsonValue) -> bool:
+    """Whether an argument as a whole is taken from a message."""
+    return isinstance(value, str) and value.startswith("$") and not value.startswith("$$")
+
+
+def meant(value: JsonValue) -> JsonValue:
+    """What an argument stands for that is no reference: of ``"$$5"`` the text ``"$5"``."""
+    return value[1:] if isinstance(value, str) and value.startswith("$$") else value
+
+
 def references(value: JsonValue) -> Iterator[tuple[str | None, tuple[str | int, ...]]]:
     """Walk the references in an argument: topic (None for the triggering message) and path.
 
@@ -119,11 +129,11 @@ def _resolve(value: JsonValue, message: Any, messages: Mapping[str, Any], where:
         return {k: _resolve(v, message, messages, f"{where}.{k}") for k, v in value.items()}
     if isinstance(value, list):
         return [_resolve(v, message, messages, f"{where}[{i}]") for i, v in enumerate(value)]
-    if not isinstance(value, str) or not value.startswith("$"):
+    if not isinstance(value, str):
         return value
-    parsed = _parse(value)
+    parsed = _parse(value) if value.startswith("$") else None
     if parsed is None:
-        return value[1:]
+        return meant(value)
     topic, path = parsed
     source = message if topic is None else messages.get(topic)
     if source is None:

@@ -17,6 +17,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from kompass.algorithms.geometry import quaternion_from_yaw
+from kompass.rclpy_ext.node import of_others
 from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.link.goals.goal_follower import ActionStatus, Ending, GoalFollower
 from kompass_console.link.graph.convert import seconds, yaw_of
@@ -158,9 +159,7 @@ class Goals:
         return math.atan2(y - motion.value.pose.y, x - motion.value.pose.x)
 
     def _listened(self, topic: str) -> bool:
-        mine = (self._node.get_name(), self._node.get_namespace())
-        others = self._node.get_subscriptions_info_by_topic(topic)
-        return any((o.node_name, o.node_namespace) != mine for o in others)
+        return bool(of_others(self._node, self._node.get_subscriptions_info_by_topic(topic)))
 
     def _heard_pose(self, message: Any) -> None:
         pose = message.pose

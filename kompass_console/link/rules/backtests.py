@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from pydantic import ValidationError
 
+from kompass.invalid import first_invalid
 from kompass.monitor.client import Backtest, BacktestCanceled, BacktestEnd, NoMonitor, Refused
 from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.link.rules.monitor import MonitorLink
@@ -142,7 +143,7 @@ def _end(run: _Run, done: Future[BacktestEnd]) -> None:
     except Refused as error:
         run.update(state="failed", error=str(error) or "It failed.")
     except ValidationError as error:
-        text = f"The report cannot be read: {error.errors()[0]['msg']}."
+        text = f"The report cannot be read: {first_invalid(error).text}."
         run.update(state="failed", error=text)
     except NoAnswer:
         run.update(state="failed", error="The monitor did not tell how it ended.")

@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from kompass.invalid import first_invalid
 from kompass.monitor.introspection.message_types import MessageTypes
 from kompass.rulebook.views.views import leaf_reading
 from kompass.rules.checks.check import check_rule
@@ -105,7 +106,7 @@ def _compiled(condition: Condition, clear: Condition | None) -> CompiledTable:
     try:
         event = Event(condition=condition, clear=clear)
     except ValidationError as error:
-        text = error.errors()[0]["msg"].removeprefix("Value error, ")
+        text = first_invalid(error).text
         raise ValueError(f"{text[0].upper()}{text[1:]}.") from None
     rule = Rule(id=_RULE, enabled=False, event=event, actions=(Log(text=""),))
     for problem in check_rule(rule, MessageTypes()):

@@ -55,6 +55,6 @@ export const stopRobot = () =>
     http.POST("/api/stop", { body: { reason: "" }, signal: within(STOP_MS), priority: "high" }),
   );
 
-/** A release is on the robot's disk before it is answered, which the console awaits for 4 s. */
+/** A release is on the robot's disk before it is answered, which the console awaits for a few seconds. */
 export const releaseStop = () =>
   answer(http.POST("/api/stop/release", { signal: within(QUICK_MS) }));
