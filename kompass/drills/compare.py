@@ -245,13 +245,13 @@ def _sentence(found: Comparison) -> str:
     parts: list[str] = []
     if found.disturbed:
         instead = (
-            f" instead of {found.through_before}"
+            f" instead of {found.through_before or 'none'}"
             if found.through_after != found.through_before
             else ", as before"
         )
         parts.append(f"Recovers in {found.through_after} of {found.disturbed}{instead}")
     else:
-        parts.append(f"No fault disturbed any of {_several(found.pairs, 'drive')}")
+        parts.append("No fault disturbed any drive")
     if found.slower is not None and abs(found.slower) >= NOTICED:
         parts.append(f"{abs(found.slower):.1f} s {'slower' if found.slower > 0 else 'faster'}")
     for name, old, new in (

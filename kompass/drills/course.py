@@ -156,9 +156,12 @@ class Course:
         return _spells(changes, self.end)
 
     def _lost_goals(self) -> Iterator[Spell]:
+        given = [attempt.sent for attempt in self.attempts if attempt.sent.given]
         for sent, ended in self.attempts:
-            if not sent.given or ended is None or ended.outcome in ("arrived", "preempted"):
+            if not sent.given or ended is None or ended.outcome == "arrived":
                 continue
+            if ended.outcome == "preempted" and any(later.at > sent.at for later in given):
+                continue  # by the next goal of the scenario: it is not missed
             again = [
                 other.sent.at
                 for other in self.same_place(sent)

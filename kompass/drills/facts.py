@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import astuple, dataclass
+from itertools import groupby
 from typing import Literal, TypeAlias, TypeVar
 
 # The names of kompass.components.planner.mission.GoalOutcome, in the order of their numbers.
@@ -305,4 +306,13 @@ _F = TypeVar("_F", bound=Fact)
 
 def in_order(facts: Iterable[_F]) -> tuple[_F, ...]:
     """Facts by their time; those of one time in an order that depends on themselves alone."""
-    return tuple(sorted(facts, key=lambda fact: (fact.at, _ORDER[type(fact)], repr(astuple(fact)))))
+    ordered: list[_F] = []
+    # Few facts share time and kind with another: only these are worth a look at all their fields.
+    for _, group in groupby(sorted(facts, key=_place), key=_place):
+        same = list(group)
+        ordered += same if len(same) == 1 else sorted(same, key=lambda fact: repr(astuple(fact)))
+    return tuple(ordered)
+
+
+def _place(fact: Fact) -> tuple[float, int]:
+    return fact.at, _ORDER[type(fact)]

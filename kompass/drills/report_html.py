@@ -91,7 +91,7 @@ def _head(report: Report) -> str:
     tables = f"rules <b>{_table(report.table)}</b>"
     if report.against is not None:
         tables += f" against <b>{_table(report.against)}</b>"
-    drives = f"{report.summary.drives} drives"
+    drives = _several(report.summary.drives, "drive")
     if report.against is not None:
         drives += " under each"
     seed = "" if report.seed is None else f", seed {report.seed}"
@@ -117,7 +117,7 @@ def _verdict(found: Comparison | None) -> str:
 
 
 def _table(table: TableName) -> str:
-    return f"{escape(table.name)} ({table.rules} rules, {escape(table.hash[:8])})"
+    return f"{escape(table.name)} ({_several(table.rules, 'rule')}, {escape(table.hash[:8])})"
 
 
 def _requirements(report: Report) -> str:
@@ -250,7 +250,7 @@ def _side(name: str, drive: DriveResult, longest: float, *, alert: bool) -> str:
         f"{drive_map(drive, f'Map of {drive.scenario.name} under {name}')}"
         f"{drive_timeline(drive, longest, alert=alert)}"
         f"{f'<ul class=broken>{broken}</ul>' if broken else ''}"
-        f"<details><summary>What happened, {len(drive.moments)} lines</summary>"
+        f"<details><summary>What happened, {_several(len(drive.moments), 'line')}</summary>"
         f"<ol>{''.join(_lines(drive))}</ol></details></div>"
     )
 
@@ -260,7 +260,7 @@ def _lines(drive: DriveResult) -> Iterator[str]:
     for moment in drive.moments:
         firing = firings.get((moment.at, moment.text)) if moment.kind == "firing" else None
         did = "" if firing is None else f"<ul>{''.join(_did(firing))}</ul>"
-        yield f"<li><time>{moment.at:.1f} s</time> {escape(moment.text)}{did}</li>"
+        yield f"<li><time>{moment.at:.1f} s</time><span>{escape(moment.text)}</span>{did}</li>"
 
 
 def _did(firing: FiringResult) -> Iterator[str]:
@@ -289,7 +289,7 @@ def _all_drives(report: Report) -> str:
         names.append(escape(report.against.name))
     names.append(escape(report.table.name))
     return (
-        f"<section><details><summary>All {len(rows)} drives</summary>{_grid(names, rows)}"
+        f"<section><details><summary>All drives ({len(rows)})</summary>{_grid(names, rows)}"
         "</details></section>"
     )
 
@@ -338,6 +338,10 @@ def _grid(
         f'<div class="scroll"><table{kind}><thead><tr>{head}</tr></thead>'
         f"<tbody>{body}</tbody></table></div>"
     )
+
+
+def _several(number: int, one: str) -> str:
+    return f"{number} {one}" if number == 1 else f"{number} {one}s"
 
 
 def _seconds(value: float | None) -> str:

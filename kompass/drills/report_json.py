@@ -102,7 +102,7 @@ class Report(Model):
         if not found.drives:
             return "No drive was made."
         if not found.disturbed:
-            return f"No fault disturbed any of {found.drives} drives."
+            return "No fault disturbed any drive."
         said = f"Recovers in {found.recovered} of {found.disturbed} disturbed drives"
         if found.contacts:
             said += f"; {found.contacts} contact{'s' if found.contacts > 1 else ''}"

@@ -16,7 +16,7 @@ from kompass.simulation.worlds.shapes import Box, Shape
 from kompass.simulation.worlds.world import World
 
 _MARGIN = 0.15  # m around the outer wall
-# What is marked on the map: by kind of moment, its shape and its name; what matters most on top.
+# What is marked on the map: by kind of moment, its shape and its name; what is graver comes later.
 MARKS = {
     "fault": ("▲", "a fault began"),
     "firing": ("◆", "a rule fired"),
@@ -51,12 +51,7 @@ def drive_map(drive: DriveResult, label: str) -> str:
             f"<title>Here the drive ended, after {drive.duration:.1f} s</title></circle>"
         )
     parts.append(_start(drive.scenario.first_pose, unit))
-    parts += (
-        _mark(moment, unit)
-        for kind in MARKS
-        for moment in drive.moments
-        if moment.kind == kind and moment.x is not None
-    )
+    parts += _marks(drive.moments, unit)
     return (
         f'<svg class="map" viewBox="{view}" role="img" aria-label="{escape(label, quote=True)}">'
         f"{''.join(parts)}</svg>"
@@ -140,20 +135,47 @@ def _goal(x: float, y: float, number: int, unit: float) -> str:
     )
 
 
-def _mark(moment: DriveMoment, unit: float) -> str:
-    assert moment.x is not None
-    assert moment.y is not None
-    r = unit
+def _marks(moments: Iterable[DriveMoment], unit: float) -> Iterator[str]:
+    """What befell the robot, where it did, the gravest first.
+
+    Of a kind one mark stands for all at that place: the time line has each. Marks of other kinds
+    stand in a row beside it, at the end of a line from where they belong.
+    """
+    placed: list[tuple[float, float]] = []
+    for kind in reversed(MARKS):
+        told: list[tuple[float, float]] = []
+        for moment in moments:
+            if moment.kind != kind or moment.x is None or moment.y is None:
+                continue
+            x, y = moment.x, moment.y
+            if any(math.dist((x, y), other) < 1.9 * unit for other in told):
+                continue
+            told.append((x, y))
+            while any(math.dist((x, y), other) < 1.9 * unit for other in placed):
+                x += 2.0 * unit
+            placed.append((x, y))
+            if x > moment.x:
+                yield (
+                    f'<line class="leader" x1="{_n(moment.x)}" y1="{_n(-y)}" x2="{_n(x)}" '
+                    f'y2="{_n(-y)}"/>'
+                )
+            yield _mark(moment, x, y, unit)
+
+
+def _mark(moment: DriveMoment, x: float, y: float, r: float) -> str:
     shapes = {
         "fault": f"M 0 {_n(-r)} L {_n(0.95 * r)} {_n(0.75 * r)} L {_n(-0.95 * r)} {_n(0.75 * r)} Z",
         "firing": f"M 0 {_n(-r)} L {_n(0.8 * r)} 0 L 0 {_n(r)} L {_n(-0.8 * r)} 0 Z",
-        "contact": (f"M {_n(-r)} {_n(-r)} L {_n(r)} {_n(r)} M {_n(-r)} {_n(r)} L {_n(r)} {_n(-r)}"),
         "stop": f"M {_n(-r)} {_n(-r)} H {_n(r)} V {_n(r)} H {_n(-r)} Z",
+        "contact": (f"M {_n(-r)} {_n(-r)} L {_n(r)} {_n(r)} M {_n(-r)} {_n(r)} L {_n(r)} {_n(-r)}"),
     }
+    shape = shapes[moment.kind]
+    # A cross has no inside that an edge could set off from what lies below.
+    edge = f'<path class="cross-edge" d="{shape}"/>' if moment.kind == "contact" else ""
     return (
-        f'<path class="mark {moment.kind}" d="{shapes[moment.kind]}" '
-        f'transform="translate({_n(moment.x)} {_n(-moment.y)})">'
-        f"<title>{moment.at:.1f} s: {escape(moment.text)}</title></path>"
+        f'<g transform="translate({_n(x)} {_n(-y)})">{edge}'
+        f'<path class="mark {moment.kind}" d="{shape}"/>'
+        f"<title>{moment.at:.1f} s: {escape(moment.text)}</title></g>"
     )
 
 

@@ -64,6 +64,9 @@ svg .goal circle{fill:none;stroke:var(--text);stroke-width:2px;vector-effect:non
 svg .goal .dot{fill:var(--text)}
 .mark{stroke:var(--edge);stroke-width:1.5px;vector-effect:non-scaling-stroke;paint-order:stroke}
 .mark.fault{fill:var(--careful)}.mark.firing{fill:var(--text)}.mark.stop{fill:var(--stop)}
+.cross-edge{stroke:var(--edge);stroke-width:8px;stroke-linecap:round;
+vector-effect:non-scaling-stroke}
+.leader{stroke:var(--muted);stroke-width:1px;vector-effect:non-scaling-stroke}
 .mark.contact{stroke:var(--bad);stroke-width:4px;stroke-linecap:round}
 .point.start,.point.end{color:var(--accent)}.point.goal,.point.firing{color:var(--text)}
 .point.fault{color:var(--careful)}.point.stop{color:var(--stop)}.point.contact{color:var(--bad)}
@@ -84,9 +87,9 @@ border:1px solid var(--careful)}
 summary{cursor:pointer;padding:4px 0;color:var(--accent);font-weight:600}
 summary:focus-visible{outline:2px solid var(--accent);outline-offset:2px}
 details ol{margin:4px 0;padding:0;list-style:none}
-details ol>li{padding:2px 0 2px 4.6em;text-indent:-4.6em}
-details ol ul{margin:2px 0;padding-left:1.2em;text-indent:0}
-time{display:inline-block;width:4.2em;margin-right:.4em;color:var(--muted);text-indent:0}
+details ol>li{display:grid;grid-template-columns:4.4em minmax(0,1fr);padding:2px 0}
+details ol ul{grid-column:2;margin:2px 0;padding-left:1.2em}
+time{color:var(--muted)}
 @media (max-width:700px){body{padding:8px;font-size:16px}header,section,footer{padding:12px}
 h1{font-size:1.4rem}th,td{padding-right:6px}.numbers tbody th{font-size:.95em}
 summary{padding:11px 0}}

@@ -12,9 +12,10 @@ from scipy.stats import binomtest
 from kompass.drills.chance import in_words, sign_test
 from kompass.drills.compare import compare
 from kompass.drills.drive import DriveResult
+from kompass.drills.judge import judge
 from kompass.drills.names import natural
 from kompass.drills.summary import summarize
-from tests.drills.drives import gave_up, recovered, touched, undisturbed
+from tests.drills.drives import arriving, faulted, firing, gave_up, recovered, touched, undisturbed
 
 MAKERS = (recovered, gave_up, touched)
 
@@ -136,3 +137,45 @@ def test_no_number_of_pairs_is_negative() -> None:
 def test_names_are_sorted_as_a_person_counts() -> None:
     names = ["7-10", "7-9", "7-1", "a", "10-1", "7-01"]
     assert sorted(names, key=natural) == ["a", "7-01", "7-1", "7-9", "7-10", "10-1"]
+
+
+def test_what_gets_better_and_what_only_differs_is_told() -> None:
+    found = compare(drives("tg"), drives("rr"))
+    assert found.sentence == "Recovers in 2 of 2 instead of none; one contact fewer."
+    assert [change.change for change in found.changes] == ["better", "better"]
+    other = judge(
+        recovered().scenario,
+        [*firing("another", 12.0), *arriving([(9.0, 17.0)]), *faulted("way_blocked", 8.0, 16.0)],
+    )
+    (change,) = compare([recovered()], [other]).changes
+    assert change.change == "other"
+    assert change.text == (
+        "another fired once instead of never, stuck-unblock fired never instead of once"
+    )
+
+
+def test_as_many_gained_as_lost_is_neither_better_nor_worse() -> None:
+    found = compare(drives("rg"), drives("gr"))
+    assert found.verdict == "mixed"
+    assert found.sentence == "Recovers in 1 of 2, as before."
+
+
+def test_the_same_firings_with_another_end_are_a_difference() -> None:
+    failed = judge(
+        recovered().scenario,
+        [
+            *firing("stuck-unblock", 12.0, ok=False),
+            *arriving([(9.0, 17.0)]),
+            *faulted("way_blocked", 8.0, 16.0),
+        ],
+    )
+    (change,) = compare([recovered()], [failed]).changes
+    assert change.text == "the same rules fired in another order or with another end"
+
+
+def test_a_slower_way_of_an_undisturbed_robot_is_worse() -> None:
+    slow = judge(undisturbed().scenario, arriving([(5.0, 7.0)]))
+    found = compare([undisturbed()], [slow])
+    assert found.sentence == "No fault disturbed any drive; 2.0 s slower."
+    assert found.changes[0].text == "took 23.0 s instead of 21.0 s"
+    assert found.verdict == "may be chance"

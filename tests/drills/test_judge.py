@@ -206,9 +206,20 @@ def test_a_goal_that_the_scenario_itself_replaces_need_not_be_reached() -> None:
         sent(1, 2.0, first), *along(A_WAY, 2.5), ended(5.0, "preempted", "A newer goal."),
         sent(2, 5.0, second), ended(24.0, goal=2), DriveEnded(25.0),
     ]  # fmt: skip
-    assert judge(made, facts).outcome == "arrived"
+    assert judge(made, [*facts, FaultBegan(4.0, "scan_frozen")]).outcome == "arrived"
     follows = made.model_copy(update={"goals": (made.goals[0], Goal(x=second[0], y=1.0))})
     assert judge(follows, facts).outcome == "gave_up"
+
+
+def test_a_goal_that_a_rules_goal_replaces_is_missed_until_it_is_sent_again() -> None:
+    facts: list[Fact] = [
+        sent(), *along(A_WAY, 2.5), *faulted("scan_frozen", 8.0, 12.0),
+        GoalSent(9.0, 2, 9.0, 8.0, 0.1, given=False), ended(9.0, "preempted", "A newer goal."),
+        GoalSent(13.0, 3, *A_WAY[-1], 0.1, given=False), ended(24.0, goal=3), DriveEnded(25.0),
+    ]  # fmt: skip
+    found = judge(scenario(faults=[("scan_frozen", 8.0, 4.0)]), facts)
+    assert (found.outcome, found.recovery) == ("recovered", 5.0)
+    assert found.faults[0].causes == ("goal lost",)
 
 
 def test_touching_the_same_thing_again_at_once_is_one_contact() -> None:

@@ -98,6 +98,10 @@ def test_a_drill_under_one_table_shows_what_went_badly() -> None:
     assert "Touched barrier_across after 9.0 s." in body
     well = make_report(recipe="r.py", table=NEW, drives=[undisturbed(), recovered("1-1")])
     assert "Every drive came through." in report_html(well)
+    assert make_report(recipe="r.py", table=NEW, drives=[]).sentence == "No drive was made."
+    calm = make_report(recipe="r.py", table=NEW, drives=[undisturbed()])
+    assert calm.sentence == "No fault disturbed any drive."
+    assert "No rule fired." in report_html(calm)
 
 
 def test_of_many_drives_some_are_drawn_and_the_rest_is_said() -> None:
@@ -109,7 +113,7 @@ def test_of_many_drives_some_are_drawn_and_the_rest_is_said() -> None:
 class _Tags(HTMLParser):
     """Checks that every tag is closed where it must be, and keeps what would be loaded."""
 
-    VOID = ("meta", "br", "use", "rect", "circle", "polygon", "polyline", "path")
+    VOID = ("meta", "br", "use", "rect", "circle", "polygon", "polyline", "path", "line")
 
     def __init__(self) -> None:
         super().__init__()
