@@ -1,7 +1,7 @@
 """The network between nodes: who is there, who hears whom, and how long it takes.
 
-It knows writers and readers of bytes. A topic has those of its publishers and subscriptions, a
-service two of each, and an action is made of services and topics, as in ROS.
+It knows writers and readers, and not what they write. A topic has those of its publishers and
+subscriptions, a service two of each, and an action is made of services and topics, as in ROS.
 """
 
 from __future__ import annotations
@@ -76,6 +76,8 @@ class Endpoint:
         As in "std_msgs/msg/Bool".
     born
         Monotonic time [ns].
+    number
+        No other endpoint has it.
     closed
         Whether nothing comes in or goes out any more. The others may not know it yet.
     """
@@ -95,7 +97,12 @@ class Endpoint:
         self.born = network.scheduler.now
         self.closed = False
         self.links: list[Link] = []
-        self.gid = network.new_gid(owner)
+        self.number = network.new_number()
+
+    @property
+    def gid(self) -> bytes:
+        """Its id on the network, which begins with that of its process."""
+        return self.owner.prefix + self.number.to_bytes(4, "big")
 
     def close(self) -> None:
         """Take it from the network, which is told at once."""
@@ -104,15 +111,15 @@ class Endpoint:
 
 
 class Writer(Endpoint):
-    """Sends bytes to the readers that it is matched with."""
+    """Sends to the readers that it is matched with."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
-        self._kept: deque[bytes] = deque(maxlen=self.qos.depth)
+        self._kept: deque[Any] = deque(maxlen=self.qos.depth)
         self._keeps = self.qos.latched
         self.network.add(self)
 
-    def send(self, data: bytes) -> None:
+    def send(self, data: Any) -> None:
         """Send to all."""
         if self.closed:
             return
@@ -134,7 +141,7 @@ class Writer(Endpoint):
 
 
 class Reader(Endpoint):
-    """Takes bytes, as many as its depth allows until they are read.
+    """Takes what comes, as much as its depth allows until they are read.
 
     Parameters
     ----------
@@ -145,10 +152,10 @@ class Reader(Endpoint):
     def __init__(self, *args: Any, arrived: Callable[[], object]) -> None:
         super().__init__(*args)
         self._arrived = arrived
-        self.queue: deque[bytes] = deque(maxlen=self.qos.depth)
+        self.queue: deque[Any] = deque(maxlen=self.qos.depth)
         self.network.add(self)
 
-    def arrive(self, data: bytes) -> None:
+    def arrive(self, data: Any) -> None:
         """Take in what comes over the network; the oldest makes room."""
         if self.closed:
             return
@@ -179,7 +186,7 @@ class Link:
         self._spread = nanoseconds(found.slowest) - self._shortest
         self._loss = 0.0 if self.reliable else found.loss
 
-    def send(self, data: bytes) -> None:
+    def send(self, data: Any) -> None:
         """Send on its way."""
         if self._loss and self._random() < self._loss:
             return
@@ -233,7 +240,7 @@ class Network:
         self._writers: dict[tuple[Kind, str], list[Writer]] = {}
         self._readers: dict[tuple[Kind, str], list[Reader]] = {}
         self._nodes: list[NodeEntry] = []
-        self._gids = 0
+        self._numbers = 0
 
     # -- conditions ---------------------------------------------------------------------------
 
@@ -271,10 +278,10 @@ class Network:
 
     # -- who is there -------------------------------------------------------------------------
 
-    def new_gid(self, owner: Owner) -> bytes:
-        """An id for an endpoint of a process."""
-        self._gids += 1
-        return owner.prefix + self._gids.to_bytes(4, "big")
+    def new_number(self) -> int:
+        """A number for an endpoint."""
+        self._numbers += 1
+        return self._numbers
 
     def add_node(self, owner: Owner, name: str, namespace: str) -> NodeEntry:
         """Let others know of a node."""

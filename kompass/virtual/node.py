@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable, Coroutine
 from concurrent.futures import Executor as Threads
 from functools import cache
@@ -13,7 +12,6 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import NodeNameNonExistentError
-from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.task import Future
 from rclpy.time import Time
 from rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
@@ -40,9 +38,10 @@ from kompass.virtual.process import VirtualProcess
 from kompass.virtual.qos import QoS, qos_of
 from kompass.virtual.scheduler import Event, Scheduler, nanoseconds
 from kompass.virtual.threads import VirtualThreads
+from kompass.virtual.wire import Packet
 
 _SERVICE_QOS = qos_of(10, "services")  # rmw_qos_profile_services_default
-_HEADER = struct.Struct("<QQ")  # of a request: client, number; of an answer the same
+Header = tuple[int, int]  # of a request and its answer: the client, and its number there
 
 
 class _Part(Protocol):
@@ -81,9 +80,9 @@ class VirtualPublisher:
         """
         self._check()
         if isinstance(message, self.msg_type):
-            self._writer.send(serialize_message(message))
+            self._writer.send(Packet.of(message))
         elif isinstance(message, bytes):
-            self._writer.send(message)
+            self._writer.send(Packet(data=message))
         else:
             raise TypeError(f"Expected {self.msg_type}, got {type(message)}")
 
@@ -132,8 +131,8 @@ class VirtualSubscription:
         """Handle the oldest message, if there is one."""
         if self._reader.closed or not self._reader.queue:
             return
-        data = self._reader.queue.popleft()
-        self.callback(data if self._raw else deserialize_message(data, self.msg_type))
+        packet = self._reader.queue.popleft()
+        self.callback(packet.data if self._raw else packet.message(self.msg_type))
 
 
 class VirtualService:
@@ -152,12 +151,12 @@ class VirtualService:
         """Handle the oldest request, if there is one."""
         if self._reader.closed or not self._reader.queue:
             return
-        data = self._reader.queue.popleft()
-        request = deserialize_message(data[_HEADER.size :], self.srv_type.Request)
+        header, packet = self._reader.queue.popleft()
+        request = packet.message(self.srv_type.Request)
         response = self.callback(request, self.srv_type.Response())
-        self.send_response(response, data[: _HEADER.size])
+        self.send_response(response, header)
 
-    def send_response(self, response: Any, header: bytes) -> None:
+    def send_response(self, response: Any, header: Header) -> None:
         """Answer the request of a header.
 
         Raises
@@ -169,12 +168,11 @@ class VirtualService:
             raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
         if self._writer.closed:
             return
-        client = _HEADER.unpack(header)[0]
-        data = header + serialize_message(response)
+        answer = header, Packet.of(response)
         for link in self._writer.links:
             # DDS sends answers to all clients of the name, and each keeps its own.
-            if int.from_bytes(link.reader.gid[-4:], "big") == client:
-                link.send(data)
+            if link.reader.number == header[0]:
+                link.send(answer)
 
 
 class VirtualClient:
@@ -189,7 +187,6 @@ class VirtualClient:
             *node.place("response", name, kind, _SERVICE_QOS), arrived=node.to_do(self.take)
         )
         self._writer = Writer(*node.place("request", name, kind, _SERVICE_QOS))
-        self._id = int.from_bytes(self._reader.gid[-4:], "big")
         self.ends: tuple[Endpoint, ...] = (self._reader, self._writer)
 
     def service_is_ready(self) -> bool:
@@ -209,8 +206,7 @@ class VirtualClient:
             raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
         self._check()
         self._asked += 1
-        header = _HEADER.pack(self._id, self._asked)
-        self._writer.send(header + serialize_message(request))
+        self._writer.send(((self._reader.number, self._asked), Packet.of(request)))
         future = self._pending[self._asked] = Future()
         future.add_done_callback(self.remove_pending_request)
         return future
@@ -226,13 +222,12 @@ class VirtualClient:
         """Handle the oldest answer, if there is one."""
         if self._reader.closed or not self._reader.queue:
             return
-        data = self._reader.queue.popleft()
-        number = _HEADER.unpack_from(data)[1]
-        future = self._pending.get(number)
+        header, packet = self._reader.queue.popleft()
+        future = self._pending.get(header[1])
         if future is None:
             return
         future._set_executor(self._node.executor)
-        future.set_result(deserialize_message(data[_HEADER.size :], self.srv_type.Response))
+        future.set_result(packet.message(self.srv_type.Response))
 
     def _check(self) -> None:
         if self._writer.closed and not self._node.process.dead:
