@@ -168,11 +168,10 @@ def test_people_walk_where_there_is_floor_and_stand_where_the_robot_sees_them(
         way = np.linspace(walk.start, walk.goal, 200)
         assert place.on_floor(way).all()
         assert place.distance(way).min() > RADIUS - 0.02
-        across = np.linspace((x, y), np.array(walk.start) / 2 + np.array(walk.goal) / 2, 200)
-        seen = walk.goal if find_way is step_in else across[-1]
-        assert place.distance(np.linspace((x, y), seen, 200)).min() > -0.02
-        ahead = (seen[0] - x) * math.cos(yaw) + (seen[1] - y) * math.sin(yaw)
-        assert 0.65 < ahead < 1.25
+        ahead = (walk.goal[0] - x) * math.cos(yaw) + (walk.goal[1] - y) * math.sin(yaw)
+        assert 0.69 < ahead < 1.21
+        path = np.linspace((x, y), (x + ahead * math.cos(yaw), y + ahead * math.sin(yaw)), 200)
+        assert place.distance(path).min() > -0.02
     assert found > 5
 
 

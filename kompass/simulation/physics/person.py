@@ -25,8 +25,8 @@ PEOPLE = (AHEAD, CROSSING)
 _TRIES = 40
 _AHEAD = (0.7, 1.2)  # m from the robot's middle to the person's
 _ASIDE = 0.1  # m to either side of the middle of the way
-_STEP_IN = 1.0  # m from where a person comes who steps into the way
-_CROSS = (0.6, 1.5)  # m to either side that a person crosses at least and at most
+_STEP_IN = (0.0, 0.5, 1.0)  # m from where a person comes who steps into the way
+_CROSS = (0.6, 0.9, 1.2, 1.5)  # m to either side that a person crosses, as far as there is room
 _STRIDE = 0.05  # m between the places that must be free
 
 Point = tuple[float, float]
@@ -111,13 +111,12 @@ def step_in(
     for _ in range(_TRIES):
         ahead, aside, side = random.uniform(*_AHEAD), random.uniform(-_ASIDE, _ASIDE), _side(random)
         stand = _beside(pose, ahead, aside)
-        if not _free(world, pose, stand, stand):
-            continue
         # From as far away as there is room for, be it none: then somebody is suddenly there.
-        for length in (_STEP_IN, _STEP_IN / 2, 0.0):
-            start = _beside(pose, ahead, aside + side * length)
-            if _free(world, pose, start, stand):
-                return Walk(start, stand)
+        least, *longer = (
+            Walk(_beside(pose, ahead, aside + side * length), stand) for length in _STEP_IN
+        )
+        if _free(world, pose, least):
+            return next((walk for walk in reversed(longer) if _free(world, pose, walk)), least)
     return None
 
 
@@ -133,12 +132,12 @@ def cross(
     """
     for _ in range(_TRIES):
         ahead, side = random.uniform(*_AHEAD), _side(random)
-        least, most = _CROSS
-        for length in np.linspace(most, least, 4):
-            start = _beside(pose, ahead, side * float(length))
-            goal = _beside(pose, ahead, -side * float(length))
-            if _free(world, pose, start, goal):
-                return Walk(start, goal)
+        least, *longer = (
+            Walk(_beside(pose, ahead, side * length), _beside(pose, ahead, -side * length))
+            for length in _CROSS
+        )
+        if _free(world, pose, least):
+            return next((walk for walk in reversed(longer) if _free(world, pose, walk)), least)
     return None
 
 
@@ -152,14 +151,15 @@ def _beside(pose: tuple[float, float, float], ahead: float, left: float) -> Poin
     return x + ahead * cos - left * sin, y + ahead * sin + left * cos
 
 
-def _free(world: World, pose: tuple[float, float, float], start: Point, goal: Point) -> bool:
-    """Whether a person gets from ``start`` to ``goal`` and sees the robot's path from both."""
-    way = _between(start, goal)
-    if not bool(world.on_floor(way).all() and (world.distance(way) >= RADIUS).all()):
+def _free(world: World, pose: tuple[float, float, float], walk: Walk) -> bool:
+    """Whether there is room for all of a walk, and the robot sees where it meets its path."""
+    way = _between(walk.start, walk.goal)
+    if not world.on_floor(way).all() or (world.distance(way) < RADIUS).any():
         return False
-    # Not through a wall: what is behind one is not ahead of the robot.
-    middle = ((start[0] + goal[0]) / 2, (start[1] + goal[1]) / 2)
-    view = _between(pose[:2], goal if start == goal else middle)
+    x, y, yaw = pose
+    ahead = math.cos(yaw) * (walk.goal[0] - x) + math.sin(yaw) * (walk.goal[1] - y)
+    view = _between((x, y), _beside(pose, ahead, 0.0))
+    # What is behind a wall is not ahead of the robot.
     return bool((world.distance(view) >= 0.0).all())
 
 
