@@ -13,6 +13,7 @@ from kompass.components.base.component import Component
 from kompass.components.base.component_config import NO_ROBOT
 from kompass.components.base.config_file import sections_of_nobody
 from kompass.components.base.parameter import with_values
+from kompass.launch.channels import connect
 from kompass.launch.companions import (
     add_companion,
     companions,
@@ -427,6 +428,8 @@ class Launcher:
         names += [name for spec in beside for name in spec.names]
         held = lock_instance(names, self.namespace)
         try:
+            if self.enable_monitoring:
+                held += connect(monitor, own[:-1])
             Supervisor(
                 [*own, *beside],
                 announced=[spec.name for spec in own],
@@ -581,7 +584,9 @@ class Launcher:
         recording, recorder = flight_recorder(self._components, self.namespace)
 
         def main(report: Report) -> None:
-            run_monitor(rules, catalog, report, spec.inbox, self.namespace, recording)
+            run_monitor(
+                *(rules, catalog, report, spec.inbox, spec.channels), self.namespace, recording
+            )
 
         spec = ProcessSpec(name=NAME, main=main, names=[NAME], listens=True)
         return spec, recorder
@@ -599,6 +604,7 @@ class Launcher:
                 namespace=self.namespace,
                 first_start=spec.starts == 1,
                 inbox=spec.inbox,
+                channels=spec.channels,
                 feeders={
                     component.node_name: feeders_of(component, self._components)
                     for component in group

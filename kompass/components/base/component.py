@@ -507,7 +507,7 @@ class Component:
         self.init_variables()
         self.create_interfaces()
         self._offer_main_interfaces()
-        ComponentServices(self, self._gatekeeper)
+        self._services = ComponentServices(self, self._gatekeeper)
         return self._node
 
     def _offer_main_interfaces(self) -> None:
@@ -991,6 +991,23 @@ class Component:
             raise ActionRefused(f"{self.node_name} is not active; start it before '{name}'")
         result = method(**kwargs)
         return await result if inspect.isawaitable(result) else result
+
+    async def answer_call(self, service: str, request: bytes) -> bytes:
+        """Answer a call of one of its own services by who was let in, in this process.
+
+        Parameters
+        ----------
+        service
+            The last part of the service's name.
+        request
+            As ROS serialises it; the answer too.
+
+        Raises
+        ------
+        NoSuchService
+            When it is not offered.
+        """
+        return await self._services.answer(service, request)
 
     @component_action
     def start(self) -> bool:

@@ -46,7 +46,7 @@ class ComponentServices:
 
     def __init__(self, component: Served, gatekeeper: Gatekeeper) -> None:
         self._component = component
-        services = SignedServices(component.node, gatekeeper)
+        self._services = services = SignedServices(component.node, gatekeeper)
         for kind, suffix, answer in (
             (ChangeParameter, "update_config_parameter", self._on_parameter),
             (ChangeParameters, "update_config_parameters", self._on_parameters),
@@ -58,6 +58,10 @@ class ComponentServices:
         component.node.guard_transitions(
             lambda answer: services.guard(ChangeState, "change_state", answer, _not_changed)
         )
+
+    async def answer(self, suffix: str, request: bytes) -> bytes:
+        """Answer a request that came past ROS; as :meth:`SignedServices.answer`."""
+        return await self._services.answer(suffix, request)
 
     def _on_parameter(
         self, request: ChangeParameter.Request, response: ChangeParameter.Response
