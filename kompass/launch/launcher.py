@@ -585,7 +585,7 @@ class Launcher:
 
         def main(report: Report) -> None:
             run_monitor(
-                *(rules, catalog, report, spec.inbox, spec.channels), self.namespace, recording
+                rules, catalog, report, spec.inbox, spec.channels, self.namespace, recording
             )
 
         spec = ProcessSpec(name=NAME, main=main, names=[NAME], listens=True)

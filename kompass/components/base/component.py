@@ -4,7 +4,7 @@ import inspect
 import re
 import time
 import traceback
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -992,7 +992,7 @@ class Component:
         result = method(**kwargs)
         return await result if inspect.isawaitable(result) else result
 
-    async def answer_call(self, service: str, request: bytes) -> bytes:
+    def answer_call(self, service: str, request: bytes) -> Awaitable[bytes]:
         """Answer a call of one of its own services by who was let in, in this process.
 
         Parameters
@@ -1007,7 +1007,7 @@ class Component:
         NoSuchService
             When it is not offered.
         """
-        return await self._services.answer(service, request)
+        return self._services.answer(service, request)
 
     @component_action
     def start(self) -> bool:

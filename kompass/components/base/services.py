@@ -1,6 +1,7 @@
 """The services that every component offers, from the making of its node to its end."""
 
 import json
+from collections.abc import Awaitable
 from typing import Any, Protocol
 
 from automatika_ros_sugar.srv import (
@@ -59,9 +60,9 @@ class ComponentServices:
             lambda answer: services.guard(ChangeState, "change_state", answer, _not_changed)
         )
 
-    async def answer(self, suffix: str, request: bytes) -> bytes:
+    def answer(self, suffix: str, request: bytes) -> Awaitable[bytes]:
         """Answer a request that came past ROS; as :meth:`SignedServices.answer`."""
-        return await self._services.answer(suffix, request)
+        return self._services.answer(suffix, request)
 
     def _on_parameter(
         self, request: ChangeParameter.Request, response: ChangeParameter.Response

@@ -268,10 +268,11 @@ class ActionRunner:
         """Call a function of the recipe in a thread; an ``async def`` ends with whoever waits."""
         call = RecipeCall(function, kwargs)
         done = self._awaitables.future()
-        begun = threading.Event()
+        begun = threading.Lock()  # an Event would do, at three times the cost
+        begun.acquire()
 
         def run() -> None:
-            begun.set()
+            begun.release()
             try:
                 done.set_result(call.run())
             except Exception as problem:  # noqa: BLE001 - raised again where it is awaited
@@ -281,7 +282,7 @@ class ActionRunner:
 
         self._threads[lane].submit(run)
         # Python goes on with this thread; the other one waits its turn unless it is let in.
-        begun.wait(LET_IN)
+        begun.acquire(timeout=LET_IN)
         try:
             return await self._awaitables.result(done, timeout, f"{name} did not return")
         except (Cancelled, TimeoutError):
