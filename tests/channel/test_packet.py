@@ -48,6 +48,10 @@ def test_where_nobody_reads_the_sender_is_told_and_what_was_taken_stays(
     assert send_packet(asker, b"again")
 
 
+def test_no_program_that_is_executed_gets_an_end(ends: Ends) -> None:
+    assert [os.get_inheritable(end.fileno()) for end in ends] == [False, False]
+
+
 def test_the_end_is_told_once_all_has_been_read(ends: Ends) -> None:
     asker, answerer = ends
     assert send_packet(asker, b"last")

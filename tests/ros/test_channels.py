@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 from collections.abc import Callable, Iterator
@@ -81,6 +82,11 @@ class Asked(NamedTuple):
         wait_until(lambda: self.journal.of(topic, "action", since), 10, f"the action of {topic}")
         return self.journal.of(topic, "action", since)[0]
 
+    def clients(self) -> list[str]:
+        """Services of components that the monitor can ask over ROS by now."""
+        found = self.robot.node.get_client_names_and_types_by_node("monitor", "/")
+        return [name for name, _ in found if name.startswith(("/worker/", "/other/"))]
+
     def notes(self) -> list[str]:
         """What was carried out."""
         file = self.folder / "notes"
@@ -123,8 +129,7 @@ def asked(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Asked]:
 def test_a_component_answers_a_rule_past_ros_whatever_ros_may_do(asked: Asked) -> None:
     step = asked.done("note", "a word\nand a line")
     assert (step.ok, step.text) == (True, '"a word\\nand a line"')
-    clients = asked.robot.node.get_client_names_and_types_by_node("monitor", "/")
-    assert [name for name, _ in clients if name.startswith("/worker/")] == []
+    assert asked.clients() == []
 
 
 @pytest.mark.parametrize("letters", [3, 50_000, 100_000, 2_000_000])
@@ -221,6 +226,33 @@ def test_only_the_monitor_and_the_component_can_speak_on_a_channel(asked: Asked)
     for name in ("worker", "program"):
         asked.end(name)()
     assert sorted(map(sorted, holders())) == sorted(map(sorted, expected()))
+
+
+def test_components_that_share_a_process_share_its_channel(tmp_path: Path) -> None:
+    stack = Stack(
+        *("run", str(RECIPE), "--no-browser", "--port", "0", "--single-process"),
+        LAB_FOLDER=str(tmp_path),
+        KOMPASS_ROBOT_NAME="asked",
+    )
+    try:
+        stack.wait_for_line("all components active", 20)
+        with contextlib.closing(Robot(stack.domain)) as robot:
+            asked = Asked(stack, robot, Journal(robot), Rules(robot), tmp_path, {}, set())
+            asked.begin()
+            to_other = {"kind": "method", "component": "other", "method": "note"}
+            heard = {"kind": "received", "signal": signal_of("other")}
+            asked.rules.add(rule("other", heard, {**to_other, "kwargs": {"text": "for the other"}}))
+            assert asked.done("note", "for the worker").text == '"for the worker"'
+            assert asked.done("other", 1).text == '"for the other"'
+            assert asked.clients() == []
+            since = asked.journal.mark
+            asked.say("work", "killed")
+            wait_until(lambda: "killed begun" in asked.notes(), 10, "the work's beginning")
+            os.kill(stack.pid_of("components"), signal.SIGKILL)
+            text = "worker died before it answered: the process was killed by SIGKILL"
+            assert asked.action("work", since).text == text
+    finally:
+        assert stack.close() == 0, stack.output
 
 
 def seqpackets() -> set[str]:
