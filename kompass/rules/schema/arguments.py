@@ -7,7 +7,6 @@ start of a text stands for one dollar sign.
 
 import re
 from collections.abc import Iterator, Mapping
-from functools import lru_cache
 from typing import Any
 
 from pydantic import JsonValue
@@ -101,7 +100,6 @@ def references(value: JsonValue) -> Iterator[tuple[str | None, tuple[str | int, 
             yield from references(item)
 
 
-@lru_cache(maxsize=1024)  # a rule's references are the same at each of its firings
 def _parse(text: str) -> tuple[str | None, tuple[str | int, ...]] | None:
     if text.startswith("$$"):
         return None
