@@ -26,7 +26,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
             "signing",
             "supervisor",
         ),
-        ("field_types",),
+        ("channel", "field_types"),
         ("expressions", "robot", "rulebook"),
         ("rclpy_ext",),
         ("virtual",),

@@ -20,6 +20,10 @@ Answer = Callable[[Any, Any], Any]
 Refuse = Callable[[Any, Any, str], Any]
 
 
+class NoSuchService(Exception):
+    """The node does not offer it; the message says what it offers."""
+
+
 class SignedServices:
     """Services of a node that change it, for who may; their types are those of other stacks.
 
@@ -56,6 +60,31 @@ class SignedServices:
 
         return respond
 
+    async def answer(self, suffix: str, request: bytes) -> bytes:
+        """Answer a request of somebody who has been let in.
+
+        Parameters
+        ----------
+        suffix
+            The service is ``<node>/<suffix>``.
+        request
+            As ROS serialises it; the answer too.
+
+        Raises
+        ------
+        NoSuchService
+            When it is not offered.
+        """
+        offered = self._offered.get(suffix)
+        if offered is None:
+            known = ", ".join(self._offered)
+            raise NoSuchService(f"service = {suffix!r}: there is none; known are {known}")
+        kind, answer = offered
+        answered = answer(deserialize_message(request, kind.Request), kind.Response())
+        if isinstance(answered, Awaitable):
+            answered = await answered
+        return bytes(serialize_message(answered))
+
     async def _on_signed(
         self, request: SignedCall.Request, response: SignedCall.Response
     ) -> SignedCall.Response:
@@ -64,18 +93,13 @@ class SignedServices:
         except NotAdmitted as error:
             response.message = str(error)
             return response
-        offered = self._offered.get(request.service)
-        if offered is None:
-            known = ", ".join(self._offered)
-            response.message = f"service = {request.service!r}: there is none; known are {known}"
+        try:
+            answered = await self.answer(request.service, bytes(request.request))
+        except NoSuchService as error:
+            response.message = str(error)
             return response
-        kind, answer = offered
-        asked = deserialize_message(bytes(request.request), kind.Request)
-        answered = answer(asked, kind.Response())
-        if isinstance(answered, Awaitable):
-            answered = await answered
         response.success = True
-        response.response = array.array("B", serialize_message(answered))
+        response.response = array.array("B", answered)
         return response
 
 

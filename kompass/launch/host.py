@@ -13,6 +13,7 @@ from rclpy.signals import SignalHandlerOptions
 from kompass.bus.node import LifecycleNode, MakeNode
 from kompass.components.base.component import Component
 from kompass.components.base.node import ComponentNode
+from kompass.launch.answering import Answering
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.heartbeat import send_heartbeat
@@ -31,6 +32,7 @@ def host(
     namespace: str = "",
     first_start: bool = True,
     inbox: int = -1,
+    channels: Mapping[str, int] | None = None,
     feeders: Mapping[str, frozenset[str]] | None = None,
 ) -> None:
     """Run components in this process until SIGTERM.
@@ -54,6 +56,8 @@ def host(
         dead one for a while.
     inbox
         File descriptor on which the supervisor tells of processes, a JSON line each; -1 for none.
+    channels
+        File descriptors on which the monitor asks something of components, by their names.
     feeders
         Names of those whose loss each component, by name, is told of.
     """
@@ -74,6 +78,8 @@ def host(
         running = list(zip(components, executors, strict=True))
         if inbox >= 0:
             _listen(inbox, running, feeders or {})
+        if channels:
+            Answering(channels, running)
         report("active " + " ".join(component.node_name for component in components))
         _spin(running, ended)
     finally:

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 
 from kompass.components.base.component import Component
+from kompass.launch.channels import connect
 from kompass.launch.companions import companions
 from kompass.launch.environment import prepare_key
 from kompass.launch.gates import feeders_of, halt_process
@@ -34,6 +35,8 @@ def run_processes(stack: Stack) -> None:
     names += [name for spec in beside for name in spec.names]
     held = lock_instance(names, stack.namespace)
     try:
+        if stack.monitored is not None:
+            held += connect(monitor, own[:-1])
         Supervisor(
             [*own, *beside],
             announced=[spec.name for spec in own],
@@ -60,7 +63,9 @@ def _monitor(stack: Stack) -> tuple[ProcessSpec, list[ProcessSpec]]:
 
     def main(report: Report) -> None:
         rules, catalog = monitored.rules, monitored.catalog
-        run_monitor(rules, catalog, report, spec.inbox, stack.namespace, recording)
+        run_monitor(
+            *(rules, catalog, report, spec.inbox, spec.channels, stack.namespace, recording)
+        )
 
     spec = ProcessSpec(name=NAME, main=main, names=[NAME], listens=True)
     return spec, recorder
@@ -80,6 +85,7 @@ def _host(stack: Stack, group: Sequence[Component]) -> ProcessSpec:
             namespace=stack.namespace,
             first_start=spec.starts == 1,
             inbox=spec.inbox,
+            channels=spec.channels,
             feeders={
                 component.node_name: feeders_of(component, stack.components)
                 for component in group

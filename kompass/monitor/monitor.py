@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 
 from builtin_interfaces.msg import Time
@@ -43,6 +43,7 @@ from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Table, table_hash
 from kompass.store import RuleStore
+from kompass.supervisor.news import ProcessNews
 
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
 REPEAT_PERIOD = 0.4  # s between repetitions for those who are silent
@@ -76,6 +77,13 @@ class Monitor:
         Takes a line for the supervisor: ``restart <component>``.
     recording
         The flight recorder; None where there is none.
+    channels
+        File descriptors of our ends of the channels to components, by their names.
+
+    Attributes
+    ----------
+    ends
+        Of these channels, where :meth:`component_answered` finds its packets.
     """
 
     def __init__(
@@ -89,6 +97,7 @@ class Monitor:
         settings: MonitorSettings,
         ask: Callable[[str], None],
         recording: FlightRecording | None = None,
+        channels: Mapping[str, int] | None = None,
     ) -> None:
         def stamp() -> Time:
             return node.get_clock().now().to_msg()
@@ -120,7 +129,9 @@ class Monitor:
             *(node, executor, timers, recipe.functions, alarms, permissions),
             frozenset(catalog.components()),
             self._processes.restart_if_stuck,
+            channels,
         )
+        self.ends = self._runner.channels.ends
         publishers = self._runner.publishers
         self._runs = runs = Runs(self._runner.run, loop.ended, firings)
         inputs = RuleInputs(node, proxy.pass_on)
@@ -190,7 +201,13 @@ class Monitor:
 
     def process_changed(self, line: str) -> None:
         """Take the state of a process, as the supervisor tells it (a JSON line)."""
-        self._processes.changed(line)
+        news = ProcessNews.of_line(line)
+        self._runner.channels.changed(news)
+        self._processes.changed(news)
+
+    def component_answered(self, packet: bytes) -> None:
+        """Take what a component sent over its channel."""
+        self._runner.channels.answered(packet)
 
     def reach_components(self, components: Iterable[Component]) -> None:
         """Let functions of the recipe, which hold these copies, reach the components themselves."""

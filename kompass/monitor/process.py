@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import gc
-import os
 import signal
 import sys
 import threading
 import traceback
+from collections.abc import Mapping
 
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.bus.node import Node
+from kompass.monitor.incoming import incoming
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.recording import FlightRecording
@@ -35,6 +36,7 @@ def run_monitor(
     catalog: RecipeCatalog,
     report: Report,
     inbox: int,
+    channels: Mapping[str, int],
     namespace: str = "",
     recording: FlightRecording | None = None,
 ) -> None:
@@ -50,6 +52,8 @@ def run_monitor(
         Tells the supervisor.
     inbox
         File descriptor on which the supervisor tells of processes, a JSON line each.
+    channels
+        File descriptors of our ends of the channels to components, by their names.
     recording
         The flight recorder; None where there is none.
     """
@@ -62,13 +66,17 @@ def run_monitor(
     node = PlainNode(NAME, namespace=namespace or None)
     executor = TaskExecutor()
     executor.add_node(node)
-    monitor = Monitor(node, executor, recipe, catalog, start, store, settings, report, recording)
+    monitor = Monitor(
+        *(node, executor, recipe, catalog, start, store, settings, report, recording, channels)
+    )
     monitor.reach_components(recipe.components)
 
     def read() -> None:
-        with os.fdopen(inbox) as lines:
-            for line in lines:
-                executor.create_task(monitor.process_changed, line)
+        for each in incoming(inbox, monitor.ends):
+            if isinstance(each, str):
+                executor.create_task(monitor.process_changed, each)
+            else:
+                executor.create_task(monitor.component_answered, each)
 
     # Blocked in a read nearly always; the executor's thread stays the only one that does work.
     threading.Thread(target=read, name="inbox", daemon=True).start()

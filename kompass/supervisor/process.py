@@ -43,6 +43,8 @@ class ProcessSpec:
     inbox: int = -1  # in the child: where it is told, a JSON line each
     allowed: dict[str, float] = field(default_factory=dict)  # s that a step of a node may take
     outlives: bool = False  # learns of its supervisor's death from its inbox, and then ends itself
+    # File descriptors that no other child has: of the channels to these nodes (kompass.channel).
+    channels: dict[str, int] = field(default_factory=dict)
     heartbeat: Heartbeat = field(init=False)  # of it and of each node
 
     def __post_init__(self) -> None:

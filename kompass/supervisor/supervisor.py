@@ -231,6 +231,9 @@ class Supervisor:
             inherited += [child.pidfd, child.reports]
             if child.outbox >= 0:
                 inherited.append(child.outbox)
+        # Whoever has one can speak in another's name; it stays open here for their next lives.
+        channels = {each for other in self._specs for each in other.channels.values()}
+        inherited += channels.difference(spec.channels.values())
         child = fork(spec, inherited)
         self._children[child.pid] = child
         log.info("%s is process %d", spec.name, child.pid)

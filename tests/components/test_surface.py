@@ -13,7 +13,8 @@ from kompass.components import (
 
 OF_ALL = """
 action_specs action_type add_callback_postprocessor add_publisher_preprocessor
-allowed_inputs allowed_outputs allowed_run_types apply_config_file attach_custom_callback
+allowed_inputs allowed_outputs allowed_run_types answer_call apply_config_file
+attach_custom_callback
 available_actions awaits broadcast_status call_action callbacks check_declaration clock
 config_class
 create_interfaces create_node create_timer

@@ -12,7 +12,7 @@ from kompass.monitor.reporting.firings import Firings
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Firing, Note, Output
 from kompass.rules.schema.actions import Log, Method
-from kompass.rules.schema.table import Severity, Table
+from kompass.rules.schema.table import Rule, Severity, Table
 from tests.support.rules import compare, rule
 
 
@@ -24,7 +24,7 @@ class Told(Firings):
         self.entries: list[RunEntry] = []
         self._number = 0
 
-    def begins(self, entry: RunEntry) -> None:
+    def begins(self, rule: Rule, rule_hash: str) -> None:
         """Nothing to keep."""
 
     def fired(self, entry: RunEntry, message: Any) -> int:

@@ -194,6 +194,39 @@ def test_what_is_killed_is_started_again(tmp_path: Path, programs: list[Program]
     wait_until(lambda: program.text().count("a is up") == 2, 5, "a second life")
 
 
+def sockets(pid: int) -> set[str]:
+    links = [link.readlink() for link in Path(f"/proc/{pid}/fd").iterdir() if link.is_symlink()]
+    return {link.name for link in links if link.name.startswith("socket:")}
+
+
+def test_a_channel_is_open_at_its_ends_and_nowhere_else_over_their_deaths(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    program = Program(
+        tmp_path,
+        "import socket; one, other = (end.detach() for end in socket.socketpair()); "
+        "specs = [ProcessSpec('a', waits, channels={'x': one}), ProcessSpec('c', waits), "
+        "ProcessSpec('b', waits, channels={'x': other}), ProcessSpec('d', waits)]",
+    )
+    programs.append(program)
+
+    def ends() -> dict[str, set[str]]:
+        for name in ("a", "b", "c", "d", "guard"):
+            program.wait_for(f"{name} is up")
+        return {name: sockets(program.pid_of(name)) for name in ("a", "b", "c", "d", "guard")}
+
+    first = ends()
+    assert len(first["a"]) == len(first["b"]) == 1
+    assert first["a"] | first["b"] == sockets(program.process.pid)
+    assert first["a"] != first["b"]
+    assert not first["c"] | first["d"] | first["guard"]
+    killed = ("a", "c", "guard")
+    for name in killed:
+        os.kill(program.pid_of(name), signal.SIGKILL)
+    wait_until(lambda: all(program.text().count(f"{x} is up") == 2 for x in killed), 10, "others")
+    assert ends() == first
+
+
 def test_a_crash_in_native_code_says_where_it_was(tmp_path: Path, programs: list[Program]) -> None:
     program = Program(tmp_path, "specs = [ProcessSpec('a', crashes, restart=False)]")
     programs.append(program)

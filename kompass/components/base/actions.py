@@ -10,7 +10,7 @@ import json
 import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar, overload
+from typing import Any, NamedTuple, TypeVar, overload
 
 from pydantic import PydanticUserError, TypeAdapter, ValidationError
 
@@ -130,9 +130,12 @@ def fitted_call(
     ActionRefused
         When ``method`` does not take ``kwargs``; names what is wrong.
     """
-    signature, hints = _declared(getattr(method, "__func__", method), inspect.ismethod(method))
+    declared = _declared(getattr(method, "__func__", method), inspect.ismethod(method))
+    signature, hints = declared.signature, declared.hints
     try:
-        signature.bind(**kwargs)
+        # Telling what is wrong is slower than to see that nothing is.
+        if not declared.needed <= kwargs.keys() <= declared.known:
+            signature.bind(**kwargs)
     except TypeError as error:
         raise ActionRefused(
             f"{owner}.{method.__name__}: {error}; it takes {signature_text(signature)}"
@@ -150,21 +153,48 @@ def fitted_call(
     return fitted
 
 
+class _Declared(NamedTuple):
+    """What a function takes.
+
+    Attributes
+    ----------
+    known, needed
+        Names of the arguments that it takes by name, and of those without a default.
+    """
+
+    signature: inspect.Signature
+    hints: Mapping[str, Any]
+    known: frozenset[str]
+    needed: frozenset[str]
+
+
 # Rules call the same few again and again, and are to be quick. Kept is the function: a method
 # would keep its component alive, and with it the component's place on the ROS network.
 @functools.lru_cache(maxsize=256)
-def _declared(
-    function: Callable[..., Any], is_bound: bool
-) -> tuple[inspect.Signature, Mapping[str, Any]]:
+def _declared(function: Callable[..., Any], is_bound: bool) -> _Declared:
     try:
         hints = typing.get_type_hints(function)
     except (NameError, TypeError):
         hints = {}  # names that only the type checker sees
     signature = inspect.signature(function)
     own = list(signature.parameters.values())[is_bound:]
-    return signature.replace(parameters=own), hints
+    by_name = [each for each in own if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)]
+    return _Declared(
+        signature.replace(parameters=own),
+        hints,
+        known=frozenset(each.name for each in by_name),
+        # One that no name reaches makes every call one to be looked at.
+        needed=frozenset(
+            each.name
+            for each in own
+            if each.default is each.empty
+            and each.kind not in (each.VAR_POSITIONAL, each.VAR_KEYWORD)
+        ),
+    )
 
 
+# JSON has them as Python does; of texts those of ASCII: half a character (U+D800) is in none.
+_AS_THEY_ARE = (bool, int, str)
 _kept_adapter = functools.lru_cache(maxsize=256)(TypeAdapter)
 
 
@@ -183,6 +213,9 @@ def _fitted(hint: Any, value: Any) -> Any:
         return [_fitted(typing.get_args(hint)[0], item) for item in value]
     if hint is int and isinstance(value, float) and value.is_integer():
         return int(value)
+    is_plain = hint in _AS_THEY_ARE and type(value) is hint
+    if is_plain and (hint is not str or str(value).isascii()):
+        return value
     try:
         adapter = _adapter(hint)
     except PydanticUserError:

@@ -3,7 +3,7 @@
 import inspect
 import re
 import traceback
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -518,7 +518,7 @@ class Component:
         self.init_variables()
         self.create_interfaces()
         self._offer_main_interfaces()
-        ComponentServices(self, self._gatekeeper)
+        self._services = ComponentServices(self, self._gatekeeper)
         return self._node
 
     def _offer_main_interfaces(self) -> None:
@@ -1002,6 +1002,23 @@ class Component:
             raise ActionRefused(f"{self.node_name} is not active; start it before '{name}'")
         result = method(**kwargs)
         return await result if inspect.isawaitable(result) else result
+
+    def answer_call(self, service: str, request: bytes) -> Awaitable[bytes]:
+        """Answer a call of one of its own services by who was let in, in this process.
+
+        Parameters
+        ----------
+        service
+            The last part of the service's name.
+        request
+            As ROS serialises it; the answer too.
+
+        Raises
+        ------
+        NoSuchService
+            When it is not offered.
+        """
+        return self._services.answer(service, request)
 
     @component_action
     def start(self) -> bool:

@@ -1,6 +1,7 @@
 """The services that every component offers, from the making of its node to its end."""
 
 import json
+from collections.abc import Awaitable
 from typing import Any, Protocol
 
 from automatika_ros_sugar.srv import (
@@ -46,7 +47,7 @@ class ComponentServices:
 
     def __init__(self, component: Served, gatekeeper: Gatekeeper) -> None:
         self._component = component
-        services = SignedServices(component.node, gatekeeper)
+        self._services = services = SignedServices(component.node, gatekeeper)
         for kind, suffix, answer in (
             (ChangeParameter, "update_config_parameter", self._on_parameter),
             (ChangeParameters, "update_config_parameters", self._on_parameters),
@@ -58,6 +59,10 @@ class ComponentServices:
         component.node.guard_transitions(
             lambda answer: services.guard(ChangeState, "change_state", answer, _not_changed)
         )
+
+    def answer(self, suffix: str, request: bytes) -> Awaitable[bytes]:
+        """Answer a request that came past ROS; as :meth:`SignedServices.answer`."""
+        return self._services.answer(suffix, request)
 
     def _on_parameter(
         self, request: ChangeParameter.Request, response: ChangeParameter.Response

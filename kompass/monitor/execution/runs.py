@@ -25,7 +25,7 @@ class Run:
     Attributes
     ----------
     entry
-        What was told of its firing.
+        What is told of its firing; made once the run has begun, for nothing of it waits for that.
     components
         Node names of the components that it acts on.
     number
@@ -37,8 +37,8 @@ class Run:
     """
 
     firing: Firing
-    entry: RunEntry
     components: frozenset[str]
+    entry: RunEntry = field(init=False)
     number: int = 0
     task: Task | None = None
     ok: bool = False
@@ -138,7 +138,7 @@ class Runs:
 
     def _take(self, outputs: list[tuple[Output, _Origin]]) -> None:
         firings: list[Firing] = []
-        entries: dict[int, RunEntry] = {}  # by run
+        origins: dict[int, _Origin] = {}  # by run
         for output, origin in outputs:
             if isinstance(output, Note):
                 self._firings.fired(_noted(output, origin), None)
@@ -146,7 +146,7 @@ class Runs:
                 self._firings.fired(_entry(output, origin, "shadow"), output.message)
             else:
                 firings.append(output)
-                entries[output.run_id] = _entry(output, origin, "firing")
+                origins[output.run_id] = origin
         if not firings:
             return
         for firing in firings:
@@ -159,11 +159,11 @@ class Runs:
             by = next(f.rule_id for f in settled.start if loser.components & _wanted(f))
             self.cancel([(loser.rule_id, loser.run_id)], f"the more severe rule '{by}' took over")
         for lost in settled.outranked:
-            entry = entries[lost.firing.run_id]
+            entry = _entry(lost.firing, origins[lost.firing.run_id], "firing")
             self._lose(lost.firing, entry, lost.component, lost.winner_rule_id)
         # What keeps people safe begins first.
         for firing in sorted(settled.start, key=lambda f: f.lane != "safety"):
-            self._start(firing, entries[firing.run_id])
+            self._start(firing, origins[firing.run_id])
 
     def _lose(self, firing: Firing, entry: RunEntry, component: str, winner: str) -> None:
         text = f"the more severe rule '{winner}' has {component}"
@@ -172,12 +172,13 @@ class Runs:
         self._firings.fired(entry._replace(kind="outranked", text=text), firing.message)
         self._done(firing.rule_id, firing.run_id, False, f"outranked: {text}")
 
-    def _start(self, firing: Firing, entry: RunEntry) -> None:
-        run = Run(firing, entry, _wanted(firing))
+    def _start(self, firing: Firing, origin: _Origin) -> None:
+        run = Run(firing, _wanted(firing))
         self._runs[(firing.rule_id, firing.run_id)] = run
-        self._firings.begins(run.entry)
+        self._firings.begins(origin.table.by_id[firing.rule_id].rule, firing.revision_hash)
         # What it starts is started first: telling of it takes longer.
         run.task = Task(self._carry_out(run), lambda error: self._over(run, error))
+        run.entry = _entry(firing, origin, "firing")
         run.number = self._firings.fired(run.entry, firing.message)
         untold, run.untold = run.untold or (), None
         for step in untold:

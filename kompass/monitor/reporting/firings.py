@@ -15,6 +15,7 @@ from kompass.monitor.reporting.brief import brief
 from kompass.monitor.reporting.entries import ActionOutcome, RunEntry
 from kompass.rclpy_ext.topic import QoSConfig
 from kompass.rulebook.schema.journal import ActionRecord, FiringRecord
+from kompass.rules.schema.table import Rule
 from kompass.store import RuleStore
 
 REPEATED = 60.0  # s within which the same failure is the same
@@ -55,10 +56,10 @@ class Firings:
         self._failing: dict[tuple[str, str], tuple[str, float]] = {}
         self._numbers = 0
 
-    def begins(self, entry: RunEntry) -> None:
+    def begins(self, rule: Rule, rule_hash: str) -> None:
         """Take note that a run is about to begin: a ``once`` rule must not begin another."""
-        if entry.once and self._store is not None:
-            self._store.use_once(entry.rule_id, entry.rule_hash)
+        if rule.event.once and self._store is not None:
+            self._store.use_once(rule.id, rule_hash)
 
     def fired(self, entry: RunEntry, message: Any) -> int:
         """Tell that a rule fired, or would have; return the entry's number in the journal."""

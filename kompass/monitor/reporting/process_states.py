@@ -43,9 +43,8 @@ class ProcessStates:
             StackState, f"{node.get_name()}/stack_state", LATCHED.to_ros()
         )
 
-    def changed(self, line: str) -> None:
-        """Take the state of one process, as the supervisor tells it (a JSON line)."""
-        news = ProcessNews.of_line(line)
+    def changed(self, news: ProcessNews) -> None:
+        """Take the state of one process, as the supervisor tells it."""
         process = ProcessState(
             name=news.name,
             nodes=news.nodes,
