@@ -42,6 +42,8 @@ _TRIES = 50  # places looked at for a goal that is far enough
 # Where a fault begins on its way, as shares of the least time that the way can take: the robot has
 # set off, and cannot have arrived.
 _EARLY, _LATE = 0.15, 0.75
+# A way along eight directions of a grid is up to so much longer than the one that is driven.
+_STRAIGHTER = math.cos(math.pi / 8.0)
 _DURATIONS = (3.0, 20.0)  # s
 _T = TypeVar("_T")
 
@@ -151,7 +153,7 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
         there, length = room.another_place(here, options.shortest, random)
         yaw = _heading(random) if random.random() < 0.5 else None
         goals.append(Goal(x=there.x, y=there.y, yaw=yaw, at=None if index else _FIRST_GOAL))
-        ways.append((begin, length / options.speed))
+        ways.append((begin, _STRAIGHTER * length / options.speed))
         begin += ways[-1][1]
         here = there
     chosen = _choose(first, faults, options.faults_per_drive, random)

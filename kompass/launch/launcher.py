@@ -403,9 +403,10 @@ class Launcher:
             component.check_declaration()
         self._failure_policies.apply(self._components)
         log_to_terminal("kompass")
+        stack = self._stack()
         self._judge_robot()
         self._judge_files()
-        taker(run_processes)(self._stack())
+        taker(run_processes)(stack)
 
     def _stack(self) -> Stack:
         groups = [[one] for one in self._components if one not in self._threaded]
