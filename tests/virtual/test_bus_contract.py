@@ -280,10 +280,11 @@ def test_a_service_answers_each_of_its_clients(bus: Bus, one: Node, other: Node,
     one.create_service(SetBool, name, answer)
     clients = [node.create_client(SetBool, name) for node in (one, other)]
     bus.until(lambda: all(client.service_is_ready() for client in clients))
-    wishes = [(client, data) for data in (True, False) for client in clients]
+    # The same number of each client's requests asks for something else.
+    wishes = list(zip(clients * 2, (True, False, False, True), strict=True))
     calls = [client.call_async(SetBool.Request(data=data)) for client, data in wishes]
     bus.until(lambda: all(call.done() for call in calls))
-    assert [call.result().success for call in calls] == [True, True, False, False]
+    assert [call.result().success for call in calls] == [True, False, False, True]
     assert {call.result().message for call in calls} == {"heard"}
 
 
@@ -630,6 +631,22 @@ def test_a_timer_calls_until_it_is_cancelled_and_again_after_a_reset(bus: Bus, o
     assert one.destroy_timer(timer)
     bus.rest(0.2)
     assert len(calls) == 4
+
+
+def test_a_timer_that_is_due_may_still_be_cancelled_or_put_off(bus: Bus, one: Node) -> None:
+    calls: list[str] = []
+    cancelled = one.create_timer(0.1, lambda: calls.append("cancelled"))
+    put_off = one.create_timer(0.1, lambda: calls.append("put off"))
+    bus.hold(one)
+    bus.rest(0.15)
+    cancelled.cancel()
+    put_off.reset()
+    bus.go_on(one)
+    bus.rest(0.06)
+    assert calls == []
+    bus.until(lambda: calls == ["put off"])
+    one.destroy_timer(cancelled)
+    one.destroy_timer(put_off)
 
 
 def test_periods_that_were_missed_are_made_up_for_by_one_call(bus: Bus, one: Node) -> None:
