@@ -39,7 +39,7 @@ _T = TypeVar("_T")
 
 
 def expand_faults(
-    names: Iterable[str], stand_for: Mapping[str, Sequence[str]] = STAND_FOR
+    names: Iterable[str], stand_for: Mapping[str, Sequence[str]] | None = None
 ) -> tuple[str, ...]:
     """Names of faults, with ``all`` and what takes a parameter written out, each once.
 
@@ -48,21 +48,22 @@ def expand_faults(
     names
         As after ``--faults``: names, ``all``, or ``kill`` and the like for every parameter.
     stand_for
-        What the parameters in ``FAULTS`` stand for: values by the fault's kind, or else by the word
-        in capitals, as ``{"NAME": ("planner", "mapper")}``.
+        What the parameters in ``FAULTS`` stand for, where it is not what ``STAND_FOR`` says: values
+        by the fault's kind, or else by the word in capitals, as ``{"NAME": ("planner", "mapper")}``.
 
     Raises
     ------
     UnknownFault
         There is no such fault, or nothing is given for its parameter.
     """
+    known = {**STAND_FOR, **(stand_for or {})}
     kinds = {whole.partition(":")[0]: whole for whole in FAULTS}
     found: list[str] = []
     for name in names:
         for one in kinds if name == ALL else (name,):
             kind, _, word = kinds.get(one, one).partition(":")
             if one in kinds and word:
-                values = stand_for.get(kind, stand_for.get(word, (word,)))
+                values = known.get(kind, known.get(word, (word,)))
                 found += [f"{kind}:{value}" for value in values]
             else:
                 found.append(one)
