@@ -48,8 +48,8 @@ def expand_faults(
     names
         As after ``--faults``: names, ``all``, or ``kill`` and the like for every parameter.
     stand_for
-        What the parameters in ``FAULTS`` stand for, where it is not what ``STAND_FOR`` says: values
-        by the fault's kind, or else by the word in capitals, as ``{"NAME": ("planner", "mapper")}``.
+        What the parameters in ``FAULTS`` stand for, where it is not what ``STAND_FOR`` says:
+        values by the fault's kind, or else by the word in capitals, as ``{"NAME": ("planner",)}``.
 
     Raises
     ------
