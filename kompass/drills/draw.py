@@ -1,14 +1,14 @@
 """Draws scenarios from a seed: the same seed, number and options give the same one everywhere.
 
 Only :meth:`random.Random.random` is asked for chance, whose sequence Python promises to keep, and
-the seed of it is a hash of the options, which depends on no hash seed of the process.
+its seed is a hash of seed and number that depends on no hash seed of the process.
 """
 
 from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from random import Random
 from typing import Annotated, TypeVar
@@ -25,7 +25,6 @@ from kompass.simulation.faults.fault_names import (
     DOOR_CLOSED,
     FAULTS,
     MAP_WITHHELD,
-    TARGETED,
     UnknownFault,
     check_fault,
     check_place,
@@ -36,7 +35,10 @@ from kompass.simulation.worlds.registry import world, world_names
 from kompass.simulation.worlds.world import World
 
 ALL = "all"
-PROCESSES = ("planner", "controller", "mapper", "drive_manager")
+# What the words in capitals in FAULTS stand for, where nothing else is given.
+STAND_FOR: Mapping[str, Sequence[str]] = {
+    "NAME": ("planner", "controller", "mapper", "drive_manager")
+}
 _FIRST_GOAL = 2.0  # s after the start at which the first goal is sent
 _TRIES = 50  # places looked at for a goal that is far enough
 # Where a fault begins on its way, as shares of the least time that the way can take: the robot has
@@ -48,38 +50,43 @@ _DURATIONS = (3.0, 20.0)  # s
 _T = TypeVar("_T")
 
 
-def expand_faults(names: Iterable[str], processes: Sequence[str] = PROCESSES) -> tuple[str, ...]:
-    """Names of faults, with ``all`` and faults of any process written out, each once.
+def expand_faults(
+    names: Iterable[str], stand_for: Mapping[str, Sequence[str]] | None = None
+) -> tuple[str, ...]:
+    """Names of faults, with ``all`` and what takes a parameter written out, each once.
 
     Parameters
     ----------
     names
-        As after ``--faults``: names, ``all``, or ``kill`` and the like for each process.
-    processes
-        Those that faults of processes are to strike.
+        As after ``--faults``: names, ``all``, or ``kill`` and the like for every parameter.
+    stand_for
+        What the parameters in ``FAULTS`` stand for, where it is not what ``STAND_FOR`` says:
+        values by the fault's kind, or else by the word in capitals, as ``{"NAME": ("planner",)}``.
 
     Raises
     ------
     UnknownFault
-        There is no such fault.
+        There is no such fault, or nothing is given for its parameter.
     """
-    kinds = [one.partition(":")[0] for one in FAULTS]
+    known = {**STAND_FOR, **(stand_for or {})}
+    kinds = {whole.partition(":")[0]: whole for whole in FAULTS}
     found: list[str] = []
     for name in names:
-        for one in kinds if name == ALL else [name]:
-            if one in TARGETED:
-                found += [f"{one}:{process}" for process in processes]
-            elif one == DOOR_CLOSED:
-                found += [f"{one}:{door}" for door in _doorways()]
-            elif one in PARAMETERS:
-                found.append(f"{one}:{PARAMETERS[one].example}")
+        for one in kinds if name == ALL else (name,):
+            kind, _, word = kinds.get(one, one).partition(":")
+            if one in kinds and word:
+                values = known.get(kind, known.get(word) or _usual(kind))
+                found += [f"{kind}:{value}" for value in values]
             else:
                 found.append(one)
     return tuple(dict.fromkeys(map(check_fault, found)))
 
 
-def _doorways() -> list[str]:
-    return [door.name for name in world_names() for door in world(name).doorways]
+def _usual(kind: str) -> Sequence[str]:
+    """What stands behind the colon of a fault where nothing is given."""
+    if kind == DOOR_CLOSED:
+        return [door.name for name in world_names() for door in world(name).doorways]
+    return [PARAMETERS[kind].example]
 
 
 class DrawOptions(Model):
@@ -136,7 +143,8 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
     """
     if number < 0:
         raise ValueError(f"number: {number}; give 0 or more")
-    digest = hashlib.sha256(f"{seed}/{number}/{options.model_dump_json()}".encode()).digest()
+    # Not of the options: an option that is added later leaves what was drawn without it as it was.
+    digest = hashlib.sha256(f"{seed}/{number}".encode()).digest()
     random = Random(int.from_bytes(digest[:16], "big"))
     # Faults alternate first, then worlds: few drives already meet every fault.
     place = options.worlds[number // max(len(options.faults), 1) % len(options.worlds)]
@@ -157,14 +165,14 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
         begin += ways[-1][1]
         here = there
     chosen = _choose(first, faults, options.faults_per_drive, random)
-    broken = tuple(_schedule(name, ways, options.lasting, random) for name in chosen)
     # Thrice the least time and a minute of healing: a robot that comes through does so in less.
-    limit = math.ceil(3.0 * begin + 60.0 + sum(fault.duration for fault in broken))
+    limit = math.ceil(3.0 * begin + 60.0 + _DURATIONS[1] * len(chosen))
     if limit > LONGEST:
         raise ValueError(
             f"goals: {options.goals} at {options.speed:g} m/s may take {limit} s, and no drive "
             f"lasts longer than {LONGEST:g} s; give fewer goals"
         )
+    broken = [_schedule(name, ways, options.lasting, random) for name in chosen]
     return Scenario(
         name=f"{seed}-{number}",
         world=place,

@@ -129,31 +129,6 @@ class OperatorAct(Model):
     reason: str = ""
 
 
-class Waypoint(Model):
-    """A place on a walk."""
-
-    x: Metres
-    y: Metres
-
-
-class Walker(Model):
-    """A person who walks along a polyline once, and is gone before and after.
-
-    Attributes
-    ----------
-    speed
-        Metres per second.
-    radius
-        Of the circle that the person fills on the floor.
-    """
-
-    name: Name
-    at: Moment
-    path: Annotated[tuple[Waypoint, ...], Field(min_length=2, max_length=100)]
-    speed: Annotated[float, Field(strict=True, gt=0.0, le=3.0)] = 1.0
-    radius: Annotated[float, Field(strict=True, ge=0.1, le=0.5)] = 0.25
-
-
 class Scenario(Model):
     """One drive as it is to be.
 
@@ -178,7 +153,6 @@ class Scenario(Model):
     goals: Annotated[tuple[Goal, ...], Field(min_length=1, max_length=100)]
     faults: Annotated[tuple[ScheduledFault, ...], Field(max_length=100)] = ()
     operators: Annotated[tuple[OperatorAct, ...], Field(max_length=100)] = ()
-    walkers: Annotated[tuple[Walker, ...], Field(max_length=20)] = ()
     limit: Annotated[float, Field(strict=True, gt=0.0, le=LONGEST)] = 120.0
 
     @property
@@ -193,8 +167,7 @@ class Scenario(Model):
         self._check_start()
         self._check_goals()
         self._check_faults()
-        self._check_walkers()
-        for field in ("goals", "faults", "operators", "walkers"):
+        for field in ("goals", "faults", "operators"):
             for index, each in enumerate(getattr(self, field)):
                 if each.at is not None and each.at >= self.limit:
                     raise _said(
@@ -257,23 +230,6 @@ class Scenario(Model):
             forever = fault.duration == 0.0 and not fault.name.startswith(AT_ONCE)
             ends[fault.name] = math.inf if forever else fault.at + fault.duration
 
-    def _check_walkers(self) -> None:
-        place = world(self.world)
-        names: set[str] = set()
-        for index, walker in enumerate(self.walkers):
-            if walker.name in names:
-                raise _said(f"walkers[{index}].name", "another walker has that name; change one")
-            names.add(walker.name)
-            points = np.array([(point.x, point.y) for point in walker.path])
-            for number, free in enumerate(
-                place.on_floor(points) & (place.distance(points) >= walker.radius)
-            ):
-                if not free:
-                    raise _said(
-                        f"walkers[{index}].path[{number}]",
-                        f"nobody of radius {walker.radius:g} m can stand there; move it",
-                    )
-
 
 def parent_model(steps: tuple[str | int, ...]) -> type[Model] | None:
     """The model that the last step of a way into a scenario is a field of, to offer its fields."""
@@ -284,7 +240,5 @@ def parent_model(steps: tuple[str | int, ...]) -> type[Model] | None:
         ("goals",): Goal,
         ("faults",): ScheduledFault,
         ("operators",): OperatorAct,
-        ("walkers",): Walker,
-        ("walkers", "path"): Waypoint,
     }
     return models.get(tuple(names))

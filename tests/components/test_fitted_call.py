@@ -37,8 +37,10 @@ SHAPES = [
     *(ROBOT.by_place_or_not, ROBOT.any_others, ROBOT.by_place_and_others, ROBOT.any_number),
 ]
 TYPED: dict[type, Callable[..., Any]] = {
-    **{bool: ROBOT.true, int: ROBOT.whole},
-    **{float: ROBOT.real, str: ROBOT.text},
+    bool: ROBOT.true,
+    int: ROBOT.whole,
+    float: ROBOT.real,
+    str: ROBOT.text,
 }
 
 

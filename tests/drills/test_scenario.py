@@ -9,15 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kompass.drills.draw import PROCESSES, expand_faults, fits
+from kompass.drills.draw import expand_faults, fits
 from kompass.drills.scenario import (
     Goal,
     OperatorAct,
     Scenario,
     ScheduledFault,
     Start,
-    Walker,
-    Waypoint,
 )
 from kompass.drills.scenario_file import (
     BadScenario,
@@ -43,12 +41,10 @@ faults:
 operators:
   - {at: 40, does: stop, by: ava, reason: a child}
   - {at: 45, does: release, by: ava}
-walkers:
-  - {name: visitor, at: 10, path: [{x: 4.0, y: 0.7}, {x: 9.0, y: 0.7}], speed: 0.8}
 limit: 180
 """
 
-FAULTS = expand_faults(["all"], PROCESSES)
+FAULTS = expand_faults(["all"])
 NAMES = st.text(st.characters(codec="utf-8"), min_size=1, max_size=20).filter(
     lambda text: text.isprintable() and text == text.strip() and bool(text)
 )
@@ -78,7 +74,6 @@ def scenarios(draw: st.DrawFn) -> Scenario:
         for time in times
     )
     x, y, yaw = place.start
-    walk = (Waypoint(x=x, y=y), Waypoint(x=x, y=y))
     return Scenario(
         name=draw(NAMES),
         world=place.name,
@@ -94,13 +89,6 @@ def scenarios(draw: st.DrawFn) -> Scenario:
                 ),
                 max_size=3,
             ).map(tuple)
-        ),
-        walkers=draw(
-            st.lists(NAMES, unique=True, max_size=2).map(
-                lambda names: tuple(
-                    Walker(name=name, at=1.0, path=walk, radius=0.1) for name in names
-                )
-            )
         ),
         limit=draw(st.floats(100, 3600)),
     )  # fmt: skip
@@ -121,7 +109,7 @@ def test_a_file_says_all_of_it(tmp_path: Path) -> None:
     assert read.first_pose == (1.2, 1.0, 0.0)
     assert [fault.name for fault in read.faults] == ["way_blocked", "kill:controller"]
     assert read.goals[1].at == 90.0
-    assert read.walkers[0].path[1].x == 9.0
+    assert [act.does for act in read.operators] == ["stop", "release"]
     assert (
         read_scenario(file).model_copy(update={"start": None}).first_pose
         == world("warehouse").start
@@ -158,13 +146,13 @@ def test_a_file_says_all_of_it(tmp_path: Path) -> None:
         ("{x: 1.2, y: 1.0, at: 90}", "{x: 1, y: 1, at: 90}\n  - {x: 1, y: 1, at: 9}",
          "crate.yaml:8: goals[2].at = 9: a goal before it in the list comes later (90 s)"),
         ("does: release", "does: push", 'operators[1].does = "push": that is not allowed; give'),
-        ("{x: 4.0, y: 0.7}", "{x: 5.0, y: 2.0}",
-         "walkers[0].path[0] = {\"x\": 5.0, \"y\": 2.0}: nobody of radius 0.25 m can stand there"),
         ("seed: 3", "seed: 3.5", "seed = 3.5: that is no whole number"),
         ("seed: 3", "seed: 3\nseed: 4", "crate.yaml:4: 'seed' is given twice; keep one"),
         ("name: crate in the aisle", "name: 2026-01-01",
          "Object of type date is not JSON serializable; put dates and the like in quotation"),
         ("name: crate in the aisle\n", "", "name: it is missing; add it"),
+        ("by: ava}", 'by: "a\\tb"}',
+         'operators[1].by = "a\\tb": no name to be printed in one line'),
         ("limit: 180", "limit: .inf", "limit"),
         ("seed: 3", "seed: [", "crate.yaml:5: expected"),
     ],
