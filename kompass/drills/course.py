@@ -26,6 +26,7 @@ from kompass.drills.facts import (
 # What still counts as standing: below the noise of a robot at rest in the physics.
 STANDSTILL_SPEED = 0.02  # m/s
 STANDSTILL_TURNING = 0.05  # rad/s
+STANDING = "standing"
 STALL = 3.0  # s of standing, with a goal under way, that are no planning and no passing of somebody
 _F = TypeVar("_F", bound=Fact)
 _G = TypeVar("_G", bound=Fact)
@@ -125,21 +126,22 @@ class Course:
                 yield attempt
 
     def unwell(self, until: float) -> tuple[Spell, ...]:
-        """The stretches up to ``until`` [s] in which the robot was not well, none overlapping.
+        """The stretches up to ``until`` [s] in which the robot was not well, one for each cause.
 
         It is unwell while a process of the stack is dead, a component reports a failure (or the
         monitor does for it), STOP is in force, a given goal has ended otherwise than by arriving
         and was not sent again, or a goal is under way and the robot has stood for ``STALL`` or
         more: then from when it stood.
         """
-        single = [
+        found = [
             *self._processes(),
             *self._components(),
             *self.stops,
             *self._lost_goals(),
             *self._standing(),
         ]
-        return _union(single, until)
+        clipped = (spell._replace(end=min(spell.end, until)) for spell in found)
+        return tuple(sorted(spell for spell in clipped if spell.begin < spell.end))
 
     def _processes(self) -> Iterator[Spell]:
         changes = (
@@ -176,7 +178,14 @@ class Course:
             seen = self.moving[first : bisect_right(self.moving, end)]
             for begin, over in zip([sent.at, *seen], [*seen, end], strict=True):
                 if over - begin >= STALL:
-                    yield Spell(begin, over, ("standing",))
+                    yield Spell(self._stood_from(begin, over), over, (STANDING,))
+
+    def _stood_from(self, moved: float, over: float) -> float:
+        """When the robot was first seen to stand after it last moved, or was given a goal."""
+        if moved not in self.moving:
+            return moved
+        place = bisect_right(self._motion_times, moved)
+        return min(self._motion_times[place], over) if place < len(self.motions) else moved
 
 
 def moves(motion: Motion) -> bool:
@@ -196,16 +205,14 @@ def _spells(changes: Iterable[tuple[float, str, bool]], end: float) -> Iterator[
         yield Spell(begin, end, (cause,))
 
 
-def _union(spells: Sequence[Spell], until: float) -> tuple[Spell, ...]:
+def union(spells: Sequence[Spell]) -> tuple[Spell, ...]:
+    """Stretches as ones that do not overlap, each with all of its causes."""
     joined: list[Spell] = []
     for spell in sorted(spells):
-        begin, end = spell.begin, min(spell.end, until)
-        if begin >= end:
-            continue
-        if joined and begin <= joined[-1].end:
+        if joined and spell.begin <= joined[-1].end:
             last = joined[-1]
             causes = tuple(dict.fromkeys((*last.causes, *spell.causes)))
-            joined[-1] = Spell(last.begin, max(last.end, end), causes)
+            joined[-1] = Spell(last.begin, max(last.end, spell.end), causes)
         else:
-            joined.append(Spell(begin, end, spell.causes))
+            joined.append(spell)
     return tuple(joined)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
-from kompass.drills.course import STALL, Attempt, Course, Spell
+from kompass.drills.course import STALL, STANDING, Attempt, Course, Spell, union
 from kompass.drills.drive import (
     ActionResult,
     ContactResult,
@@ -83,7 +83,7 @@ def judge(scenario: Scenario, facts: Iterable[Fact]) -> DriveResult:
         broken=broken_invariants(course.facts),
         unwell=tuple(
             DriveSpell(begin=_rounded(one.begin), end=_rounded(one.end), causes=one.causes)
-            for one in unwell
+            for one in union(unwell)
         ),
         moments=tuple(_moments(course)),
         track=tuple(_track(course)),
@@ -127,16 +127,15 @@ def _faults(
     ends = list(course.of(FaultEnded))
     caused: dict[FaultBegan, list[Spell]] = {fault: [] for fault in began}
     for spell in unwell:
-        before = [fault for fault in began if fault.at <= spell.begin]
-        during = [fault for fault in began if spell.begin < fault.at < spell.end]
-        if before or during:
-            caused[before[-1] if before else during[0]].append(spell)
+        cause = _cause(spell, began)
+        if cause is not None:
+            caused[cause].append(spell)
     for fault in began:
         end = next((e for e in ends if e.name == fault.name and e.at >= fault.at), None)
         if end is not None:
             ends.remove(end)
         spells = caused[fault]
-        last = spells[-1].end if spells else None
+        last = max((spell.end for spell in spells), default=None)
         is_over = last is not None and (last < finish or arrived)
         yield FaultResult(
             name=fault.name,
@@ -146,6 +145,17 @@ def _faults(
             causes=tuple(dict.fromkeys(cause for spell in spells for cause in spell.causes)),
             recovered_after=_rounded(last - fault.at) if last is not None and is_over else None,
         )
+
+
+def _cause(spell: Spell, began: Sequence[FaultBegan]) -> FaultBegan | None:
+    """The fault whose doing a stretch is: the last that began before it."""
+    before = [fault for fault in began if fault.at <= spell.begin]
+    if before:
+        return before[-1]
+    if spell.causes == (STANDING,):
+        # It had not set off yet, or waited for something else; but it should have gone on since.
+        return next((fault for fault in began if spell.end - fault.at >= STALL), None)
+    return None
 
 
 def _contacts(course: Course) -> Iterator[ContactResult]:

@@ -109,6 +109,39 @@ def test_what_was_wrong_before_any_fault_is_no_faults_doing() -> None:
     assert judge(scenario(faults=WALL), facts).outcome == "arrived"
 
 
+def test_what_lasts_into_a_fault_is_not_its_doing_either() -> None:
+    facts = [
+        *arriving(),
+        *failing("mapper", 0.5, 12.0, "no scan yet"),
+        *faulted("way_blocked", 8.0, 16.0),
+    ]
+    assert judge(scenario(faults=WALL), facts).outcome == "arrived"
+
+
+def test_a_robot_that_does_not_set_off_is_disturbed_by_the_fault_that_begins_meanwhile() -> None:
+    late = [
+        *(motion for motion in along(A_WAY, 2.5, [(2.5, 9.0)]) if motion.at >= 2.5),
+        *faulted("way_blocked", 3.0, 8.0),
+        sent(),
+        ended(29.5),
+        DriveEnded(30.0),
+    ]
+    found = judge(scenario(faults=[("way_blocked", 3.0, 5.0)]), late)
+    assert (found.outcome, found.faults[0].causes) == ("recovered", ("standing",))
+    assert found.recovery == pytest.approx(6.0, abs=0.11)
+
+
+def test_a_fault_that_stops_the_robot_at_once_disturbs_it() -> None:
+    """The last motion is seen before the fault, the first standstill after it."""
+    facts = [
+        *arriving([(9.0, 17.0)]),
+        *faulted("scan_frozen", 5.0, 6.0),
+        *faulted("wheel_blocked", 8.96, 16.96),
+    ]
+    made = scenario(faults=[("scan_frozen", 5.0, 1.0), ("wheel_blocked", 8.96, 8.0)])
+    assert [fault.causes for fault in judge(made, facts).faults] == [(), ("standing",)]
+
+
 def test_of_two_faults_each_answers_for_what_begins_after_it() -> None:
     facts = [
         *arriving([(9.0, 13.0), (20.0, 26.0)]),
