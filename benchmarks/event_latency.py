@@ -2,7 +2,7 @@
 
 The floor is one rclpy publish → callback between two processes on the events executor, measured in
 the same run, turn by turn with the others. A rule's function runs in the monitor: message → rule →
-thread. A component's method runs in a process of its own: message → rule → service call.
+thread. A component's method runs in a process of its own: message → rule → request on its channel.
 
 In the end, a rule of the safety lane while twelve slow rules (3 s each) run.
 
