@@ -36,7 +36,12 @@ SHAPES = [
     *(ROBOT.nothing, ROBOT.two, ROBOT.one_of_two, ROBOT.by_name, ROBOT.by_place),
     *(ROBOT.by_place_or_not, ROBOT.any_others, ROBOT.by_place_and_others, ROBOT.any_number),
 ]
-TYPED: dict[type, Callable[..., Any]] = {bool: ROBOT.true, int: ROBOT.whole, float: ROBOT.real, str: ROBOT.text}
+TYPED: dict[type, Callable[..., Any]] = {
+    bool: ROBOT.true,
+    int: ROBOT.whole,
+    float: ROBOT.real,
+    str: ROBOT.text,
+}
 
 
 @pytest.mark.parametrize("method", SHAPES, ids=lambda method: method.__name__)
