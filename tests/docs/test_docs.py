@@ -28,8 +28,8 @@ from kompass.rulebook.permissions import Permissions
 from kompass.rulebook.sources import with_sources
 from kompass.rules.schema.table import Table, rule_hash
 from kompass_console.cli import app, name_the_world
-from kompass_console.drill_cli import recipe_first
 from kompass_console.cli_error import CliError
+from kompass_console.drill_cli import recipe_first
 from kompass_console.rules_cli.table_file import TableFile
 from tests.docs.blocks import PAGES, ROOT, Block, all_blocks, blocks_of, links_of, paths_of
 from tests.docs.preludes import PRELUDES, Bringup
