@@ -26,8 +26,8 @@ from kompass.launch.environment import EnvironmentProblem
 from kompass.printable import log_to_terminal
 from kompass.settings import value_text
 from kompass.supervisor.instance_lock import AlreadyRunning
+from kompass.supervisor.oversight import StartupError
 from kompass.supervisor.process import ProcessSpec, Report
-from kompass.supervisor.supervisor import StartupError
 from kompass_console.cli_error import CliError
 from kompass_console.domain import look_elsewhere, where
 

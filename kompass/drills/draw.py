@@ -24,6 +24,7 @@ from kompass.simulation.faults.fault_names import (
     AT_ONCE,
     DOOR_CLOSED,
     FAULTS,
+    MACHINE_FAULTS,
     MAP_WITHHELD,
     UnknownFault,
     check_fault,
@@ -69,7 +70,7 @@ def expand_faults(
         There is no such fault, or nothing is given for its parameter.
     """
     known = {**STAND_FOR, **(stand_for or {})}
-    kinds = {whole.partition(":")[0]: whole for whole in FAULTS}
+    kinds = {whole.partition(":")[0]: whole for whole in (*FAULTS, *MACHINE_FAULTS)}
     found: list[str] = []
     for name in names:
         for one in kinds if name == ALL else (name,):

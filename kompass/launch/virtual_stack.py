@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -15,6 +15,8 @@ from kompass.launch.gates import feeders_of, halting
 from kompass.launch.host import give_life
 from kompass.launch.processes import process_name
 from kompass.launch.stack import Monitored, Stack
+from kompass.launch.virtual_faults import VirtualFaults
+from kompass.launch.virtual_program import Main, Program
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.process import NAME as MONITOR
 from kompass.monitor.settings import MonitorSettings
@@ -22,14 +24,14 @@ from kompass.monitor.start import Start
 from kompass.rules.schema.table import Table
 from kompass.share import map_path
 from kompass.simulation.faults.fault_manager import FaultRefused
-from kompass.simulation.faults.fault_names import TARGETED, FaultOrder
+from kompass.simulation.faults.fault_names import FaultOrder
 from kompass.simulation.simulator import Simulator
 from kompass.simulation.worlds.world import World as Place
 from kompass.supervisor.desired_state import DesiredState
-from kompass.supervisor.liveness import LivenessLimits, Observation, assess_liveness
-from kompass.supervisor.news import ProcessCondition, ProcessNews
+from kompass.supervisor.news import ProcessNews
+from kompass.supervisor.oversight import Life, Oversight
 from kompass.supervisor.restarts import Restarts
-from kompass.supervisor.supervisor import LIVENESS_PERIOD, StartupError
+from kompass.supervisor.supervisor import LIVENESS_PERIOD
 from kompass.virtual.executor import VirtualExecutor
 from kompass.virtual.lifecycle import VirtualLifecycleNode
 from kompass.virtual.node import VirtualNode
@@ -37,33 +39,10 @@ from kompass.virtual.process import VirtualProcess, World
 from kompass.virtual.scheduler import nanoseconds
 
 STARTING = 0.5  # s from the fork of a process to its first callback
+CALLBACK = 0.0003  # s that a callback takes in rclpy, with all that is done around it
 TOLD = 0.0005  # s after which a process reads what the supervisor tells it
 LEARNED = 0.001  # s after which the supervisor knows of a death, or a stop
 SIMULATOR, MAP_SERVER = "simulator", "map_server"
-
-# Makes what runs in a process; returns who is told of the others, if it wants to be.
-Main = Callable[[VirtualProcess], Callable[[str], object] | None]
-
-
-class _Program:
-    """A process of the stack, over all its lives."""
-
-    def __init__(self, name: str, nodes: Sequence[str], main: Main) -> None:
-        self.name, self.nodes, self.main = name, list(nodes), main
-        self.starts = 0
-        self.process: VirtualProcess | None = None
-        self.listener: Callable[[str], object] | None = None
-        self.began = 0.0
-        self.active = False
-        self.stopped: float | None = None
-        self.condition = "active"
-        self.stuck_since: float | None = None
-        self.killed = ""
-
-    @property
-    def members(self) -> list[str]:
-        """Whose conditions are told one by one."""
-        return self.nodes or [self.name]
 
 
 class VirtualStack:
@@ -96,29 +75,32 @@ class VirtualStack:
     ) -> None:
         self._world, self._stack, self._place, self._seed = world, stack, place, seed
         self._table, self._orders = table, orders
-        self._limits = stack.patience or LivenessLimits()
-        self._restarts = Restarts(stack.process_retries)
-        self._states: dict[str, str] = {}  # the last line told of each process
+        self._oversight = Oversight(stack.patience, Restarts(stack.process_retries), self._tell)
         self._epochs = 0
         # Told each piece of news that the processes are told.
         self.on_news: Callable[[ProcessNews], object] = lambda _: None
-        self.simulator: Simulator | None = None
+        self._faults = VirtualFaults(self)
         # As before any process: a life begins with a copy, as a fork does.
         groups = [copy.deepcopy(list(group)) for group in stack.groups]
         self._programs = [
-            _Program(process_name(group), [one.node_name for one in group], self._hosted(group))
+            Program(
+                process_name(group),
+                [one.node_name for one in group],
+                self._hosted(group),
+                {one.node_name: one.longest_step for one in group},
+            )
             for group in groups
         ]
         if stack.monitored is not None:
             monitor = partial(self._monitor, stack.monitored)
-            self._programs.append(_Program(MONITOR, [MONITOR], monitor))
+            self._programs.append(Program(MONITOR, [MONITOR], monitor))
         halted = halting(stack.components)
         if halted is not None:
-            self._programs.append(_Program(HALT_NODE, [HALT_NODE], partial(_halt, *halted)))
+            self._programs.append(Program(HALT_NODE, [HALT_NODE], partial(_halt, *halted)))
         known = {name for program in self._programs for name in program.nodes}
         beside = [
-            _Program(SIMULATOR, [SIMULATOR], self._simulate),
-            _Program(MAP_SERVER, [MAP_SERVER], self._serve_map),
+            Program(SIMULATOR, [SIMULATOR], self._simulate),
+            Program(MAP_SERVER, [MAP_SERVER], self._serve_map),
         ]
         self._programs += [one for one in beside if not known & set(one.nodes)]
         self._originals = {id(one): type(one) for one in stack.components}
@@ -129,14 +111,18 @@ class VirtualStack:
             self._start(program)
         self._world.scheduler.call_later(nanoseconds(LIVENESS_PERIOD), self._look)
 
+    def close(self) -> None:
+        """End what is broken beyond the virtual world, too: the disk is that of this process."""
+        self._faults.close()
+
     @property
     def is_up(self) -> bool:
         """Whether all processes work."""
-        return all(program.active for program in self._programs)
+        return all(one.life is not None and one.life.active for one in self._programs)
 
     # -- the fate of processes ----------------------------------------------------------------
 
-    def program(self, name: str) -> _Program:
+    def program(self, name: str) -> Program:
         """The process of a name, or of a node.
 
         Raises
@@ -150,6 +136,11 @@ class VirtualStack:
         known = ", ".join(program.name for program in self._programs)
         raise FaultRefused(f"no process {name!r} is running; known are {known}")
 
+    @property
+    def world(self) -> World:
+        """Which it runs in."""
+        return self._world
+
     def kill(self, name: str) -> None:
         """End a process as SIGKILL does."""
         self._kill(self.program(name), "")
@@ -157,47 +148,43 @@ class VirtualStack:
     def stop(self, name: str) -> None:
         """Hold a process as SIGSTOP does."""
         program = self.program(name)
-        process = program.process
-        if process is None or process.stopped:
+        process, life = program.process, program.life
+        if process is None or life is None or process.stopped:
             return
         process.stop()
-        self._later(LEARNED, self._note_stopped, program, process)
+        self._later(LEARNED, self._note_stopped, program, life)
 
     def go_on(self, name: str) -> None:
         """Let a process go on, as SIGCONT does; nothing where another has taken its place."""
         program = self.program(name)
-        if program.process is not None and program.process.stopped:
-            program.process.go_on()
-            program.stopped = None
+        process, life = program.process, program.life
+        if process is not None and life is not None and process.stopped:
+            process.go_on()
+            self._later(LEARNED, self._note_going_on, process, life)
 
-    def _kill(self, program: _Program, why: str) -> None:
-        process = program.process
-        if process is None:
+    def _kill(self, program: Program, why: str) -> None:
+        process, life = program.process, program.life
+        if process is None or life is None:
             return
         process.kill()
-        program.process, program.killed = None, why
-        self._later(LEARNED, self._note_death, program)
+        life.killed = why
+        program.process, program.life, program.listener = None, None, None
+        self._later(LEARNED, self._note_death, program, life)
 
-    def _note_stopped(self, program: _Program, process: VirtualProcess) -> None:
-        if program.process is process and process.stopped:
-            program.stopped = self._now
+    def _note_stopped(self, program: Program, life: Life) -> None:
+        if program.life is life and program.process is not None and program.process.stopped:
+            life.stopped = self._now
             self._assess(program)
 
-    def _note_death(self, program: _Program) -> None:
-        reason = program.killed or "the process was killed by SIGKILL"
-        lived = self._now - program.began
-        was_active = program.active
-        program.active, program.listener, program.stopped = False, None, None
-        program.condition, program.stuck_since, program.killed = "active", None, ""
-        self._tell(program, "dead", reason)
-        if not was_active and not self._restarts.ever_died(program.name):
-            raise StartupError(f"{program.name} could not start")
-        delay = self._restarts.after_death(program.name, lived)
-        if delay is None:
-            text = f"died {self._restarts.in_a_row(program.name)} times in a row"
-            self._tell(program, "given up", text)
-            return
-        self._later(delay, self._start, program)
+    def _note_going_on(self, process: VirtualProcess, life: Life) -> None:
+        if not process.stopped:
+            life.stopped = None
+
+    def _note_death(self, program: Program, life: Life) -> None:
+        self._oversight.bury(life, "the process was killed by SIGKILL")
+        death = self._oversight.after_death(life, self._now, failed=True)
+        if death.delay is not None:
+            self._later(death.delay, self._start, program)
 
     def _look(self) -> None:
         """At the heartbeats, as the supervisor does."""
@@ -205,24 +192,22 @@ class VirtualStack:
             self._assess(program)
         self._world.scheduler.call_later(nanoseconds(LIVENESS_PERIOD), self._look)
 
-    def _assess(self, program: _Program) -> None:
-        if not program.active or program.process is None:
+    def _assess(self, program: Program) -> None:
+        process, life = program.process, program.life
+        if process is None or life is None or not life.active:
             return
-        held = None if program.stopped is None else self._now - program.stopped
-        condition, reason = assess_liveness(
-            Observation(silent=held or 0.0, stopped=held), self._limits
+        # The thread that shows life of the process as such is held by a signal and nothing else.
+        silent = 0.0 if life.stopped is None else self._now - life.stopped
+        lags = [executor.lag * 1e-9 for executor in process.executors]
+        assessed = self._oversight.assess(
+            life,
+            self._now,
+            silent,
+            dict(zip(life.members, lags, strict=True)),
+            allowed=program.allowed,
         )
-        if condition != program.condition:
-            program.condition = condition
-            self._tell(program, condition, reason, stopped=held is not None)
-        if condition != "stuck":
-            program.stuck_since = None
-        elif program.stuck_since is None:
-            program.stuck_since = self._now
-        elif self._limits.killed is not None:
-            stuck = self._now - program.stuck_since
-            if stuck >= self._limits.killed:
-                self._kill(program, f"it was stuck for {stuck:.0f} s")
+        if assessed.kill:
+            self._kill(program, assessed.kill)
 
     def _asked(self, line: str) -> None:
         """What the monitor asks of the supervisor."""
@@ -232,40 +217,29 @@ class VirtualStack:
 
     # -- lives --------------------------------------------------------------------------------
 
-    def _start(self, program: _Program) -> None:
+    def _start(self, program: Program) -> None:
         program.starts += 1
-        program.began = self._now
-        program.process = process = self._world.process(program.name)
-        self._tell(program, "starting")
-        process.later(nanoseconds(STARTING), self._begin, program, process)
+        pid = 1000 + 100 * program.starts + self._programs.index(program)
+        program.process = process = self._world.process(program.name, CALLBACK)
+        program.life = life = Life(
+            program.name, program.nodes, pid, pid, program.starts - 1, self._now
+        )
+        self._oversight.tell(life, "starting")
+        process.later(nanoseconds(STARTING), self._begin, program, process, life)
 
-    def _begin(self, program: _Program, process: VirtualProcess) -> None:
+    def _begin(self, program: Program, process: VirtualProcess, life: Life) -> None:
         program.listener = program.main(process)
-        for line in self._states.values():
+        for news in self._oversight.newest:
+            self._tell_listener(program, news.to_line())
+        self._oversight.activate(life)
+
+    def _tell(self, news: ProcessNews) -> None:
+        self.on_news(news)
+        line = news.to_line()
+        for program in self._programs:
             self._tell_listener(program, line)
-        program.active = True
-        self._tell(program, "active")
 
-    def _tell(
-        self,
-        program: _Program,
-        state: ProcessCondition,
-        reason: str = "",
-        *,
-        stopped: bool = False,
-    ) -> None:
-        shared = len(program.members) > 1
-        for member in program.members:
-            name = member if shared else program.name
-            nodes = [member] if shared else program.nodes
-            pid = 1000 + 100 * program.starts + self._programs.index(program)
-            news = ProcessNews(name, nodes, state, pid, program.starts - 1, reason, stopped, pid)
-            self._states[name] = news.to_line()
-            self.on_news(news)
-            for each in self._programs:
-                self._tell_listener(each, news.to_line())
-
-    def _tell_listener(self, program: _Program, line: str) -> None:
+    def _tell_listener(self, program: Program, line: str) -> None:
         if program.listener is not None and program.process is not None:
             program.process.later(nanoseconds(TOLD), program.listener, line)
 
@@ -330,8 +304,7 @@ class VirtualStack:
     def _simulate(self, process: VirtualProcess) -> None:
         node = VirtualNode(process, SIMULATOR)
         executor = VirtualExecutor(process)
-        faults = _VirtualProcessFaults(self)
-        self.simulator = Simulator(node, self._place, self._seed, self._orders, faults)
+        Simulator(node, self._place, self._seed, self._orders, self._faults)
         executor.add_node(node)
 
     def _serve_map(self, process: VirtualProcess) -> None:
@@ -347,30 +320,6 @@ class VirtualStack:
 
     def _later(self, seconds: float, function: Callable[..., object], *args: Any) -> None:
         self._world.scheduler.call_later(nanoseconds(seconds), function, *args)
-
-
-class _VirtualProcessFaults:
-    """Faults of the virtual stack's processes, as a kind of faults of the robot."""
-
-    def __init__(self, stack: VirtualStack) -> None:
-        self._stack = stack
-
-    def knows(self, name: str) -> bool:
-        return name.partition(":")[0] in TARGETED
-
-    def begin(self, name: str) -> bool:
-        kind, _, target = name.partition(":")
-        if kind == "kill":
-            self._stack.kill(target)
-            return False
-        self._stack.stop(target)
-        return True
-
-    def end(self, name: str) -> None:
-        self._stack.go_on(name.partition(":")[2])
-
-    def ended(self) -> Iterable[str]:
-        return ()
 
 
 def _halt(

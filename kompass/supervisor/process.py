@@ -13,7 +13,7 @@ from pathlib import Path
 
 from kompass.supervisor.cpu_usage import CpuUsage
 from kompass.supervisor.heartbeat import Heartbeat, start_heartbeat
-from kompass.supervisor.liveness import Condition
+from kompass.supervisor.oversight import Life
 
 PR_SET_PDEATHSIG = 1
 STDERR = 2
@@ -61,19 +61,17 @@ class Child:
     """A running child, as the supervisor sees it."""
 
     spec: ProcessSpec
-    pid: int
+    life: Life
     pidfd: int
     reports: int  # read end of the pipe
-    started: float
     outbox: int = -1  # write end, for one that listens
     pending: bytes = b""
-    active: bool = False
-    stopped: float | None = None  # since when a signal (SIGSTOP) holds it
-    told_stopped: bool = False  # whether those who listen know that
-    killed: str = ""  # why the supervisor killed it
     cpu_usage: CpuUsage = field(default_factory=CpuUsage)
-    conditions: dict[str, Condition] = field(default_factory=dict)  # of each member
-    stuck_since: float | None = None
+
+    @property
+    def pid(self) -> int:
+        """Its process id."""
+        return self.life.pid
 
     def read(self) -> list[str] | None:
         """Complete lines that arrived; None at the end of the pipe."""
@@ -137,7 +135,8 @@ def fork(spec: ProcessSpec, close: list[int]) -> Child:
     if spec.listens:
         os.close(inbox)
         os.set_blocking(outbox, False)
-    return Child(spec, pid, os.pidfd_open(pid), read_end, time.monotonic(), outbox)
+    life = Life(spec.name, spec.names, pid, spec.born, spec.starts - 1, time.monotonic())
+    return Child(spec, life, os.pidfd_open(pid), read_end, outbox)
 
 
 def _run(spec: ProcessSpec, parent: int, reports: int, close: list[int]) -> None:

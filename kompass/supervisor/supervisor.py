@@ -15,8 +15,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from kompass.supervisor.guard import guard_process
-from kompass.supervisor.liveness import LivenessLimits, Observation, assess_liveness
-from kompass.supervisor.news import ProcessCondition, ProcessNews
+from kompass.supervisor.liveness import LivenessLimits
+from kompass.supervisor.news import ProcessNews
+from kompass.supervisor.oversight import Oversight, StartupError
 from kompass.supervisor.process import Child, ProcessSpec, fork
 from kompass.supervisor.restarts import Restarts
 
@@ -25,10 +26,6 @@ END_TIME = 1.5  # s for all others to end by themselves
 LIVENESS_PERIOD = 0.2  # s between two looks at the heartbeats
 
 log = logging.getLogger("kompass.supervisor")
-
-
-class StartupError(RuntimeError):
-    """A process could not start; the message is meant for the terminal."""
 
 
 @dataclass
@@ -70,8 +67,7 @@ class Supervisor:
     ) -> None:
         self._guard = guard_process(END_TIME)
         self._specs = [self._guard, *specs]
-        self._limits = limits or LivenessLimits()
-        self._restarts = restarts or Restarts()
+        self._oversight = Oversight(limits, restarts, self._tell)
         self._activation_timeout = activation_timeout
         self._children: dict[int, Child] = {}
         self._selector = selectors.DefaultSelector()
@@ -82,7 +78,6 @@ class Supervisor:
         self._inactive = inactive
         self._started = 0.0
         self._assessed = 0.0
-        self._states: dict[str, str] = {}  # the last line told of each process
 
     def run(self) -> None:
         """Start everything, block until a signal ends it, end everything.
@@ -165,53 +160,39 @@ class Supervisor:
                 continue  # it is dead, which its pidfd tells
             if changed is not None:
                 stopped = changed.si_code == os.CLD_STOPPED
-                child.stopped = time.monotonic() if stopped else None
+                child.life.stopped = time.monotonic() if stopped else None
                 if stopped:
                     # The robot may have to be halted: that waits for no look at the heartbeats.
                     self._assess(child, time.monotonic())
 
     def _assess(self, child: Child, now: float) -> None:
-        if not child.active:
+        life, heartbeat = child.life, child.spec.heartbeat
+        if not life.active:
             return
-        heartbeat, limits = child.spec.heartbeat, self._limits
         silent = now - heartbeat.last_sent()
         computing = False
-        if child.stopped is None and silent > limits.silent / 2:
+        if self._oversight.may_be_computing(life, silent):
             computing = child.cpu_usage.computing(child.pid, now)
         else:
             child.cpu_usage.clear()
-        for member in child.spec.members:
+        lags: dict[str, float | None] = {}
+        for member in life.members:
             last = heartbeat.last_sent(member)
-            condition, reason = assess_liveness(
-                Observation(
-                    silent=silent,
-                    lag=now - last if last else None,
-                    stopped=None if child.stopped is None else now - child.stopped,
-                    computing=computing,
-                    allowed=child.spec.allowed.get(member, 0.0),
-                ),
-                limits,
-            )
-            newly_stopped = child.stopped is not None and not child.told_stopped
-            if condition != child.conditions.get(member, "active") or newly_stopped:
-                if condition == "stuck":
-                    log.warning("%s is stuck: %s", member, reason)
-                elif child.conditions.get(member) == "stuck":
-                    log.info("%s is no longer stuck", member)
-                child.conditions[member] = condition
-                stopped = child.stopped is not None
-                self._tell_member(child.spec, member, condition, child.pid, reason, stopped)
-        child.told_stopped = child.stopped is not None
-        if "stuck" not in child.conditions.values():
-            child.stuck_since = None
-        elif child.stuck_since is None:
-            child.stuck_since = now
-        elif limits.killed is not None and now - child.stuck_since >= limits.killed:
-            self._kill(child, f"it was stuck for {now - child.stuck_since:.0f} s")
+            lags[member] = now - last if last else None
+        assessed = self._oversight.assess(
+            life, now, silent, lags, computing=computing, allowed=child.spec.allowed
+        )
+        for change in assessed.changes:
+            if change.now == "stuck":
+                log.warning("%s is stuck: %s", change.member, change.reason)
+            elif change.before == "stuck":
+                log.info("%s is no longer stuck", change.member)
+        if assessed.kill:
+            self._kill(child, assessed.kill)
 
     def _kill(self, child: Child, why: str) -> None:
-        if not child.killed:
-            child.killed = why
+        if not child.life.killed:
+            child.life.killed = why
             log.error("%s is killed: %s", child.spec.name, why)
             signal.pidfd_send_signal(child.pidfd, signal.SIGKILL)
 
@@ -238,9 +219,9 @@ class Supervisor:
         self._children[child.pid] = child
         log.info("%s is process %d", spec.name, child.pid)
         if spec.listens:
-            for line in self._states.values():
-                child.tell(line)
-        self._tell(spec, "starting", child.pid)
+            for news in self._oversight.newest:
+                child.tell(news.to_line())
+        self._oversight.tell(child.life, "starting")
         self._selector.register(child.reports, selectors.EVENT_READ, child)
         self._selector.register(child.pidfd, selectors.EVENT_READ, child)
 
@@ -252,8 +233,7 @@ class Supervisor:
         for line in lines:
             word, _, rest = line.partition(" ")
             if word == "active":
-                child.active = True
-                self._tell(child.spec, "active", child.pid)
+                self._oversight.activate(child.life)
                 self._report_active(child)
             elif word == "failed":
                 log.error("%s: %s", child.spec.name, rest)
@@ -271,7 +251,7 @@ class Supervisor:
                 self._kill(child, "a restart was asked for")
 
     def _report_active(self, child: Child) -> None:
-        log.info("%s is up (%.2f s)", child.spec.name, time.monotonic() - child.started)
+        log.info("%s is up (%.2f s)", child.spec.name, time.monotonic() - child.life.began)
         if child.spec.name in self._awaited:
             self._awaited.discard(child.spec.name)
             if not self._awaited:
@@ -289,48 +269,24 @@ class Supervisor:
     def _handle_exit(self, child: Child) -> None:
         _, status = os.waitpid(child.pid, 0)
         code = os.waitstatus_to_exitcode(status)
-        lived = time.monotonic() - child.started
+        now = time.monotonic()
         self._release(child)
         how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"ended with {code}"
         name = child.spec.name
-        reason = f"the process was {how}" if code < 0 else how
         # Before anything is written to a terminal, which may not take it: the robot may be moving.
-        self._tell(child.spec, "dead", child.pid, child.killed or reason)
-        log.warning("%s %s after %.1f s", name, how, lived)
-        if not child.active and not self._restarts.ever_died(name) and code != 0:
-            raise StartupError(f"{name} could not start; its reason is above")
-        if not child.spec.restart or self._stop is not None:
-            return
-        delay = self._restarts.after_death(name, lived)
-        if delay is None:
-            text = f"died {self._restarts.in_a_row(name)} times in a row"
-            log.error("%s %s: given up", name, text)
-            self._tell(child.spec, "given up", child.pid, text)
-            return
-        log.warning("%s starts again in %.1f s", name, delay)
-        self._pending.append(_PendingStart(child.spec, time.monotonic() + delay))
+        self._oversight.bury(child.life, f"the process was {how}" if code < 0 else how)
+        log.warning("%s %s after %.1f s", name, how, now - child.life.began)
+        wanted = child.spec.restart and self._stop is None
+        death = self._oversight.after_death(child.life, now, failed=code != 0, restart=wanted)
+        if death.delay is not None:
+            log.warning("%s starts again in %.1f s", name, death.delay)
+            self._pending.append(_PendingStart(child.spec, time.monotonic() + death.delay))
+        elif death.text:
+            log.error("%s %s: given up", name, death.text)
 
-    def _tell(self, spec: ProcessSpec, state: ProcessCondition, pid: int, reason: str = "") -> None:
-        """Tell those who listen how a process is doing."""
-        for member in spec.members:
-            self._tell_member(spec, member, state, pid, reason)
-
-    def _tell_member(
-        self,
-        spec: ProcessSpec,
-        member: str,
-        state: ProcessCondition,
-        pid: int,
-        reason: str,
-        stopped: bool = False,
-    ) -> None:
-        """Tell those who listen of one node of a process."""
-        shared = len(spec.members) > 1
-        name = member if shared else spec.name
-        nodes = [member] if shared else spec.names
-        told = (name, nodes, state, pid, spec.starts - 1, reason, stopped, spec.born)
-        line = ProcessNews(*told).to_line()
-        self._states[name] = line
+    def _tell(self, news: ProcessNews) -> None:
+        """Tell those who listen."""
+        line = news.to_line()
         for child in self._children.values():
             if child.outbox >= 0:
                 child.tell(line)
@@ -378,4 +334,4 @@ class Supervisor:
             os.waitpid(child.pid, 0)
             self._release(child)
             # Those who are still there must know that it could not do what it does at its end.
-            self._tell(child.spec, "dead", child.pid, "it did not end, and was killed")
+            self._oversight.tell(child.life, "dead", "it did not end, and was killed")

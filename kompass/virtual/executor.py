@@ -40,7 +40,9 @@ class VirtualExecutor:
         self._ready: deque[tuple[Callable[..., object], tuple[Any, ...]]] = deque()
         self._timers: list[TimerQueue] = []
         self._turn: Event | None = None
+        self._began = 0  # with the newest turn
         self._free_at = 0
+        self._hangs = self._to_hang = False
         # Kept, so that a coroutine of a process that was killed is not closed: its `finally`
         # blocks would run, in a process that is no more.
         self._tasks: set[Task] = set()
@@ -119,6 +121,25 @@ class VirtualExecutor:
 
     # -- for the process ----------------------------------------------------------------------
 
+    @property
+    def lag(self) -> int:
+        now = self._scheduler.now
+        return now - self._began if self._hangs or now < self._free_at else 0
+
+    def hang(self) -> None:
+        """After what came before, begin with a callback that does not return."""
+        self._to_hang = True
+        self.push(self._hang)
+
+    def _hang(self) -> None:
+        self._hangs = self._to_hang
+
+    def come_round(self) -> None:
+        """Have it return, or not even begin."""
+        self._to_hang = self._hangs = False
+        if self._ready or self._timers:
+            self._arrange(self._scheduler.now)
+
     def pause(self) -> None:
         """Have no more turns until :meth:`go_on`."""
         if self._turn is not None:
@@ -144,7 +165,7 @@ class VirtualExecutor:
 
     def _arrange(self, at: int) -> None:
         """Have a turn at that time, or before; never while it is busy."""
-        if not self._process.runs:
+        if self._hangs or not self._process.runs:
             return
         at = max(at, self._free_at)
         if self._turn is not None:
@@ -156,7 +177,7 @@ class VirtualExecutor:
     def _take_turn(self) -> None:
         self._turn = None
         process, scheduler = self._process, self._scheduler
-        now = scheduler.now
+        now = self._began = scheduler.now
         wait = LONGEST_WAIT
         cost = process.cost()
         process.sending_delay = cost

@@ -19,6 +19,16 @@ CostModel = Callable[[random.Random], float]
 class Thread(Protocol):
     """What happens in a process, one after the other."""
 
+    @property
+    def lag(self) -> int:
+        """For how long it has not come round [ns]; 0 when there is nothing that holds it up."""
+
+    def hang(self) -> None:
+        """Begin with something that does not return until :meth:`come_round`."""
+
+    def come_round(self) -> None:
+        """Have what hangs return; nothing where nothing does."""
+
     def pause(self) -> None:
         """Have nothing happen until :meth:`go_on`."""
 
@@ -145,6 +155,11 @@ class VirtualProcess:
     @property
     def answers(self) -> bool:
         return self.runs
+
+    @property
+    def executors(self) -> Sequence[Thread]:
+        """What happens in it, in the order in which they were made."""
+        return self._executors
 
     @property
     def chance(self) -> random.Random:

@@ -22,7 +22,8 @@ pytestmark = pytest.mark.ros
 PROGRAM = """
     import logging, os, sys, time, json
     from kompass.supervisor.process import ProcessSpec
-    from kompass.supervisor.supervisor import StartupError, Supervisor
+    from kompass.supervisor.oversight import StartupError
+    from kompass.supervisor.supervisor import Supervisor
 
     logging.basicConfig(stream=sys.stdout, format="%(message)s", level=logging.INFO)
     said = open({said!r}, "a", buffering=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
@@ -12,8 +12,9 @@ from automatika_ros_sugar.msg import ComponentStatus
 from kompass_interfaces.msg import DriveState, RuleFiring
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import LaserScan
-from std_msgs.msg import String
+from std_msgs.msg import String, UInt32
 
 from kompass.bus.node import Node
 from kompass.drills.facts import (
@@ -37,7 +38,6 @@ from kompass.drills.facts import (
 )
 from kompass.monitor.process import NAME as MONITOR
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
-from kompass.simulation.simulator import Simulator
 from kompass.supervisor.news import ProcessNews
 
 PERIOD = 0.1  # s between two looks at the robot
@@ -48,10 +48,12 @@ SENSES: tuple[tuple[str, str, Any], ...] = (
     ("scan", "/scan", LaserScan),
     ("odometry", "/odometry/filtered", Odometry),
 )
+TRUTH = "/simulator/ground_truth"
+CONTACTS, PERSON_CONTACTS = "/simulator/contacts", "/simulator/person_contacts"
 
 
 class Observer:
-    """Collects facts, from topics and from the truth of the simulation.
+    """Collects facts, from topics and nothing else: also what the embedded robot tells of itself.
 
     Parameters
     ----------
@@ -59,8 +61,6 @@ class Observer:
         Listens; in a process of its own, which no fault strikes.
     components
         Names of those whose statuses are noted.
-    simulator
-        Gives the embedded robot, once there is one.
 
     Attributes
     ----------
@@ -68,18 +68,18 @@ class Observer:
         What was observed so far; times are seconds since :meth:`begin`.
     """
 
-    def __init__(
-        self, node: Node, components: Iterable[str], simulator: Callable[[], Simulator | None]
-    ) -> None:
+    def __init__(self, node: Node, components: Iterable[str]) -> None:
         self.facts: list[Fact] = []
-        self._node, self._simulator = node, simulator
+        self._node = node
         self._began: float | None = None
         self._silent: set[str] = set()
         self._stopped = False
         self._epoch = ""
         self._faults: list[str] = []
         self._alarms: dict[str, str] = {}
-        self._contacts = (0, 0)
+        self._truth: bytes | None = None
+        self._contacts = {CONTACTS: 0, PERSON_CONTACTS: 0}
+        self._counted = (0, 0)  # contacts with something, and with a person
         self._heard: dict[str, float] = {}
         self._blind: set[str] = set()
         listen = node.create_subscription
@@ -92,6 +92,10 @@ class Observer:
         listen(String, "/simulator/faults", self._on_faults, LATCHED_PROFILE)
         for sense, topic, kind in SENSES:
             listen(kind, topic, partial(self._on_sense, sense), _ANY, raw=True)
+        # One in five is looked at: the others are not worth reading.
+        listen(Odometry, TRUTH, self._on_truth, _ANY, raw=True)
+        for topic in (CONTACTS, PERSON_CONTACTS):
+            listen(UInt32, topic, partial(self._on_contacts, topic), LATCHED_PROFILE)
         node.create_timer(PERIOD, self._look)
 
     def begin(self) -> None:
@@ -181,26 +185,38 @@ class Observer:
 
     # -- the truth ----------------------------------------------------------------------------
 
+    def _on_truth(self, data: bytes) -> None:
+        self._truth = data
+
+    def _on_contacts(self, topic: str, message: UInt32) -> None:
+        self._contacts[topic] = int(message.data)
+
     def _look(self) -> None:
-        simulator = self._simulator()
-        if self._began is None or simulator is None:
+        if self._began is None:
             return
         now = self._node.clock.monotonic()
         for sense, at in self._heard.items():
             if now - at > BLIND and sense not in self._blind:
                 self._blind.add(sense)
                 self.note(WentBlind, sense, at=round(max(at - self._began, 0.0), 6))
-        robot = simulator.robot
-        motion = robot.truth()
-        x, y, yaw = (round(float(part), 4) for part in motion.pose)
-        along, across, omega = motion.twist
-        speed, turning = round(math.hypot(along, across), 4), round(float(omega), 4)
-        self.note(Motion, x, y, yaw, speed, turning)
-        of_people = robot.person_contacts
-        others = robot.contacts - of_people
+        if self._truth is not None:
+            self._note_motion(deserialize_message(self._truth, Odometry))
+        # Both counts of one moment have come by now, in whatever order.
+        of_people = self._contacts[PERSON_CONTACTS]
+        others = self._contacts[CONTACTS] - of_people
         for what, count, before in zip(
-            ("something", "a person"), (others, of_people), self._contacts, strict=True
+            ("something", "a person"), (others, of_people), self._counted, strict=True
         ):
             for _ in range(count - before):
                 self.note(Contact, what)
-        self._contacts = (others, of_people)
+        self._counted = (others, of_people)
+
+    def _note_motion(self, odometry: Odometry) -> None:
+        at, twist = odometry.pose.pose, odometry.twist.twist
+        yaw = 2.0 * math.atan2(at.orientation.z, at.orientation.w)
+        self.note(
+            Motion,
+            *(round(part, 4) for part in (at.position.x, at.position.y, yaw)),
+            round(math.hypot(twist.linear.x, twist.linear.y), 4),
+            round(twist.angular.z, 4),
+        )

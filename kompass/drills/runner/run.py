@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass, replace
 
 from kompass.drills.drive import DriveResult
@@ -17,6 +18,7 @@ from kompass.rules.schema.table import Table
 from kompass.simulation.worlds.registry import world
 from kompass.supervisor.news import ProcessNews
 from kompass.virtual.executor import VirtualExecutor
+from kompass.virtual.network import Conditions
 from kompass.virtual.node import VirtualNode
 from kompass.virtual.process import World
 from kompass.virtual.scheduler import SECOND, nanoseconds
@@ -25,6 +27,7 @@ BRINGUP = 20 * SECOND  # ns in which a stack must be up
 SETTLED = 2.0  # s between the bring-up and the beginning of the drive
 AFTERWARDS = 3.0  # s that are looked at after the last goal has ended
 STEP = SECOND // 4  # ns between two looks at whether it is over
+PEOPLE = "people"
 
 
 class NotUp(RuntimeError):
@@ -71,11 +74,13 @@ def _drive(virtual: World, stack: Stack, scenario: Scenario, table: Table | None
     names = [component.node_name for component in components]
     planner = planner_node(components)
     robot = VirtualStack(virtual, stack, place, seed=scenario.seed, table=table)
-    process = virtual.process("people")
-    node = VirtualNode(process, "people", stack.namespace)
+    process = virtual.process(PEOPLE)
+    # Whatever breaks on the robot's machine, they see and ask as ever.
+    virtual.network.set_conditions(Conditions(), process=PEOPLE)
+    node = VirtualNode(process, PEOPLE, stack.namespace)
     executor = VirtualExecutor(process)
     executor.add_node(node)
-    observer = Observer(node, names, lambda: robot.simulator)
+    observer = Observer(node, names)
     operator = Operator(node, scenario, components, observer)
 
     def on_news(news: ProcessNews) -> None:
@@ -84,19 +89,20 @@ def _drive(virtual: World, stack: Stack, scenario: Scenario, table: Table | None
             operator.planner_died()
 
     robot.on_news = on_news
-    robot.start()
-    scheduler = virtual.scheduler
-    if not scheduler.run_while(lambda: not robot.is_up, BRINGUP):
-        raise NotUp("the stack did not come up")
-    scheduler.run_for(nanoseconds(SETTLED))
-    observer.begin()
-    _run_while(
-        scheduler.run_for, lambda: not operator.is_done, scenario.limit, lambda: observer.now
-    )
-    left = min(AFTERWARDS, scenario.limit - observer.now)
-    if left > 0.0:
-        scheduler.run_for(nanoseconds(left))
-    observer.note(DriveEnded)
+    with closing(robot):
+        robot.start()
+        scheduler = virtual.scheduler
+        if not scheduler.run_while(lambda: not robot.is_up, BRINGUP):
+            raise NotUp("the stack did not come up")
+        scheduler.run_for(nanoseconds(SETTLED))
+        observer.begin()
+        _run_while(
+            scheduler.run_for, lambda: not operator.is_done, scenario.limit, lambda: observer.now
+        )
+        left = min(AFTERWARDS, scenario.limit - observer.now)
+        if left > 0.0:
+            scheduler.run_for(nanoseconds(left))
+        observer.note(DriveEnded)
     facts = tuple(observer.facts)
     log = tuple(f"{entry.time} {entry.node} {entry.level} {entry.text}" for entry in virtual.log)
     return Observed(facts, judge(scenario, facts), log)

@@ -6,7 +6,12 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
-from kompass.simulation.faults.fault_names import FaultOrder, check_fault
+from kompass.simulation.faults.fault_names import (
+    FaultOrder,
+    check_fault,
+    is_of_machine,
+    only_in_drills,
+)
 
 
 class FaultRefused(RuntimeError):
@@ -127,4 +132,6 @@ class FaultManager:
         for kind in self._kinds:
             if kind.knows(name):
                 return kind
+        if is_of_machine(name):
+            raise FaultRefused(only_in_drills(name))
         raise FaultRefused(f"fault {name!r} is of no use here")

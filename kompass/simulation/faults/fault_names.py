@@ -42,10 +42,21 @@ FAULTS = {
     "stop:NAME": "a process of the stack is stopped (SIGSTOP); it goes on when the fault ends",
     "kill:NAME": "a process of the stack is killed (SIGKILL), once",
 }
+# Faults of the machine. Only a drill has them: its processes, its network and its time are virtual.
+MACHINE_FAULTS = {
+    "starve:NAME": "every callback of a process takes twenty times longer",
+    "hang:NAME": "a callback of a process does not return; it does when the fault ends",
+    "flicker:NAME": "a process is stopped (SIGSTOP) and let go on, again and again",
+    "disk_full": "no file can be written; what is in one already stays",
+    "network_late:DELAY": "every message takes so many seconds longer",
+    "network_loss:SHARE": "this share of the messages is lost, where nobody sends them again",
+}
 MAP_WITHHELD = "map_withheld"
 AT_ONCE = "kill:"  # nothing is left of it that could end
 TARGETED = ("stop", "kill")  # followed by the name of a process or of a node in it
 DOOR_CLOSED = "door_closed"
+_ALL = {**FAULTS, **MACHINE_FAULTS}
+_MACHINE_KINDS = {name.partition(":")[0] for name in MACHINE_FAULTS}
 
 
 class UnknownFault(ValueError):
@@ -72,7 +83,7 @@ class FaultOrder:
 
 
 def check_fault(name: str) -> str:
-    """``name`` as it is always written, if there is such a fault.
+    """``name`` as it is always written, if there is such a fault, of the robot or of the machine.
 
     Raises
     ------
@@ -84,19 +95,35 @@ def check_fault(name: str) -> str:
     if parameter is not None:
         example = f"write for example {kind}:{parameter.example}"
         if not argument:
-            (whole,) = (one for one in FAULTS if one.partition(":")[0] == kind)
+            (whole,) = (one for one in _ALL if one.partition(":")[0] == kind)
             missing = whole.partition(":")[2]
             raise UnknownFault(f"fault {name!r} needs {missing} behind a colon; {example}")
         try:
             return f"{kind}:{parameter.read(argument)}"
         except ValueError as error:
             raise UnknownFault(f"fault {name!r}: {error}; {example}") from None
-    if name in FAULTS:
+    if name in _ALL:
         return name
-    known = [one.partition(":")[0] for one in FAULTS]
+    known = [one.partition(":")[0] for one in _ALL]
     near = difflib.get_close_matches(kind, known, n=1, cutoff=0.4)
     hint = f"did you mean {near[0]!r}? " if near else ""
     raise UnknownFault(f"there is no fault {name!r}; {hint}known are {', '.join(FAULTS)}")
+
+
+def is_of_machine(name: str) -> bool:
+    """Whether only a drill has this fault."""
+    return name.partition(":")[0] in _MACHINE_KINDS
+
+
+def only_in_drills(name: str) -> str:
+    """Why the embedded robot cannot be given a fault of the machine, and what can be done."""
+    instead = {"hang": "stop", "flicker": "stop", "starve": "stop"}.get(name.partition(":")[0])
+    target = name.partition(":")[2]
+    hint = f"; {instead}:{target} is the nearest there is here" if instead else ""
+    return (
+        f"fault {name!r} is one of the machine, which only a drill has "
+        f"(kompass-console drill RECIPE --faults {name}){hint}"
+    )
 
 
 def check_place(name: str, place: World) -> None:
@@ -132,6 +159,8 @@ def parse_fault(text: str) -> FaultOrder:
             raise UnknownFault(f"fault {text!r}: {each:g} s is no time; give seconds of 0 or more")
     after, duration = (*times, 0.0, 0.0)[:2]
     name = check_fault(name)
+    if is_of_machine(name):
+        raise UnknownFault(only_in_drills(name))
     if name == MAP_WITHHELD and after:
         raise UnknownFault(
             f"fault {text!r}: a map that was given cannot be withheld; leave out {after:g}"

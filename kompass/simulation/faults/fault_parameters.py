@@ -120,4 +120,9 @@ PARAMETERS: dict[str, FaultParameter] = {
     "door_closed": Doorway(),
     "stop": Process(),
     "kill": Process(),
+    "starve": Process(),
+    "hang": Process(),
+    "flicker": Process(),
+    "network_late": Amount("seconds", 10.0, "0.1"),
+    "network_loss": Amount("a share of the messages", 1.0, "0.3"),
 }
