@@ -74,8 +74,13 @@ def _make(seed: int, loud: bool) -> Driven:
     outcome = drive_once(seed)
     if loud:
         for line in outcome.log:
-            print(line)
+            _say(line)
     return Driven(seed, outcome.drive, tuple(outcome.findings))
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
 
 
 def again(seed: int) -> str:
@@ -100,15 +105,15 @@ def run(arguments: list[str]) -> int:
     for driven in drives:
         count += 1
         if given.log:
-            print(driven.drive)
+            _say(driven.drive)
         if driven.findings:
             bad += 1
-            print(driven.drive)
+            _say(driven.drive)
             for finding in driven.findings:
-                print(f"  {finding}")
-            print(f"  again: {again(driven.seed)}", flush=True)
+                _say(f"  {finding}")
+            _say(f"  again: {again(driven.seed)}")
     took = time.monotonic() - began
-    print(f"{count} drives in {took:.0f} s: something did not hold in {bad}")
+    _say(f"{count} drives in {took:.0f} s: something did not hold in {bad}")
     return 1 if bad else 0
 
 

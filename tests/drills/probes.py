@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from std_msgs.msg import Bool
 
 from kompass.drills.facts import Fact, ProcessEnded, ProcessStarted, RuleFired
@@ -70,7 +72,7 @@ class Probes:
         ]
         first = min(away, default=scenario.limit)
         beats = [f for f in facts if isinstance(f, RuleFired) and f.rule_id == BEAT]
-        for one, other in zip(beats, beats[1:], strict=False):
+        for one, other in pairwise(beats):
             gap = other.at - one.at
             if one.epoch == other.epoch and gap < COOLDOWN - 0.05 and other.at < first:
                 found.append(f"{BEAT} fired {gap:.2f} s after it had at {one.at:g} s")

@@ -1,4 +1,4 @@
-"""Random drives of our own stack: everything that may happen to it, and what must hold all the same.
+"""Random drives of our own stack: all that may happen to it, and what must hold all the same.
 
 A seed decides on all of it: recipe, table, edits, faults, STOP, the network. One drive again:
 
@@ -23,6 +23,7 @@ from kompass.components import Controller, DriveManager, LocalMapper, Planner
 from kompass.control import ControllersID
 from kompass.drills.draw import fits
 from kompass.drills.facts import (
+    ActionDone,
     DriveEnded,
     Fact,
     FaultBegan,
@@ -299,7 +300,7 @@ def _drive(drive: RandomDrive, outcome: Outcome, folder: Path) -> None:
     outcome.facts = facts
     outcome.log = [f"{e.time / 1e9:.3f} {e.node} {e.level} {e.text}" for e in virtual.log]
     findings = outcome.findings
-    findings += [f"{b.invariant} at {b.at:g} s: {b.text}" for b in broken_invariants(facts)]
+    findings += _broken(facts)
     findings += _restarts(scenario, facts, components)
     findings += _errors(scenario, virtual.log, began)
     findings += probes.findings(facts, scenario)
@@ -331,6 +332,19 @@ def _chatter(node: VirtualNode, rng: random.Random, asked: dict[int, Any]) -> No
 # -- what must hold ------------------------------------------------------------------------------
 
 
+def _broken(facts: list[Fact]) -> Iterator[str]:
+    # Whom a rule has stopped says nothing until somebody starts it.
+    stopped = {
+        fact.action.partition(".")[0]
+        for fact in facts
+        if isinstance(fact, ActionDone) and fact.action.endswith(".stop")
+    }
+    for broken in broken_invariants(facts):
+        silent = broken.invariant == "nobody_is_silent_unspoken_for"
+        if not (silent and broken.text.partition(" ")[0] in stopped):
+            yield f"{broken.invariant} at {broken.at:g} s: {broken.text}"
+
+
 def _restarts(scenario: Scenario, facts: list[Fact], components: list[Any]) -> Iterator[str]:
     """Processes that died, and nobody killed or held them."""
     began = [fact for fact in facts if isinstance(fact, FaultBegan)]
@@ -349,7 +363,8 @@ def _restarts(scenario: Scenario, facts: list[Fact], components: list[Any]) -> I
             for fault in began
         )
         if not explained:
-            yield f"{death.process} died at {death.at:g} s, and no fault explains it: {death.reason}"
+            text = f"{death.process} died at {death.at:g} s, and no fault explains it"
+            yield f"{text}: {death.reason}"
 
 
 def _errors(scenario: Scenario, log: list[Any], begin: int) -> Iterator[str]:
