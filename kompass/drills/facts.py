@@ -228,10 +228,17 @@ class AlarmCleared:
 
 @dataclass(frozen=True, slots=True)
 class WentBlind:
-    """The last message came of a sensor that driving safely needs, as ``scan`` or ``odometry``."""
+    """The last message came of a sensor that driving safely needs, as ``scan`` or ``odometry``.
+
+    Attributes
+    ----------
+    period
+        The longest of the pauses between its last messages [s]; 0 where there were none.
+    """
 
     at: float
     sense: str
+    period: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,11 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 
-from kompass.drills.course import Course
+from kompass.drills.course import Course, moves
 from kompass.drills.drive import BrokenInvariant
 from kompass.drills.facts import (
     HEALTHY,
     ActionDone,
+    Contact,
     Fact,
     ProcessEnded,
     ProcessStarted,
@@ -25,7 +26,11 @@ from kompass.drills.facts import (
     WentBlind,
 )
 
+MONITOR = "monitor"  # name of the process that carries rules out
 HALT = 0.5  # s in which a robot at full speed has come to rest
+SLOW_HALT = 0.7  # s; the same, of one that hears its sensor too seldom to miss it sooner
+USUAL_PERIOD = 0.15  # s between two messages of a sensor that is missed soon
+LOOK = 0.1  # s between two looks at the robot
 PATIENCE = 60.0  # s of standing after which a goal that is still under way has been forgotten
 RUN = 10.0  # s; runs that began later than this before the end may still be under way
 SILENCE = 5.0  # s without a word of, or for, a component
@@ -67,12 +72,22 @@ def goals_end_with_a_reason(course: Course) -> Iterator[tuple[float, str]]:
 
 
 def firings_have_an_outcome(course: Course) -> Iterator[tuple[float, str]]:
-    """The end of every run is told, but for those that began in the last ``RUN`` seconds."""
+    """The end of every run is told, but for those that began in the last ``RUN`` seconds.
+
+    And for those that were under way when the monitor died: its journal says so.
+    """
+    deaths = [
+        fact.at
+        for fact in course.of_either(ProcessEnded, ProcessStarted)
+        if isinstance(fact, ProcessEnded) and fact.process == MONITOR
+    ]
     ended = {(done.epoch, done.rule_id, done.run) for done in course.of(RunDone)}
     fired = {(fact.epoch, fact.rule_id, fact.run) for fact in course.of(RuleFired)}
     for fact in course.of(RuleFired):
         key = fact.epoch, fact.rule_id, fact.run
-        if not fact.shadow and key not in ended and course.end - fact.at >= RUN:
+        until = min((at for at in deaths if at >= fact.at), default=math.inf)
+        lost = until - fact.at < RUN
+        if not fact.shadow and key not in ended and not lost and course.end - fact.at >= RUN:
             yield fact.at, f"what came of {fact.rule_id} was never told"
     for done in course.of_either(ActionDone, RunDone):
         if (done.epoch, done.rule_id, done.run) not in fired:
@@ -110,24 +125,44 @@ def nobody_is_silent_unspoken_for(course: Course) -> Iterator[tuple[float, str]]
 
 
 def stands_when_blind(course: Course) -> Iterator[tuple[float, str]]:
-    """The robot stands from ``HALT`` after it went blind until it sees again."""
-    since: dict[str, float] = {}
+    """The robot stands from ``HALT`` after it went blind until it sees again.
+
+    From ``SLOW_HALT`` after it where the sensor's messages came so seldom that none was missed
+    before.
+    """
+    for blind, end in _blind(course):
+        halt = HALT if blind.period <= USUAL_PERIOD else SLOW_HALT
+        moved = course.moved_between(blind.at + halt, min(end, course.end))
+        # The sample at the very moment of seeing again is no longer blind.
+        if moved is not None and moved < end:
+            yield moved, f"the robot moved {moved - blind.at:.1f} s after the last {blind.sense}"
+
+
+def touches_nothing_blind(course: Course) -> Iterator[tuple[float, str]]:
+    """A robot that went blind drives into nothing; what comes to one that stands may touch it."""
+    for blind, end in _blind(course):
+        for contact in course.of(Contact):
+            if blind.at < contact.at < end:
+                # The look before the contact: the contact itself may have brought it to rest.
+                before = course.at(contact.at - LOOK)
+                if before is not None and moves(before):
+                    yield (
+                        contact.at,
+                        f"the robot touched {contact.what} {contact.at - blind.at:.1f} s after "
+                        f"the last {blind.sense}",
+                    )
+
+
+def _blind(course: Course) -> Iterator[tuple[WentBlind, float]]:
+    """From when and until when the robot was blind."""
+    since: dict[str, WentBlind] = {}
     for fact in course.of_either(WentBlind, SeesAgain):
         if isinstance(fact, WentBlind):
-            since.setdefault(fact.sense, fact.at)
+            since.setdefault(fact.sense, fact)
         elif fact.sense in since:
-            yield from _moved_blind(course, fact.sense, since.pop(fact.sense), fact.at)
-    for sense, begin in since.items():
-        yield from _moved_blind(course, sense, begin, math.inf)
-
-
-def _moved_blind(
-    course: Course, sense: str, begin: float, end: float
-) -> Iterator[tuple[float, str]]:
-    moved = course.moved_between(begin + HALT, min(end, course.end))
-    # The sample at the very moment of seeing again is no longer blind.
-    if moved is not None and moved < end:
-        yield moved, f"the robot moved {moved - begin:.1f} s after the last {sense}"
+            yield since.pop(fact.sense), fact.at
+    for blind in since.values():
+        yield blind, math.inf
 
 
 Invariant = Callable[[Course], Iterator[tuple[float, str]]]
@@ -137,6 +172,7 @@ INVARIANTS: dict[str, Invariant] = {
     "firings_have_an_outcome": firings_have_an_outcome,
     "nobody_is_silent_unspoken_for": nobody_is_silent_unspoken_for,
     "stands_when_blind": stands_when_blind,
+    "touches_nothing_blind": touches_nothing_blind,
 }
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from kompass.bus.node import LifecycleNode, Transitions
 from kompass.components import MapServer, MapServerConfig
 from kompass.components.base.component import Component
+from kompass.components.drive.drive_manager import DriveManager
 from kompass.components.drive.halt import HALT_NODE, PERIOD, Halt
 from kompass.launch.gates import feeders_of, halting
 from kompass.launch.host import give_life
@@ -20,13 +22,15 @@ from kompass.launch.virtual_program import Main, Program
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.process import NAME as MONITOR
 from kompass.monitor.settings import MonitorSettings
-from kompass.monitor.start import Start
+from kompass.monitor.start import Start, start_in
 from kompass.rules.schema.table import Table
 from kompass.share import map_path
 from kompass.simulation.faults.fault_manager import FaultRefused
 from kompass.simulation.faults.fault_names import FaultOrder
 from kompass.simulation.simulator import Simulator
 from kompass.simulation.worlds.world import World as Place
+from kompass.store import RuleStore
+from kompass.store.robot_key import robot_key
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.news import ProcessNews
 from kompass.supervisor.oversight import Life, Oversight
@@ -61,6 +65,8 @@ class VirtualStack:
         In force at first; the recipe's own when left out.
     orders
         Faults to begin by themselves, in seconds from now.
+    folder
+        Where the rules are kept, so that they can be edited; None when nothing can be stored.
     """
 
     def __init__(
@@ -72,9 +78,12 @@ class VirtualStack:
         seed: int = 0,
         table: Table | None = None,
         orders: Sequence[FaultOrder] = (),
+        folder: Path | None = None,
     ) -> None:
         self._world, self._stack, self._place, self._seed = world, stack, place, seed
-        self._table, self._orders = table, orders
+        self._table, self._orders, self._folder = table, orders, folder
+        # Before any process, as the launcher does: whoever is to sign requests finds it.
+        robot_key()
         self._oversight = Oversight(stack.patience, Restarts(stack.process_retries), self._tell)
         self._epochs = 0
         # Told each piece of news that the processes are told.
@@ -283,6 +292,8 @@ class VirtualStack:
             return VirtualLifecycleNode(process, name, transitions, namespace)
 
         give_life(component, executor, desired, self._stack.namespace, make)
+        if isinstance(component, DriveManager):
+            process.at_death(component.let_go)
         return executor
 
     def _monitor(self, monitored: Monitored, process: VirtualProcess) -> Callable[[str], object]:
@@ -291,10 +302,15 @@ class VirtualStack:
         executor.add_node(node)
         self._epochs += 1
         rules = monitored.rules
-        start = Start(self._table or rules.table, 0, f"drill-{self._epochs}")
+        table, epoch = self._table or rules.table, f"drill-{self._epochs}"
         settings = MonitorSettings(robot="drill", probation=0.0)
+        start, store = Start(table, 0, epoch), None
+        if self._folder is not None:
+            store = RuleStore.open(self._folder, clock=self._world.clock.wall)
+            process.at_death(store.close)  # which no session has ended: that is a crash
+            start, store = start_in(store, table, settings, epoch=epoch, stack="drill")
         monitor = Monitor(
-            *(node, executor, rules, monitored.catalog, start, None, settings, self._asked)
+            *(node, executor, rules, monitored.catalog, start, store, settings, self._asked)
         )
         for component in rules.components:  # the last monitor has made handles of them
             object.__setattr__(component, "__class__", self._originals[id(component)])

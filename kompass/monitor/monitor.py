@@ -172,7 +172,9 @@ class Monitor:
             recording.save if recording else None,
         )
         gatekeeper = Gatekeeper(node)
-        self._services = Services(node, main, gatekeeper, self._worker, tables, sources)
+        self._services = Services(
+            *(node, main, gatekeeper, self._worker, tables, previews.hear, sources)
+        )
         if recording:
             recording.start(node, executor, store, gatekeeper)
 

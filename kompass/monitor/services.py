@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -25,7 +25,11 @@ from kompass.bus.node import Node
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import ChangeAnswer, Who
 from kompass.monitor.worker_thread import WorkerThread
-from kompass.rclpy_ext.deferred_service import answered_by_worker, create_deferred_service
+from kompass.rclpy_ext.deferred_service import (
+    DeferredAnswer,
+    answered_by_worker,
+    create_deferred_service,
+)
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rulebook.schema.explanation import ExplanationView
 from kompass.rulebook.schema.graph_view import GraphView
@@ -85,6 +89,8 @@ class Services:
         Answers what looks at the rules or changes them.
     tables
         The table in force and its revisions.
+    hear
+        Listens to topics for a moment, by their types; awaited before a table is checked.
     sources
         What all else is answered from.
     """
@@ -96,14 +102,14 @@ class Services:
         gatekeeper: Gatekeeper,
         worker: WorkerThread,
         tables: TableManager,
+        hear: Callable[[Mapping[str, str]], Awaitable[None]],
         sources: Sources,
     ) -> None:
         self._gatekeeper = gatekeeper
-        self._tables, self._sources = tables, sources
+        self._tables, self._hear, self._sources = tables, hear, sources
         self._lookups = WorkerThread(node, "lookups")
         offers: list[tuple[Any, str, Callable[..., Any], WorkerThread]] = [
             (GetRules, "get_rules", self._get, worker),
-            (CheckRules, "check_rules", self._check, worker),
             (ApplyRules, "apply_rules", self._apply, worker),
             (ConfirmRules, "confirm_rules", self._confirm, worker),
             (RollbackRules, "rollback_rules", self._rollback, worker),
@@ -119,6 +125,9 @@ class Services:
             service = f"{node.get_name()}/{name}"
             deferred = answered_by_worker(main, by, self._for_admitted(service, kind, answer))
             create_deferred_service(node, kind, service, deferred, failed)
+        service = f"{node.get_name()}/check_rules"
+        checked = self._checked(service, main, worker)
+        create_deferred_service(node, CheckRules, service, checked, _failed)
 
     def close(self) -> None:
         """Look nothing up any more; what is under way ends first."""
@@ -154,6 +163,26 @@ class Services:
 
     def _get(self, request: Any, response: Any) -> Any:
         return _answered(response, self._tables.queries.view(request.revision))
+
+    def _checked(self, service: str, main: MainThread, worker: WorkerThread) -> DeferredAnswer:
+        """Check a table once what only it looks at was heard; the worker has other work meanwhile.
+
+        Whoever is not admitted has nothing listened to.
+        """
+        look = answered_by_worker(main, worker, self._for_admitted(service, CheckRules, self._look))
+        check = answered_by_worker(main, worker, self._check)
+
+        async def respond(request: Any, response: Any) -> Any:
+            topics = await look(request, response)
+            if topics is response:
+                return response  # not admitted
+            await self._hear(topics)
+            return await check(request, response)
+
+        return respond
+
+    def _look(self, request: Any, _: Any) -> dict[str, str]:
+        return self._tables.queries.unheard(request.table, request.role)
 
     def _check(self, request: Any, response: Any) -> Any:
         report = self._tables.queries.check(request.table, request.role)

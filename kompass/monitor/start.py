@@ -47,20 +47,30 @@ class Start(NamedTuple):
 
 
 def start_from_store(recipe: Table, settings: MonitorSettings) -> tuple[Start, RuleStore | None]:
-    """Open the robot's store and begin a session in it.
-
-    Without a store that can be written, the recipe's table is in force and stays so: a table that
-    nobody could come back to is worse than one that cannot be edited.
-    """
+    """Open the robot's store and begin a session in it; see :func:`start_in`."""
     epoch = uuid.uuid4().hex[:12]
     try:
         store = RuleStore.open(robot_folder())
     except (StoreError, OSError) as error:
         return _without(recipe, epoch, error), None
+    return start_in(store, recipe, settings, epoch=epoch, stack=this_stack())
+
+
+def start_in(
+    store: RuleStore, recipe: Table, settings: MonitorSettings, *, epoch: str, stack: str
+) -> tuple[Start, RuleStore | None]:
+    """Begin a session in a store.
+
+    Without a store that can be written, the recipe's table is in force and stays so: a table that
+    nobody could come back to is worse than one that cannot be edited.
+
+    Parameters
+    ----------
+    epoch, stack
+        Names of this session of the monitor, and of this run of the stack.
+    """
     try:
-        boot = store.begin_session(
-            recipe, epoch=epoch, stack=this_stack(), safe_mode=settings.safe_mode
-        )
+        boot = store.begin_session(recipe, epoch=epoch, stack=stack, safe_mode=settings.safe_mode)
         once = store.used_once()
     except StoreError as error:
         store.close()

@@ -132,6 +132,7 @@ class VirtualProcess:
         self._executors: list[Thread] = []
         self._waiting: list[Callable[[], None]] = []
         self._nodes: list[Member] = []
+        self._at_death: list[Callable[[], object]] = []
 
     @property
     def name(self) -> str:
@@ -197,6 +198,8 @@ class VirtualProcess:
         self._dead = True
         for executor in self._executors:
             executor.clear()
+        for let_go in self._at_death:
+            let_go()
         endpoints = [endpoint for node in self._nodes for endpoint in node.die()]
         self.world.network.forget_later(endpoints, [node.entry for node in self._nodes])
 
@@ -228,6 +231,10 @@ class VirtualProcess:
             self.world.scheduler.call_later(0, call)
 
     # -- for what is in it --------------------------------------------------------------------
+
+    def at_death(self, let_go: Callable[[], object]) -> None:
+        """Have something let go of when it dies, as the kernel does with files and their locks."""
+        self._at_death.append(let_go)
 
     def add_executor(self, executor: Thread) -> None:
         """Have it stop and die with the process."""

@@ -61,6 +61,9 @@ TURNS = Motion(10.0, 1.2, 1.0, 0.0, 0.0, -0.1)
         ("stands_when_blind", [*AT_REST, WentBlind(9.4, "scan"), CREEPS, SeesAgain(11.0, "scan")]),
         ("stands_when_blind", [*AT_REST, WentBlind(9.0, "scan"), WentBlind(9.1, "odometry"),
                                SeesAgain(9.5, "scan"), CREEPS]),
+        ("stands_when_blind", [*AT_REST, WentBlind(9.2, "scan", 0.2), CREEPS]),
+        ("touches_nothing_blind",
+         [*AT_REST, WentBlind(9.7, "scan"), CREEPS, Contact(10.1, "wall")]),
     ],
 )  # fmt: skip
 def test_what_breaks_an_invariant_is_found(invariant: str, facts: list[Fact]) -> None:
@@ -90,6 +93,9 @@ def test_what_breaks_an_invariant_is_found(invariant: str, facts: list[Fact]) ->
         [*AT_REST, WentBlind(5.0, "scan"), SeesAgain(9.0, "scan"), CREEPS],
         [*AT_REST, WentBlind(5.0, "scan"), SeesAgain(10.0, "scan"), CREEPS],
         [*AT_REST, Contact(5.0, "wall")],
+        [*AT_REST, WentBlind(9.4, "scan", 0.2), CREEPS],
+        [*AT_REST, WentBlind(4.0, "scan"), Contact(5.0, "a person")],
+        [*AT_REST, RuleFired(9.0, "a", 1), ProcessEnded(12.0, "monitor", ())],
     ],
 )  # fmt: skip
 def test_what_is_well_breaks_nothing(facts: list[Fact]) -> None:
@@ -103,4 +109,5 @@ def test_the_place_and_the_words_are_told() -> None:
     assert set(INVARIANTS) == {
         "stays_stopped", "goals_end_with_a_reason", "firings_have_an_outcome",
         "nobody_is_silent_unspoken_for", "stands_when_blind",
+        "touches_nothing_blind",
     }  # fmt: skip

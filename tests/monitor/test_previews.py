@@ -21,17 +21,19 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Asking:
-    """Asks from a worker, as a check does, while the executor spins."""
+    """Hears on the executor, and asks from a worker, as a check does."""
 
     def __init__(self, spinning: Spinning) -> None:
         self._spinning = spinning
         self.previews = Previews(spinning.node, MainThread(spinning.executor))
 
     def newest(self, *topics: str) -> Mapping[str, Newest]:
-        found: list[Mapping[str, Newest]] = []
-        worker = threading.Thread(
-            target=lambda: found.append(self.previews.newest(dict.fromkeys(topics, FLOAT)))
+        heard = self._spinning.executor.create_task(
+            self.previews.hear(dict.fromkeys(topics, FLOAT))
         )
+        self._spinning.until(heard.done)
+        found: list[Mapping[str, Newest]] = []
+        worker = threading.Thread(target=lambda: found.append(self.previews.newest(topics)))
         worker.start()
         self._spinning.until(lambda: bool(found))
         worker.join()

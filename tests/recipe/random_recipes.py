@@ -73,6 +73,24 @@ class Recipe:
     asked: dict[int, Callable[[Any], None]] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Rules:
+    """Events with their actions, as they are handed to a launcher, and what they mean.
+
+    Attributes
+    ----------
+    first
+        Given with the components.
+    later
+        Added to it one by one.
+    """
+
+    first: dict[Any, Any]
+    later: list[tuple[Any, Any]]
+    meanings: list[Meaning]
+    asked: dict[int, Callable[[Any], None]]
+
+
 def value_of(topic: str, rng: random.Random) -> Any:
     if topic == "number":
         return rng.choice((*map(float, NUMBERS), math.nan))
@@ -117,7 +135,19 @@ class Writer:
             self.timeouts[name] = timeout
 
     def recipe(self) -> Recipe:
+        """A recipe of its own, of components that never run."""
         launcher, rng = Launcher(), self.rng
+        written = self.rules()
+        launcher.kompass([PLANNER], events_actions=written.first)
+        launcher.add_pkg([DRIVER], events_actions=None)
+        for made, action in written.later:
+            launcher.on(made, rng.choice((action, [action])))
+        world = World(self.timeouts, written.meanings)
+        return Recipe(launcher, world, self.noted, written.asked)
+
+    def rules(self) -> Rules:
+        """Events and their actions, for any launcher."""
+        rng = self.rng
         meanings: list[Meaning] = []
         asked: dict[int, Callable[[Any], None]] = {}
         first: dict[Any, Any] = {}
@@ -139,12 +169,7 @@ class Writer:
             first[made] = given[0] if cut == 1 and rng.random() < 0.5 else given[:cut]
             later += [(made, action) for action in given[cut:]]
             meanings.append(meaning)
-        launcher.kompass([PLANNER], events_actions=first)
-        launcher.add_pkg([DRIVER], events_actions=None)
-        for made, action in later:
-            launcher.on(made, rng.choice((action, [action])))
-        world = World(self.timeouts, meanings)
-        return Recipe(launcher, world, self.noted, asked)
+        return Rules(first, later, meanings, asked)
 
     # -- events -------------------------------------------------------------------------------
 

@@ -274,3 +274,12 @@ def test_the_log_is_collected_with_time_and_level(world: World) -> None:
         ("robot.one", "error", "written"),
     ]
     assert world.log[0].time == world.scheduler.now
+
+
+def test_a_killed_process_lets_go_of_its_files_once() -> None:
+    world, gone = World(), list[str]()
+    process = world.process("a")
+    process.at_death(lambda: gone.append("file"))
+    process.kill()
+    process.kill()
+    assert gone == ["file"]

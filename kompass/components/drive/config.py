@@ -36,6 +36,13 @@ class DriveManagerConfig(ComponentConfig):
     odometry_timeout: float = Field(
         default=0.5, gt=0, le=60, description="s; an older odometry stops the robot"
     )
+    missed_messages: int = Field(
+        default=3,
+        ge=1,
+        le=1000,
+        description="scans or odometries in a row whose absence stops the robot, after 0.3 s at "
+        "the soonest and after their timeout at the latest",
+    )
     command_timeout: float = Field(
         default=0.3, gt=0, le=60, description="s after the last command has run out"
     )

@@ -17,6 +17,7 @@ from std_msgs.msg import Bool
 
 from kompass.access.gatekeeper import NotAdmitted
 from kompass.algorithms.mapping.scan_points import scan_to_points
+from kompass.algorithms.safety.rhythm import Rhythm
 from kompass.algorithms.safety.standstill import Standstill
 from kompass.algorithms.transforms import TransformError
 from kompass.components.base.actions import ActionRefused, component_action
@@ -110,6 +111,7 @@ class DriveManager(Component):
         # Without a robot it is not configured, and can be told to halt, and nothing else.
         self._gate = None if self.lacks_robot else DriveGate(self._gate_limits())
         self._standstill = Standstill()
+        self._scans, self._odometries = Rhythm(), Rhythm()
         self._points: NDArray[np.float64] = np.empty((0, 2))
         self._points_of: object = None
         self._emergency = False
@@ -159,6 +161,7 @@ class DriveManager(Component):
         self.input("command").on_message = self._on_command
         self.input("multi_command").on_message = self._on_commands
         self.input("location").on_message = self._on_location
+        self.input("sensor_data").on_message = self._on_scan
         footprint = PolygonStamped()
         footprint.header.frame_id = self.frames.robot_base
         footprint.polygon.points = [
@@ -178,6 +181,11 @@ class DriveManager(Component):
         if self._keeper is not None:
             self._keeper.close()
             self._keeper = None
+
+    def let_go(self) -> None:
+        """Give up the file of STOP, as the end of a process does, for where there is none."""
+        if self._keeper is not None:
+            self._keeper.let_go()
 
     def on_feeder_lost(self, reason: str) -> None:
         # Commands that were under way when it was lost come in after its loss is told.
@@ -313,7 +321,19 @@ class DriveManager(Component):
         ]
 
     def _on_location(self, _message: object) -> None:
-        self._standstill.update(self._location.speed(), self.clock.monotonic())
+        now = self.clock.monotonic()
+        self._odometries.heard(now)
+        self._standstill.update(self._location.speed(), now)
+
+    def _on_scan(self, _message: object) -> None:
+        self._scans.heard(self.clock.monotonic())
+
+    def _overdue(self, source: Input, rhythm: Rhythm, timeout: float) -> bool:
+        """Whether the robot is not to drive by the newest message of an input any more.
+
+        Health waits for the timeout: a machine that is busy for a moment is no failure.
+        """
+        return source.age() > rhythm.patience(self.config.missed_messages, timeout)
 
     def _obstacles(self) -> NDArray[np.float64] | None:
         """Points of the newest scan in the robot's frame, shape (N, 2); None when unknown."""
@@ -358,6 +378,11 @@ class DriveManager(Component):
             self._judge_health(obstacles is not None, odometry_age <= self.config.odometry_timeout)
         if self._latch.is_set:
             self._queue.clear()
+        scan, odometry = self.input("sensor_data"), self.input("location")
+        if self._overdue(scan, self._scans, self.config.scan_timeout):
+            obstacles = None
+        if self._overdue(odometry, self._odometries, self.config.odometry_timeout):
+            odometry_age = math.inf
         given = GateInput(
             wanted=wanted,
             command_stale=self._queue.is_stale(now),

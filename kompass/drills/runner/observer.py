@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+from collections import deque
 from collections.abc import Iterable
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 from automatika_ros_sugar.msg import ComponentStatus
@@ -42,6 +44,7 @@ from kompass.supervisor.news import ProcessNews
 
 PERIOD = 0.1  # s between two looks at the robot
 BLIND = 0.5  # s without a message of a sensor
+PAUSES = 5  # between its last messages, by which its rhythm is told
 _ANY = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 _ALL = QoSProfile(depth=100)
 SENSES: tuple[tuple[str, str, Any], ...] = (
@@ -80,7 +83,7 @@ class Observer:
         self._truth: bytes | None = None
         self._contacts = {CONTACTS: 0, PERSON_CONTACTS: 0}
         self._counted = (0, 0)  # contacts with something, and with a person
-        self._heard: dict[str, float] = {}
+        self._heard: dict[str, deque[float]] = {}
         self._blind: set[str] = set()
         listen = node.create_subscription
         for name in components:
@@ -178,7 +181,8 @@ class Observer:
         self._faults = faults
 
     def _on_sense(self, sense: str, _: bytes) -> None:
-        self._heard[sense] = self._node.clock.monotonic()
+        heard = self._heard.setdefault(sense, deque(maxlen=PAUSES + 1))
+        heard.append(self._node.clock.monotonic())
         if sense in self._blind:
             self._blind.discard(sense)
             self.note(SeesAgain, sense)
@@ -195,10 +199,13 @@ class Observer:
         if self._began is None:
             return
         now = self._node.clock.monotonic()
-        for sense, at in self._heard.items():
+        for sense, times in self._heard.items():
+            at = times[-1]
             if now - at > BLIND and sense not in self._blind:
                 self._blind.add(sense)
-                self.note(WentBlind, sense, at=round(max(at - self._began, 0.0), 6))
+                period = max((after - before for before, after in pairwise(times)), default=0.0)
+                begin = round(max(at - self._began, 0.0), 6)
+                self.note(WentBlind, sense, round(period, 6), at=begin)
         if self._truth is not None:
             self._note_motion(deserialize_message(self._truth, Odometry))
         # Both counts of one moment have come by now, in whatever order.

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 from rclpy.serialization import deserialize_message
+from rclpy.task import Future
 
 from kompass.bus.node import Node
 from kompass.rclpy_ext.main_thread import MainThread
@@ -50,6 +50,8 @@ class _Preview:
 class Previews:
     """Subscriptions of a few seconds, whose messages no rule gets.
 
+    Waiting for them is the executor's, which goes on meanwhile; no thread stands still for it.
+
     Parameters
     ----------
     node, main
@@ -59,10 +61,10 @@ class Previews:
     def __init__(self, node: Node, main: MainThread) -> None:
         self._node, self._main = node, main
         self._open: dict[str, _Preview] = {}
-        self._came = threading.Condition()
+        self._waiting: dict[Future, list[_Preview]] = {}
 
-    def newest(self, topics: Mapping[str, str]) -> dict[str, Newest]:
-        """The newest messages of topics, without those on which none came; called on a worker.
+    async def hear(self, topics: Mapping[str, str]) -> None:
+        """Listen to topics, and wait for what comes; on the executor's thread.
 
         It waits for a topic that it did not listen to, for :data:`PATIENCE` seconds at most.
 
@@ -71,10 +73,34 @@ class Previews:
         topics
             Types (``package/msg/Name``) by name, without a leading slash.
         """
-        asked = self._main.call(partial(self._listen, topics))
-        with self._came:
-            self._came.wait_for(lambda: all(each.settled for each in asked.values()), PATIENCE)
-            return {name: _newest(each) for name, each in asked.items() if each.count}
+        asked = self._listen(topics)
+        if all(each.settled for each in asked):
+            return
+        done = Future(executor=self._node.executor)
+        self._waiting[done] = asked
+        timer = self._node.create_timer(PATIENCE, partial(self._end, done))
+        try:
+            await done
+        finally:
+            self._node.destroy_timer(timer)
+
+    def newest(self, topics: Iterable[str]) -> dict[str, Newest]:
+        """The newest messages of topics, without those on which none came; called on a worker.
+
+        It waits for nothing: :meth:`hear` has.
+        """
+
+        def copies() -> dict[str, _Preview]:
+            now, found = self._node.clock.monotonic(), {}
+            for name in topics:
+                each = self._open.get(name)
+                if each is not None and each.count:
+                    each.asked = now
+                    found[name] = replace(each)
+            return found
+
+        # Made a message of here, and only if it is asked for: most are replaced before that.
+        return {name: _newest(each) for name, each in self._main.call(copies).items()}
 
     def tidy(self) -> None:
         """Listen no more to what was last asked for long ago; on the executor's thread."""
@@ -82,7 +108,7 @@ class Previews:
         for name in [name for name, each in self._open.items() if each.asked < until]:
             self._node.destroy_subscription(self._open.pop(name).subscription)
 
-    def _listen(self, topics: Mapping[str, str]) -> dict[str, _Preview]:
+    def _listen(self, topics: Mapping[str, str]) -> list[_Preview]:
         now = self._node.clock.monotonic()
         for name, type_name in topics.items():
             known = self._open.get(name)
@@ -90,7 +116,7 @@ class Previews:
                 known.asked = now
             elif type_name and len(self._open) < AT_ONCE:
                 self._begin(name, type_name, now)
-        return {name: self._open[name] for name in topics if name in self._open}
+        return [self._open[name] for name in topics if name in self._open]
 
     def _begin(self, name: str, type_name: str, now: float) -> None:
         full = self._node.resolve_topic_name(name)
@@ -109,15 +135,19 @@ class Previews:
         self._open[name] = preview
 
     def _take(self, preview: _Preview, raw: bytes) -> None:
-        with self._came:
-            preview.count += 1
-            preview.raw, preview.received = raw, self._node.clock.monotonic()
-            if preview.count == 1:
-                preview.first = preview.received
-            self._came.notify_all()
+        preview.count += 1
+        preview.raw, preview.received = raw, self._node.clock.monotonic()
+        if preview.count == 1:
+            preview.first = preview.received
+        for done, asked in list(self._waiting.items()):
+            if all(each.settled for each in asked):
+                self._end(done)
+
+    def _end(self, done: Future) -> None:
+        if self._waiting.pop(done, None) is not None:
+            done.set_result(None)
 
 
 def _newest(preview: _Preview) -> Newest:
-    # Made only of those that are asked for: most are replaced before anybody looks.
     message = deserialize_message(preview.raw, preview.kind)
     return Newest(message, preview.received, preview.settled, preview.rate)

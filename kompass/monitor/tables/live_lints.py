@@ -48,10 +48,17 @@ class LiveLints:
     def __init__(self, engine: LiveEngine, graph: Graph, previews: Previews) -> None:
         self._engine, self._graph, self._previews = engine, graph, previews
 
-    def foreseen(self, table: CompiledTable) -> Foreseen:
-        """A table that may come, as if it were applied now."""
+    def unheard(self, table: CompiledTable) -> dict[str, str]:
+        """The topics with their types that only a coming table looks at."""
         listened = self._engine.in_force.by_topic
-        others = {name: kind for name, kind in topics_of(table).items() if name not in listened}
+        return {name: kind for name, kind in topics_of(table).items() if name not in listened}
+
+    def foreseen(self, table: CompiledTable) -> Foreseen:
+        """A table that may come, as if it were applied now.
+
+        What only it looks at is known as far as the previews have heard it.
+        """
+        others = self.unheard(table)
         heard = self._previews.newest(others) if others else {}
         now, in_force, state = self._engine.snapshot()
         facts = self._graph.facts()

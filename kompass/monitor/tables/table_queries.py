@@ -103,6 +103,20 @@ class TableQueries:
         """
         return self._history.diff(before, after)
 
+    def unheard(self, text: str, role: str) -> dict[str, str]:
+        """The topics with their types that are to be heard before a table is checked.
+
+        None when it has faults: then there is nothing to foresee.
+        """
+        try:
+            table = self._reader.read(text)
+        except Unreadable:
+            return {}
+        table = self._validator.with_true_sources(table, role, self._active.known)
+        if self._validator.errors(self._active.in_force, table, role):
+            return {}
+        return self._validator.unheard(compile_table(table))
+
     def check(self, text: str, role: str) -> CheckReport:
         """What is wrong with a table, and what applying it would do."""
         now = self._active.in_force

@@ -75,6 +75,10 @@ class TableValidator:
             found += self._faults(rule)
         return found
 
+    def unheard(self, table: CompiledTable) -> dict[str, str]:
+        """The topics with their types that only a coming table looks at."""
+        return self._lints.unheard(table)
+
     def foreseen(self, table: CompiledTable) -> Foreseen:
         """What there would be to think about, were a table applied now, and what it would do."""
         return self._lints.foreseen(table)
