@@ -17,6 +17,7 @@ from kompass.launch.processes import process_name
 from kompass.launch.stack import Monitored, Stack
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.process import NAME as MONITOR
+from kompass.monitor.recording import FlightRecording
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import Start
 from kompass.rules.schema.table import Table
@@ -82,6 +83,8 @@ class VirtualStack:
         In force at first; the recipe's own when left out.
     orders
         Faults to begin by themselves, in seconds from now.
+    recording
+        Given to each monitor; None for none.
     """
 
     def __init__(
@@ -93,9 +96,10 @@ class VirtualStack:
         seed: int = 0,
         table: Table | None = None,
         orders: Sequence[FaultOrder] = (),
+        recording: FlightRecording | None = None,
     ) -> None:
         self._world, self._stack, self._place, self._seed = world, stack, place, seed
-        self._table, self._orders = table, orders
+        self._table, self._orders, self._recording = table, orders, recording
         self._limits = stack.patience or LivenessLimits()
         self._restarts = Restarts(stack.process_retries)
         self._states: dict[str, str] = {}  # the last line told of each process
@@ -320,7 +324,8 @@ class VirtualStack:
         start = Start(self._table or rules.table, 0, f"drill-{self._epochs}")
         settings = MonitorSettings(robot="drill", probation=0.0)
         monitor = Monitor(
-            *(node, executor, rules, monitored.catalog, start, None, settings, self._asked)
+            *(node, executor, rules, monitored.catalog, start, None, settings, self._asked),
+            recording=self._recording,
         )
         for component in rules.components:  # the last monitor has made handles of them
             object.__setattr__(component, "__class__", self._originals[id(component)])

@@ -43,11 +43,14 @@ class Order:
         What is to happen.
     table
         The rules in force; None for those of the recipe.
+    recording
+        File to write the drive to, which must not exist; None for none.
     """
 
     recipe: Path
     scenario: Scenario
     table: Table | None = None
+    recording: Path | None = None
 
 
 class DriveFailed(RuntimeError):
@@ -102,7 +105,8 @@ def _make(order: Order) -> str:
     with tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder, _silence():
         os.environ["KOMPASS_DATA_DIR"] = folder
         stack = _stack_of(order.recipe)
-        return run_drive(stack, order.scenario, order.table).result.model_dump_json()
+        made = run_drive(stack, order.scenario, order.table, order.recording)
+        return made.result.model_dump_json()
 
 
 def _stack_of(recipe: Path) -> Stack:
