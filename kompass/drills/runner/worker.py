@@ -118,11 +118,13 @@ def _stack_of(recipe: Path) -> Stack:
         When it does not do so once.
     """
     from kompass.launch.stack import stacks_go_to
+    from kompass.virtual.waiting import in_virtual_time
 
     sys.argv = [str(recipe)]
     sys.path.insert(0, str(recipe.resolve().parent))
     stacks: list[Stack] = []
-    with stacks_go_to(stacks.append):
+    # What it imports of the module time goes by virtual time where its functions wait.
+    with stacks_go_to(stacks.append), in_virtual_time():
         runpy.run_path(str(recipe), run_name="__main__")
     if len(stacks) != 1:
         raise ValueError(

@@ -16,9 +16,9 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
     AbstractNestedType,
     Array,
     BasicType,
+    BoundedString,
     NamespacedType,
     UnboundedString,
-    BoundedString,
 )
 
 from kompass.rclpy_ext.messages import ros_class
