@@ -67,8 +67,8 @@ def main(seeds: int, recipe: Path) -> int:
         size = sum(file.stat().st_size for file in files)
         print(f"reports: {'the same' if reports[0] == reports[1] else 'DIFFERENT'}")
         print(f"recordings: {len(files) - len(differ)} of {len(files)} the same, {size >> 20} MB")
-        for each in differ:
-            print(f"  {each} differs")
+        for file_name in differ:
+            print(f"  {file_name} differs")
     return 1 if differ or reports[0] != reports[1] else 0
 
 

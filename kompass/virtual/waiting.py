@@ -1,8 +1,8 @@
 """Functions that sleep and wait, in virtual time: one at a time, and each in a thread of its own.
 
 Who makes time pass hands over to such a thread and stands still until the thread waits or is done.
-So never two of them run at once, and in which order they do is a matter of virtual time alone. While
-one runs, what it would wait with is exchanged: ``time.sleep``, conditions (with which events,
+So never two of them run at once, and in which order they do is a matter of virtual time alone.
+While one runs, what it would wait with is exchanged: ``time.sleep``, conditions (with which events,
 queues and futures wait) and the event loops that it makes; and the clocks of :mod:`time` are those
 of its world. Locks are not, nor sockets, nor threads that it starts itself.
 """
@@ -160,7 +160,7 @@ def _clock(name: str) -> Callable[[], float | int]:
 
     def tell() -> float | int:
         found = waiting()
-        return real() if found is None else found.clock(name)  # type: ignore[no-any-return]
+        return real() if found is None else found.clock(name)
 
     return tell
 
@@ -221,7 +221,9 @@ class VirtualLoop(asyncio.SelectorEventLoop):
     def time(self) -> float:
         return float(self._blocking.clock("monotonic"))
 
-    def run_in_executor(self, executor: Any, func: Callable[..., Any], *args: Any) -> Any:
+    def run_in_executor(  # type: ignore[override]
+        self, executor: Any, func: Callable[..., Any], *args: Any
+    ) -> Any:
         """Have a function run in a thread; without an executor, in one of virtual time."""
         if executor is not None:
             return super().run_in_executor(executor, func, *args)

@@ -66,12 +66,15 @@ class Observer:
     ----------
     facts
         What was observed so far; times are seconds since :meth:`begin`.
+    place
+        Where the robot truly is, x and y [m]; None before the drive.
     """
 
     def __init__(
         self, node: Node, components: Iterable[str], simulator: Callable[[], Simulator | None]
     ) -> None:
         self.facts: list[Fact] = []
+        self.place: tuple[float, float] | None = None
         self._node, self._simulator = node, simulator
         self._began: float | None = None
         self._silent: set[str] = set()
@@ -194,6 +197,7 @@ class Observer:
         motion = robot.truth()
         x, y, yaw = (round(float(part), 4) for part in motion.pose)
         along, across, omega = motion.twist
+        self.place = x, y
         speed, turning = round(math.hypot(along, across), 4), round(float(omega), 4)
         self.note(Motion, x, y, yaw, speed, turning)
         of_people = robot.person_contacts

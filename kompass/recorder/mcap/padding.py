@@ -1,8 +1,8 @@
 """The bytes of a serialised message that mean nothing, made the same every time.
 
-CDR aligns each primitive to its size. What is left between two of them is whatever lay in memory, so
-that the same message serialised twice may differ. Nobody who reads it can tell; only who compares
-bytes does.
+CDR aligns each primitive to its size. What is left between two of them is whatever lay in memory,
+so that the same message serialised twice may differ. Nobody who reads it can tell; only who
+compares bytes does.
 """
 
 from __future__ import annotations
