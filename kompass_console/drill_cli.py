@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,11 +20,12 @@ if TYPE_CHECKING:
     from kompass.drills.scenario import Scenario
     from kompass.rules.schema.table import Table
 
-BAD_INPUT, FAILED = 2, 1
+BAD_INPUT, FAILED, NOT_REPEATABLE = 2, 1, 4
 PROGRESS_PERIOD = 2.0  # s between two lines of progress where there is no terminal
 EXIT_CODES = """
 Exit codes: 0 the drill was made and all that --require asks for is met, 1 something of that is
-not met, 2 something in the command is wrong, 3 a drive could not be made.
+not met, 2 something in the command is wrong, 3 a drive could not be made, 4 the recipe is not the
+same twice: results are shown, and may be chance.
 """
 
 app = typer.Typer(
@@ -100,7 +101,10 @@ def run(
         own = Table.model_validate_json(looked.table)
         tried = (_name(rules, proposed or own), proposed)
         compared = None if against is None else (_name(against, other or own), other)
-        drives, drives_against = _make(recipe, chosen, tried, compared, jobs or os.cpu_count() or 1)
+        notes: list[str] = []
+        drives, drives_against = _make(
+            *(recipe, chosen, tried, compared, jobs or os.cpu_count() or 1), notes.append
+        )
     except DriveFailed as error:
         raise CliError(3, str(error)) from None
     report = make_report(
@@ -112,12 +116,127 @@ def run(
         seed=None if options is None else seed,
         options=options,
         requirements=requirements,
+        notes=notes,
     )
     if json_file is not None:
         json_file.write_text(report_json(report), encoding="utf-8")
     if report_file is not None:
         report_file.write_text(report_html(report), encoding="utf-8")
     raise SystemExit(_tell(report))
+
+
+@app.command("replay", epilog=EXIT_CODES)
+def replay(
+    drive: Annotated[
+        str, typer.Argument(help="Which: its name, as a report has it, or its number in the seed.")
+    ],
+    recipe: Annotated[Path, typer.Option(help="The recipe that was drilled.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="An MCAP file to be made.")],
+    rules: Annotated[
+        Path | None, typer.Option(help="Table that was tried; the recipe's own when left out.")
+    ] = None,
+    scenarios: Annotated[
+        Path | None,
+        typer.Option("--scenario", "--scenarios", help="File or folder that it was read from."),
+    ] = None,
+    worlds: Annotated[str, typer.Option(help="As the drill had it.")] = "hexagon",
+    faults: Annotated[str, typer.Option(help="As the drill had it.")] = "all",
+    seed: Annotated[int, typer.Option(min=0, help="As the drill had it.")] = 1,
+) -> None:
+    """Make one drive again, and write it as the flight recorder writes a robot's."""
+    from kompass.drills.drive import DriveResult
+    from kompass.drills.runner.worker import DriveFailed, Order, look_at, make_drives
+
+    if not recipe.is_file():
+        raise CliError(BAD_INPUT, f"--recipe {recipe}: there is no such file; give a Python file")
+    _check_new("-o", output)
+    scenario = _scenario(drive, scenarios, worlds, faults, seed)
+    proposed = _table("--rules", rules)
+    said: list[str] = []
+    made = output.with_name(f".{output.name}.{os.getpid()}.partial")
+    try:
+        look_at(recipe, proposed)
+        order = Order(recipe, scenario, proposed, made.absolute())
+        (((_, text)),) = make_drives([order], os.cpu_count() or 1, said.append)
+        made.rename(output)
+    except DriveFailed as error:
+        raise CliError(3, str(error)) from None
+    finally:
+        made.unlink(missing_ok=True)
+    for note in said:
+        typer.echo(f"! {note}")
+    result = DriveResult.model_validate_json(text)
+    typer.echo(f"{scenario.name}: {result.why}")
+    typer.echo(f"{output}: {result.duration:.0f} s of driving, {output.stat().st_size >> 10} KiB")
+    raise SystemExit(NOT_REPEATABLE if said else 0)
+
+
+@app.command("scenario", epilog=EXIT_CODES)
+def scenario(
+    recording: Annotated[Path, typer.Argument(help="An MCAP file of the flight recorder.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="A YAML file to be made.")],
+    begin: Annotated[
+        float | None, typer.Option("--from", min=0.0, help="First second of it; else all of it.")
+    ] = None,
+    end: Annotated[float | None, typer.Option("--to", min=0.0, help="Last second of it.")] = None,
+    name: Annotated[str, typer.Option(help="Of the scenario; else that of the file.")] = "",
+    rules: Annotated[
+        Path | None, typer.Option(help="Write the table in force at its beginning (JSON) here.")
+    ] = None,
+) -> None:
+    """Make a scenario of what a robot of the simulation went through."""
+    from pydantic import ValidationError
+
+    from kompass.drills.runner.recorded_drive import NoScenario, scenario_of
+    from kompass.drills.scenario_file import scenario_text
+    from kompass.recorder.mcap.contents import NotMcap
+
+    if not recording.is_file():
+        raise CliError(BAD_INPUT, f"there is no recording {recording}; give an MCAP file")
+    _check_new("-o", output)
+    if rules is not None:
+        _check_new("--rules", rules)
+    try:
+        found = scenario_of(recording, name or recording.stem, begin, end)
+    except (NoScenario, NotMcap) as error:
+        raise CliError(BAD_INPUT, f"{recording.name}: {error}") from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = str(first.get("ctx", {}).get("field") or ".".join(map(str, first["loc"])))
+        raise CliError(BAD_INPUT, f"{recording.name}: {where}: {first['msg']}") from None
+    output.write_text(scenario_text(found.scenario), encoding="utf-8")
+    if rules is not None and found.table is not None:
+        rules.write_text(found.table.model_dump_json(indent=1) + "\n", encoding="utf-8")
+    typer.echo(f"{output}: {found.sentence}")
+    for remark in found.remarks:
+        typer.echo(f"  {remark}")
+
+
+def _check_new(option: str, file: Path) -> None:
+    if file.exists():
+        raise CliError(BAD_INPUT, f"{option} {file}: there is such a file; give another name")
+    if not file.absolute().parent.is_dir():
+        raise CliError(BAD_INPUT, f"{option} {file}: there is no folder {file.parent}")
+
+
+def _scenario(drive: str, files: Path | None, worlds: str, faults: str, seed: int) -> Scenario:
+    """The scenario of one drive, by its name or its number."""
+    if files is not None:
+        chosen, _ = _scenarios(files, worlds, faults, seed, 1)
+        found = [each for each in chosen if each.name == drive]
+        if not found:
+            known = ", ".join(each.name for each in chosen)
+            raise CliError(BAD_INPUT, f"{drive}: {files} has no such scenario; it has {known}")
+        return found[0]
+    given, _, number = drive.rpartition("-")
+    if not number.isdecimal() or (given and given != str(seed)):
+        raise CliError(
+            BAD_INPUT,
+            f"{drive}: no drive of seed {seed} is called so; give a number, or {seed}-NUMBER, or "
+            "the --scenario that it was read from",
+        )
+    chosen, _ = _scenarios(None, worlds, faults, seed, int(number) + 1)
+    return chosen[-1]
 
 
 def _table(option: str, file: Path | None) -> Table | None:
@@ -171,6 +290,7 @@ def _make(
     tried: tuple[TableName, Table | None],
     compared: tuple[TableName, Table | None] | None,
     jobs: int,
+    differs: Callable[[str], object],
 ) -> tuple[list[DriveResult], list[DriveResult]]:
     from kompass.drills.drive import DriveResult
     from kompass.drills.runner.worker import Order, make_drives
@@ -179,7 +299,7 @@ def _make(
     # Both tables of a scenario one after the other: a drill that is ended early compares, too.
     orders = [Order(recipe, scenario, table) for scenario in scenarios for table in tables]
     made: dict[int, DriveResult] = {}
-    for index, text in _with_progress(make_drives(orders, jobs), len(orders)):
+    for index, text in _with_progress(make_drives(orders, jobs, differs), len(orders)):
         made[index] = DriveResult.model_validate_json(text)
     step = len(tables)
     first = [made[index] for index in range(0, len(orders), step)]
@@ -204,6 +324,8 @@ def _with_progress(drives: Iterator[tuple[int, str]], total: int) -> Iterator[tu
 
 def _tell(report: Report) -> int:
     """The sentence that matters, what came of the drives, and whether all is met."""
+    for note in report.notes:
+        typer.echo(f"! {note}")
     typer.echo(report.sentence)
     if report.comparison is not None:
         if report.comparison.chance:
@@ -219,6 +341,8 @@ def _tell(report: Report) -> int:
             typer.echo(f"  {drive.scenario.name}: {each.invariant} at {each.at:g} s: {each.text}")
     for requirement in report.requirements:
         typer.echo(f"  {requirement.text}")
+    if report.notes:
+        return NOT_REPEATABLE
     return 0 if all(requirement.met for requirement in report.requirements) else FAILED
 
 

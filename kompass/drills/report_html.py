@@ -95,9 +95,10 @@ def _head(report: Report) -> str:
     if report.against is not None:
         drives += " under each"
     seed = "" if report.seed is None else f", seed {report.seed}"
+    notes = "".join(f'<p class="unknown">▲ {escape(note)}</p>' for note in report.notes)
     return (
         f'<header><p class="brand">◆ Kompass drill <span>{escape(report.recipe)}</span></p>'
-        f"<h1>{escape(report.sentence)}</h1>{_verdict(found)}{chance}"
+        f"{notes}<h1>{escape(report.sentence)}</h1>{_verdict(found)}{chance}"
         f'<p class="setup">{tables}; {drives}{seed}.</p></header>'
     )
 

@@ -66,6 +66,8 @@ class Report(Model):
         What the scenarios were drawn from; None for scenarios of a person's own.
     requirements
         Checked on ``summary``.
+    notes
+        What a person must know to judge all of it, in sentences.
     """
 
     model_config = ConfigDict(
@@ -83,6 +85,7 @@ class Report(Model):
     summary: Summary
     summary_against: Summary | None = None
     requirements: tuple[RequirementResult, ...] = ()
+    notes: tuple[str, ...] = ()
     drives: tuple[DriveResult, ...]
     drives_against: tuple[DriveResult, ...] = ()
 
@@ -120,6 +123,7 @@ def make_report(
     seed: int | None = None,
     options: DrawOptions | None = None,
     requirements: Sequence[Requirement] = (),
+    notes: Sequence[str] = (),
 ) -> Report:
     """Sum up a drill; the order in which the drives were finished makes no difference.
 
@@ -140,6 +144,7 @@ def make_report(
         summary=summary,
         summary_against=None if against is None else summarize(drives_against),
         requirements=tuple(map(_result, check_requirements(requirements, summary))),
+        notes=tuple(notes),
         drives=_sorted(drives),
         drives_against=_sorted(drives_against),
     )

@@ -6,6 +6,7 @@ All times are seconds since the drive's start, lengths metres, angles radians, i
 from __future__ import annotations
 
 import math
+import re
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -36,6 +37,14 @@ def _named(name: str) -> str:
     if not name.strip() or not name.isprintable() or name != name.strip():
         raise PydanticCustomError(
             "scenario_name", "no name to be printed in one line; give letters and digits"
+        )
+    return name
+
+
+def _topic(name: str) -> str:
+    if not re.fullmatch(r"/[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*", name):
+        raise PydanticCustomError(
+            "scenario_topic", "no full name of a topic; write for example /clicked_point"
         )
     return name
 
@@ -84,11 +93,15 @@ class Goal(Model):
         How near is there [m], [rad]; None for what the planner is set to.
     at
         When it is sent, whatever became of the goal before; None for as soon as that one has ended.
+    topic
+        Where it is published, as a click on the map is (``/clicked_point``); None for the planner's
+        own way: its action, or else the topic that it takes goals from.
     """
 
     x: Metres
     y: Metres
     yaw: Radians | None = None
+    topic: Annotated[str, AfterValidator(_topic)] | None = None
     tolerance: Annotated[float, Field(strict=True, gt=0.0, le=5.0)] | None = None
     heading_tolerance: Annotated[float, Field(strict=True, gt=0.0, le=math.pi)] | None = None
     at: Moment | None = None

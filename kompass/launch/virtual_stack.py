@@ -21,6 +21,7 @@ from kompass.launch.virtual_faults import VirtualFaults
 from kompass.launch.virtual_program import Main, Program
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.process import NAME as MONITOR
+from kompass.monitor.recording import FlightRecording
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import Start, start_in
 from kompass.rules.schema.table import Table
@@ -67,6 +68,8 @@ class VirtualStack:
         Faults to begin by themselves, in seconds from now.
     folder
         Where the rules are kept, so that they can be edited; None when nothing can be stored.
+    recording
+        Given to each monitor; None for none.
     """
 
     def __init__(
@@ -79,9 +82,11 @@ class VirtualStack:
         table: Table | None = None,
         orders: Sequence[FaultOrder] = (),
         folder: Path | None = None,
+        recording: FlightRecording | None = None,
     ) -> None:
         self._world, self._stack, self._place, self._seed = world, stack, place, seed
         self._table, self._orders, self._folder = table, orders, folder
+        self._recording = recording
         # Before any process, as the launcher does: whoever is to sign requests finds it.
         robot_key()
         self._oversight = Oversight(stack.patience, Restarts(stack.process_retries), self._tell)
@@ -310,7 +315,8 @@ class VirtualStack:
             process.at_death(store.close)  # which no session has ended: that is a crash
             start, store = start_in(store, table, settings, epoch=epoch, stack="drill")
         monitor = Monitor(
-            *(node, executor, rules, monitored.catalog, start, store, settings, self._asked)
+            *(node, executor, rules, monitored.catalog, start, store, settings, self._asked),
+            recording=self._recording,
         )
         for component in rules.components:  # the last monitor has made handles of them
             object.__setattr__(component, "__class__", self._originals[id(component)])

@@ -15,6 +15,8 @@ COMMON = {
     "/clicked_point": "geometry_msgs/msg/PointStamped",
     "/goal_pose": "geometry_msgs/msg/PoseStamped",
     "/initialpose": "geometry_msgs/msg/PoseWithCovarianceStamped",
+    # Of the embedded robot: a recorded drive can be made a scenario of, with what broke in it.
+    "/simulator/faults": "std_msgs/msg/String",
 }
 # Large, and alike from one message to the next.
 THINNED = {"nav_msgs/msg/OccupancyGrid": 1.0}

@@ -123,6 +123,8 @@ class Writer(Endpoint):
         """Send to all."""
         if self.closed:
             return
+        if self.network.ear is not None and self.kind == "topic":
+            self.network.ear(self, data)
         if self._keeps:
             self._kept.append(data)
         for link in self.links:
@@ -219,6 +221,12 @@ class Network:
         Seconds until the others know of what is new.
     lease
         Seconds until they know that a process was killed.
+
+    Attributes
+    ----------
+    ear
+        Told of all that is sent on topics, and by whom, without a part in it: it costs no time and
+        no chance.
     """
 
     def __init__(
@@ -241,6 +249,7 @@ class Network:
         self._readers: dict[tuple[Kind, str], list[Reader]] = {}
         self._nodes: list[NodeEntry] = []
         self._numbers = 0
+        self.ear: Callable[[Writer, Any], object] | None = None
 
     # -- conditions ---------------------------------------------------------------------------
 

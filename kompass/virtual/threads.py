@@ -8,6 +8,7 @@ from concurrent.futures import Executor, Future
 from typing import Any, ParamSpec, TypeVar
 
 from kompass.virtual.process import VirtualProcess
+from kompass.virtual.waiting import Blocking, waiting
 
 HOP = 100_000  # ns until a thread begins with what it is given
 
@@ -16,7 +17,7 @@ T = TypeVar("T")
 
 
 class VirtualFuture(Future[T]):
-    """Of what a thread does. Nobody can wait for it: there is one thread, and it waits for all."""
+    """Of what a thread does. Another such thread can wait for it; what has to go on cannot."""
 
     def result(self, timeout: float | None = None) -> T:
         self._check()
@@ -27,7 +28,7 @@ class VirtualFuture(Future[T]):
         return super().exception(timeout)
 
     def _check(self) -> None:
-        if not self.done():
+        if not self.done() and waiting() is None:
             raise RuntimeError(
                 "in virtual time nobody can stand still for a future: it would never be done; use "
                 "add_done_callback"
@@ -37,8 +38,9 @@ class VirtualFuture(Future[T]):
 class VirtualThreads(Executor):
     """A pool of threads; see :meth:`kompass.bus.node.Node.threads`.
 
-    Each function is an event of its own, a hop after it was handed over, and takes no time; so
-    they come one after the other, in their order, however many threads there are.
+    Each function begins in an event of its own, a hop after it was handed over, as soon as one of
+    the threads is free. It takes no time but what it sleeps and waits
+    (:mod:`kompass.virtual.waiting`).
 
     Parameters
     ----------
@@ -53,8 +55,9 @@ class VirtualThreads(Executor):
     def __init__(self, process: VirtualProcess, count: int, name: str) -> None:
         if count < 1:
             raise ValueError(f"threads {name!r}: count = {count!r} must be at least 1")
-        self._process = process
-        self._waiting: deque[Callable[[], None]] = deque()
+        self._process, self._name = process, name
+        self._free = count
+        self._waiting: deque[tuple[Callable[[], None], Future[Any]]] = deque()
         self._closed = False
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
@@ -63,8 +66,6 @@ class VirtualThreads(Executor):
             raise RuntimeError("cannot schedule new futures after shutdown")
         future: Future[T] = VirtualFuture()
 
-        # A function that has to block would run in a real thread here, which has its turn, and
-        # gives it back where it would block.
         def run() -> None:
             if not future.set_running_or_notify_cancel():
                 return
@@ -75,8 +76,7 @@ class VirtualThreads(Executor):
             else:
                 future.set_result(result)
 
-        run.cancel = future.cancel  # type: ignore[attr-defined]
-        self._waiting.append(run)
+        self._waiting.append((run, future))
         self._process.later(HOP, self._next)
         return future
 
@@ -88,10 +88,16 @@ class VirtualThreads(Executor):
         """Take no more; what was handed over is still done, unless it is cancelled."""
         self._closed = True
         if cancel_futures:
-            waiting, self._waiting = self._waiting, deque()
-            for run in waiting:
-                run.cancel()  # type: ignore[attr-defined]
+            left, self._waiting = self._waiting, deque()
+            for _, future in left:
+                future.cancel()
 
     def _next(self) -> None:
-        if self._waiting:
-            self._waiting.popleft()()
+        if self._waiting and self._free:
+            run, _ = self._waiting.popleft()
+            self._free -= 1
+            Blocking(self._process, self._name, run, self._done).begin()
+
+    def _done(self) -> None:
+        self._free += 1
+        self._next()

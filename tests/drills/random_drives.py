@@ -199,9 +199,9 @@ def _acts(rng: random.Random, limit: float) -> Iterator[OperatorAct]:
 def stack_of(drive: RandomDrive) -> tuple[Stack, dict[int, Any]]:
     """A fresh stack, and what answers its polled functions."""
     if drive.recipe:
-        from kompass.drills.runner.worker import _stack_of
+        from kompass.drills.runner.worker import stack_of as recipes_stack
 
-        return _stack_of(RECIPES / f"{drive.recipe}.py"), {}
+        return recipes_stack(RECIPES / f"{drive.recipe}.py"), {}
     rng = random.Random(f"recipe {drive.seed}")
     written = Writer(rng).rules()
     planner: Planner = PLANNER
@@ -262,7 +262,7 @@ def _drive(drive: RandomDrive, outcome: Outcome, folder: Path) -> None:
         executor = VirtualExecutor(process)
         executor.add_node(node)
         components = stack.components
-        observer = Observer(node, [one.node_name for one in components], lambda: robot.simulator)
+        observer = Observer(node, [one.node_name for one in components])
         operator = Operator(node, scenario, components, observer)
         editor = Editor(node, drive.edits, lambda: observer.now if observer.has_begun else -1.0)
         probes = Probes(node, observer)

@@ -69,10 +69,13 @@ class Observer:
     ----------
     facts
         What was observed so far; times are seconds since :meth:`begin`.
+    place
+        Where the robot truly is, x and y [m]; None before the drive.
     """
 
     def __init__(self, node: Node, components: Iterable[str]) -> None:
         self.facts: list[Fact] = []
+        self.place: tuple[float, float] | None = None
         self._node = node
         self._began: float | None = None
         self._silent: set[str] = set()
@@ -221,6 +224,7 @@ class Observer:
     def _note_motion(self, odometry: Odometry) -> None:
         at, twist = odometry.pose.pose, odometry.twist.twist
         yaw = 2.0 * math.atan2(at.orientation.z, at.orientation.w)
+        self.place = at.position.x, at.position.y
         self.note(
             Motion,
             *(round(part, 4) for part in (at.position.x, at.position.y, yaw)),

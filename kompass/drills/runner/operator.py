@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from action_msgs.msg import GoalStatus
+from geometry_msgs.msg import PointStamped, PoseStamped
 from kompass_interfaces.action import PlanPath
 from kompass_interfaces.srv import ReleaseStop, SetFault, StopRobot
 
 from kompass.access.signer import Signer
-from kompass.bus.node import Node
+from kompass.bus.node import ActionClient, Node, Publisher
 from kompass.components.base.component import Component
 from kompass.components.base.convert import quaternion_msg
 from kompass.components.planner.mission import FREE_HEADING
 from kompass.drills.facts import GOAL_OUTCOMES, FaultBegan, GoalEnded, GoalSent
+from kompass.drills.runner.goal_watch import GoalWatch
 from kompass.drills.runner.observer import Observer
 from kompass.drills.scenario import Goal, OperatorAct, Scenario, ScheduledFault
 from kompass.simulation.faults.fault_names import AT_ONCE
@@ -25,8 +31,14 @@ PATIENCE = 5.0  # s for which a planner that does not take goals is waited for
 TOLERANCE = 0.1  # m, where a goal says nothing of it
 
 
+_GOALS: dict[str, type[Any]] = {
+    "geometry_msgs/msg/PointStamped": PointStamped,
+    "geometry_msgs/msg/PoseStamped": PoseStamped,
+}
+
+
 class NoPlanner(ValueError):
-    """Nobody in the stack takes goals as an action."""
+    """Nobody in the stack takes goals."""
 
 
 class Operator:
@@ -57,9 +69,17 @@ class Operator:
         self._acts = sorted(scenario.operators, key=lambda act: act.at)
         self._faults = sorted(scenario.faults, key=lambda fault: fault.at)
         self._sent = 0
+        self._near = (0.0, 0.0, 0.0)  # of the goal under way: x, y, tolerance [m]
         self._under_way: int | None = None
         self._asked_since: float | None = None
-        self._client = node.create_action_client(PlanPath, f"/{_planner(components)}")
+        self._way = _way(components)
+        self._client: ActionClient | None = None
+        self._ends: GoalWatch | None = None
+        if self._way.action:
+            self._client = node.create_action_client(PlanPath, f"/{self._way.action}")
+            if any(goal.topic for goal in self._goals):
+                self._ends = GoalWatch(node, f"/{self._way.action}")
+        self._publishers: dict[str, tuple[type[Any], Publisher]] = {}
         self._fault_client = node.create_client(SetFault, SET_FAULT)
         gates = [one.node_name for one in components if one.stops_robot]
         self._stops = [node.create_client(StopRobot, f"{name}/stop") for name in gates]
@@ -91,22 +111,72 @@ class Operator:
             due = self._under_way is None if goal.at is None else goal.at <= now
             if due:
                 self._try(goal, now)
+        self._look_at_arrival()
 
     # -- goals --------------------------------------------------------------------------------
 
     def _try(self, goal: Goal, now: float) -> None:
         """Send a goal as soon as somebody takes it; not for ever."""
-        if self._client.server_is_ready():
+        topic = goal.topic or self._way.topic
+        send = self._taker(goal, topic)
+        if send is not None:
             self._goals.pop(0)
             self._asked_since = None
-            self._send(goal)
+            send()
         elif self._asked_since is None:
             self._asked_since = now
         elif now - self._asked_since > PATIENCE:
             self._goals.pop(0)
             self._asked_since = None
             number = self._begin(goal)
-            self._end(number, "refused", "nobody takes goals: the planner is not there")
+            nobody = f"nobody listens to {topic}" if topic else "the planner is not there"
+            self._end(number, "refused", f"nobody takes goals: {nobody}")
+
+    def _taker(self, goal: Goal, topic: str) -> Callable[[], None] | None:
+        """What sends a goal; None as long as nobody takes it."""
+        if topic:
+            publisher = self._publisher(topic)
+            if publisher is not None and publisher[1].get_subscription_count():
+                return partial(self._publish, goal, *publisher)
+        elif self._client is not None and self._client.server_is_ready():
+            return partial(self._send, goal)
+        return None
+
+    def _publisher(self, topic: str) -> tuple[type[Any], Publisher] | None:
+        """A publisher of the type that is listened to; None as long as nobody listens."""
+        found = self._publishers.get(topic)
+        if found is None:
+            listening = self._node.get_subscriptions_info_by_topic(topic)
+            kinds = [kind for info in listening if (kind := _GOALS.get(info.topic_type))]
+            if not kinds:
+                return None
+            found = kinds[0], self._node.create_publisher(kinds[0], topic, 10)
+            self._publishers[topic] = found
+        return found
+
+    def _publish(self, goal: Goal, kind: type[Any], publisher: Publisher) -> None:
+        number = self._begin(goal)
+        message = kind()
+        message.header.frame_id = "map"
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        if kind is PointStamped:
+            message.point.x, message.point.y = goal.x, goal.y
+        else:
+            message.pose.position.x, message.pose.position.y = goal.x, goal.y
+            message.pose.orientation = quaternion_msg(goal.yaw or 0.0)
+        self._near = (goal.x, goal.y, goal.tolerance or TOLERANCE)
+        if self._ends is not None:
+            self._ends.follow_next(partial(self._ended, number))
+        publisher.publish(message)
+
+    def _look_at_arrival(self) -> None:
+        """A planner without an action tells nobody that the robot is there: one sees it."""
+        if self._under_way is None or self._client is not None or self._observer.place is None:
+            return
+        x, y, tolerance = self._near
+        here = self._observer.place
+        if math.hypot(here[0] - x, here[1] - y) <= tolerance:
+            self._end(self._under_way, "arrived", "")
 
     def _begin(self, goal: Goal) -> int:
         number = self._sent
@@ -134,11 +204,14 @@ class Operator:
         self._node.executor.create_task(self._follow, number, request)
 
     async def _follow(self, number: int, request: Any) -> None:
+        assert self._client is not None
         handle = await self._client.send_goal_async(request)
         if not handle.accepted:
             self._end(number, "refused", "the planner did not accept the goal")
             return
-        ended = await handle.get_result_async()
+        self._ended(number, await handle.get_result_async())
+
+    def _ended(self, number: int, ended: Any) -> None:
         result = ended.result
         # An action that was aborted before anybody filled its result in claims the first outcome.
         unsaid = ended.status != GoalStatus.STATUS_SUCCEEDED and not result.outcome
@@ -174,22 +247,45 @@ class Operator:
             )
 
 
-def _planner(components: list[Component]) -> str:
-    """Name of the action that takes goals."""
+@dataclass(frozen=True)
+class _Way:
+    """How a stack is given goals.
+
+    Attributes
+    ----------
+    action, topic
+        Of the two one is empty.
+    node
+        Who takes them.
+    """
+
+    node: str
+    action: str = ""
+    topic: str = ""
+
+
+def _way(components: list[Component]) -> _Way:
     for component in components:
         if component.main_action_type is PlanPath and component.run_type.value == "ActionServer":
-            return component.main_action_name
+            return _Way(component.node_name, action=component.main_action_name)
+    for component in components:
+        if component.main_action_type is PlanPath and "goal_point" in component.inputs_keys:
+            given = component.get_in_topic("goal_point")
+            for topic in given if isinstance(given, list) else [given]:
+                if topic is not None:
+                    return _Way(component.node_name, topic=f"/{topic.name.lstrip('/')}")
     raise NoPlanner(
-        "no component of the recipe takes goals as an action; a drill needs a Planner with "
-        'run_type = "ActionServer"'
+        "no component of the recipe takes goals; a drill needs a Planner, with run_type = "
+        '"ActionServer" or with a goal_point among its inputs'
     )
 
 
 def planner_node(components: list[Component]) -> str:
-    """Name of the node that takes goals."""
-    action = _planner(components)
-    return next(
-        one.node_name
-        for one in components
-        if one.main_action_type is PlanPath and one.main_action_name == action
-    )
+    """Name of the node that takes goals.
+
+    Raises
+    ------
+    NoPlanner
+        When nobody does.
+    """
+    return _way(components).node

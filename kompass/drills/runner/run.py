@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from kompass.drills.drive import DriveResult
 from kompass.drills.facts import DriveEnded, Fact
 from kompass.drills.judge import judge
 from kompass.drills.runner.observer import Observer
 from kompass.drills.runner.operator import Operator, planner_node
+from kompass.drills.runner.recording import DriveRecording
 from kompass.drills.scenario import Scenario
 from kompass.launch.stack import Stack
 from kompass.launch.virtual_stack import VirtualStack
+from kompass.recorder.topics import standard_topics
 from kompass.rules.schema.table import Table
 from kompass.simulation.worlds.registry import world
 from kompass.supervisor.news import ProcessNews
@@ -43,7 +46,9 @@ class Observed:
     log: tuple[str, ...]
 
 
-def run_drive(stack: Stack, scenario: Scenario, table: Table | None = None) -> Observed:
+def run_drive(
+    stack: Stack, scenario: Scenario, table: Table | None = None, recording: Path | None = None
+) -> Observed:
     """Let one drive happen.
 
     Parameters
@@ -54,6 +59,9 @@ def run_drive(stack: Stack, scenario: Scenario, table: Table | None = None) -> O
         What is to happen.
     table
         The rules in force; those of the recipe when left out.
+    recording
+        File to write the drive to, as the flight recorder does; nothing when left out. The drive
+        goes the same way.
 
     Raises
     ------
@@ -61,23 +69,43 @@ def run_drive(stack: Stack, scenario: Scenario, table: Table | None = None) -> O
         When the stack does not come up.
     NoPlanner
         When nobody takes goals.
+    OSError
+        When the recording exists, or cannot be written.
     """
     with World(scenario.seed) as virtual:
-        return _drive(virtual, stack, scenario, table)
+        process = virtual.process(PEOPLE)
+        # Whatever breaks on the robot's machine, they see and ask as ever.
+        virtual.network.set_conditions(Conditions(), process=PEOPLE)
+        node = VirtualNode(process, PEOPLE, stack.namespace)
+        recorded = None
+        if recording is not None:
+            topics = standard_topics(stack.components)
+            recorded = DriveRecording(recording, virtual.scheduler, topics, node.resolve_topic_name)
+            virtual.network.ear = recorded.sent
+        try:
+            return _drive(virtual, node, stack, scenario, table, recorded)
+        finally:
+            if recorded is not None:
+                recorded.abandon()
 
 
-def _drive(virtual: World, stack: Stack, scenario: Scenario, table: Table | None) -> Observed:
+def _drive(
+    virtual: World,
+    node: VirtualNode,
+    stack: Stack,
+    scenario: Scenario,
+    table: Table | None,
+    recorded: DriveRecording | None,
+) -> Observed:
+    process, components = node.process, stack.components
     place = world(scenario.world)
     if scenario.start is not None:
         place = replace(place, start=scenario.first_pose)
-    components = stack.components
     names = [component.node_name for component in components]
     planner = planner_node(components)
-    robot = VirtualStack(virtual, stack, place, seed=scenario.seed, table=table)
-    process = virtual.process(PEOPLE)
-    # Whatever breaks on the robot's machine, they see and ask as ever.
-    virtual.network.set_conditions(Conditions(), process=PEOPLE)
-    node = VirtualNode(process, PEOPLE, stack.namespace)
+    robot = VirtualStack(
+        *(virtual, stack, place), seed=scenario.seed, table=table, recording=recorded
+    )
     executor = VirtualExecutor(process)
     executor.add_node(node)
     observer = Observer(node, names)
@@ -103,6 +131,8 @@ def _drive(virtual: World, stack: Stack, scenario: Scenario, table: Table | None
         if left > 0.0:
             scheduler.run_for(nanoseconds(left))
         observer.note(DriveEnded)
+        if recorded is not None:
+            recorded.finish()
     facts = tuple(observer.facts)
     log = tuple(f"{entry.time} {entry.node} {entry.level} {entry.text}" for entry in virtual.log)
     return Observed(facts, judge(scenario, facts), log)

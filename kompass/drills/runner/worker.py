@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import os
+import random
 import runpy
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from kompass.drills.runner.repeated import difference
 from kompass.drills.scenario import Scenario
 from kompass.rules.schema.table import Table
 
 if TYPE_CHECKING:
     from kompass.launch.stack import Stack
 
+AGAIN = -1  # stands for the index of the drive that is made a second time
 NICENESS = 10  # whatever else runs on the machine goes first
 # In every process of a drill: what would make two runs of one seed differ, or one slower.
 ENVIRONMENT = {
@@ -43,18 +48,38 @@ class Order:
         What is to happen.
     table
         The rules in force; None for those of the recipe.
+    recording
+        File to write the drive to, which must not exist; None for none.
     """
 
     recipe: Path
     scenario: Scenario
     table: Table | None = None
+    recording: Path | None = None
 
 
 class DriveFailed(RuntimeError):
     """A drive could not be made; the message says which, and why."""
 
 
-def make_drives(orders: Sequence[Order], jobs: int) -> Iterator[tuple[int, str]]:
+class _Made(NamedTuple):
+    """A drive, as it comes out of its process.
+
+    Attributes
+    ----------
+    result
+        As JSON.
+    facts
+        Each as text; none where they were not asked for.
+    """
+
+    result: str
+    facts: tuple[str, ...] = ()
+
+
+def make_drives(
+    orders: Sequence[Order], jobs: int, differs: Callable[[str], object] | None = None
+) -> Iterator[tuple[int, str]]:
     """Make drives, each in a process of its own.
 
     Parameters
@@ -63,6 +88,9 @@ def make_drives(orders: Sequence[Order], jobs: int) -> Iterator[tuple[int, str]]
         The drives.
     jobs
         How many at a time.
+    differs
+        When given, the first drive is made twice, and this is told a sentence if the second is not
+        the same: then there is something in the recipe that no seed decides.
 
     Yields
     ------
@@ -80,29 +108,54 @@ def make_drives(orders: Sequence[Order], jobs: int) -> Iterator[tuple[int, str]]
     context = get_context("forkserver")
     context.set_forkserver_preload(["kompass.drills.runner.preloaded"])
     with ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=1) as pool:
-        futures = {pool.submit(_make, order): index for index, order in enumerate(orders)}
+        twice = differs is not None and bool(orders)
+        futures = {
+            pool.submit(_make, order, facts=twice and not index): index
+            for index, order in enumerate(orders)
+        }
+        if twice:
+            again = replace(orders[0], recording=None)
+            futures[pool.submit(_make, again, facts=True)] = AGAIN
+        first: list[_Made] = []
         try:
             for future in as_completed(futures):
                 index = futures[future]
+                order = orders[max(index, 0)]
                 try:
-                    yield index, future.result()
+                    made = future.result()
                 except Exception as error:
-                    name = orders[index].scenario.name
-                    text = f"drive {name}: {type(error).__name__}: {error}"
+                    text = f"drive {order.scenario.name}: {type(error).__name__}: {error}"
                     raise DriveFailed(text) from error
+                if twice and index in (0, AGAIN):
+                    first.append(made)
+                    if len(first) == 2 and differs is not None:
+                        said = difference(order.scenario.name, first[0].facts, first[1].facts)
+                        if said:
+                            differs(said)
+                if index != AGAIN:
+                    yield index, made.result
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _make(order: Order) -> str:
+def _make(order: Order, *, facts: bool) -> _Made:
     """In a process of its own."""
     from kompass.drills.runner.run import run_drive
+    from kompass.virtual.action_clients import action_clients_on_any_node
 
     os.nice(NICENESS)
-    with tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder, _silence():
+    # Chance that a recipe asks for without a seed of its own.
+    random.seed(order.scenario.seed)
+    np.random.seed(order.scenario.seed % 2**32)  # noqa: NPY002 - what a recipe may use
+    with (
+        tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder,
+        _silence(),
+        action_clients_on_any_node(),
+    ):
         os.environ["KOMPASS_DATA_DIR"] = folder
         stack = stack_of(order.recipe)
-        return run_drive(stack, order.scenario, order.table).result.model_dump_json()
+        made = run_drive(stack, order.scenario, order.table, order.recording)
+    return _Made(made.result.model_dump_json(), tuple(map(repr, made.facts)) if facts else ())
 
 
 def stack_of(recipe: Path) -> Stack:
@@ -114,11 +167,13 @@ def stack_of(recipe: Path) -> Stack:
         When it does not do so once.
     """
     from kompass.launch.stack import stacks_go_to
+    from kompass.virtual.waiting import in_virtual_time
 
     sys.argv = [str(recipe)]
     sys.path.insert(0, str(recipe.resolve().parent))
     stacks: list[Stack] = []
-    with stacks_go_to(stacks.append):
+    # What it imports of the module time goes by virtual time where its functions wait.
+    with stacks_go_to(stacks.append), in_virtual_time():
         runpy.run_path(str(recipe), run_name="__main__")
     if len(stacks) != 1:
         raise ValueError(

@@ -1,0 +1,43 @@
+"""Whether a drive that was made twice went the same way twice."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import zip_longest
+
+_LONGEST = 160  # characters of a fact that are told
+CAUSES = (
+    "time.time(), datetime.now() or a sleep in a callback of a component, threads and sockets of "
+    "its own, os.urandom() and the like"
+)
+
+
+def difference(scenario: str, first: Sequence[str], second: Sequence[str]) -> str:
+    """What differs first, in a sentence; empty when nothing does.
+
+    Parameters
+    ----------
+    first, second
+        The facts of both, as texts, in the order in which they were observed.
+    """
+    for one, other in zip_longest(first, second, fillvalue=""):
+        if one != other:
+            return (
+                f"The recipe is not the same twice: drive {scenario}, made twice, differs from "
+                f"{_time(one or other)} s on, where {_short(one)} was once and {_short(other)} the "
+                f"other time. Something in it asks for what no seed decides; usually {CAUSES}. "
+                "What is told of these drives may be chance."
+            )
+    return ""
+
+
+def _time(fact: str) -> str:
+    found = re.search(r"at=([0-9.]+)", fact)
+    return found[1] if found else "?"
+
+
+def _short(fact: str) -> str:
+    if not fact:
+        return "nothing more"
+    return fact if len(fact) <= _LONGEST else f"{fact[:_LONGEST]}…"
