@@ -96,8 +96,10 @@ def make_drives(orders: Sequence[Order], jobs: int) -> Iterator[tuple[int, str]]
 
 def _make(order: Order) -> str:
     """In a process of its own."""
+    from kompass.drills.runner.lifeline import end_with
     from kompass.drills.runner.run import run_drive
 
+    end_with(os.getppid())
     os.nice(NICENESS)
     with tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder, _silence():
         os.environ["KOMPASS_DATA_DIR"] = folder
@@ -146,6 +148,7 @@ class Looked:
 
     table: str  # of the recipe, as JSON
     planner: str
+    nodes: tuple[str, ...]  # of its components
 
 
 def look_at(recipe: Path, table: Table | None = None) -> Looked:
@@ -178,4 +181,5 @@ def _look(recipe: Path, table: Table | None) -> Looked:
     if table is not None:
         check_recipe(table, stack.monitored.catalog)
     own = stack.monitored.rules.table
-    return Looked(own.model_dump_json(), planner_node(stack.components))
+    nodes = tuple(component.node_name for component in stack.components)
+    return Looked(own.model_dump_json(), planner_node(stack.components), nodes)
