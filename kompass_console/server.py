@@ -19,6 +19,7 @@ from kompass.supervisor.heartbeat import send_heartbeat
 from kompass_console.api.app import create_app
 from kompass_console.api.sockets import largest_message
 from kompass_console.audit.log import AuditLog
+from kompass_console.drills.drills import Drills
 from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
 from kompass_console.recordings import Recordings
@@ -100,6 +101,8 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
         closing.callback(audit_log.close)
         link = RosLink(settings, world, feed.changed, rules_feed.changed)
         closing.callback(link.stop)
+        drills = Drills(settings.drill)
+        closing.callback(drills.close)
         yield Console(
             settings=settings,
             auth=auth,
@@ -114,6 +117,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
             feed=feed,
             rules_feed=rules_feed,
             recordings=Recordings(folder) if (folder := settings.recordings) else None,
+            drills=drills,
         )
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from kompass_console.drills.subject import DrillSubject
 from kompass_console.schema.models import Theme
 from kompass_console.schema.roles import Role
 
@@ -75,6 +76,8 @@ class ConsoleSettings(BaseModel):
         Where the audit log is kept; None where it cannot be, which people are told.
     recordings
         Folder of the robot's recordings; None where it is not on this machine.
+    drill
+        The recipe of the robot at hand; None where the console does not have it.
     domain_id
         None for the environment's ROS_DOMAIN_ID.
     sessions_file
@@ -97,6 +100,7 @@ class ConsoleSettings(BaseModel):
     allow_hosts: tuple[str, ...] = ()
     audit_folder: Path | None = None
     recordings: Path | None = None
+    drill: DrillSubject | None = None
     domain_id: int | None = Field(default=None, ge=0, le=232)
     sessions_file: Path | None = None
     session_lifetime: Seconds = 7 * _DAY

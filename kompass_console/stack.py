@@ -30,6 +30,7 @@ from kompass.supervisor.oversight import StartupError
 from kompass.supervisor.process import ProcessSpec, Report
 from kompass_console.cli_error import CliError
 from kompass_console.domain import look_elsewhere, where
+from kompass_console.drills.subject import DrillSubject
 
 _LOOPBACK = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # of those that listen on every interface
 
@@ -99,6 +100,7 @@ class ConsoleListener:
     def __post_init__(self) -> None:
         if self.token is not None and len(self.token) < 16:
             raise CliError(2, "--token is too short: give at least 16 characters, or leave it out")
+        self.drill: DrillSubject | None = None
         self.socket = self._listen()
         self.port = self.socket.getsockname()[1]
         self.tokens = {
@@ -166,6 +168,7 @@ class ConsoleListener:
                 "robot_name": self.robot_name,
                 "access_tokens": self.tokens,
                 "recordings": None if report is None else _recordings(),
+                "drill": self.drill,
                 "audit_folder": _audit_folder(self.robot_name),
                 "sessions_file": _sessions_file(),
                 "idle_limit": self.door.idle_hours * 3600.0,
@@ -262,6 +265,10 @@ def run_recipe(
         _add_robot(sim, faults)
     elif faults:
         raise CliError(2, f"--fault {faults[0]} is for the embedded robot; add --sim")
+    try:
+        console.drill = DrillSubject.of(recipe, sim)
+    except OSError as error:
+        raise CliError(2, f"cannot read the recipe {recipe}: {error.strerror}") from None
     add_companion(ProcessSpec("console", console.serve))
     console.announce()
     sys.argv = [str(recipe)]

@@ -54,7 +54,8 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass.components": (("base", "topics_keys"), ("controller", "drive", "mapping", "planner")),
     "kompass_console": (
         ("audit", "cli_error", "recordings", "schema"),
-        ("domain", "settings"),
+        ("domain", "drills"),
+        ("settings",),
         ("link", "scene"),
         ("web",),
         ("api",),

@@ -18,6 +18,7 @@ from kompass_console import __version__
 from kompass_console.api import (
     audit,
     backtests,
+    drills,
     goals,
     insight,
     live,
@@ -32,6 +33,7 @@ from kompass_console.api import (
 from kompass_console.api.access import LoggedIn
 from kompass_console.api.audited import AuditRequests
 from kompass_console.link.state import build_state
+from kompass_console.schema.drill_models import DrillRequest
 from kompass_console.schema.models import ErrorAnswer, ErrorDetail, Ping, StateMessage
 from kompass_console.schema.rule_models import (
     ApplyRequest,
@@ -55,6 +57,7 @@ _BESIDE_ROUTES: tuple[type[BaseModel], ...] = (
     CheckRequest,
     ApplyRequest,
     BacktestRequest,
+    DrillRequest,
 )
 
 
@@ -101,6 +104,7 @@ def create_app(console: Console | None) -> FastAPI:
         rules.router,
         insight.router,
         backtests.router,
+        drills.router,
         recordings.router,
         audit.router,
         scene.router,

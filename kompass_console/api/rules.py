@@ -176,6 +176,7 @@ async def _change(
             "The old rules stay in force. Make room on the robot's disk, or look at the monitor's "
             "log.",
         ) from error
+    console.drills.overtaken(applied.revision)
     outcome = sentence(applied.message) if applied.message else "done"
     record(outcome, after=applied.revision, rules=_changed_rules(applied.report))
     return passed_on(applied.report)

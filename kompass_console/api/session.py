@@ -73,6 +73,7 @@ def _end(console: Console, session: LoginSession) -> None:
     console.auth.log_out(session)
     console.sockets.end(session)
     console.views.end(session)
+    console.drills.left(session.id)
 
 
 def _refuse_if_failing(console: Console, address: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from kompass_console.drills.drills import Drills
 from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
 from kompass_console.recordings import Recordings
@@ -38,3 +39,4 @@ class Console:
     feed: StateFeed
     rules_feed: RulesFeed
     recordings: Recordings | None
+    drills: Drills

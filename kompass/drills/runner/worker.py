@@ -140,9 +140,11 @@ def make_drives(
 
 def _make(order: Order, *, facts: bool) -> _Made:
     """In a process of its own."""
+    from kompass.drills.runner.lifeline import end_with
     from kompass.drills.runner.run import run_drive
     from kompass.virtual.action_clients import action_clients_on_any_node
 
+    end_with(os.getppid())
     os.nice(NICENESS)
     # Chance that a recipe asks for without a seed of its own.
     random.seed(order.scenario.seed)
@@ -201,6 +203,7 @@ class Looked:
 
     table: str  # of the recipe, as JSON
     planner: str
+    nodes: tuple[str, ...]  # of its components
 
 
 def look_at(recipe: Path, table: Table | None = None) -> Looked:
@@ -233,4 +236,5 @@ def _look(recipe: Path, table: Table | None) -> Looked:
     if table is not None:
         check_recipe(table, stack.monitored.catalog)
     own = stack.monitored.rules.table
-    return Looked(own.model_dump_json(), planner_node(stack.components))
+    nodes = tuple(component.node_name for component in stack.components)
+    return Looked(own.model_dump_json(), planner_node(stack.components), nodes)

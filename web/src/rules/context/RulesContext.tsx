@@ -1,13 +1,18 @@
 import { useQueryClient } from "@tanstack/react-query";
-import { createContext, type ReactNode, useCallback, useContext, useMemo } from "react";
+import { createContext, type ReactNode, useCallback, useContext, useMemo, useState } from "react";
 import type { ApiError } from "../../api/errors";
 import { useAsked } from "../../api/queries";
 import { getGraph, getRules } from "../../api/rulesClient";
-import type { Graph, TableView } from "../../api/ruleTypes";
+import type { Graph, Table, TableView } from "../../api/ruleTypes";
 import { useSession } from "../../session/SessionContext";
 import { type Check, useCheck } from "./useCheck";
 import { type DraftHandle, useDraft } from "./useDraft";
 import { type LiveRules, useLiveRules } from "./useLiveRules";
+
+interface Drilled {
+  id: string;
+  of: Table;
+}
 
 export interface Rules {
   view: TableView | null;
@@ -16,6 +21,9 @@ export interface Rules {
   error: ApiError | null;
   draft: DraftHandle;
   check: Check;
+  /** The drill that was last begun on this page, and of which table. */
+  drilled: Drilled | null;
+  setDrilled: (drilled: Drilled) => void;
   mayEdit: boolean;
   mayProtect: boolean;
   reload: () => void;
@@ -56,6 +64,7 @@ export function RulesProvider({ children }: { children: ReactNode }) {
   }, [client, reloadGraph]);
 
   const draft = useDraft(view);
+  const [drilled, setDrilled] = useState<Drilled | null>(null);
   const check = useCheck(draft.draft, view);
   const value = useMemo<Rules>(
     () => ({
@@ -64,12 +73,14 @@ export function RulesProvider({ children }: { children: ReactNode }) {
       error,
       draft,
       check,
+      drilled,
+      setDrilled,
       mayEdit: session.role !== "viewer",
       mayProtect: session.role === "engineer",
       reload,
       reloadGraph,
     }),
-    [view, graph, error, draft, check, session.role, reload, reloadGraph],
+    [view, graph, error, draft, check, drilled, session.role, reload, reloadGraph],
   );
   return (
     <RulesContext value={value}>

@@ -10,6 +10,7 @@ import type { Draft } from "../changes/draft";
 import { useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
 import { CHECK } from "../context/useCheck";
+import { DrillPanel } from "../drill/DrillPanel";
 import { ruleName } from "../model/words";
 import { DiffList } from "../parts/DiffList";
 import { FindingList } from "../parts/FindingList";
@@ -109,6 +110,7 @@ function Review({ draft, onApplied }: Props) {
       {errors.length > 0 && <Findings title="To be mended first" findings={errors} names={names} />}
       {lints.length > 0 && <Findings title="To think about" findings={lints} names={names} />}
       <BacktestPanel table={draft.table} names={names} ready={check.ok} />
+      <DrillPanel table={draft.table} ready={check.ok} />
       <section className={page.section} aria-label="Apply">
         <Textarea
           label="Reason"

@@ -1,0 +1,183 @@
+"""Drills: what a proposed table would make of faults, against the table in force."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Path, Request, Response
+from pydantic import ValidationError
+
+from kompass.drills.draw import expand_faults
+from kompass.drills.report_html import report_html
+from kompass.rules.schema.table import Table
+from kompass.simulation.faults.fault_names import FAULTS, UnknownFault
+from kompass.simulation.worlds.registry import world, world_names
+from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
+from kompass_console.api.monitor import asked, body_of, read_table, refusal, sentence
+from kompass_console.drills.drills import Busy, CannotDrill
+from kompass_console.schema.drill_models import (
+    MOST_DRIVES,
+    DrillFault,
+    DrillOptions,
+    DrillPair,
+    DrillProgress,
+    DrillRequest,
+    DrillRoom,
+    DrillStarted,
+    DrillWorld,
+)
+from kompass_console.schema.rule_models import RefusedAnswer
+from kompass_console.web.console import Console
+from kompass_console.web.errors import ConsoleError
+
+router = APIRouter(prefix="/api", tags=["drills"])
+
+DrillId = Annotated[str, Path(max_length=100)]
+ScenarioName = Annotated[str, Path(max_length=100)]
+
+_MEND = "Correct what the findings name, and drill again."
+_REFUSED: dict[int | str, dict[str, Any]] = {
+    422: {"model": RefusedAnswer, "description": "The table has errors"}
+}
+
+
+@router.get("/drills")
+def drill_room(_: LoggedIn, console: CurrentConsole) -> DrillRoom:
+    """Whether there are drills here, which faults and worlds there are, and the newest drill."""
+    _notice(console)
+    refused = console.drills.refusal
+    return DrillRoom(
+        refusal=None if refused is None else str(refused),
+        remedy="" if refused is None else refused.remedy,
+        recipe=console.drills.recipe,
+        own_world=console.drills.own_world,
+        worlds=[DrillWorld(name=name, title=world(name).title) for name in world_names()],
+        faults=[DrillFault(name=name.partition(":")[0], text=FAULTS[name]) for name in FAULTS],
+        most_drives=MOST_DRIVES,
+        newest=console.drills.newest,
+    )
+
+
+@router.post(
+    "/drills",
+    status_code=202,
+    responses=_REFUSED,
+    openapi_extra=body_of(DrillRequest),
+    response_model=DrillStarted,
+)
+async def start_drill(
+    request: Request, session: Operator, console: CurrentConsole
+) -> Response | DrillStarted:
+    """Begin to try a table against the one in force; ask for its progress by the id."""
+    text, options = await read_table(request, DrillOptions)
+    what = options.model_dump()
+
+    def refuse(error: ConsoleError) -> ConsoleError:
+        console.audit.record(session, "drill", error.title, **what)
+        return error
+
+    if (unknown := _unknown_name(options)) is not None:
+        raise refuse(unknown)
+    try:
+        remedy = "Correct the table and drill again."
+        checked = await asked(console, lambda m: m.check(text, session.role), 422, remedy)
+        answer = await asked(console, lambda m: m.table(), 404, "Load the rules again.")
+        report, in_force = checked.parsed(), answer.parsed()
+        proposed = Table.model_validate_json(text)
+    except ConsoleError as error:
+        raise refuse(error) from None
+    except ValidationError as error:
+        raise refuse(
+            ConsoleError(
+                502, f"What the monitor says cannot be read: {error.title}.", "Update both alike."
+            )
+        ) from error
+    if not report.ok:
+        console.audit.record(session, "drill", "the table has errors", **what)
+        return refusal(422, "The rules have errors.", _MEND, "report", checked)
+    try:
+        drill = console.drills.start(
+            options,
+            proposed=proposed,
+            in_force=in_force.table,
+            revision=report.revision,
+            by=session.user,
+            session=session.id,
+        )
+    except CannotDrill as error:
+        raise refuse(ConsoleError(409, str(error), error.remedy)) from error
+    except Busy as error:
+        raise refuse(ConsoleError(429, str(error), "Wait until it has ended, or cancel it.")) from (
+            error
+        )
+    console.audit.record(session, "drill", "started", id=drill, revision=report.revision, **what)
+    return DrillStarted(id=drill)
+
+
+@router.get("/drills/{drill_id}")
+def drill(drill_id: DrillId, _: LoggedIn, console: CurrentConsole) -> DrillProgress:
+    """How far it is, and what it came to when it is done."""
+    _notice(console)
+    progress = console.drills.progress(drill_id)
+    if progress is None:
+        raise _unknown()
+    return progress
+
+
+@router.get("/drills/{drill_id}/drives/{scenario}")
+def drill_drive(
+    drill_id: DrillId, scenario: ScenarioName, _: LoggedIn, console: CurrentConsole
+) -> DrillPair:
+    """A scenario's drives under both tables, from beginning to end."""
+    pair = console.drills.pair(drill_id, scenario)
+    if pair is None:
+        raise _unknown()
+    return pair
+
+
+@router.get("/drills/{drill_id}/report", response_class=Response)
+def drill_report(drill_id: DrillId, _: LoggedIn, console: CurrentConsole) -> Response:
+    """All of it as one page to send around."""
+    report = console.drills.report(drill_id)
+    if report is None:
+        raise _unknown()
+    headers = {"Content-Disposition": f'attachment; filename="drill-{report.seed}.html"'}
+    return Response(report_html(report), media_type="text/html", headers=headers)
+
+
+@router.delete("/drills/{drill_id}", status_code=204)
+def cancel_drill(drill_id: DrillId, session: Operator, console: CurrentConsole) -> None:
+    """Cancel it; of one that has ended, forget what came of it."""
+    done = console.drills.cancel(drill_id, f"{session.user} cancelled it.")
+    outcome = "done" if done else "unknown"
+    console.audit.record(session, "cancel drill", outcome, id=drill_id)
+    if not done:
+        raise _unknown()
+
+
+def _notice(console: Console) -> None:
+    """Somebody may have changed the rules past this console."""
+    said = console.link.rules.info()
+    if said.available:
+        console.drills.overtaken(said.revision)
+
+
+def _unknown_name(options: DrillOptions) -> ConsoleError | None:
+    """Why worlds or faults cannot be drawn from."""
+    if options.world is not None and options.world not in world_names():
+        known = ", ".join(world_names())
+        return ConsoleError(422, f"There is no world {options.world!r}.", f"Choose one of {known}.")
+    try:
+        expand_faults(options.faults)
+    except UnknownFault as error:
+        return ConsoleError(422, sentence(str(error)), "Choose other faults.")
+    return None
+
+
+def _unknown() -> ConsoleError:
+    return ConsoleError(
+        404,
+        "This console does not know the drill, or it has not come to an end: it was started again, "
+        "or the report is old.",
+        "Drill again.",
+    )

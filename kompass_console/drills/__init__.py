@@ -1,0 +1,1 @@
+"""Drills that people ask for on the page, where the console runs."""

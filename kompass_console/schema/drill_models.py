@@ -1,0 +1,157 @@
+"""The contract of the routes of drills; what is said of a drive is in :mod:`kompass.drills`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import BaseModel, Field
+
+from kompass.drills.compare import Verdict
+from kompass.drills.drive import DriveResult, Outcome
+from kompass.rules.schema.table import Table
+from kompass_console.schema.models import In
+
+MOST_DRIVES = 200
+DrillState: TypeAlias = Literal["running", "done", "failed", "canceled"]
+
+
+class DrillOptions(In):
+    """Which drives to make under the proposed table and under the one in force.
+
+    `faults` are names as after `--faults`: `all`, a kind such as `kill` for each of the recipe's
+    components, or one with its parameter. `world` null is the one in which the embedded robot
+    drives now, else the first there is. `drives` are made under each of the two tables.
+    """
+
+    faults: list[Annotated[str, Field(min_length=1, max_length=100)]] = Field(
+        default_factory=lambda: ["all"], min_length=1, max_length=100
+    )
+    world: Annotated[str, Field(max_length=100)] | None = None
+    drives: Annotated[int, Field(ge=1, le=MOST_DRIVES)] = 20
+    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 1
+
+
+class DrillRequest(DrillOptions):
+    """A table to try against the one in force, and in which drives."""
+
+    table: Table
+
+
+class DrillStarted(BaseModel):
+    """A drill runs; ask for it by its id."""
+
+    id: str
+
+
+class DrillFault(BaseModel):
+    """A kind of fault, and what it does."""
+
+    name: str
+    text: str
+
+
+class DrillWorld(BaseModel):
+    """A world of the embedded robot."""
+
+    name: str
+    title: str
+
+
+class DrillDrive(BaseModel):
+    """What came of a scenario under the two tables, in a line.
+
+    `change` is of the proposed table against the one in force; `text` says how they differ, or,
+    where they do not, what became of the robot.
+    """
+
+    name: str
+    world: str
+    faults: list[str]
+    change: Literal["worse", "better", "other", "same"]
+    text: str
+    proposed: Outcome
+    in_force: Outcome
+
+
+class DrillSummary(BaseModel):
+    """What a drill comes to. `drives` are those that differ, the worse ones first, then the rest.
+
+    `chance` is empty where there is no difference that chance could make.
+    """
+
+    sentence: str
+    chance: str
+    verdict: Verdict
+    recipe: str
+    proposed: str
+    in_force: str
+    drives: list[DrillDrive]
+
+
+class DrillProgress(BaseModel):
+    """How far a drill is, and what it came to or why it did not.
+
+    `done` and `total` count drives under both tables together; `elapsed` and `left` are seconds,
+    the latter from what the drives took so far, null before the first is over. `revision` is the
+    one in force with which it compares; `by` who asked for it.
+    """
+
+    id: str
+    state: DrillState
+    by: str
+    revision: int
+    done: int
+    total: int
+    elapsed: float
+    left: float | None
+    error: str | None
+    report: DrillSummary | None
+
+
+class DrillRoom(BaseModel):
+    """Whether there are drills here, of what, and the newest.
+
+    `refusal` is null when there are; else why not, with the remedy. `own_world` is null when the
+    robot at hand is not the embedded one.
+    """
+
+    refusal: str | None
+    remedy: str
+    recipe: str
+    own_world: str | None
+    worlds: list[DrillWorld]
+    faults: list[DrillFault]
+    most_drives: int
+    newest: DrillProgress | None
+
+
+class DrillWall(BaseModel):
+    """What stands somewhere (m, rad, frame `map`): a box, or a cylinder of diameter `length`."""
+
+    x: float
+    y: float
+    yaw: float
+    length: float
+    width: float
+    round: bool
+
+
+class DrillPlace(BaseModel):
+    """A world from above: corners of its floor, and all that is solid.
+
+    `bounds` are min x, min y, max x, max y (m).
+    """
+
+    name: str
+    title: str
+    bounds: tuple[float, float, float, float]
+    floor: list[tuple[float, float]]
+    walls: list[DrillWall]
+
+
+class DrillPair(BaseModel):
+    """A scenario's drives under both tables, and where they were."""
+
+    place: DrillPlace
+    proposed: DriveResult
+    in_force: DriveResult

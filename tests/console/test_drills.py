@@ -1,0 +1,267 @@
+"""Drills are begun, watched, cancelled, looked into, and refused where they cannot be."""
+
+from __future__ import annotations
+
+import copy
+import os
+import shutil
+import subprocess
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+
+from kompass_console.drills.subject import DrillSubject
+from kompass_console.schema.roles import Role
+from tests.console.conftest import TOKENS, Served, serving
+from tests.console.rules_client import Json, await_monitor, running_monitor, table
+from tests.support.processes import ended, marked, wait_until
+
+pytestmark = pytest.mark.ros
+
+RECIPES = Path(__file__).parents[2] / "recipes"
+# Whoever is too near something, and that is soon the case, is stopped: a change for the worse.
+STOPS: Json = {
+    "id": "shy",
+    "name": "Stop near anything",
+    "event": {
+        "condition": {
+            "kind": "compare",
+            "operator": "<",
+            "value": 0.6,
+            "signal": {
+                "topic": "scan",
+                "type": "sensor_msgs/msg/LaserScan",
+                "path": ["ranges"],
+                "aggregate": "min",
+            },
+        }
+    },
+    "actions": [{"kind": "raise_alarm", "alarm": "shy", "text": "something is near"}],
+}
+
+
+@pytest.fixture(scope="module")
+def recipe(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recipe of the user's, on its own."""
+    file = tmp_path_factory.mktemp("recipe") / "patrol.py"
+    shutil.copy(RECIPES / "01_point_navigation.py", file)
+    return file
+
+
+@pytest.fixture(scope="module")
+def drilling(
+    tmp_path_factory: pytest.TempPathFactory, domain: int, recipe: Path
+) -> Iterator[Served]:
+    """A console that has the robot's recipe."""
+    folder = tmp_path_factory.mktemp("console") / "audit"
+    subject = DrillSubject.of(recipe, None)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TESTED_BY", uuid.uuid4().hex)  # by which what is forked is found again
+        with serving(folder, domain, drill=subject) as served:
+            yield served
+
+
+@pytest.fixture(scope="module")
+def monitor(drilling: Served) -> Iterator[subprocess.Popen[bytes]]:
+    with running_monitor() as process, drilling.client(Role.VIEWER) as client:
+        await_monitor(client)
+        yield process
+
+
+@pytest.fixture
+def operator(drilling: Served, monitor: subprocess.Popen[bytes]) -> Iterator[httpx.Client]:
+    with drilling.client(Role.OPERATOR, user="ava") as client:
+        yield client
+        newest = client.get("/api/drills").json()["newest"]
+        if newest is not None and newest["state"] == "running":
+            client.delete(f"/api/drills/{newest['id']}")
+
+
+def proposed() -> Json:
+    """The table in force with another rule."""
+    whole = table()
+    return {**whole, "rules": [*whole["rules"], copy.deepcopy(STOPS)]}
+
+
+def begin(client: httpx.Client, drives: int = 50, **more: object) -> str:
+    """Begin one; its id."""
+    body = {"table": proposed(), "faults": ["kill:controller"], "drives": drives, **more}
+    answer = client.post("/api/drills", json=body)
+    assert answer.status_code == 202, answer.text
+    return str(answer.json()["id"])
+
+
+def after(client: httpx.Client, drill: str) -> Json:
+    """What came of it."""
+    told: Json = {}
+
+    def over() -> bool:
+        told.update(client.get(f"/api/drills/{drill}").json())
+        return bool(told["state"] != "running")
+
+    wait_until(over, 60.0, "the end of the drill")
+    return told
+
+
+def programs() -> list[str]:
+    """Command lines of the processes of drills of this run."""
+    found = marked(f"TESTED_BY={os.environ['TESTED_BY']}")
+    return [line for line in found if "kompass.drills" in line or "multiprocessing" in line]
+
+
+@pytest.mark.slow
+def test_a_proposed_table_is_compared_drive_by_drive_with_the_one_in_force(
+    operator: httpx.Client, drilling: Served
+) -> None:
+    drill = begin(operator, drives=2)
+    wait_until(lambda: operator.get(f"/api/drills/{drill}").json()["done"] > 0, 60.0, "a drive")
+    told = operator.get(f"/api/drills/{drill}").json()
+    assert (told["total"], told["by"]) == (4, "ava")
+    if told["state"] == "running":
+        assert told["left"] == pytest.approx(told["elapsed"] / told["done"] * (4 - told["done"]))
+    told = after(operator, drill)
+    assert (told["state"], told["error"], told["done"]) == ("done", None, 4)
+    report = told["report"]
+    assert report["sentence"] == "Recovers in 2 of 2, as before."
+    assert [drive["faults"] for drive in report["drives"]] == [["kill:controller"]] * 2
+    assert {drive["change"] for drive in report["drives"]} == {"other"}
+    assert "shy fired" in report["drives"][0]["text"]
+
+    name = report["drives"][0]["name"]
+    pair = operator.get(f"/api/drills/{drill}/drives/{name}").json()
+    assert "shy" in {firing["rule_id"] for firing in pair["proposed"]["firings"]}
+    assert "shy" not in {firing["rule_id"] for firing in pair["in_force"]["firings"]}
+    assert pair["proposed"]["scenario"] == pair["in_force"]["scenario"]
+    assert len(pair["proposed"]["track"]) > 10
+    assert pair["place"]["name"] == "hexagon"
+    assert operator.get(f"/api/drills/{drill}/drives/nowhere").status_code == 404
+    page = operator.get(f"/api/drills/{drill}/report")
+    assert report["sentence"] in page.text
+    assert page.headers["content-disposition"].startswith("attachment")
+    assert programs() == []
+    lines = [line for line in drilling.audited() if line["what"] == "drill"]
+    assert lines[-1]["who"] == "ava"
+    assert lines[-1]["outcome"] == "started"
+
+
+def test_one_runs_at_a_time_and_one_that_is_cancelled_leaves_nothing_behind(
+    operator: httpx.Client, drilling: Served
+) -> None:
+    drill = begin(operator)
+    wait_until(programs, 20.0, "processes")
+    refused = operator.post("/api/drills", json={"table": proposed()})
+    assert refused.status_code == 429
+    assert "A drill of ava's runs already" in refused.json()["detail"]["title"]
+    assert operator.delete(f"/api/drills/{drill}").status_code == 204
+    told = operator.get(f"/api/drills/{drill}").json()
+    assert (told["state"], told["error"]) == ("canceled", "ava cancelled it.")
+    assert ended(programs, 2.0) == []
+    again = begin(operator)
+    operator.delete(f"/api/drills/{again}")
+    operator.delete(f"/api/drills/{again}")
+    assert operator.get(f"/api/drills/{again}").status_code == 404
+
+
+def test_it_gives_way_to_whatever_else_the_machine_does(operator: httpx.Client) -> None:
+    drill = begin(operator)
+    wait_until(lambda: len(programs()) >= 3, 30.0, "the processes that make drives")
+    pids = [int(line.partition(":")[0]) for line in programs()]
+    for pid in pids:
+        assert os.getpriority(os.PRIO_PROCESS, pid) == 19
+        assert Path(f"/proc/{pid}/oom_score_adj").read_text().strip() == "1000"
+    operator.delete(f"/api/drills/{drill}")
+
+
+def test_who_logs_out_takes_the_drill_along(drilling: Served, operator: httpx.Client) -> None:
+    with drilling.client(Role.OPERATOR, user="ben") as other:
+        drill = begin(other)
+        other.post("/api/logout")
+    told = after(operator, drill)
+    assert (told["state"], told["error"]) == ("canceled", "ben logged out.")
+
+
+def test_applying_rules_ends_a_drill_against_the_ones_before(operator: httpx.Client) -> None:
+    drill = begin(operator)
+    view = operator.get("/api/rules").json()
+    answer = operator.post(
+        "/api/rules/apply", json={"table": table(), "expected_revision": view["active"]}
+    )
+    assert answer.status_code == 200, answer.text
+    told = after(operator, drill)
+    assert told["state"] == "canceled"
+    assert told["error"] == f"Revision {answer.json()['revision']} was put in force meanwhile."
+
+
+def test_a_viewer_looks_and_begins_nothing(drilling: Served, operator: httpx.Client) -> None:
+    drill = begin(operator)
+    with drilling.client(Role.VIEWER) as viewer:
+        assert viewer.get(f"/api/drills/{drill}").json()["state"] == "running"
+        assert viewer.post("/api/drills", json={"table": proposed()}).status_code == 403
+        assert viewer.delete(f"/api/drills/{drill}").status_code == 403
+    operator.delete(f"/api/drills/{drill}")
+
+
+def test_a_table_with_errors_is_refused_with_its_findings(operator: httpx.Client) -> None:
+    bad = proposed()
+    bad["rules"][-1]["event"]["condition"]["signal"]["path"] = ["rangs"]
+    answer = operator.post("/api/drills", json={"table": bad})
+    assert answer.status_code == 422
+    findings = answer.json()["report"]["findings"]
+    assert {one["rule_id"] for one in findings if one["level"] == "error"} == {"shy"}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"faults": ["kil"]}, "did you mean 'kill'?"),
+        ({"world": "moon"}, "There is no world 'moon'."),
+        ({"drives": 201}, "drives"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused_by_name(
+    operator: httpx.Client, options: Json, said: str
+) -> None:
+    answer = operator.post("/api/drills", json={"table": proposed(), **options})
+    assert answer.status_code == 422
+    assert said in answer.json()["detail"]["title"]
+
+
+def test_a_recipe_that_cannot_be_drilled_says_why(
+    operator: httpx.Client, domain: int, tmp_path: Path
+) -> None:
+    lost = tmp_path / "lost.py"
+    lost.write_text("print('nothing is brought up here')\n")
+    with (
+        serving(tmp_path / "audit", domain, drill=DrillSubject.of(lost, None)) as served,
+        served.client(Role.OPERATOR) as client,
+    ):
+        await_monitor(client)
+        told = after(client, begin(client))
+        assert told["state"] == "failed"
+        assert "lost.py calls launcher.bringup() 0 times" in told["error"]
+        lost.write_text("print('another')\n")
+        room = client.get("/api/drills").json()
+        assert "lost.py was changed since the robot was started" in room["refusal"]
+        refused = client.post("/api/drills", json={"table": proposed()})
+        assert refused.status_code == 409
+        assert refused.json()["detail"]["remedy"] == "Start the robot again."
+
+
+def test_a_console_without_the_recipe_says_so(console: Served) -> None:
+    with console.client(Role.OPERATOR) as client:
+        room = client.get("/api/drills").json()
+    assert "does not have the recipe" in room["refusal"]
+    assert "kompass-console drill" in room["remedy"]
+
+
+def test_the_page_is_told_which_faults_and_worlds_there_are(operator: httpx.Client) -> None:
+    room = operator.get("/api/drills").json()
+    assert room["refusal"] is None
+    assert (room["recipe"], room["own_world"]) == ("patrol.py", None)
+    assert room["worlds"][0]["name"] == "hexagon"
+    assert {"kill", "way_blocked"} <= {fault["name"] for fault in room["faults"]}
+    assert TOKENS  # nothing of them in what was said
+    assert not any(token in str(room) for token in TOKENS.values())

@@ -1,0 +1,65 @@
+"""A drill that is begun on a running robot drives what runs there, and ends with its console."""
+
+from __future__ import annotations
+
+import os
+import signal
+import uuid
+from collections.abc import Iterator
+from contextlib import closing
+
+import httpx
+import pytest
+
+from tests.console.test_rules_stack import logged_in
+from tests.support.processes import ended, marked, wait_until
+from tests.support.stack import Stack
+
+pytestmark = pytest.mark.ros
+
+MARK = uuid.uuid4().hex
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[Stack]:
+    with closing(Stack.simulated(DRILLED_BY=MARK)) as running:
+        yield running
+
+
+def processes() -> list[str]:
+    """What a drill of this stack consists of."""
+    found = marked(f"DRILLED_BY={MARK}")
+    return [line for line in found if "kompass.drills" in line or "multiprocessing" in line]
+
+
+def begin(client: httpx.Client) -> None:
+    table = client.get("/api/rules").json()["table"]
+    answer = client.post("/api/drills", json={"table": table, "faults": ["kill"], "drives": 50})
+    assert answer.status_code == 202, answer.text
+    wait_until(lambda: len(processes()) >= 3, 60.0, "the processes that make drives")
+
+
+def test_the_console_of_a_recipe_drills_that_recipe_in_the_world_at_hand(stack: Stack) -> None:
+    with logged_in(stack, "Console") as client:
+        room = client.get("/api/drills").json()
+    assert room["refusal"] is None
+    assert (room["recipe"], room["own_world"]) == ("01_point_navigation.py", "hexagon")
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_nothing_of_a_drill_outlives_its_console(stack: Stack, number: int) -> None:
+    with logged_in(stack, "Console") as client:
+        begin(client)
+    os.kill(stack.pid_of("console"), number)
+    assert ended(processes, 3.0) == []
+    # The console comes back, and knows nothing of it.
+    with logged_in(stack, "Console") as client:
+        assert client.get("/api/drills").json()["newest"] is None
+
+
+def test_nothing_of_a_drill_outlives_the_stack(stack: Stack) -> None:
+    """The last test of the module: its stack ends."""
+    with logged_in(stack, "Console") as client:
+        begin(client)
+    stack.close()
+    assert ended(processes, 3.0) == []

@@ -1,0 +1,127 @@
+import { useMemo } from "react";
+import type { DrillPair, DrillPlace } from "../../api/drillTypes";
+import classes from "./Player.module.css";
+import { type Mark, marksOf, Way } from "./playback";
+
+const MARGIN = 0.15;
+const DEGREES = 180 / Math.PI;
+
+interface Props {
+  pair: DrillPair;
+  time: number;
+}
+
+/** The world from above, x to the right and y up, with both robots where they were. */
+export function DriveMap({ pair, time }: Props) {
+  const { place } = pair;
+  const ways = useMemo(
+    () => ({ proposed: new Way(pair.proposed), in_force: new Way(pair.in_force) }),
+    [pair],
+  );
+  const [left = 0, low = 0, right = 1, high = 1] = place.bounds;
+  const width = right - left + 2 * MARGIN;
+  const height = high - low + 2 * MARGIN;
+  const unit = Math.max(width, height) / 44;
+  return (
+    <svg
+      className={classes.map}
+      viewBox={`${left - MARGIN} ${-high - MARGIN} ${width} ${height}`}
+      role="img"
+      aria-label={`${place.title}: the way under the proposed rules and under those in force`}
+      data-testid="drive-map"
+    >
+      <Floor place={place} />
+      {pair.proposed.goals.map(({ x, y, sent }) => (
+        <g key={`${x} ${y} ${sent}`} className={classes.goal}>
+          <circle cx={x} cy={-y} r={1.2 * unit} />
+          <circle className={classes.dot} cx={x} cy={-y} r={0.4 * unit} />
+        </g>
+      ))}
+      {(["in_force", "proposed"] as const).map((side) => (
+        <g key={side} data-side={side} className={classes.side}>
+          <polyline className={classes.ahead} points={line(ways[side].points)} />
+          <polyline className={classes.driven} points={line(ways[side].upTo(time))} />
+          {marksOf(pair[side])
+            .filter(({ at, x }) => at <= time && x !== null)
+            .map((mark) => (
+              <MapMark key={`${mark.kind} ${mark.at} ${mark.text}`} mark={mark} r={0.9 * unit} />
+            ))}
+        </g>
+      ))}
+      {(["in_force", "proposed"] as const).map((side) => {
+        const here = ways[side].at(time);
+        return (
+          here !== null && (
+            <g
+              key={side}
+              className={classes.robot}
+              data-side={side}
+              data-testid={`robot-${side}`}
+              transform={`translate(${here.x} ${-here.y}) rotate(${-here.heading * DEGREES})`}
+            >
+              <circle r={1.3 * unit} />
+              <path d={arrow(unit)} />
+            </g>
+          )
+        );
+      })}
+    </svg>
+  );
+}
+
+function Floor({ place }: { place: DrillPlace }) {
+  return (
+    <>
+      <polygon
+        className={classes.floor}
+        points={place.floor.map(([x = 0, y = 0]) => `${x},${-y}`).join(" ")}
+      />
+      {place.walls.map((wall) =>
+        wall.round ? (
+          <circle
+            key={`${wall.x} ${wall.y}`}
+            className={classes.wall}
+            cx={wall.x}
+            cy={-wall.y}
+            r={wall.length / 2}
+          />
+        ) : (
+          <rect
+            key={`${wall.x} ${wall.y}`}
+            className={classes.wall}
+            x={-wall.length / 2}
+            y={-wall.width / 2}
+            width={wall.length}
+            height={wall.width}
+            transform={`translate(${wall.x} ${-wall.y}) rotate(${-wall.yaw * DEGREES})`}
+          />
+        ),
+      )}
+    </>
+  );
+}
+
+function MapMark({ mark, r }: { mark: Mark; r: number }) {
+  const shapes: Record<Mark["kind"], string> = {
+    fault: `M 0 ${-r} L ${0.95 * r} ${0.75 * r} L ${-0.95 * r} ${0.75 * r} Z`,
+    firing: `M 0 ${-r} L ${0.8 * r} 0 L 0 ${r} L ${-0.8 * r} 0 Z`,
+    stop: `M ${-r} ${-r} H ${r} V ${r} H ${-r} Z`,
+    contact: `M ${-r} ${-r} L ${r} ${r} M ${-r} ${r} L ${r} ${-r}`,
+  };
+  return (
+    <path
+      className={classes.mark}
+      data-kind={mark.kind}
+      d={shapes[mark.kind]}
+      transform={`translate(${mark.x ?? 0} ${-(mark.y ?? 0)})`}
+    >
+      <title>{`${mark.at.toFixed(1)} s: ${mark.text}`}</title>
+    </path>
+  );
+}
+
+const arrow = (unit: number) =>
+  `M ${unit} 0 L ${-0.6 * unit} ${0.7 * unit} L ${-0.6 * unit} ${-0.7 * unit} Z`;
+
+const line = (points: readonly { x: number; y: number }[]) =>
+  points.map(({ x, y }) => `${x.toFixed(3)},${(-y).toFixed(3)}`).join(" ");

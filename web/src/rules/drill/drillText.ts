@@ -1,0 +1,54 @@
+/** A drill in words. */
+import type { Drill, DrillDrive } from "../../api/drillTypes";
+import { durationText } from "../../format";
+
+/** `12 of 40 drives, about 2 min left`: nothing is promised before the first drive is over. */
+export function progressText({ done, total, left }: Drill): string {
+  if (done === 0) return "Reading the recipe; the first drives are under way.";
+  const drives = `${done} of ${total} drives`;
+  if (left === null || done === total) return drives;
+  return `${drives}, about ${roughText(left)} left`;
+}
+
+/** An estimate is no stop-watch: `10 s` at the least, then in steps that grow with it. */
+export function roughText(seconds: number): string {
+  const step = seconds < 60 ? 10 : seconds < 300 ? 30 : 60;
+  return durationText(Math.max(step, Math.round(seconds / step) * step));
+}
+
+/** The same shapes as where a back-test tells what is new and what no longer is. */
+export const CHANGE_MARKS: Record<DrillDrive["change"], string> = {
+  worse: "▲",
+  better: "●",
+  other: "○",
+  same: "·",
+};
+export const CHANGE_WORDS: Record<DrillDrive["change"], string> = {
+  worse: "worse",
+  better: "better",
+  other: "different",
+  same: "the same",
+};
+
+/** `2 worse, 1 better`: only what there is. */
+export function tallyText(drives: readonly DrillDrive[]): string {
+  const kinds: DrillDrive["change"][] = ["worse", "better", "other", "same"];
+  return kinds
+    .map((kind) => ({ kind, count: drives.filter(({ change }) => change === kind).length }))
+    .filter(({ count }) => count > 0)
+    .map(({ kind, count }) => `${count} ${CHANGE_WORDS[kind]}`)
+    .join(", ");
+}
+
+/** What broke in a drive. */
+export function faultsText(faults: readonly string[]): string {
+  return faults.length === 0 ? "no fault" : faults.join(", ");
+}
+
+/** Which robot, where, and that it may not be the one at hand. */
+export function subjectText(recipe: string, world: string, ownWorld: string | null): string {
+  const place = `The embedded robot drives ${recipe} in the world "${world}", in virtual time on this machine.`;
+  return ownWorld === null
+    ? `${place} It is not your robot, and those are not your rooms.`
+    : `${place} The robot that you see is left alone.`;
+}

@@ -1,0 +1,70 @@
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import {
+  cancelDrill,
+  type DrillOptions,
+  getDrill,
+  getDrillRoom,
+  startDrill,
+} from "../../api/drillsClient";
+import type { Drill, DrillRoom } from "../../api/drillTypes";
+import type { ApiError } from "../../api/errors";
+import { useAsked } from "../../api/queries";
+import type { Table } from "../../api/ruleTypes";
+import { useRules } from "../context/RulesContext";
+
+const POLL_MS = 500;
+const ROOM = ["drills"];
+
+export interface DrillHandle {
+  /** Null until the console has told. */
+  room: DrillRoom | null;
+  /** The one that runs, or ran last; null when there is none to be shown. */
+  drill: Drill | null;
+  /** Whether it is of the table that is proposed now. */
+  fresh: boolean;
+  /** Whether it is being asked for. */
+  starting: boolean;
+  /** Why nothing was begun, or nothing is heard of it. */
+  error: ApiError | null;
+  start: (options: DrillOptions) => void;
+  cancel: () => void;
+}
+
+/** One drill of the proposed table; it goes on when somebody looks elsewhere, and is found again. */
+export function useDrill(table: Table): DrillHandle {
+  const { drilled, setDrilled } = useRules();
+  const client = useQueryClient();
+  const { data: room, error: unknown } = useAsked({ key: ROOM, ask: getDrillRoom });
+  const begin = useMutation({
+    mutationFn: (options: DrillOptions) => startDrill(table, options),
+    onSuccess: ({ id }) => setDrilled({ id, of: table }),
+  });
+  const found = room?.newest;
+  const worthIt = found?.state === "running" || found?.state === "done";
+  const id = drilled?.id ?? (worthIt ? found?.id : undefined);
+  const { data: drill, error: lost } = useAsked({
+    key: ["drill", id],
+    enabled: id !== undefined,
+    ask: (signal) => getDrill(id ?? "", signal),
+    again: (newest, failure) =>
+      failure !== null || (newest !== undefined && newest.state !== "running") ? false : POLL_MS,
+  });
+  const cancel = useMutation({
+    mutationFn: cancelDrill,
+    onSettled: () => void client.invalidateQueries({ queryKey: ["drill", id] }),
+  });
+  return {
+    room,
+    drill,
+    fresh: drilled?.id === id && drilled?.of === table,
+    starting: begin.isPending,
+    error: begin.error ?? cancel.error ?? lost ?? unknown,
+    start: (options) => {
+      cancel.reset();
+      begin.mutate(options);
+    },
+    cancel: () => {
+      if (id !== undefined) cancel.mutate(id);
+    },
+  };
+}
