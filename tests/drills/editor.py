@@ -108,7 +108,7 @@ class Editor:
 
     def _ask(self, kind: Any, heard: Callable[[Any], object], **fields: Any) -> None:
         client, service = self._clients[kind]
-        reply = self._signer.call(client, service, kind.Request(**fields), None)
+        reply: Any = self._signer.call(client, service, kind.Request(**fields), None)
         reply.add_done_callback(lambda done: heard(done.result()))
         self._open.append((self._now(), reply))
 
