@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from kompass.drills.report_json import read_report
+from tests.drills.test_runner import WITHOUT_PLANNER
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
@@ -96,8 +97,10 @@ def test_what_is_wrong_is_told_before_anything_drives(
     assert said in line
 
 
-def test_a_recipe_that_cannot_be_drilled_says_why() -> None:
-    done = drill(ROOT / "recipes/06_timed_planner.py", "--seeds", "1")
+def test_a_recipe_that_cannot_be_drilled_says_why(tmp_path: Path) -> None:
+    recipe = tmp_path / "halting.py"
+    recipe.write_text(WITHOUT_PLANNER, encoding="utf-8")
+    done = drill(recipe, "--seeds", "1")
     assert done.returncode == 3
     (line,) = done.stderr.splitlines()
-    assert 'a Planner with run_type = "ActionServer"' in line
+    assert "halting.py: no component" in line
