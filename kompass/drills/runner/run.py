@@ -24,6 +24,7 @@ from kompass.virtual.process import World
 from kompass.virtual.scheduler import SECOND, nanoseconds
 
 BRINGUP = 20 * SECOND  # ns in which a stack must be up
+DISCOVERY = 0.1  # s in which DDS finds what is new on a machine that has the time for it
 SETTLED = 2.0  # s between the bring-up and the beginning of the drive
 AFTERWARDS = 3.0  # s that are looked at after the last goal has ended
 STEP = SECOND // 4  # ns between two looks at whether it is over
@@ -62,7 +63,7 @@ def run_drive(stack: Stack, scenario: Scenario, table: Table | None = None) -> O
     NoPlanner
         When nobody takes goals.
     """
-    virtual = World(scenario.seed)
+    virtual = World(scenario.seed, discovery=DISCOVERY)
     place = world(scenario.world)
     if scenario.start is not None:
         place = replace(place, start=scenario.first_pose)
