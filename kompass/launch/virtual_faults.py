@@ -14,7 +14,8 @@ from kompass.virtual.process import World
 from kompass.virtual.scheduler import nanoseconds
 
 SLOWNESS = 20.0  # times that a starved process takes longer
-HELD, LET_GO = 0.4, 0.6  # s for which one that flickers is stopped, and goes on
+# s for which one that flickers is stopped, long enough to be told of, and for which it goes on.
+HELD, LET_GO = 0.7, 0.8
 
 
 class Stack(Protocol):

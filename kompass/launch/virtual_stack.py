@@ -43,10 +43,11 @@ from kompass.virtual.node import VirtualNode
 from kompass.virtual.process import VirtualProcess, World
 from kompass.virtual.scheduler import nanoseconds
 
-STARTING = 0.5  # s from the fork of a process to its first callback
+STARTING = 0.2  # s from the fork of a process to its first callback
+DYING = 0.01  # s that a process takes to be gone, and its supervisor to learn of it
 CALLBACK = 0.0003  # s that a callback takes in rclpy, with all that is done around it
 TOLD = 0.0005  # s after which a process reads what the supervisor tells it
-LEARNED = 0.001  # s after which the supervisor knows of a death, or a stop
+LEARNED = 0.001  # s after which the supervisor knows that a signal holds a process
 SIMULATOR, MAP_SERVER = "simulator", "map_server"
 
 
@@ -183,7 +184,7 @@ class VirtualStack:
         process.kill()
         life.killed = why
         program.process, program.life, program.listener = None, None, None
-        self._later(LEARNED, self._note_death, program, life)
+        self._later(DYING, self._note_death, program, life)
 
     def _note_stopped(self, program: Program, life: Life) -> None:
         if program.life is life and program.process is not None and program.process.stopped:

@@ -80,6 +80,7 @@ class Observer:
         self._began: float | None = None
         self._silent: set[str] = set()
         self._stopped = False
+        self._releasing = ""
         self._epoch = ""
         self._faults: list[str] = []
         self._alarms: dict[str, str] = {}
@@ -167,11 +168,15 @@ class Observer:
     def _on_drive_state(self, state: DriveState) -> None:
         if state.stopped and not self._stopped:
             self.note(StopPressed, state.stopped_by, state.reason)
+        elif self._stopped and not state.stopped:
+            by = self._releasing or "nobody"
+            self.note(StopReleased, by, person=bool(self._releasing))
+            self._releasing = ""
         self._stopped = state.stopped
 
-    def released(self, by: str) -> None:
-        """A person has released STOP."""
-        self.note(StopReleased, by)
+    def releasing(self, by: str) -> None:
+        """A person asks for the release of STOP (empty: in vain); who else lets it go is none."""
+        self._releasing = by if self._stopped else ""
 
     def _on_faults(self, message: String) -> None:
         faults = json.loads(message.data)

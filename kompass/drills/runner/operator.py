@@ -237,14 +237,15 @@ class Operator:
             for client in self._stops:
                 client.call_async(StopRobot.Request(operator_name=act.by, reason=act.reason))
             return
+        self._observer.releasing(act.by)
         for service, client, signer in self._releases:
             request = signer.sign(service, ReleaseStop.Request(operator_name=act.by))
             asked = client.call_async(request)
-            asked.add_done_callback(
-                lambda done, by=act.by: (
-                    self._observer.released(by) if done.result().success else None
-                )
-            )
+            asked.add_done_callback(self._on_release)
+
+    def _on_release(self, answered: Any) -> None:
+        if not answered.result().success:
+            self._observer.releasing("")
 
 
 @dataclass(frozen=True)

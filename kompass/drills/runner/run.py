@@ -27,6 +27,7 @@ from kompass.virtual.process import World
 from kompass.virtual.scheduler import SECOND, nanoseconds
 
 BRINGUP = 20 * SECOND  # ns in which a stack must be up
+DISCOVERY = 0.1  # s in which DDS finds what is new on a machine that has the time for it
 SETTLED = 2.0  # s between the bring-up and the beginning of the drive
 AFTERWARDS = 3.0  # s that are looked at after the last goal has ended
 STEP = SECOND // 4  # ns between two looks at whether it is over
@@ -72,7 +73,7 @@ def run_drive(
     OSError
         When the recording exists, or cannot be written.
     """
-    with World(scenario.seed) as virtual:
+    with World(scenario.seed, discovery=DISCOVERY) as virtual:
         process = virtual.process(PEOPLE)
         # Whatever breaks on the robot's machine, they see and ask as ever.
         virtual.network.set_conditions(Conditions(), process=PEOPLE)
