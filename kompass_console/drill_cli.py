@@ -206,7 +206,8 @@ def _tell(report: Report) -> int:
     """The sentence that matters, what came of the drives, and whether all is met."""
     typer.echo(report.sentence)
     if report.comparison is not None:
-        typer.echo(report.comparison.chance)
+        if report.comparison.chance:
+            typer.echo(report.comparison.chance)
         for change in report.comparison.changes:
             typer.echo(f"  {change.scenario}: {change.text}")
     else:

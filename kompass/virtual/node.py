@@ -11,6 +11,7 @@ from rclpy.clock import ClockType
 from rclpy.exceptions import InvalidHandle
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.lifecycle import LifecycleNode
 from rclpy.node import NodeNameNonExistentError
 from rclpy.task import Future
 from rclpy.time import Time
@@ -57,6 +58,10 @@ def type_name(kind: type[Any]) -> str:
     """Name of a class of ROS: "std_msgs/msg/Bool"."""
     package, family = kind.__module__.split(".")[:2]
     return f"{package}/{family}/{kind.__name__}"
+
+
+class NotOnThisBus(AttributeError):
+    """A program uses something of rclpy that virtual time does not have."""
 
 
 class VirtualPublisher:
@@ -339,6 +344,14 @@ class VirtualNode:
         process.add_node(self)
 
     # -- what it is ---------------------------------------------------------------------------
+
+    def __getattr__(self, name: str) -> Any:
+        if hasattr(LifecycleNode, name):
+            raise NotOnThisBus(
+                f"{name} of rclpy's nodes is not there in virtual time, as in a drill; use what "
+                "kompass.bus.node has (create_action_client instead of rclpy.action.ActionClient)"
+            )
+        raise AttributeError(f"a node has no {name!r}")
 
     @property
     def clock(self) -> Clock:

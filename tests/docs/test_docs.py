@@ -29,6 +29,7 @@ from kompass.rulebook.sources import with_sources
 from kompass.rules.schema.table import Table, rule_hash
 from kompass_console.cli import app, name_the_world
 from kompass_console.cli_error import CliError
+from kompass_console.drill_cli import recipe_first
 from kompass_console.rules_cli.table_file import TableFile
 from tests.docs.blocks import PAGES, ROOT, Block, all_blocks, blocks_of, links_of, paths_of
 from tests.docs.preludes import PRELUDES, Bringup
@@ -111,7 +112,7 @@ def cut_at_pipe(words: list[str]) -> list[str]:
 
 def parse(arguments: list[str], block: Block) -> None:
     """Read a command of ours as the command line does, and run nothing."""
-    arguments = name_the_world(arguments)
+    arguments = name_the_world(recipe_first(arguments))
     command: Any = typer.main.get_command(app)
     while hasattr(command, "commands"):
         if not arguments or arguments[0] in ("--help", "-h"):

@@ -59,7 +59,11 @@ def run_drive(stack: Stack, scenario: Scenario, table: Table | None = None) -> O
     NoPlanner
         When nobody takes goals.
     """
-    virtual = World(scenario.seed)
+    with World(scenario.seed) as virtual:
+        return _drive(virtual, stack, scenario, table)
+
+
+def _drive(virtual: World, stack: Stack, scenario: Scenario, table: Table | None) -> Observed:
     place = world(scenario.world)
     if scenario.start is not None:
         place = replace(place, start=scenario.first_pose)

@@ -101,11 +101,11 @@ def _make(order: Order) -> str:
     os.nice(NICENESS)
     with tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder, _silence():
         os.environ["KOMPASS_DATA_DIR"] = folder
-        stack = _stack_of(order.recipe)
+        stack = stack_of(order.recipe)
         return run_drive(stack, order.scenario, order.table).result.model_dump_json()
 
 
-def _stack_of(recipe: Path) -> Stack:
+def stack_of(recipe: Path) -> Stack:
     """What a recipe brings up.
 
     Raises
@@ -172,7 +172,7 @@ def _look(recipe: Path, table: Table | None) -> Looked:
 
     with tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder, _silence():
         os.environ["KOMPASS_DATA_DIR"] = folder
-        stack = _stack_of(recipe)
+        stack = stack_of(recipe)
     if stack.monitored is None:
         raise ValueError("the recipe runs without a monitor (enable_monitoring); nothing can heal")
     if table is not None:

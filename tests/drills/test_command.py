@@ -1,0 +1,103 @@
+"""``kompass-console drill``, as somebody types it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from kompass.drills.report_json import read_report
+
+pytestmark = pytest.mark.slow
+ROOT = Path(__file__).parents[2]
+GUARDED = ROOT / "recipes/03_events_and_actions.py"
+SCENARIO = """\
+name: mapper
+world: hexagon
+start: {x: -2.0, y: -0.5}
+goals: [{x: 0.7, y: -0.5, at: 2.0}]
+faults: [{name: "kill:mapper", at: 6.0}]
+"""
+
+
+def drill(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [str(Path(sys.executable).with_name("kompass-console")), "drill"]
+    return subprocess.run(
+        [*command, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False
+    )
+
+
+def test_it_says_what_became_of_the_drives_and_writes_it_down(tmp_path: Path) -> None:
+    found, page = tmp_path / "drill.json", tmp_path / "drill.html"
+    done = drill(
+        *(GUARDED, "--seeds", "2", "--faults", "kill:mapper", "--json", found, "--report", page),
+        *("--require", "recovered >= 0.9, contacts == 0"),
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("Recovers in 2 of 2 disturbed drives.")
+    assert "2 of 2 drives" in done.stderr
+    report = read_report(found.read_text(encoding="utf-8"))
+    assert [drive.outcome for drive in report.drives] == ["recovered", "recovered"]
+    assert "Recovers in 2 of 2" in page.read_text(encoding="utf-8")
+
+
+def test_two_runs_of_one_seed_write_the_same_bytes(tmp_path: Path) -> None:
+    written = []
+    for jobs in ("1", "2"):
+        file = tmp_path / f"{jobs}.json"
+        done = drill(GUARDED, "--seeds", "2", "--faults", "all", "--jobs", jobs, "--json", file)
+        assert done.returncode == 0, done.stderr
+        written.append(file.read_bytes())
+    assert written[0] == written[1]
+
+
+def test_what_is_required_and_not_met_ends_with_1(tmp_path: Path) -> None:
+    (tmp_path / "one.yaml").write_text(SCENARIO, encoding="utf-8")
+    done = drill(GUARDED, "--scenarios", tmp_path, "--require", "recovered == 0")
+    assert done.returncode == 1
+    assert "recovered == 0: not met" in done.stdout
+
+
+def test_a_table_is_compared_with_another_drive_by_drive(tmp_path: Path) -> None:
+    scenario = SCENARIO.replace(
+        '{name: "kill:mapper", at: 6.0}', "{name: boxed_in, at: 6, duration: 40}"
+    )
+    (tmp_path / "one.yaml").write_text(scenario, encoding="utf-8")
+    (tmp_path / "none.json").write_text(json.dumps({"rules": []}), encoding="utf-8")
+    done = drill(
+        *(GUARDED, "--scenarios", tmp_path, "--rules", tmp_path / "none.json"),
+        *("--against", "recipe"),
+    )
+    assert done.returncode == 0, done.stderr
+    assert "mapper: stuck-unblock fired never instead of once" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nowhere.py"], "there is no recipe nowhere.py"),
+        ([GUARDED, "--faults", "flood"], "--faults: there is no fault 'flood'"),
+        ([GUARDED, "--worlds", "mars"], "--worlds: world is 'mars', which does not exist"),
+        ([GUARDED, "--rules", "none.json"], "--rules none.json: there is no such file"),
+        ([GUARDED, "--require", "speed > 1"], "--require: "),
+        ([GUARDED, "--json", "no/where.json"], "--json no/where.json: there is no folder no"),
+        ([GUARDED, "--scenarios", "no"], "--scenarios: "),
+    ],
+)
+def test_what_is_wrong_is_told_before_anything_drives(
+    arguments: list[str | Path], said: str
+) -> None:
+    done = drill(*arguments)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert said in line
+
+
+def test_a_recipe_that_cannot_be_drilled_says_why() -> None:
+    done = drill(ROOT / "recipes/06_timed_planner.py", "--seeds", "1")
+    assert done.returncode == 3
+    (line,) = done.stderr.splitlines()
+    assert 'a Planner with run_type = "ActionServer"' in line

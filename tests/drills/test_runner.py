@@ -1,0 +1,111 @@
+"""A recipe drives in virtual time: its components, its rules, the supervisor's policy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+
+from kompass.drills.facts import Motion, ProcessEnded, ProcessStarted, RuleFired
+from kompass.drills.runner.operator import NoPlanner
+from kompass.drills.runner.run import Observed, run_drive
+from kompass.drills.runner.worker import stack_of
+from kompass.drills.scenario import Goal, OperatorAct, Scenario, ScheduledFault, Start
+from kompass.rules.schema.table import Table
+
+RECIPES = Path(__file__).parents[2] / "recipes"
+GUARDED = RECIPES / "03_events_and_actions.py"
+
+
+def scenario(*faults: ScheduledFault, **more: object) -> Scenario:
+    given: dict[str, object] = {
+        "name": "test",
+        "world": "hexagon",
+        "seed": 4,
+        "start": Start(x=-2.0, y=-0.5),
+        "goals": (Goal(x=0.7, y=-0.5, at=2.0),),
+        "faults": faults,
+        "limit": 90.0,
+    }
+    return Scenario.model_validate({**given, **more})
+
+
+def drive(one: Scenario, recipe: Path = GUARDED, table: Table | None = None) -> Observed:
+    with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("KOMPASS_DATA_DIR", folder)  # as each process of a drill has one
+        return run_drive(stack_of(recipe), one, table)
+
+
+def test_a_robot_arrives_faster_than_it_drives() -> None:
+    observed = drive(scenario())
+    assert observed.result.outcome == "arrived"
+    last = [fact for fact in observed.facts if isinstance(fact, Motion)][-1]
+    assert (last.x, last.y) == pytest.approx((0.7, -0.5), abs=0.12)
+    assert observed.result.contacts == ()
+    assert observed.result.broken == ()
+
+
+def test_the_same_seed_gives_the_same_facts_and_another_one_others() -> None:
+    fault = ScheduledFault(name="kill:mapper", at=6.0)
+    first, again = (drive(scenario(fault)).facts for _ in range(2))
+    assert first == again
+    assert drive(scenario(fault, seed=5)).facts != first
+
+
+def test_a_killed_process_is_started_again_by_the_policy_of_the_supervisor() -> None:
+    observed = drive(scenario(ScheduledFault(name="kill:mapper", at=6.0)))
+    (death,) = (fact for fact in observed.facts if isinstance(fact, ProcessEnded))
+    (life,) = (fact for fact in observed.facts if isinstance(fact, ProcessStarted))
+    assert death.process == life.process == "mapper"
+    assert 0.1 < life.at - death.at < 1.5  # its first delay is 0.1 s
+    assert observed.result.outcome == "recovered"
+
+
+def test_a_stopped_process_is_killed_when_patience_ends_and_started_again() -> None:
+    observed = drive(scenario(ScheduledFault(name="stop:mapper", at=6.0, duration=60.0)))
+    reasons = [fact.reason for fact in observed.facts if isinstance(fact, ProcessEnded)]
+    assert reasons[0] == "the process was stopped by a signal"
+    assert reasons[1] == "it was stuck for 3 s"
+    assert observed.result.outcome == "recovered"
+
+
+def test_a_person_stops_the_robot_and_it_stays_stopped() -> None:
+    press = OperatorAct(at=6.0, does="stop", by="ava", reason="somebody stands there")
+    observed = drive(scenario(operators=(press,)))
+    assert observed.result.outcome == "stopped"
+    moved = [
+        fact
+        for fact in observed.facts
+        if isinstance(fact, Motion) and fact.at > 6.5 and fact.speed > 0.02
+    ]
+    assert moved == []
+
+
+def test_a_released_robot_takes_the_next_goal() -> None:
+    acts = (
+        OperatorAct(at=6.0, does="stop", by="ava"),
+        OperatorAct(at=9.0, does="release", by="ava"),
+    )
+    goals = (Goal(x=0.7, y=-0.5, at=2.0), Goal(x=0.0, y=-0.5, at=10.0))
+    result = drive(scenario(operators=acts, goals=goals)).result
+    assert [goal.outcome for goal in result.goals] == ["stopped", "arrived"]
+
+
+def test_the_table_that_is_given_is_in_force_instead_of_the_recipes() -> None:
+    blocked = ScheduledFault(name="boxed_in", at=6.0, duration=40.0)
+    own = drive(scenario(blocked))
+    none = drive(scenario(blocked), table=Table(rules=()))
+    assert any(isinstance(fact, RuleFired) for fact in own.facts)
+    assert not any(isinstance(fact, RuleFired) for fact in none.facts)
+
+
+def test_every_recipe_whose_planner_takes_goals_as_an_action_drives() -> None:
+    for recipe in sorted(RECIPES.glob("0[1-8]_*.py")):
+        if recipe.name != "06_timed_planner.py":
+            assert drive(scenario(), recipe).result.outcome == "arrived", recipe.name
+
+
+def test_a_recipe_without_such_a_planner_is_refused_with_the_remedy() -> None:
+    with pytest.raises(NoPlanner, match='run_type = "ActionServer"'):
+        drive(scenario(), RECIPES / "06_timed_planner.py")
