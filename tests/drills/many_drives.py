@@ -102,7 +102,11 @@ def run(arguments: list[str]) -> int:
     given = parser.parse_args(arguments)
     seeds = range(given.seed, given.seed + given.count)
     began, bad, count = time.monotonic(), 0, 0
-    drives = make(seeds, given.jobs, began + given.seconds) if not given.log else (_loud(seed) for seed in seeds)
+    drives = (
+        make(seeds, given.jobs, began + given.seconds)
+        if not given.log
+        else (_loud(seed) for seed in seeds)
+    )
     for driven in drives:
         count += 1
         if given.log:
