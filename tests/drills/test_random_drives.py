@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from kompass.drills.scenario import Goal, OperatorAct, Scenario, ScheduledFault
+from kompass.drills.scenario import Goal, Scenario, ScheduledFault
 from tests.drills.random_drives import RECIPES, draw_drive
 from tests.drills.test_runner import drive
 
@@ -16,6 +16,7 @@ BUDGET = 60.0  # s
 MOST = 300
 # Drives that once went wrong, and what they found.
 FOUND = {
+    2: "no edit was taken: whoever signs it had no key",
     5: "drove on for 0.6 s without a scan",
     12: "drove on for 0.6 s without odometry",
     16: "drove on for 0.6 s without a scan",
@@ -63,26 +64,4 @@ def test_a_goal_that_gets_stuck_says_what_holds_the_robot_back() -> None:
     ).result
     assert result.outcome == "gave_up"
     assert result.goals[0].message.endswith("the drive manager holds the robot back: scan stale.")
-    assert not result.broken
-
-
-@pytest.mark.slow
-def test_a_person_of_a_drill_releases_stop_where_the_robot_takes_signed_changes_only(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setenv("KOMPASS_ROS_CONTROL", "read")
-    result = drive(
-        Scenario(
-            name="stop and go",
-            world="hexagon",
-            goals=(Goal(x=0.5, y=0.0, at=0.5), Goal(x=0.5, y=0.0, at=5.0)),
-            operators=(
-                OperatorAct(at=2.0, does="stop", by="ava"),
-                OperatorAct(at=4.0, does="release", by="ava"),
-            ),
-            limit=30.0,
-        ),
-        POINT_NAVIGATION,
-    ).result
-    assert [moment.text for moment in result.moments if moment.kind == "release"]
     assert not result.broken
