@@ -299,7 +299,7 @@ class VirtualStack:
 
         give_life(component, executor, desired, self._stack.namespace, make)
         if isinstance(component, DriveManager):
-            process.at_death(component.let_go)
+            process.at_death(component.custom_on_shutdown)  # unlocks its file of STOP
         return executor
 
     def _monitor(self, monitored: Monitored, process: VirtualProcess) -> Callable[[str], object]:

@@ -97,11 +97,16 @@ def run(arguments: list[str]) -> int:
     parser.add_argument("count", nargs="?", type=int, default=300, help="how many drives (300)")
     parser.add_argument("--seed", type=int, default=0, help="of the first; the others follow")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at a time")
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="begin none after")
     parser.add_argument("--log", action="store_true", help="print all that the nodes write")
     given = parser.parse_args(arguments)
     seeds = range(given.seed, given.seed + given.count)
     began, bad, count = time.monotonic(), 0, 0
-    drives = make(seeds, given.jobs) if not given.log else (_loud(seed) for seed in seeds)
+    drives = (
+        make(seeds, given.jobs, began + given.seconds)
+        if not given.log
+        else (_loud(seed) for seed in seeds)
+    )
     for driven in drives:
         count += 1
         if given.log:

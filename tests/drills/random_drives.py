@@ -199,9 +199,9 @@ def _acts(rng: random.Random, limit: float) -> Iterator[OperatorAct]:
 def stack_of(drive: RandomDrive) -> tuple[Stack, dict[int, Any]]:
     """A fresh stack, and what answers its polled functions."""
     if drive.recipe:
-        from kompass.drills.runner.worker import stack_of as recipes_stack
+        from kompass.drills.runner.worker import stack_of as recipe_stack
 
-        return recipes_stack(RECIPES / f"{drive.recipe}.py"), {}
+        return recipe_stack(RECIPES / f"{drive.recipe}.py"), {}
     rng = random.Random(f"recipe {drive.seed}")
     written = Writer(rng).rules()
     planner: Planner = PLANNER

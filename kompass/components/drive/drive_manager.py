@@ -182,11 +182,6 @@ class DriveManager(Component):
             self._keeper.close()
             self._keeper = None
 
-    def let_go(self) -> None:
-        """Give up the file of STOP, as the end of a process does, for where there is none."""
-        if self._keeper is not None:
-            self._keeper.let_go()
-
     def on_feeder_lost(self, reason: str) -> None:
         # Commands that were under way when it was lost come in after its loss is told.
         self._deaf_until = self.clock.monotonic() + LATE

@@ -154,10 +154,6 @@ class StopKeeper:
         self._thread.shutdown(wait=True)
         self._file.close()
 
-    def let_go(self) -> None:
-        """Let another process have the file, and write nothing more."""
-        self._file.close()
-
     def _do(
         self, order: int, record: StopRecord | None, written: Callable[[str], None] | None
     ) -> None:

@@ -91,7 +91,7 @@ class Planner(Component):
         self._handle: ServerGoalHandle | None = None
         self._ended: Future | None = None
         self._turn = 0
-        self._stopped = ""
+        self._stopped = self._because = ""
         self._standstill = Standstill()
 
     @property
@@ -158,6 +158,8 @@ class Planner(Component):
 
     def _on_drive_state(self, state: DriveState) -> None:
         self._stopped = f"{state.stopped_by} pressed STOP" if state.stopped else ""
+        held = state.limited_by
+        self._because = f"; the drive manager holds the robot back: {held}" if held else ""
         if self._stopped:
             self._end(GoalOutcome.STOPPED, f"Stopped: {self._stopped}.")
 
@@ -357,7 +359,7 @@ class Planner(Component):
             self._end(GoalOutcome.ARRIVED, f"Arrived, {100 * distance:.0f} cm off.")
             return
         if mission.stuck(pose, now):
-            text = f"No progress for {self.config.patience:.0f} s."
+            text = f"No progress for {self.config.patience:.0f} s{self._because}."
             self.health.set_fail_algorithm([self.config.chosen_planner], text)
             self._end(GoalOutcome.STUCK, text)
             return
