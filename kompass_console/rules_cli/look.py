@@ -14,6 +14,7 @@ from kompass_console.rules_cli.options import ROLE, RobotOptions, command
 
 # ROS is imported when a command runs: help answers at once.
 if TYPE_CHECKING:
+    from kompass.rulebook.schema.explanation import ExplanationView
     from kompass_console.rules_cli.connection import MonitorConnection
 
 FOLLOW_PERIOD = 0.5  # s between two looks at the journal
@@ -111,13 +112,40 @@ def explain(
     epoch: Annotated[
         str, typer.Option(help="Life of the monitor that the run belongs to; else this one.")
     ] = "",
+    recording: Annotated[
+        Path | None,
+        typer.Option(help="An MCAP file here, of a robot or a drill; no robot is asked then."),
+    ] = None,
+    at: Annotated[
+        float | None,
+        typer.Option(min=0.0, help="Second of the recording, or of the drive; else its end."),
+    ] = None,
 ) -> None:
     """Say why a rule fires or does not: each value, its age, and what holds the rule back."""
     from kompass_console.rules_cli import printing
 
+    if recording is not None:
+        then = _explain_recorded(recording, rule, run, at)
+        robot.tell(then, lambda: printing.show_explanation(then, was=True))
+        return
+    if at is not None:
+        raise CliError(2, f"--at {at:g}: the past is in a --recording; give one")
     with robot.connect() as client:
         answer = client.get(client.monitor.explain(rule, run, epoch))
     robot.tell(answer, lambda: printing.show_explanation(answer))
+
+
+def _explain_recorded(recording: Path, rule: str, run: int, at: float | None) -> ExplanationView:
+    from kompass.recorder.mcap.contents import NotMcap
+    from kompass.recorder.replay.backtest import NoRecording
+    from kompass.recorder.replay.explain import explain_recorded
+
+    if not recording.is_file():
+        raise CliError(2, f"--recording {recording}: there is no such file; give an MCAP file")
+    try:
+        return explain_recorded(recording, rule, at=at, run=run)
+    except (NoRecording, NotMcap) as error:
+        raise CliError(1, f"{recording.name}: {error}") from None
 
 
 def firings(

@@ -194,17 +194,17 @@ def show_conflict(conflict: Conflict) -> None:
     out.print("to go on: export the revision in force, make your change in it, and apply again")
 
 
-def show_explanation(view: ExplanationView) -> None:
-    """Why a rule fires, or not."""
+def show_explanation(view: ExplanationView, *, was: bool = False) -> None:
+    """Why a rule fires, or not; ``was`` when that is not now."""
     out = console()
-    when = f"at {moment(view.time)}" if view.firing else "now"
+    when = f"at {moment(view.time)}" if view.firing or was else "now"
     out.print(f"[bold]{view.rule_id}[/] {when} (revision {view.revision})")
     out.print(Text(f"  {view.text}"))
     out.print(Text(f"  condition: {view.condition}"))
-    _leaves(out, view.leaves, "was" if view.firing else "now")
+    _leaves(out, view.leaves, "was" if view.firing or was else "now")
     if view.clear_leaves:
         out.print("  fires again after:")
-        _leaves(out, view.clear_leaves, "now")
+        _leaves(out, view.clear_leaves, "was" if was else "now")
     for gate in view.gates:
         out.print(Text(f"  ▲ {gate.text}", "yellow"))
     if view.firing is not None:

@@ -19,9 +19,13 @@ from std_msgs.msg import String
 
 from kompass.algorithms.map_file import load_map
 from kompass.backtest.event_log import Began, Resumed, Swapped
+from kompass.drills.runner.recording import SCENARIO
 from kompass.drills.scenario import LONGEST, Goal, OperatorAct, Scenario, ScheduledFault, Start
+from kompass.drills.scenario_file import parse_scenario
 from kompass.recorder.clip import is_event
 from kompass.recorder.mcap.reader import Recording, Track, messages
+from kompass.recorder.replay.explain import DRIVE as DRIVE_OF_DRILL
+from kompass.recorder.replay.explain import beginning
 from kompass.recorder.streams import REPEAT, read_event
 from kompass.rules.schema.table import Table
 from kompass.share import map_path
@@ -108,9 +112,9 @@ def scenario_of(path: Path, name: str, begin: float | None, end: float | None) -
     Parameters
     ----------
     path
-        A recording of one session.
+        A recording of the flight recorder, or of a drill.
     begin, end
-        Seconds since its beginning; None for all of it.
+        Seconds since its beginning, or that of its drive; None for all of it.
 
     Raises
     ------
@@ -121,7 +125,12 @@ def scenario_of(path: Path, name: str, begin: float | None, end: float | None) -
     pydantic.ValidationError
         When it would be a scenario that cannot be carried out.
     """
-    heard = _read(path)
+    with Recording([path]) as recording:
+        if begin is None and end is None:
+            known = [file.contents.metadata.get(DRIVE_OF_DRILL) for file in recording.files]
+            if known and known[0] is not None:
+                return _drilled(known[0][SCENARIO], name)
+        heard = _read(recording)
     start = begin or 0.0
     stop = heard.length if end is None else min(end, heard.length)
     if start >= stop:
@@ -132,31 +141,32 @@ def scenario_of(path: Path, name: str, begin: float | None, end: float | None) -
     return _Stretch(heard, start, stop).scenario(name)
 
 
-def _read(path: Path) -> _Heard:
+def _drilled(text: str, name: str) -> Found:
+    """What a drill has written down of its own."""
+    scenario = parse_scenario(text).model_copy(update={"name": name})
+    return Found(scenario, ("it is a drive of a drill: this is its scenario as it was",), None)
+
+
+def _read(recording: Recording) -> _Heard:
     heard = _Heard()
-    with Recording([path]) as recording:
-        if len({file.session for file in recording.files}) > 1:
-            raise NoScenario("it holds several sessions; give a recording of one")
-        first, last = recording.start_time, recording.end_time
-        heard.length = (last - first) * 1e-9
+    first, last = beginning(recording), recording.end_time
+    heard.length = (last - first) * 1e-9
 
-        def wanted(track: Track) -> bool:
-            return track.topic in _KINDS or track.topic == INITIAL_POSE or is_event(track)
+    def wanted(track: Track) -> bool:
+        return track.topic in _KINDS or track.topic == INITIAL_POSE or is_event(track)
 
-        for message in messages(recording.files, wanted):
-            track, at = message.track, (message.log_time - first) * 1e-9
-            if is_event(track):
-                event = read_event(message.data).event
-                if isinstance(event, Began | Resumed | Swapped):
-                    heard.tables.append((at, event.table))
-            elif track.topic == INITIAL_POSE:
-                heard.poses_set += not track.source.endswith(REPEAT)
-            else:
-                kind = _KINDS[track.topic]
-                # What a file repeats at its beginning was said before: it is valid, and no goal.
-                if not (track.source.endswith(REPEAT) and track.topic in _CLICKS):
-                    said = _Said(at, deserialize_message(message.data, kind))
-                    heard.topics.setdefault(track.topic, []).append(said)
+    for message in messages(recording.files, wanted):
+        track, at = message.track, (message.log_time - first) * 1e-9
+        if is_event(track):
+            event = read_event(message.data).event
+            if isinstance(event, Began | Resumed | Swapped):
+                heard.tables.append((at, event.table))
+        elif track.topic == INITIAL_POSE:
+            heard.poses_set += not track.source.endswith(REPEAT)
+        # What a file repeats at its beginning was said before: it is valid, and no goal.
+        elif not (track.source.endswith(REPEAT) and track.topic in _CLICKS):
+            said = _Said(at, deserialize_message(message.data, _KINDS[track.topic]))
+            heard.topics.setdefault(track.topic, []).append(said)
     return heard
 
 

@@ -10,9 +10,12 @@ from typing import Any
 from kompass.access.gatekeeper import Gatekeeper
 from kompass.backtest.event_log import Began, LoggedEvent, Swapped, from_data
 from kompass.bus.node import Executor, Node
+from kompass.drills.scenario import Scenario
+from kompass.drills.scenario_file import scenario_text
 from kompass.recorder.engine_memory import EngineMemory
 from kompass.recorder.mcap.padding import without_padding
 from kompass.recorder.mcap.writer import McapWriter
+from kompass.recorder.replay.explain import BEGAN, DRIVE
 from kompass.recorder.streams import EVENTS, Stream, event_json, message_stream
 from kompass.recorder.topics import SampledTopic
 from kompass.rulebook.schema.journal import FiringRecord
@@ -22,6 +25,7 @@ from kompass.virtual.scheduler import Scheduler
 from kompass.virtual.wire import Packet
 
 CHUNK = 1 << 20  # bytes
+SCENARIO = "scenario"  # in the metadata of the drive: what was to happen, as YAML
 
 
 class NotInADrill(RuntimeError):
@@ -70,6 +74,11 @@ class DriveRecording:
         self._writer = McapWriter(path)
         life = {"life": str(scheduler.wall), "offset_ns": str(self._offset), "saved": "1"}
         self._writer.add_metadata("kompass", life)
+
+    def begins(self, scenario: Scenario) -> None:
+        """Note that the drive begins now: from here on its times count."""
+        began = str(self._scheduler.wall)
+        self._writer.add_metadata(DRIVE, {BEGAN: began, SCENARIO: scenario_text(scenario)})
 
     def finish(self) -> None:
         """Bring the file to its end."""

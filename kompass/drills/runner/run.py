@@ -125,6 +125,8 @@ def _drive(
             raise NotUp("the stack did not come up")
         scheduler.run_for(nanoseconds(SETTLED))
         observer.begin()
+        if recorded is not None:
+            recorded.begins(scenario)
         _run_while(
             scheduler.run_for, lambda: not operator.is_done, scenario.limit, lambda: observer.now
         )

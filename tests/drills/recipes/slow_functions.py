@@ -1,0 +1,77 @@
+"""A recipe whose functions take their time, and whose chance can be real."""
+
+import asyncio
+import os
+import threading
+from time import monotonic, sleep
+
+import numpy as np
+from sugar.msg import ComponentStatus
+
+from kompass.actions import Action, LogInfo
+from kompass.components import Controller, DriveManager, LocalMapper, Planner
+from kompass.robot import (
+    AngularCtrlLimits,
+    LinearCtrlLimits,
+    RobotConfig,
+    RobotGeometry,
+    RobotType,
+)
+from kompass.ros import Event, Launcher, Topic
+
+my_robot = RobotConfig(
+    model_type=RobotType.DIFFERENTIAL_DRIVE,
+    geometry_type=RobotGeometry.Type.CYLINDER,
+    geometry_params=np.array([0.1, 0.3]),
+    ctrl_vx_limits=LinearCtrlLimits(max_vel=0.22, max_acc=1.5, max_decel=2.5),
+    ctrl_omega_limits=AngularCtrlLimits(max_vel=1.5, max_acc=3.0, max_decel=3.0),
+)
+
+planner = Planner(component_name="planner")
+planner.run_type = "ActionServer"
+controller = Controller(component_name="controller")
+mapper = LocalMapper(component_name="mapper")
+driver = DriveManager(component_name="drive_manager")
+
+
+def ponder() -> str:
+    """Stand still for two seconds."""
+    begun = monotonic()
+    sleep(1.5)
+    threading.Event().wait(0.5)
+    return f"pondered for {monotonic() - begun:.3f} s"
+
+
+async def muse() -> str:
+    """Let others work meanwhile, and ask a component for something."""
+    loop = asyncio.get_running_loop()
+    begun = loop.time()
+    await asyncio.sleep(2.0)
+    await asyncio.to_thread(sleep, 1.0)
+    return f"mused for {loop.time() - begun:.3f} s"
+
+
+blind = Event(
+    controller.status_topic.msg.status == ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL,
+    on_change=True,
+).as_rule("blind", name="Blind → ponder")
+events_actions = {blind: [Action(ponder), Action(muse)]}
+
+if os.environ.get("KOMPASS_TEST_CHANCE"):
+
+    def whim() -> str:
+        """What no seed decides."""
+        return os.urandom(4).hex()
+
+    often = Event(planner.status_topic.msg.status == 0, handle_once=True).as_rule("whim")
+    events_actions[often] = [LogInfo(msg="a whim"), Action(whim)]
+
+launcher = Launcher()
+launcher.kompass(
+    components=[planner, controller, mapper, driver],
+    events_actions=events_actions,
+    multi_processing=True,
+)
+launcher.inputs(location=Topic(name="/odometry/filtered", msg_type="Odometry"))
+launcher.robot = my_robot
+launcher.bringup()

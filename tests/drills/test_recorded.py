@@ -1,0 +1,239 @@
+"""A drive of a drill is made again as a recording, which is read like a robot's."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from kompass.backtest.event_log import Began, Fired
+from kompass.drills.drive import DriveResult
+from kompass.drills.report_json import read_report
+from kompass.drills.runner.recorded_drive import NoScenario, scenario_of
+from kompass.drills.runner.worker import Order, make_drives
+from kompass.drills.scenario import Goal, OperatorAct, Scenario, ScheduledFault, Start
+from kompass.drills.scenario_file import read_scenario, scenario_text
+from kompass.recorder.mcap.reader import Recording, messages
+from kompass.recorder.mcap.writer import McapWriter
+from kompass.recorder.replay.backtest import NoRecording, backtest_files
+from kompass.recorder.replay.explain import explain_recorded
+from kompass.recorder.streams import EVENTS, read_event
+from tests.recorder.test_foxglove import read_by_foxglove
+
+pytestmark = pytest.mark.slow
+
+RECIPE = Path(__file__).parent / "recipes" / "slow_functions.py"
+SCENARIO = Scenario(
+    name="there",
+    world="hexagon",
+    seed=5,
+    start=Start(x=-1.5, y=0.5),
+    goals=(Goal(x=-1.5, y=-0.5),),
+    faults=(
+        ScheduledFault(name="lidar_unplugged", at=2.0, duration=6.0),
+        ScheduledFault(name="kill:mapper", at=11.0),
+    ),
+    operators=(
+        OperatorAct(at=13.0, does="stop", by="ava", reason="a child"),
+        OperatorAct(at=14.0, does="release", by="ava"),
+    ),
+    limit=20.0,
+)
+
+
+class Made(NamedTuple):
+    """A drive without a recording, and twice with one."""
+
+    result: DriveResult
+    recorded: DriveResult
+    first: Path
+    second: Path
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Made]:
+    folder = tmp_path_factory.mktemp("recordings")
+    files = folder / "first.mcap", folder / "second.mcap"
+    orders = [
+        Order(RECIPE, SCENARIO),
+        *(Order(RECIPE, SCENARIO, recording=file) for file in files),
+    ]
+    differs: list[str] = []
+    found = dict(make_drives(orders, 2, differs.append))
+    assert not differs
+    results = [DriveResult.model_validate_json(found[index]) for index in range(3)]
+    assert results[1] == results[2]
+    yield Made(results[0], results[1], *files)
+
+
+def events(file: Path) -> list[object]:
+    """What the engine did."""
+    with Recording([file]) as recording:
+        wanted = messages(recording.files, lambda track: track.source == EVENTS.source)
+        return [read_event(message.data).event for message in wanted]
+
+
+def test_a_recorded_drive_goes_the_same_way_and_its_file_is_the_same_every_time(made: Made) -> None:
+    assert made.recorded == made.result
+    assert made.first.read_bytes() == made.second.read_bytes()
+
+
+def test_functions_that_sleep_and_wait_take_virtual_time(made: Made) -> None:
+    (firing,) = (each for each in made.result.firings if each.rule_id == "blind")
+    assert [each.text for each in firing.actions] == ["pondered for 2.000 s", "mused for 3.000 s"]
+    assert firing.ended is not None
+    assert firing.ended - firing.at == pytest.approx(5.0, abs=0.1)
+
+
+def test_the_back_test_of_the_same_rules_gives_the_same_firings(made: Made) -> None:
+    began = events(made.first)[0]
+    assert isinstance(began, Began)
+    report, remark = backtest_files(began.table, [made.first])
+    assert remark == ""
+    assert [(each.rule_id, each.verdict) for each in report.firings] == [("blind", "same")]
+
+
+def test_foxglove_reads_it_with_all_that_a_robot_records(made: Made) -> None:
+    found = read_by_foxglove(made.first)
+    topics = {each["topic"] for each in found}
+    assert topics >= {
+        *("/scan", "/odometry/filtered", "/tf", "/tf_static", "/map", "/cmd_vel", "/plan"),
+        *("/planner/status", "/drive_state", "/monitor/stack_state", "/monitor/firings"),
+        *("/monitor/engine", "/simulator/faults"),
+    }
+    stopped = [each["message"]["stopped_by"] for each in found if each["topic"] == "/drive_state"]
+    assert "ava" in stopped
+
+
+def test_it_explains_why_a_rule_fired_and_why_not(made: Made) -> None:
+    (fired,) = (event for event in events(made.first) if isinstance(event, Fired))
+    (told,) = (each for each in made.result.firings if each.rule_id == "blind")
+    then = explain_recorded(made.first, "blind", run=fired.run_id)
+    assert then.firing is not None
+    assert then.firing.ok
+    assert [leaf.verdict for leaf in then.leaves] == [True]
+    before = explain_recorded(made.first, "blind", at=told.at - 0.5)
+    assert before.text.startswith("false: controller/status.status == 3")
+    assert before.time == pytest.approx(then.time - 0.5, abs=0.05)
+    with pytest.raises(NoRecording, match="its runs are"):
+        explain_recorded(made.first, "blind", run=77)
+    with pytest.raises(NoRecording, match="there were: blind"):
+        explain_recorded(made.first, "other")
+
+
+def test_the_recording_of_a_drill_gives_back_its_scenario(made: Made) -> None:
+    found = scenario_of(made.first, "there", None, None)
+    assert found.scenario == SCENARIO
+
+
+def test_a_stretch_becomes_a_scenario_as_it_was_seen(made: Made, tmp_path: Path) -> None:
+    found = scenario_of(made.first, "seen", 0.0, None)
+    (lidar, killed), scenario = found.scenario.faults, found.scenario
+    assert scenario.world == "hexagon"
+    assert (scenario.start or Start(x=0.0, y=0.0)).x == pytest.approx(-1.5, abs=0.1)
+    assert (lidar.name, lidar.at) == ("lidar_unplugged", pytest.approx(2.0, abs=0.15))
+    assert lidar.duration == pytest.approx(6.0, abs=0.15)
+    assert (killed.name, killed.at) == ("kill:mapper", pytest.approx(11.0, abs=0.15))
+    assert [(act.does, act.by) for act in scenario.operators] == [
+        ("stop", "ava"),
+        ("release", "ava"),
+    ]
+    assert scenario.goals[0].y == pytest.approx(-0.5)
+    assert any("sent as an action" in remark for remark in found.remarks)
+    assert found.table is not None
+    (tmp_path / "seen.yaml").write_text(scenario_text(scenario))
+    assert read_scenario(tmp_path / "seen.yaml") == scenario
+
+
+def test_faults_are_taken_from_silence_where_nobody_told_of_them(
+    made: Made, tmp_path: Path
+) -> None:
+    with Recording([made.first]) as recording:
+        silent = tmp_path / "silent.mcap"
+        writer = McapWriter(silent)
+        writer.add_metadata("kompass", recording.files[0].contents.metadata["kompass"])
+        channels: dict[str, int] = {}
+        for message in messages(recording.files, lambda track: track.topic != "/simulator/faults"):
+            track = message.track
+            if track.topic not in channels:
+                metadata = {**track.channel.metadata, "source": track.source}
+                channels[track.topic] = writer.add_channel(
+                    track.topic, track.encoding, track.schema, metadata
+                )
+            writer.add_message(
+                channels[track.topic], message.log_time, message.data, message.publish_time
+            )
+        writer.finish()
+    found = scenario_of(silent, "silent", 2.0, None)
+    assert [fault.name for fault in found.scenario.faults] == ["lidar_unplugged", "kill:mapper"]
+    assert found.scenario.faults[0].duration == pytest.approx(6.0, abs=0.4)
+    assert any("silence of sensors" in remark for remark in found.remarks)
+
+
+def test_what_is_missing_in_a_recording_is_told(made: Made, tmp_path: Path) -> None:
+    with pytest.raises(NoScenario, match="from 90 s to .* there is nothing"):
+        scenario_of(made.first, "late", 90.0, None)
+    empty = tmp_path / "empty.mcap"
+    writer = McapWriter(empty)
+    channel = writer.add_channel(
+        "/odometry/filtered", "cdr", ("nav_msgs/msg/Odometry", "", b""), {}
+    )
+    data = b""
+    with Recording([made.first]) as recording:
+        for message in messages(recording.files, lambda t: t.topic == "/odometry/filtered"):
+            data = message.data
+    for at in (1_000_000_000, 3_000_000_000):
+        writer.add_message(channel, at, data, at)
+    writer.finish()
+    with pytest.raises(NoScenario, match="it has no /map: nobody knows where that was"):
+        scenario_of(empty, "empty", None, None)
+
+
+def cli(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """``kompass-console drill …``."""
+    command = [str(Path(sys.executable).with_name("kompass-console")), "drill", *arguments]
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, env={**os.environ, **environment}
+    )
+
+
+def test_the_command_line_replays_a_drive_by_its_name(made: Made, tmp_path: Path) -> None:
+    scenario, output = tmp_path / "there.yaml", tmp_path / "there.mcap"
+    scenario.write_text(scenario_text(SCENARIO))
+    options = ("--recipe", str(RECIPE), "--scenario", str(scenario), "-o", str(output))
+    unknown = cli("replay", "elsewhere", *options)
+    assert unknown.returncode == 2
+    assert "has no such scenario; it has there" in unknown.stderr
+    done = cli("replay", "there", *options)
+    assert done.returncode == 0, done.stderr
+    assert made.result.why in done.stdout
+    assert output.read_bytes() == made.first.read_bytes()
+    again = cli("replay", "there", *options)
+    assert again.returncode == 2
+    assert "there is such a file; give another name" in again.stderr
+    assert list(tmp_path.glob(".*")) == []
+
+
+def test_a_recipe_that_is_not_the_same_twice_is_told_of_and_named(tmp_path: Path) -> None:
+    scenario, report = tmp_path / "there.yaml", tmp_path / "report.json"
+    page = tmp_path / "report.html"
+    short = SCENARIO.model_copy(update={"faults": (), "operators": (), "limit": 5.0})
+    scenario.write_text(scenario_text(short))
+    done = cli(
+        *(str(RECIPE), "--scenarios", str(scenario), "--json", str(report)),
+        *("--report", str(page)),
+        KOMPASS_TEST_CHANCE="1",
+    )
+    assert done.returncode == 4, done.stdout + done.stderr
+    first = done.stdout.splitlines()[0]
+    assert first.startswith("! The recipe is not the same twice: drive there, made twice, differs")
+    assert "whim" in first
+    assert "no seed decides" in first
+    (note,) = read_report(report.read_text()).notes
+    assert first == f"! {note}"
+    assert "The recipe is not the same twice" in page.read_text()
