@@ -14,6 +14,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from kompass.drills.runner.lifeline import ASKS, end_with
 from kompass.drills.scenario import Scenario
 from kompass.rules.schema.table import Table
 
@@ -76,10 +77,7 @@ def make_drives(orders: Sequence[Order], jobs: int) -> Iterator[tuple[int, str]]
     DriveFailed
         When one cannot be made; the others are not waited for.
     """
-    os.environ |= ENVIRONMENT  # taken over by the process that all others are forked from
-    context = get_context("forkserver")
-    context.set_forkserver_preload(["kompass.drills.runner.preloaded"])
-    with ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=1) as pool:
+    with _pool(jobs) as pool:
         futures = {pool.submit(_make, order): index for index, order in enumerate(orders)}
         try:
             for future in as_completed(futures):
@@ -94,12 +92,28 @@ def make_drives(orders: Sequence[Order], jobs: int) -> Iterator[tuple[int, str]]
             pool.shutdown(wait=True, cancel_futures=True)
 
 
+def _pool(jobs: int) -> ProcessPoolExecutor:
+    """So many processes at a time, a new one for each call, which all end with this one."""
+    # Taken over by the process that all others are forked from.
+    os.environ |= ENVIRONMENT | {ASKS: str(os.getpid())}
+    context = get_context("forkserver")
+    context.set_forkserver_preload(["kompass.drills.runner.preloaded"])
+    return ProcessPoolExecutor(
+        jobs, mp_context=context, max_tasks_per_child=1, initializer=_end_with_server
+    )
+
+
+def _end_with_server() -> None:
+    """In a process of its own, before it waits for what to do."""
+    from kompass.drills.runner.preloaded import SERVER
+
+    end_with(SERVER)
+
+
 def _make(order: Order) -> str:
     """In a process of its own."""
-    from kompass.drills.runner.lifeline import end_with
     from kompass.drills.runner.run import run_drive
 
-    end_with(os.getppid())
     os.nice(NICENESS)
     with tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder, _silence():
         os.environ["KOMPASS_DATA_DIR"] = folder
@@ -159,10 +173,7 @@ def look_at(recipe: Path, table: Table | None = None) -> Looked:
     DriveFailed
         When it cannot be drilled, or the table is not for it.
     """
-    os.environ |= ENVIRONMENT
-    context = get_context("forkserver")
-    context.set_forkserver_preload(["kompass.drills.runner.preloaded"])
-    with ProcessPoolExecutor(1, mp_context=context, max_tasks_per_child=1) as pool:
+    with _pool(1) as pool:
         try:
             return pool.submit(_look, recipe, table).result()
         except Exception as error:
