@@ -32,11 +32,11 @@ def processes() -> list[str]:
     return [line for line in found if "kompass.drills" in line or "multiprocessing" in line]
 
 
-def begin(client: httpx.Client) -> None:
+def begin(client: httpx.Client, processes_up: int = 4) -> None:
     table = client.get("/api/rules").json()["table"]
     answer = client.post("/api/drills", json={"table": table, "faults": ["kill"], "drives": 50})
     assert answer.status_code == 202, answer.text
-    wait_until(lambda: len(processes()) >= 3, 60.0, "the processes that make drives")
+    wait_until(lambda: len(processes()) >= processes_up, 60.0, "the processes that make drives")
 
 
 def test_the_console_of_a_recipe_drills_that_recipe_in_the_world_at_hand(stack: Stack) -> None:
@@ -46,10 +46,19 @@ def test_the_console_of_a_recipe_drills_that_recipe_in_the_world_at_hand(stack: 
     assert (room["recipe"], room["own_world"]) == ("01_point_navigation.py", "hexagon")
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_nothing_of_a_drill_outlives_its_console(stack: Stack, number: int) -> None:
+@pytest.mark.parametrize(
+    ("processes_up", "number"),
+    [
+        pytest.param(3, signal.SIGKILL, id="killed while it imports"),
+        pytest.param(4, signal.SIGKILL, id="killed while it drives"),
+        pytest.param(4, signal.SIGTERM, id="ended while it drives"),
+    ],
+)
+def test_nothing_of_a_drill_outlives_its_console(
+    stack: Stack, processes_up: int, number: int
+) -> None:
     with logged_in(stack, "Console") as client:
-        begin(client)
+        begin(client, processes_up)
     os.kill(stack.pid_of("console"), number)
     assert ended(processes, 3.0) == []
     # The console comes back, and knows nothing of it.

@@ -8,6 +8,8 @@ import signal
 
 from kompass.supervisor.process import PR_SET_PDEATHSIG
 
+ASKS = "KOMPASS_DRILL_ASKED_BY"  # in the environment: process id of who asks for drives
+
 
 def end_with(parent: int) -> None:
     """Have this process killed when its parent ends, in whatever way that does.

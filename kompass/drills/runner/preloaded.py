@@ -1,12 +1,15 @@
 """What the process that all drives are forked from does first.
 
-It imports all that a drive needs, once for all of them, and ends with who asks for the drives.
+It ends with who asks for the drives, and imports all that a drive needs, once for all of them.
 """
 
 import os
 
-import kompass.drills.runner.run
-import kompass.launch.launcher  # noqa: F401
-from kompass.drills.runner.lifeline import end_with
+from kompass.drills.runner.lifeline import ASKS, end_with
 
-end_with(os.getppid())
+# Before all else: the imports take seconds, in which who asks may end.
+end_with(int(os.environ[ASKS]))
+SERVER = os.getpid()
+
+import kompass.drills.runner.run  # noqa: E402
+import kompass.launch.launcher  # noqa: E402, F401

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from kompass.drills.runner.lifeline import ASKS, end_with
 from kompass.drills.runner.repeated import difference
 from kompass.drills.scenario import Scenario
 from kompass.rules.schema.table import Table
@@ -104,10 +105,7 @@ def make_drives(
     DriveFailed
         When one cannot be made; the others are not waited for.
     """
-    os.environ |= ENVIRONMENT  # taken over by the process that all others are forked from
-    context = get_context("forkserver")
-    context.set_forkserver_preload(["kompass.drills.runner.preloaded"])
-    with ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=1) as pool:
+    with _pool(jobs) as pool:
         twice = differs is not None and bool(orders)
         futures = {
             pool.submit(_make, order, facts=twice and not index): index
@@ -138,13 +136,29 @@ def make_drives(
             pool.shutdown(wait=True, cancel_futures=True)
 
 
+def _pool(jobs: int) -> ProcessPoolExecutor:
+    """So many processes at a time, a new one for each call, which all end with this one."""
+    # Taken over by the process that all others are forked from.
+    os.environ |= ENVIRONMENT | {ASKS: str(os.getpid())}
+    context = get_context("forkserver")
+    context.set_forkserver_preload(["kompass.drills.runner.preloaded"])
+    return ProcessPoolExecutor(
+        jobs, mp_context=context, max_tasks_per_child=1, initializer=_end_with_server
+    )
+
+
+def _end_with_server() -> None:
+    """In a process of its own, before it waits for what to do."""
+    from kompass.drills.runner.preloaded import SERVER
+
+    end_with(SERVER)
+
+
 def _make(order: Order, *, facts: bool) -> _Made:
     """In a process of its own."""
-    from kompass.drills.runner.lifeline import end_with
     from kompass.drills.runner.run import run_drive
     from kompass.virtual.action_clients import action_clients_on_any_node
 
-    end_with(os.getppid())
     os.nice(NICENESS)
     # Chance that a recipe asks for without a seed of its own.
     random.seed(order.scenario.seed)
@@ -214,10 +228,7 @@ def look_at(recipe: Path, table: Table | None = None) -> Looked:
     DriveFailed
         When it cannot be drilled, or the table is not for it.
     """
-    os.environ |= ENVIRONMENT
-    context = get_context("forkserver")
-    context.set_forkserver_preload(["kompass.drills.runner.preloaded"])
-    with ProcessPoolExecutor(1, mp_context=context, max_tasks_per_child=1) as pool:
+    with _pool(1) as pool:
         try:
             return pool.submit(_look, recipe, table).result()
         except Exception as error:
