@@ -20,7 +20,7 @@ from kompass.rules.schema.table import Table
 if TYPE_CHECKING:
     from kompass.launch.stack import Stack
 
-NICENESS = 10  # whatever else runs on the machine goes first
+NICENESS = 19  # whatever else runs on the machine goes first
 # In every process of a drill: what would make two runs of one seed differ, or one slower.
 ENVIRONMENT = {
     "PYTHONHASHSEED": "0",
