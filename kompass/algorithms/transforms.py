@@ -35,7 +35,7 @@ class TransformTree:
     def add(
         self, parent: str, child: str, stamp: float, matrix: Matrix, *, static: bool = False
     ) -> None:
-        """Take in ``matrix`` (4, 4), which takes points of ``child`` to ``parent``.
+        """Take in ``matrix`` (4, 4), which turns and moves points of ``child`` to ``parent``.
 
         Parameters
         ----------
@@ -65,7 +65,7 @@ class TransformTree:
         to_target = dict(self._to_root(target))
         for frame, matrix in self._to_root(source):
             if frame in to_target:
-                return np.asarray(np.linalg.inv(to_target[frame]) @ matrix)
+                return matrix if frame == target else _inverse(to_target[frame]) @ matrix
         raise TransformError(
             f"no transform from '{source}' to '{target}': '{source}' leads to "
             f"'{self._root(source)}', '{target}' to '{self._root(target)}'"
@@ -104,3 +104,11 @@ def matrix_of(
     ]
     matrix[:3, 3] = translation
     return matrix
+
+
+def _inverse(matrix: Matrix) -> Matrix:
+    """Of a matrix that turns and moves, and nothing else."""
+    inverse = np.eye(4)
+    inverse[:3, :3] = turned = matrix[:3, :3].T
+    inverse[:3, 3] = -(turned @ matrix[:3, 3])
+    return inverse

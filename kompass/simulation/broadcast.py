@@ -46,14 +46,23 @@ class Broadcast:
         self._contacts = publisher(UInt32, "/simulator/contacts", LATCHED_PROFILE)
         self._person_contacts = publisher(UInt32, "/simulator/person_contacts", LATCHED_PROFILE)
         self._published_contacts = (-1, -1)
+        # Filled again and again: publishing one takes it as it is in that moment.
+        self._truth_message = messages.odometry(MAP)
+        self._filtered_message = messages.odometry(MAP)
+        self._wheels_message = messages.odometry(ODOM)
+        self._imu_message = messages.inertial(IMU)
+        self._correction = messages.transform(MAP, ODOM)
+        self._motion = messages.transform(ODOM, BASE)
+        self._tf_message = TFMessage(transforms=[self._correction, self._motion])
         self._announce_sensors()
 
     def motion(self) -> None:
         """Odometry of every kind, transforms and inertial readings: once per control period."""
         now = self._clock.now()
         stamp = now.to_msg()
-        self._truth.publish(messages.odometry(self._robot.truth(), stamp, MAP))
-        self._imu.publish(messages.inertial(self._robot.imu(), stamp, IMU))
+        fill = messages.fill_odometry
+        self._truth.publish(fill(self._truth_message, self._robot.truth(), stamp))
+        self._imu.publish(messages.fill_inertial(self._imu_message, self._robot.imu(), stamp))
         if (self._robot.contacts, self._robot.person_contacts) != self._published_contacts:
             self.contacts()
         with suppress(NoReading):
@@ -63,18 +72,14 @@ class Broadcast:
         wheels, filtered = self._robot.wheel_odometry(), self._robot.filtered()
         # Both are of one age: the faults that make them late make both late.
         stamp = _stamp(now, filtered.age)
-        self._filtered.publish(messages.odometry(filtered, stamp, MAP))
-        self._wheels.publish(messages.odometry(wheels, stamp, ODOM))
+        fill = messages.fill_odometry
+        self._filtered.publish(fill(self._filtered_message, filtered, stamp))
+        self._wheels.publish(fill(self._wheels_message, wheels, stamp))
         correction = compose(filtered.pose, inverse(wheels.pose))
         x, y, yaw = (float(part) for part in correction)
-        self._tf.publish(
-            TFMessage(
-                transforms=[
-                    messages.transform(MAP, ODOM, (x, y, yaw), stamp),
-                    messages.transform(ODOM, BASE, wheels.pose, stamp),
-                ]
-            )
-        )
+        messages.fill_transform(self._correction, (x, y, yaw), stamp)
+        messages.fill_transform(self._motion, wheels.pose, stamp)
+        self._tf.publish(self._tf_message)
 
     def scan(self, period: float) -> None:
         """One turn of the lidar, ``period`` seconds after the one before."""
@@ -98,13 +103,12 @@ class Broadcast:
     def _announce_sensors(self) -> None:
         stamp = self._clock.now().to_msg()
         origin = (0.0, 0.0, 0.0)
+        sensors = (
+            messages.transform(BASE, LIDAR, LIDAR_HEIGHT),
+            messages.transform(BASE, IMU, IMU_HEIGHT),
+        )
         self._tf_static.publish(
-            TFMessage(
-                transforms=[
-                    messages.transform(BASE, LIDAR, origin, stamp, LIDAR_HEIGHT),
-                    messages.transform(BASE, IMU, origin, stamp, IMU_HEIGHT),
-                ]
-            )
+            TFMessage(transforms=[messages.fill_transform(one, origin, stamp) for one in sensors])
         )
 
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from kompass.launch.stack import Stack
 
 AGAIN = -1  # stands for the index of the drive that is made a second time
-NICENESS = 10  # whatever else runs on the machine goes first
+NICENESS = 19  # whatever else runs on the machine goes first
 # In every process of a drill: what would make two runs of one seed differ, or one slower.
 ENVIRONMENT = {
     "PYTHONHASHSEED": "0",

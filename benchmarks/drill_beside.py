@@ -1,0 +1,154 @@
+"""What a drill on the robot's own computer takes from the robot: jitter of commands, event latency.
+
+The stack drives from click to click, in turns with a drill beside it (as many jobs as it takes by
+itself) and without. Jitter is how far the time between two commands is from its median; latency is
+from a click's publishing to the news that its rule has fired.
+
+.venv/bin/python benchmarks/drill_beside.py [SECONDS] [TURNS]
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import signal
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import rclpy
+from geometry_msgs.msg import PointStamped, Twist
+from kompass_interfaces.msg import RuleFiring
+from rclpy.signals import SignalHandlerOptions
+
+from benchmarks.common import percentile
+from kompass.rclpy_ext.executor import TaskExecutor
+from kompass.rclpy_ext.node import PlainNode
+from tests.support.stack import Stack
+
+RECIPE = Path(__file__).parents[1] / "recipes" / "03_events_and_actions.py"
+PLACES = ((1.9, 0.0), (-1.0, 1.6), (0.0, -1.7))
+CLICK = 1.0  # s between two
+STANDSTILL = 0.5  # s; longer intervals are between two ways, and not of the control loop
+WARM_UP = 10.0  # s for a drill to have its processes, and for the first way to begin
+AIM = 1.1  # with the drill, over without
+
+
+class Measured:
+    """Times of one kind of stretch, with a drill or without."""
+
+    def __init__(self) -> None:
+        self.intervals: list[float] = []
+        self.latencies: list[float] = []
+
+    @property
+    def jitter(self) -> float:
+        """99th percentile of how far an interval is from the median [ms]."""
+        usual = statistics.median(self.intervals)
+        return 1000 * percentile([abs(each - usual) for each in self.intervals], 0.99)
+
+    @property
+    def latency(self) -> float:
+        """99th percentile [ms]."""
+        return 1000 * percentile(self.latencies, 0.99)
+
+
+class Watch:
+    """Clicks, and takes the times of what comes of it."""
+
+    def __init__(self, node: PlainNode, executor: TaskExecutor) -> None:
+        self._executor = executor
+        self._into: Measured | None = None
+        self._commanded = self._clicked = 0.0
+        self._places = itertools.cycle(PLACES)
+        self._clicks = node.create_publisher(PointStamped, "/clicked_point", 10)
+        node.create_subscription(Twist, "/cmd_vel", self._on_command, 10)
+        node.create_subscription(RuleFiring, "/monitor/firings", self._on_firing, 10)
+        node.create_timer(CLICK, self._click)
+
+    def take(self, seconds: float, into: Measured | None) -> None:
+        """Let time pass, and note it."""
+        self._into, self._commanded, self._clicked = into, 0.0, 0.0
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.1)
+
+    def _click(self) -> None:
+        message = PointStamped()
+        message.header.frame_id = "map"
+        message.point.x, message.point.y = next(self._places)
+        self._clicked = time.monotonic()
+        self._clicks.publish(message)
+
+    def _on_command(self, _: Twist) -> None:
+        now = time.monotonic()
+        interval = now - self._commanded
+        if self._into is not None and interval < STANDSTILL:
+            self._into.intervals.append(interval)
+        self._commanded = now
+
+    def _on_firing(self, firing: RuleFiring) -> None:
+        if firing.rule_id == "click-to-goal" and firing.phase == "fired" and self._clicked:
+            if self._into is not None:
+                self._into.latencies.append(time.monotonic() - self._clicked)
+            self._clicked = 0.0
+
+
+def main() -> None:
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
+    turns = int(sys.argv[2]) if len(sys.argv) > 2 else 3
+    stack = Stack.simulated("--sim=hexagon", recipe=RECIPE)
+    context = rclpy.Context()
+    options = SignalHandlerOptions.NO
+    rclpy.init(args=[], context=context, domain_id=stack.domain, signal_handler_options=options)
+    node = PlainNode("watch", context=context)
+    executor = TaskExecutor(context)
+    executor.add_node(node)
+    watch, without, beside = Watch(node, executor), Measured(), Measured()
+    try:
+        watch.take(WARM_UP, None)
+        for turn in range(turns):
+            watch.take(seconds, without)
+            drill = _drill()
+            try:
+                watch.take(WARM_UP, None)
+                watch.take(seconds, beside)
+                if drill.poll() is not None:
+                    raise RuntimeError("the drill ended before its time")
+            finally:
+                os.killpg(drill.pid, signal.SIGTERM)
+                drill.wait()
+            print(f"turn {turn + 1} of {turns}, load {os.getloadavg()[0]:.1f}", flush=True)
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        context.try_shutdown()
+        stack.close()
+    for name, alone, with_drill in (
+        ("jitter of commands", without.jitter, beside.jitter),
+        ("event latency", without.latency, beside.latency),
+    ):
+        ratio = with_drill / alone
+        mark = "" if ratio <= AIM else " ✗"
+        print(
+            f"{name}, p99: {alone:.1f} ms without, {with_drill:.1f} ms beside a drill: "
+            f"{ratio:.2f} × (aim {AIM} ×{mark})"
+        )
+
+
+def _drill() -> subprocess.Popen[bytes]:
+    """More drives than there is time for, in a process group of their own."""
+    console = Path(sys.executable).with_name("kompass-console")
+    return subprocess.Popen(
+        [str(console), "drill", str(RECIPE), "--seeds", "10000"],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+
+
+if __name__ == "__main__":
+    main()
