@@ -101,7 +101,7 @@ class Editor:
 
     def _ask(self, kind: Any, heard: Callable[[Any], object], **fields: Any) -> None:
         client, service = self._clients[kind]
-        reply = self._signer.call(client, service, kind.Request(**fields), None)
+        reply: Reply[Any] = self._signer.call(client, service, kind.Request(**fields), None)
 
         def note(done: Reply[Any]) -> None:
             try:
