@@ -28,6 +28,7 @@ from tests.drills.probes import BEAT, HELD
 
 PERIOD = 0.02  # s between two looks at what is due
 PATIENCE = 3.0  # s after which an answer is not waited for any more
+CRASHES = 2  # of the monitor after which a table that was new is taken back
 PROBATION = 2.0  # s
 WHO = {"author": "ava", "role": "engineer"}
 _SERVICES: dict[Any, str] = {
@@ -201,7 +202,9 @@ class Editor:
                 continue
             if _plain(kept) != _plain(sent):
                 yield f"revision {revision} is not the table that was acknowledged"
-        for revision, floor in self._begun_with:
+        for starts, (revision, floor) in enumerate(self._begun_with, 1):
+            if starts >= CRASHES and store.revision(revision).origin == "taken back":
+                continue  # it was put down to the table that the monitor died so soon, and so often
             # Or what somebody made of it later, of which the answer was on its way.
             made = [
                 number
