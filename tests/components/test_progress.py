@@ -29,6 +29,16 @@ def test_a_turn_on_the_spot_counts_where_one_is_meant() -> None:
     assert stalled(spin) == 29.0
 
 
+def test_who_turns_to_and_fro_gets_nowhere() -> None:
+    rocking = [(0.0, 0.0, 0.3 * math.sin(0.7 * i)) for i in range(40)]
+    assert stalled(rocking, turning=True) > 30.0
+
+
+def test_a_turn_back_beyond_where_it_began_is_progress() -> None:
+    turns = [0.0, 0.3, 0.0, -0.3, -0.6]
+    assert stalled([(0.0, 0.0, turn) for turn in turns], turning=True) == 0.0
+
+
 def test_waiting_is_not_stalling() -> None:
     progress = Progress()
     progress.stalled((0.0, 0.0, 0.0), 0.0, turning=False)

@@ -109,6 +109,8 @@ def run(arguments: list[str]) -> int:
     )
     for driven in drives:
         count += 1
+        if count % 50 == 0:
+            _say(f"{count} drives, {bad} bad")
         if given.log:
             _say(driven.drive)
         if driven.findings:

@@ -16,6 +16,8 @@ class Progress:
 
     def __init__(self) -> None:
         self._at: Pose2D | None = None
+        self._yaw = self._turned = 0.0  # the last heading, and the whole turn since then [rad]
+        self._most = [0.0, 0.0]  # of these turns, to the right and to the left, that were progress
         self._since = 0.0
 
     def reset(self) -> None:
@@ -30,14 +32,20 @@ class Progress:
         pose
             Where it is.
         turning
-            Whether it is meant to turn on the spot; only then a turn is progress.
+            Whether it is meant to turn on the spot; only then a turn is progress, and only beyond
+            those before it: who turns to and fro gets nowhere.
         """
-        if self._at is None or self._left(self._at, pose, turning):
+        if self._at is None or self._left(self._at, pose):
             self._at, self._since = pose, now
+            self._turned, self._most = 0.0, [0.0, 0.0]
+        else:
+            self._turned += float(wrap_angle(pose[2] - self._yaw))
+            if turning and not self._most[0] - TURNED < self._turned < self._most[1] + TURNED:
+                self._most[self._turned > 0.0] = self._turned
+                self._since = now
+        self._yaw = pose[2]
         return now - self._since
 
     @staticmethod
-    def _left(place: Pose2D, pose: Pose2D, turning: bool) -> bool:
-        if math.hypot(pose[0] - place[0], pose[1] - place[1]) >= NEAR:
-            return True
-        return turning and abs(float(wrap_angle(pose[2] - place[2]))) >= TURNED
+    def _left(place: Pose2D, pose: Pose2D) -> bool:
+        return math.hypot(pose[0] - place[0], pose[1] - place[1]) >= NEAR
