@@ -65,7 +65,7 @@ if os.environ.get("KOMPASS_TEST_CHANCE"):
         """What no seed decides."""
         return os.urandom(4).hex()
 
-    often = Event(planner.status_topic.msg.status == 0, handle_once=True).as_rule("whim")
+    often = Event(planner.status_topic.msg.status == 0, keep_event_delay=1.0).as_rule("whim")
     events_actions[often] = [LogInfo(msg="a whim"), Action(whim)]
 
 launcher = Launcher()
