@@ -246,7 +246,7 @@ def test_a_recipe_that_is_not_the_same_twice_is_told_of_and_named(tmp_path: Path
     done = cli(
         *(str(RECIPE), "--scenarios", str(scenario), "--json", str(report)),
         *("--report", str(page)),
-        KOMPASS_TEST_CHANCE="1",
+        WHIMS="1",
     )
     assert done.returncode == 4, done.stdout + done.stderr
     first = done.stdout.splitlines()[0]

@@ -41,7 +41,8 @@ def described() -> Iterator[Any]:
 
 @pytest.mark.parametrize("message", list(described()), ids=lambda m: type(m).__name__)
 def test_exactly_what_nobody_reads_is_cleared(message: Any) -> None:
-    name, kind = type_name(type(message)), type(message)
+    kind: Any = type(message)
+    name = type_name(kind)
     data = serialize_message(message)
     cleared = without_padding(name, data)
     assert deserialize_message(cleared, kind) == message

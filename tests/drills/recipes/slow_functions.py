@@ -59,7 +59,7 @@ blind = Event(
 clicked = Event(Topic(name="/clicked_point", msg_type="PointStamped")).as_rule("clicked")
 events_actions = {clicked: [LogInfo(msg="a click")], blind: [Action(ponder), Action(muse)]}
 
-if os.environ.get("KOMPASS_TEST_CHANCE"):
+if os.environ.get("WHIMS"):
 
     def whim() -> str:
         """What no seed decides."""
