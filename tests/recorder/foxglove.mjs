@@ -32,5 +32,8 @@ for await (const { channelId, logTime, data } of reader.readMessages({ validateC
 }
 await file.close();
 console.log(
-  JSON.stringify(messages, (_, value) => (ArrayBuffer.isView(value) ? Array.from(value) : value)),
+  JSON.stringify(messages, (_, value) => {
+    if (typeof value === "bigint") return Number(value);
+    return ArrayBuffer.isView(value) ? Array.from(value) : value;
+  }),
 );

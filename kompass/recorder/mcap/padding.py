@@ -45,7 +45,7 @@ def without_padding(type_name: str, data: bytes) -> bytes:
     ------
     UnknownLayout
         When the type has a field of a rare kind.
-    struct.error
+    struct.error, ValueError
         When it is no such message.
     """
     made = bytearray(data)
@@ -64,7 +64,7 @@ def _message(type_name: str) -> _Step:
         for name, slot in zip(names, kind.SLOT_TYPES, strict=True)
     ]
     if not steps:
-        return _primitives(1, 1)
+        return _nothing
     if len(steps) == 1:
         return steps[0]
 
@@ -113,6 +113,8 @@ def _several(slot: AbstractNestedType, where: str) -> _Step:
             at += 4
         for _ in range(count):
             at = inner(data, at)
+            if at > len(data):
+                raise ValueError("it is cut short")
         return at
 
     return rows
@@ -123,6 +125,12 @@ def _primitives(width: int, count: int) -> _Step:
         return _aligned(data, at, width) + width * count
 
     return step
+
+
+def _nothing(data: bytearray, at: int) -> int:
+    """A message without fields is a byte long."""
+    data[at : at + 1] = bytes(1)
+    return at + 1
 
 
 def _text(data: bytearray, at: int) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 from sugar.msg import ComponentStatus
 
 from kompass.actions import Action, LogInfo
-from kompass.components import Controller, DriveManager, LocalMapper, Planner
+from kompass.components import Controller, DriveManager, LocalMapper, Planner, PlannerConfig
 from kompass.robot import (
     AngularCtrlLimits,
     LinearCtrlLimits,
@@ -27,8 +27,9 @@ my_robot = RobotConfig(
     ctrl_omega_limits=AngularCtrlLimits(max_vel=1.5, max_acc=3.0, max_decel=3.0),
 )
 
-planner = Planner(component_name="planner")
+planner = Planner(component_name="planner", config=PlannerConfig(goals_from_topics=True))
 planner.run_type = "ActionServer"
+planner.inputs(goal_point=Topic(name="/clicked_point", msg_type="PointStamped"))
 controller = Controller(component_name="controller")
 mapper = LocalMapper(component_name="mapper")
 driver = DriveManager(component_name="drive_manager")
@@ -55,15 +56,16 @@ blind = Event(
     controller.status_topic.msg.status == ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL,
     on_change=True,
 ).as_rule("blind", name="Blind → ponder")
-events_actions = {blind: [Action(ponder), Action(muse)]}
+clicked = Event(Topic(name="/clicked_point", msg_type="PointStamped")).as_rule("clicked")
+events_actions = {clicked: [LogInfo(msg="a click")], blind: [Action(ponder), Action(muse)]}
 
-if os.environ.get("KOMPASS_TEST_CHANCE"):
+if os.environ.get("WHIMS"):
 
     def whim() -> str:
         """What no seed decides."""
         return os.urandom(4).hex()
 
-    often = Event(planner.status_topic.msg.status == 0, handle_once=True).as_rule("whim")
+    often = Event(planner.status_topic.msg.status == 0, keep_event_delay=1.0).as_rule("whim")
     events_actions[often] = [LogInfo(msg="a whim"), Action(whim)]
 
 launcher = Launcher()
