@@ -31,7 +31,7 @@ def propose(rules: RulesPage) -> None:
     rules.choose(condition.get_by_test_id("topic-picker"), "/scan")
     rules.choose(condition.get_by_test_id("field-picker"), re.compile("nearest obstacle"))
     rules.choose(condition.get_by_test_id("operator"), re.compile("less than"))
-    condition.get_by_test_id("literal").fill("0.3")
+    condition.get_by_test_id("literal").fill("0.25")
     rules.choose(rules.get("add-action"), "Stop the robot")
     rules.review()
 
