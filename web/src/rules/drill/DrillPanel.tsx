@@ -79,7 +79,7 @@ export function DrillPanel({ table, ready }: Props) {
         ))}
       <Problem error={error} testId="drill-problem" />
       <FindingList findings={refused} />
-      {drill !== null && error === null && <Outcome drill={drill} fresh={fresh} />}
+      {drill !== null && <Outcome drill={drill} fresh={fresh} />}
     </section>
   );
 }
