@@ -193,11 +193,13 @@ def test_who_logs_out_takes_the_drill_along(drilling: Served, operator: httpx.Cl
 
 def test_applying_rules_ends_a_drill_against_the_ones_before(operator: httpx.Client) -> None:
     drill = begin(operator)
+    wait_until(programs, 20.0, "processes")
     view = operator.get("/api/rules").json()
     answer = operator.post(
         "/api/rules/apply", json={"table": table(), "expected_revision": view["active"]}
     )
     assert answer.status_code == 200, answer.text
+    assert ended(programs, 2.0) == []  # whether anybody asks for it or not
     told = after(operator, drill)
     assert told["state"] == "canceled"
     assert told["error"] == f"Revision {answer.json()['revision']} was put in force meanwhile."
