@@ -51,6 +51,7 @@ class _Run:
     session: str
     revision: int
     total: int
+    enough: int  # drives after which it can be told how long the others take
     state: DrillState = "running"
     done: int = 0
     began: float = 0.0  # of the first drive; 0 before
@@ -80,7 +81,9 @@ class _Run:
         with self.lock:
             until = self.ended or time.monotonic()
             elapsed = until - self.began if self.began else 0.0
-            left = elapsed / self.done * (self.total - self.done) if self.done else None
+            left = None
+            if self.state == "running" and self.done >= self.enough:
+                left = elapsed / self.done * (self.total - self.done)
             return DrillProgress(
                 id=self.id,
                 state=self.state,
@@ -89,7 +92,7 @@ class _Run:
                 done=self.done,
                 total=self.total,
                 elapsed=elapsed,
-                left=left if self.state == "running" else None,
+                left=left,
                 error=self.error or None,
                 report=None if self.report is None else _summary(self.report),
             )
@@ -189,7 +192,9 @@ class Drills:
                 )
             if self._closed:
                 raise CannotDrill("The console is ending.", "Start it again.")
-            run = _Run(secrets.token_hex(8), by, session, revision, 2 * options.drives)
+            # The tables' drives may differ much in length: some of both must be over.
+            enough, total = 2 * order.jobs, 2 * options.drives
+            run = _Run(secrets.token_hex(8), by, session, revision, total, enough)
             self._runs[run.id] = run
             while len(self._runs) > _KEPT:
                 self._runs.popitem(last=False)

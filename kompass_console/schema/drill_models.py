@@ -92,7 +92,8 @@ class DrillProgress(BaseModel):
     """How far a drill is, and what it came to or why it did not.
 
     `done` and `total` count drives under both tables together; `elapsed` and `left` are seconds,
-    the latter from what the drives took so far, null before the first is over. `revision` is the
+    the latter from what the drives took so far, null before enough of them are
+    over. `revision` is the
     one in force with which it compares; `by` who asked for it.
     """
 

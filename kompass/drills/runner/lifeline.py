@@ -8,7 +8,7 @@ import signal
 
 from kompass.supervisor.process import PR_SET_PDEATHSIG
 
-ASKS = "KOMPASS_DRILL_ASKED_BY"  # in the environment: process id of who asks for drives
+ASKS = "KOMPASS_WORKER_PARENT"  # in the environment: process id of who asks for drives
 
 
 def end_with(parent: int) -> None:

@@ -11,7 +11,7 @@ import { useRules } from "../context/RulesContext";
 import { FindingList } from "../parts/FindingList";
 import classes from "./Drill.module.css";
 import { DriveList } from "./DriveList";
-import { progressText, subjectText, tallyText } from "./drillText";
+import { faultText, progressText, subjectText, tallyText } from "./drillText";
 import { useDrill } from "./useDrill";
 
 const COUNTS = [4, 10, 20, 50, 100, 200];
@@ -79,7 +79,7 @@ export function DrillPanel({ table, ready }: Props) {
         ))}
       <Problem error={error} testId="drill-problem" />
       <FindingList findings={refused} />
-      {drill !== null && error === null && <Outcome drill={drill} fresh={fresh} />}
+      {drill !== null && <Outcome drill={drill} fresh={fresh} />}
     </section>
   );
 }
@@ -104,7 +104,7 @@ function Options(props: OptionsProps) {
         size="sm"
         label="What breaks"
         placeholder={faults.length === 0 ? "Any fault" : ""}
-        data={room.faults.map(({ name }) => ({ value: name, label: name.replaceAll("_", " ") }))}
+        data={room.faults.map(({ name }) => ({ value: name, label: faultText(name) }))}
         value={faults}
         disabled={locked}
         clearable
@@ -112,11 +112,8 @@ function Options(props: OptionsProps) {
         onChange={props.onFaults}
       />
       <Choice
-        label="How many drives"
-        data={COUNTS.filter((each) => each <= room.most_drives).map((each) => ({
-          value: String(each),
-          label: `${each}, under each of the two`,
-        }))}
+        label="Drives under each"
+        data={COUNTS.filter((each) => each <= room.most_drives).map(String)}
         value={count}
         disabled={locked}
         data-testid="drill-count"

@@ -1,7 +1,7 @@
 import { useMemo } from "react";
 import type { DrillPair, DrillPlace } from "../../api/drillTypes";
 import classes from "./Player.module.css";
-import { type Mark, marksOf, Way } from "./playback";
+import { type Mark, marksOnMap, Way } from "./playback";
 
 const MARGIN = 0.15;
 const DEGREES = 180 / Math.PI;
@@ -41,11 +41,9 @@ export function DriveMap({ pair, time }: Props) {
         <g key={side} data-side={side} className={classes.side}>
           <polyline className={classes.ahead} points={line(ways[side].points)} />
           <polyline className={classes.driven} points={line(ways[side].upTo(time))} />
-          {marksOf(pair[side])
-            .filter(({ at, x }) => at <= time && x !== null)
-            .map((mark) => (
-              <MapMark key={`${mark.kind} ${mark.at} ${mark.text}`} mark={mark} r={0.9 * unit} />
-            ))}
+          {marksOnMap(pair[side], time, 1.9 * unit).map((mark) => (
+            <MapMark key={`${mark.kind} ${mark.at} ${mark.text}`} mark={mark} r={0.9 * unit} />
+          ))}
         </g>
       ))}
       {(["in_force", "proposed"] as const).map((side) => {

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Drill, DrillDrive } from "../../api/drillTypes";
-import { progressText, roughText, subjectText, tallyText } from "./drillText";
+import { faultsText, progressText, roughText, subjectText, tallyText } from "./drillText";
 
 const drill = (done: number, total: number, left: number | null): Drill => ({
   id: "a",
@@ -35,6 +35,11 @@ test("an estimate is told in round numbers, and never as none", () => {
   expect(roughText(44)).toBe("40 s");
   expect(roughText(100)).toBe("1 min 30 s");
   expect(roughText(1000)).toBe("17 min");
+});
+
+test("a drive is told by what broke in it, as one says it", () => {
+  expect(faultsText(["way_blocked", "kill:controller"])).toBe("way blocked, kill:controller");
+  expect(faultsText([])).toBe("no fault");
 });
 
 test("only what there is is counted", () => {

@@ -40,9 +40,12 @@ export function tallyText(drives: readonly DrillDrive[]): string {
     .join(", ");
 }
 
+/** `way_blocked` as it is said. */
+export const faultText = (name: string) => name.replaceAll("_", " ");
+
 /** What broke in a drive. */
 export function faultsText(faults: readonly string[]): string {
-  return faults.length === 0 ? "no fault" : faults.join(", ");
+  return faults.length === 0 ? "no fault" : faults.map(faultText).join(", ");
 }
 
 /** Which robot, where, and that it may not be the one at hand. */

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Drive } from "../../api/drillTypes";
-import { going, lanes, marksOf, played, Way } from "./playback";
+import { going, lanes, marksOf, marksOnMap, played, Way } from "./playback";
 
 const drive = (more: Partial<Drive> = {}): Drive => ({
   scenario: {
@@ -98,6 +98,22 @@ test("a fault that never ends lasts to the end of the drive", () => {
 
 test("only what has a shape of its own is marked, and the same is marked once", () => {
   expect(marksOf(drive()).map(({ kind }) => kind)).toEqual(["fault", "firing"]);
+});
+
+test("marks of a kind that would lie over each other are one, on the map and on the time line", () => {
+  const fired = (at: number, x: number) => ({
+    at,
+    kind: "firing" as const,
+    text: "fired",
+    x,
+    y: 0,
+  });
+  const many = drive({ moments: [fired(1, 0), fired(1.1, 0.1), fired(1.4, 2), fired(9, 0)] });
+  expect(marksOnMap(many, 20, 0.5).map(({ at }) => at)).toEqual([1, 1.4]);
+  expect(marksOnMap(many, 1, 0.5).map(({ at }) => at)).toEqual([1]);
+  const rules = lanes(many).find(({ name }) => name === "rules");
+  expect(rules?.marks.map(({ at }) => at)).toEqual([1, 1.4, 9]);
+  expect(marksOf(many)).toHaveLength(4);
 });
 
 test("what goes on is told for any moment, and at the end what became of it", () => {

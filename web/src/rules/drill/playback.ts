@@ -107,10 +107,32 @@ export interface Lane {
   marks: Mark[];
 }
 
+/** Of marks of a kind that would lie over each other the first; the list in words has them all. */
+function apart(marks: Mark[], near: (one: Mark, other: Mark) => boolean): Mark[] {
+  const kept: Mark[] = [];
+  for (const mark of marks) {
+    if (!kept.some((other) => other.kind === mark.kind && near(mark, other))) kept.push(mark);
+  }
+  return kept;
+}
+
+/** What is marked on the map up to a moment; marks of a kind stand so far apart [m]. */
+export function marksOnMap(drive: Drive, time: number, gap: number): Mark[] {
+  const placed = marksOf(drive).filter(({ at, x, y }) => at <= time && x !== null && y !== null);
+  return apart(
+    placed,
+    (one, other) => Math.hypot((one.x ?? 0) - (other.x ?? 0), (one.y ?? 0) - (other.y ?? 0)) < gap,
+  );
+}
+
 /** What was when, as the lanes of a time line: the same for every drive. */
 export function lanes(drive: Drive): Lane[] {
   const end = drive.duration;
-  const marks = (kinds: MarkKind[]) => marksOf(drive).filter(({ kind }) => kinds.includes(kind));
+  const marks = (kinds: MarkKind[]) =>
+    apart(
+      marksOf(drive).filter(({ kind }) => kinds.includes(kind)),
+      (one, other) => Math.abs(one.at - other.at) < end / 100,
+    );
   return [
     {
       name: "goal",

@@ -38,6 +38,8 @@ export function useDrill(table: Table): DrillHandle {
   const begin = useMutation({
     mutationFn: (options: DrillOptions) => startDrill(table, options),
     onSuccess: ({ id }) => setDrilled({ id, of: table }),
+    // Perhaps another's runs: then that is shown.
+    onError: () => void client.invalidateQueries({ queryKey: ROOM }),
   });
   const found = room?.newest;
   const worthIt = found?.state === "running" || found?.state === "done";
