@@ -24,7 +24,6 @@ import math
 import numpy as np
 from kompass_interfaces.action import FollowPath, PlanPath
 from pydantic import Field
-from rclpy.action import ActionClient
 from sugar.msg import ComponentStatus
 
 from kompass.actions import Action, LogInfo, send_component_action_server_goal
@@ -72,7 +71,7 @@ class Patrol(Component):
     config_class = PatrolConfig
 
     def create_interfaces(self) -> None:
-        self.planner = ActionClient(self.node, PlanPath, "planner/plan_path")
+        self.planner = self.node.create_action_client(PlanPath, "planner/plan_path")
 
     # A coroutine, so that the component goes on while it waits. A plain function may wait, too: it
     # runs on a thread of its own then, and must mind what it shares with the other methods.
