@@ -33,6 +33,7 @@ from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.rules import Rules, compare, rule, signal
 from tests.support.stack import Stack
+from tests.support.tester import Tester
 
 POINT = "geometry_msgs/msg/PointStamped"
 STATUS = "automatika_ros_sugar/msg/ComponentStatus"
@@ -42,7 +43,7 @@ class Stream:
     """Publishes on a topic, so many times a second, until it is left."""
 
     def __init__(
-        self, robot: Robot, kind: Any, topic: str, rate: float, make: Callable[[int], Any]
+        self, robot: Tester, kind: Any, topic: str, rate: float, make: Callable[[int], Any]
     ) -> None:
         self.sent = 0
         self._robot, self._rate, self._make = robot, rate, make

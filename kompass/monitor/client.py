@@ -28,12 +28,11 @@ from kompass_interfaces.srv import (
     SaveRecording,
 )
 from pydantic import TypeAdapter
-from rclpy.action import ActionClient
 from std_msgs.msg import String
 
 from kompass.access.signer import Signer
 from kompass.backtest.report import BacktestReport
-from kompass.bus.node import Node
+from kompass.bus.node import ActionClient, Node
 from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass.rclpy_ext.topic import LATCHED, QoSConfig
 from kompass.rulebook.schema.alarm import Alarm
@@ -285,7 +284,7 @@ class MonitorClient:
         for kind, (service, usual) in _SERVICES.items():
             full = f"{name}/{service}"
             self._clients[kind.Request] = (node.create_client(kind, full), full, usual)
-        self._backtests = ActionClient(node, BacktestRules, f"{name}/backtest_rules")
+        self._backtests = node.create_action_client(BacktestRules, f"{name}/backtest_rules")
         self._subscriptions: list[Any] = []
 
     def close(self) -> None:

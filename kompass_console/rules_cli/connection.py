@@ -22,6 +22,7 @@ from kompass.monitor.client import (
     TableState,
     find_monitors,
 )
+from kompass.rclpy_ext.node import PlainNode
 from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass.rulebook.schema.report import CheckReport, Conflict
 from kompass.rulebook.schema.status import RuleStatus
@@ -72,7 +73,7 @@ class MonitorConnection:
         self._timeout = timeout
         self._context = rclpy.Context()
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node(
+        self._node = PlainNode(
             f"rules_cli_{os.getpid()}",
             context=self._context,
             start_parameter_services=False,

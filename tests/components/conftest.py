@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from kompass.components import Component
-from tests.components.alive import Alive
+from tests.components.alive import Alive, OnDds, Virtual
 
 
 @pytest.fixture(autouse=True)
@@ -18,12 +18,22 @@ def data_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
+def run_on_dds() -> Iterator[Callable[..., Alive]]:
+    """Run a component on DDS until the end of the test."""
+    yield from _running(OnDds)
+
+
+@pytest.fixture
 def run() -> Iterator[Callable[..., Alive]]:
-    """Run a component until the end of the test."""
+    """Run a component in virtual time until the end of the test."""
+    yield from _running(Virtual)
+
+
+def _running(kind: Callable[..., Alive]) -> Iterator[Callable[..., Alive]]:
     running: list[Alive] = []
 
     def start(component: Component, **how: bool) -> Alive:
-        running.append(Alive(component, **how))
+        running.append(kind(component, **how))
         return running[-1]
 
     yield start

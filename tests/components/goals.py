@@ -2,10 +2,7 @@
 
 from typing import Any
 
-from rclpy.action import ActionClient
-
 from tests.components.alive import Alive
-from tests.support.processes import wait_until
 
 
 class Goals:
@@ -13,15 +10,15 @@ class Goals:
 
     def __init__(self, alive: Alive, kind: type, name: str) -> None:
         self._alive, self._kind = alive, kind
-        self._client = ActionClient(alive.node, kind, name)
+        self._client = alive.action_client(kind, name)
         self.feedback: list[Any] = []
-        wait_until(self._client.server_is_ready, 10, f"the action {name}")
+        alive.wait_until(self._client.server_is_ready, 10, f"the action {name}")
 
     def send(self, **fields: Any) -> Any:
         """Send a goal; its handle."""
         goal = self._kind.Goal(**fields)  # type: ignore[attr-defined]
         sent = self._alive.do(lambda: self._client.send_goal_async(goal, self.feedback.append))
-        wait_until(sent.done, 10, "the answer to the goal")
+        self._alive.wait_until(sent.done, 10, "the answer to the goal")
         return sent.result()
 
     def cancel(self, handle: Any) -> Any:
@@ -31,5 +28,5 @@ class Goals:
     def result(self, handle: Any) -> Any:
         """How a goal ended."""
         ended = self._alive.do(handle.get_result_async)
-        wait_until(ended.done, 10, "the end of the goal")
+        self._alive.wait_until(ended.done, 10, "the end of the goal")
         return ended.result()

@@ -12,9 +12,6 @@ from kompass_interfaces.srv import StopRobot
 from kompass.components import Component, DriveManager, Planner
 from kompass.components.base.actions import component_action
 from tests.components.alive import Alive
-from tests.support.processes import wait_until
-
-pytestmark = pytest.mark.ros
 
 Run = Callable[..., Alive]
 
@@ -170,25 +167,25 @@ def test_the_loop_and_other_actions_go_on_during_a_long_action(run: Run) -> None
     alive = run(worker)
     request = ExecuteMethod.Request(name="slow", kwargs_json='{"seconds": 0.6}')
     slow = alive.begin(ExecuteMethod, "execute_method", request)
-    wait_until(lambda: worker.slow_begun, 5, "the long action")
+    alive.wait_until(lambda: worker.slow_begun, 5, "the long action")
     before = worker.steps
     assert alive.execute("add", a=1).success
     assert slow() is None, "the short action waited for the long one"
-    wait_until(lambda: slow() is not None, 5, "the end of the long action")
+    alive.wait_until(lambda: slow() is not None, 5, "the end of the long action")
     assert worker.steps - before >= 3
 
 
 def test_a_restart_configures_anew_and_answers_when_active(run: Run) -> None:
     worker = Worker()
     alive = run(worker)
-    wait_until(lambda: worker.steps > 0, 5, "a first step")
+    alive.wait_until(lambda: worker.steps > 0, 5, "a first step")
     node = worker.node
     assert alive.execute("restart", wait_time=0.1).success
     assert worker.is_active
     assert worker.configured == 2
     assert worker.node is node
     steps = worker.steps
-    wait_until(lambda: worker.steps > steps, 5, "steps after the restart")
+    alive.wait_until(lambda: worker.steps > steps, 5, "steps after the restart")
 
 
 def test_a_restart_that_fails_says_why_and_can_be_repeated(run: Run) -> None:
@@ -198,10 +195,12 @@ def test_a_restart_that_fails_says_why_and_can_be_repeated(run: Run) -> None:
     answer = alive.execute("restart")
     assert not answer.success
     assert "the device is gone" in answer.error_msg
-    wait_until(lambda: alive.statuses and alive.statuses[-1].status == 2, 5, "the failure's status")
+    alive.wait_until(
+        lambda: alive.statuses and alive.statuses[-1].status == 2, 5, "the failure's status"
+    )
     worker.broken = False
     assert alive.execute("restart").success
-    wait_until(lambda: alive.statuses[-1].status == 0, 5, "health")
+    alive.wait_until(lambda: alive.statuses[-1].status == 0, 5, "health")
 
 
 def test_actions_reach_an_inactive_component_except_those_that_need_it_active(run: Run) -> None:
@@ -221,10 +220,10 @@ def test_a_broadcast_publishes_the_status_at_once(run: Run) -> None:
     worker = Worker()
     worker.config.status_rate = 0.1
     alive = run(worker)
-    wait_until(lambda: alive.statuses, 5, "the first status")
+    alive.wait_until(lambda: alive.statuses, 5, "the first status")
     count = len(alive.statuses)
     assert alive.execute("broadcast_status").success
-    wait_until(lambda: len(alive.statuses) > count, 2, "the broadcast")
+    alive.wait_until(lambda: len(alive.statuses) > count, 2, "the broadcast")
 
 
 def test_a_latched_stop_survives_a_restart_of_the_drive_manager(run: Run) -> None:

@@ -22,9 +22,6 @@ from kompass.control import ControllersID, DWAConfig, StanleyConfig
 from kompass.rclpy_ext.topic import Topic
 from tests.components.alive import LATCHED, Alive
 from tests.components.test_manoeuvres import robot
-from tests.support.processes import wait_until
-
-pytestmark = pytest.mark.ros
 
 Run = Callable[..., Alive]
 
@@ -112,7 +109,7 @@ class Stage:
         return answer
 
     def status(self) -> Any:
-        wait_until(lambda: self.alive.statuses, 5, "a status")
+        self.alive.wait_until(lambda: self.alive.statuses, 5, "a status")
         return self.alive.statuses[-1]
 
 
@@ -133,23 +130,25 @@ def test_only_the_sensor_that_is_needed_is_subscribed_to(
 ) -> None:
     stage = Stage(run, **settings)
     stage.plan(*STRAIGHT)
-    wait_until(stage.drives, 10, "motion")
+    stage.alive.wait_until(stage.drives, 10, "motion")
     assert stage.listeners() == expected
 
 
 def test_the_sensor_can_be_changed_on_the_way_without_a_halt(run: Run) -> None:
     stage = Stage(run)
     stage.plan(*STRAIGHT)
-    wait_until(stage.drives, 10, "motion")
+    stage.alive.wait_until(stage.drives, 10, "motion")
     before = len(stage.commands)
     stage.scans = False  # the new source is late
     stage.set("use_direct_sensor", "True")
     switched = len(stage.commands)
-    wait_until(lambda: len(stage.commands) > switched + 4, 5, "commands with the old source")
+    stage.alive.wait_until(
+        lambda: len(stage.commands) > switched + 4, 5, "commands with the old source"
+    )
     stage.scans = True
-    wait_until(lambda: stage.listeners() == (1, 0), 5, "the change of subscriptions")
+    stage.alive.wait_until(lambda: stage.listeners() == (1, 0), 5, "the change of subscriptions")
     after = len(stage.commands)
-    wait_until(lambda: len(stage.commands) > after + 10, 5, "commands after it")
+    stage.alive.wait_until(lambda: len(stage.commands) > after + 10, 5, "commands after it")
     assert all(one.linear_velocities.x[0] > 0.05 for one in stage.commands[before:])
     assert all(one.status == 0 for one in stage.alive.statuses)
 
@@ -157,44 +156,44 @@ def test_the_sensor_can_be_changed_on_the_way_without_a_halt(run: Run) -> None:
 def test_a_dead_local_map_is_a_system_failure_and_the_scan_takes_over(run: Run) -> None:
     stage = Stage(run)
     stage.plan(*STRAIGHT)
-    wait_until(stage.drives, 10, "motion")
+    stage.alive.wait_until(stage.drives, 10, "motion")
     stage.maps = False
-    wait_until(lambda: stage.status().status == 3, 5, "a SYSTEM failure")
+    stage.alive.wait_until(lambda: stage.status().status == 3, 5, "a SYSTEM failure")
     assert list(stage.status().src_topics) == ["/local_map/occupancy_layer"]
-    wait_until(lambda: stage.speed == 0.0, 5, "a stop command")
+    stage.alive.wait_until(lambda: stage.speed == 0.0, 5, "a stop command")
     stage.set("use_direct_sensor", "True")
-    wait_until(stage.drives, 5, "motion again")
-    wait_until(lambda: stage.status().status == 0, 5, "health")
+    stage.alive.wait_until(stage.drives, 5, "motion again")
+    stage.alive.wait_until(lambda: stage.status().status == 0, 5, "health")
 
 
 @pytest.mark.parametrize("direct", [False, True])
 def test_no_way_round_an_obstacle_is_an_algorithm_failure_and_stops(run: Run, direct: bool) -> None:
     stage = Stage(run, use_direct_sensor=direct)
     stage.plan(*STRAIGHT)
-    wait_until(stage.drives, 10, "motion")
+    stage.alive.wait_until(stage.drives, 10, "motion")
     stage.ring = 0.14
-    wait_until(lambda: stage.status().status == 1, 5, "an ALGORITHM failure")
+    stage.alive.wait_until(lambda: stage.status().status == 1, 5, "an ALGORITHM failure")
     assert list(stage.status().src_algorithms) == ["DWA"]
-    wait_until(lambda: stage.speed == 0.0, 5, "a stop command")
+    stage.alive.wait_until(lambda: stage.speed == 0.0, 5, "a stop command")
     stage.ring = None
-    wait_until(stage.drives, 5, "motion again")
-    wait_until(lambda: stage.status().status == 0, 5, "health")
+    stage.alive.wait_until(stage.drives, 5, "motion again")
+    stage.alive.wait_until(lambda: stage.status().status == 0, 5, "health")
 
 
 def test_another_algorithm_goes_on_where_the_last_one_was(run: Run) -> None:
     stage = Stage(run, algorithm="PurePursuit")
     # There and back beside itself: the nearest place alone would not tell where the robot is.
     stage.plan((0.0, 0.0), (1.0, 0.0), (1.0, 0.1), (0.0, 0.1))
-    wait_until(stage.drives, 10, "motion")
+    stage.alive.wait_until(stage.drives, 10, "motion")
     for step in range(1, 11):
         stage.at = (0.1 * step, 0.0)
-        wait_until(lambda: stage.place[0] > 0.1 * step - 0.05, 5, "progress")  # noqa: B023
+        stage.alive.wait_until(lambda: stage.place[0] > 0.1 * step - 0.05, 5, "progress")  # noqa: B023
     stage.at = (1.0, 0.1)
-    wait_until(lambda: stage.place[1] > 0.05, 5, "the way back")
+    stage.alive.wait_until(lambda: stage.place[1] > 0.05, 5, "the way back")
     before, count = stage.place, len(stage.tracked)
     assert stage.alive.execute("set_algorithm", algorithm_value="Stanley").success
     assert stage.controller.algorithm is ControllersID.STANLEY
-    wait_until(lambda: len(stage.tracked) > count + 3, 5, "more places")
+    stage.alive.wait_until(lambda: len(stage.tracked) > count + 3, 5, "more places")
     # Not back on the way out, nor at its beginning.
     for message in stage.tracked[count:]:
         assert message.pose.position.y >= before[1] - 1e-6
@@ -203,14 +202,14 @@ def test_another_algorithm_goes_on_where_the_last_one_was(run: Run) -> None:
 def test_another_algorithm_drives_on_without_a_dip_in_speed(run: Run) -> None:
     stage = Stage(run, algorithm="PurePursuit")
     stage.plan(*STRAIGHT)
-    wait_until(stage.drives, 10, "motion")
+    stage.alive.wait_until(stage.drives, 10, "motion")
     stage.obeys = True
-    wait_until(lambda: stage.speed > 0.19, 5, "full speed")
+    stage.alive.wait_until(lambda: stage.speed > 0.19, 5, "full speed")
     before = len(stage.commands)
     for name in ("Stanley", "DWA", "PurePursuit"):
         assert stage.alive.execute("set_algorithm", algorithm_value=name).success
         now = len(stage.commands)
-        wait_until(lambda: len(stage.commands) > now + 5, 5, f"commands of {name}")  # noqa: B023
+        stage.alive.wait_until(lambda: len(stage.commands) > now + 5, 5, f"commands of {name}")  # noqa: B023
     slowest = min(one.linear_velocities.x[0] for one in stage.commands[before:])
     assert slowest > 0.9 * 0.19
 
@@ -218,13 +217,13 @@ def test_another_algorithm_drives_on_without_a_dip_in_speed(run: Run) -> None:
 def test_a_robot_that_gets_nowhere_is_an_algorithm_failure_until_it_moves(run: Run) -> None:
     stage = Stage(run, algorithm="Stanley", progress_timeout=0.6)
     stage.plan(*STRAIGHT)
-    wait_until(stage.drives, 10, "motion")
-    wait_until(lambda: stage.status().status == 1, 5, "an ALGORITHM failure")
+    stage.alive.wait_until(stage.drives, 10, "motion")
+    stage.alive.wait_until(lambda: stage.status().status == 1, 5, "an ALGORITHM failure")
     assert list(stage.status().src_algorithms) == ["Stanley"]
     assert "no progress" in stage.status().msg
     assert stage.drives()
     stage.at = (0.1, 0.0)
-    wait_until(lambda: stage.status().status == 0, 5, "health")
+    stage.alive.wait_until(lambda: stage.status().status == 0, 5, "health")
     assert list(stage.status().src_algorithms) == []
 
 
@@ -239,11 +238,11 @@ def test_an_unknown_algorithm_is_refused_and_nothing_changes(run: Run) -> None:
 def test_a_lost_pose_stops_the_robot(run: Run) -> None:
     stage = Stage(run)
     stage.plan(*STRAIGHT)
-    wait_until(stage.drives, 10, "motion")
+    stage.alive.wait_until(stage.drives, 10, "motion")
     stage.odometry = False
-    wait_until(lambda: stage.status().status == 3, 5, "a SYSTEM failure")
+    stage.alive.wait_until(lambda: stage.status().status == 3, 5, "a SYSTEM failure")
     assert list(stage.status().src_topics) == ["/odom"]
-    wait_until(lambda: stage.speed == 0.0, 5, "a stop command")
+    stage.alive.wait_until(lambda: stage.speed == 0.0, 5, "a stop command")
 
 
 @pytest.mark.parametrize("name", ["DVZ", "VisionRGBFollower", "VISION_DEPTH"])

@@ -9,9 +9,6 @@ from geometry_msgs.msg import Twist
 from kompass.components import DriveManager
 from tests.components.alive import Alive
 from tests.components.toy_robot import ToyRobot
-from tests.support.processes import wait_until
-
-pytestmark = pytest.mark.ros
 
 Run = Callable[..., Alive]
 
@@ -51,9 +48,9 @@ def test_it_halts_and_takes_no_command_that_was_under_way(
     monkeypatch.setattr("kompass.components.drive.drive_manager.LATE", 60.0)
     alive = run(DriveManager())
     commands = Commands(alive)
-    wait_until(commands.moving, 10, "motion")
+    alive.wait_until(commands.moving, 10, "motion")
     lose(alive)
-    wait_until(commands.robot.is_halted, 5, "a zero twist")
+    alive.wait_until(commands.robot.is_halted, 5, "a zero twist")
     commands.robot.commands.clear()
     commands.a_while()
     assert not [one for one in commands.robot.commands if one != (0.0, 0.0)]
@@ -62,22 +59,22 @@ def test_it_halts_and_takes_no_command_that_was_under_way(
 def test_it_obeys_the_next_one(run: Run) -> None:
     alive = run(DriveManager())
     commands = Commands(alive)
-    wait_until(commands.moving, 10, "motion")
+    alive.wait_until(commands.moving, 10, "motion")
     lose(alive)
-    wait_until(commands.robot.is_halted, 5, "a zero twist")
-    wait_until(commands.moving, 5, "motion again")
+    alive.wait_until(commands.robot.is_halted, 5, "a zero twist")
+    alive.wait_until(commands.moving, 5, "motion again")
 
 
 def test_a_motion_of_its_own_goes_on(run: Run) -> None:
     alive = run(DriveManager())
     robot = ToyRobot(alive)
     driver = alive.component
-    wait_until(lambda: driver.input("location").message is not None, 10, "odometry")
-    wait_until(lambda: driver.input("sensor_data").message is not None, 10, "a scan")
+    alive.wait_until(lambda: driver.input("location").message is not None, 10, "odometry")
+    alive.wait_until(lambda: driver.input("sensor_data").message is not None, 10, "a scan")
     request = ExecuteMethod.Request(name="move_forward", kwargs_json='{"max_distance": 0.3}')
     ended = alive.begin(ExecuteMethod, "execute_method", request)
-    wait_until(lambda: robot.x > 0.05, 10, "motion")
+    alive.wait_until(lambda: robot.x > 0.05, 10, "motion")
     lose(alive)
-    wait_until(lambda: ended() is not None, 20, "the end of the motion")
+    alive.wait_until(lambda: ended() is not None, 20, "the end of the motion")
     assert ended().success, ended().error_msg
     assert robot.x == pytest.approx(0.3, abs=0.05)

@@ -3,15 +3,10 @@
 from collections.abc import Callable
 from typing import Any
 
-import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 
 from kompass.components import Component
 from tests.components.alive import LATCHED, Alive
-from tests.support.processes import wait_until
-
-pytestmark = pytest.mark.ros
-
 
 Run = Callable[..., Alive]
 
@@ -33,7 +28,7 @@ def raises(_health: Any) -> None:
 
 
 def last(alive: Alive) -> ComponentStatus:
-    wait_until(lambda: alive.statuses, 5, "a status")
+    alive.wait_until(lambda: alive.statuses, 5, "a status")
     return alive.statuses[-1]
 
 
@@ -41,13 +36,13 @@ def test_an_exception_in_a_step_is_a_failure_and_the_steps_go_on(run: Run) -> No
     component = Moody("moody")
     alive = run(component)
     component.mood = raises
-    wait_until(lambda: last(alive).status == 2, 5, "a COMPONENT failure")
+    alive.wait_until(lambda: last(alive).status == 2, 5, "a COMPONENT failure")
     assert "ZeroDivisionError: no such thing" in last(alive).msg
     assert list(last(alive).src_components) == ["moody"]
     steps = component.steps
-    wait_until(lambda: component.steps > steps + 3, 5, "more steps")
+    alive.wait_until(lambda: component.steps > steps + 3, 5, "more steps")
     component.mood = lambda health: health.set_healthy()
-    wait_until(lambda: last(alive).status == 0, 5, "health")
+    alive.wait_until(lambda: last(alive).status == 0, 5, "health")
     assert list(last(alive).src_components) == []
 
 
@@ -57,9 +52,9 @@ def test_a_failure_stays_and_is_repeated_though_nothing_is_done_about_it(run: Ru
     component.mood = lambda health: health.set_fail_system(
         topics=["/scan"], message="nothing on /scan"
     )
-    wait_until(lambda: last(alive).status == 3, 5, "a SYSTEM failure")
+    alive.wait_until(lambda: last(alive).status == 3, 5, "a SYSTEM failure")
     since = len(alive.statuses)
-    wait_until(lambda: len(alive.statuses) > since + 5, 5, "repetitions")
+    alive.wait_until(lambda: len(alive.statuses) > since + 5, 5, "repetitions")
     assert {status.status for status in alive.statuses[since:]} == {3}
 
 
@@ -67,9 +62,9 @@ def test_one_failure_after_another_keeps_no_sources_of_the_last(run: Run) -> Non
     component = Moody("moody")
     alive = run(component)
     component.mood = lambda health: health.set_fail_system(topics=["/scan"], message="a")
-    wait_until(lambda: last(alive).status == 3, 5, "a SYSTEM failure")
+    alive.wait_until(lambda: last(alive).status == 3, 5, "a SYSTEM failure")
     component.mood = lambda health: health.set_fail_algorithm(["Stanley"], "b")
-    wait_until(lambda: last(alive).status == 1, 5, "an ALGORITHM failure")
+    alive.wait_until(lambda: last(alive).status == 1, 5, "an ALGORITHM failure")
     assert list(last(alive).src_topics) == []
     assert list(last(alive).src_algorithms) == ["Stanley"]
 
@@ -79,9 +74,9 @@ def test_a_late_listener_of_either_name_knows_at_once(run: Run) -> None:
     component.config.status_rate = 0.1
     alive = run(component)
     component.mood = raises
-    wait_until(lambda: last(alive).status == 2, 5, "a COMPONENT failure")
+    alive.wait_until(lambda: last(alive).status == 2, 5, "a COMPONENT failure")
     heard = [
         alive.hear(ComponentStatus, name, LATCHED) for name in ("moody/status", "moody_status")
     ]
-    wait_until(lambda: all(heard), 3, "the latched status")
+    alive.wait_until(lambda: all(heard), 3, "the latched status")
     assert {message.status for messages in heard for message in messages[:1]} == {2}

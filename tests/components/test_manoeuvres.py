@@ -1,7 +1,6 @@
 """Short motions are measured, bounded and safe; unblocking goes where there is room."""
 
 import math
-import time
 from collections.abc import Callable
 
 import numpy as np
@@ -22,10 +21,6 @@ from kompass.robot import (
 )
 from tests.components.alive import Alive
 from tests.components.toy_robot import Post, ToyRobot, ring
-from tests.support.patience import patient
-from tests.support.processes import wait_until
-
-pytestmark = pytest.mark.ros
 
 Run = Callable[..., Alive]
 RADIUS = 0.1
@@ -50,8 +45,8 @@ def started(
     alive = run(DriveManager(config=config))
     toy = ToyRobot(alive, posts)
     driver = alive.component
-    wait_until(lambda: driver.input("location").message is not None, 10, "odometry")
-    wait_until(lambda: not toy.scans or driver.input("sensor_data").message, 10, "a scan")
+    alive.wait_until(lambda: driver.input("location").message is not None, 10, "odometry")
+    alive.wait_until(lambda: not toy.scans or driver.input("sensor_data").message, 10, "a scan")
     return alive, toy
 
 
@@ -105,7 +100,7 @@ def test_a_distance_is_driven_as_odometry_measures_it(
     assert answer.success, answer.error_msg
     assert toy.x == pytest.approx(expected, abs=0.03)
     assert abs(toy.x) >= abs(expected) - 0.005
-    wait_until(toy.is_halted, 5, "a zero twist")
+    alive.wait_until(toy.is_halted, 5, "a zero twist")
 
 
 @pytest.mark.parametrize("angle", [1.0, -1.0, 4.0])
@@ -113,7 +108,7 @@ def test_a_turn_has_a_sign_and_may_pass_half_a_circle(run: Run, angle: float) ->
     alive, toy = started(run)
     assert alive.execute("rotate_in_place", max_rotation=angle).success
     assert toy.turned == pytest.approx(angle, abs=0.12)
-    wait_until(toy.is_halted, 5, "a zero twist")
+    alive.wait_until(toy.is_halted, 5, "a zero twist")
 
 
 def test_the_stop_zone_holds_in_the_direction_of_the_motion(run: Run) -> None:
@@ -128,21 +123,21 @@ def test_the_stop_zone_holds_in_the_direction_of_the_motion(run: Run) -> None:
 def test_a_robot_that_does_not_move_is_given_up_in_time(run: Run) -> None:
     alive, toy = started(run)
     toy.wheels_blocked = True
-    began = time.monotonic()
+    began = alive.clock.monotonic()
     answer = alive.execute("move_forward", max_distance=0.1)
     assert not answer.success
     assert "did not get there in time" in answer.error_msg
-    assert time.monotonic() - began < patient(6.0)
-    wait_until(toy.is_halted, 5, "a zero twist")
+    assert alive.clock.monotonic() - began < 6.0
+    alive.wait_until(toy.is_halted, 5, "a zero twist")
 
 
 def test_stop_ends_a_manoeuvre_and_refuses_the_next(run: Run) -> None:
     alive, toy = started(run)
     request = ExecuteMethod.Request(name="move_forward", kwargs_json='{"max_distance": 2.0}')
     moving = alive.begin(ExecuteMethod, "execute_method", request)
-    wait_until(lambda: toy.x > 0.1, 5, "motion")
+    alive.wait_until(lambda: toy.x > 0.1, 5, "motion")
     alive.call(StopRobot, "stop", StopRobot.Request(operator_name="ava"))
-    wait_until(lambda: moving() is not None, 5, "the end of the manoeuvre")
+    alive.wait_until(lambda: moving() is not None, 5, "the end of the manoeuvre")
     assert not moving().success
     assert "STOP" in moving().error_msg
     for name in ("move_to_unblock", "move_forward"):
@@ -160,11 +155,11 @@ def test_commands_of_the_controller_wait_while_a_manoeuvre_runs(run: Run) -> Non
     alive, toy = started(run)
     publisher = alive.publisher(Twist, "/control")
     timer = alive.node.create_timer(0.05, lambda: publisher.publish(Twist(angular=Vector3(z=1.0))))
-    wait_until(lambda: abs(toy.turned) > 0.1, 5, "the controller's turn")
+    alive.wait_until(lambda: abs(toy.turned) > 0.1, 5, "the controller's turn")
     before = toy.turned
     assert alive.execute("move_backward", max_distance=0.2).success
     assert abs(toy.turned - before) < 0.3  # what it had until the manoeuvre began and after it
-    wait_until(lambda: abs(toy.turned - before) > 0.5, 5, "the controller's turn again")
+    alive.wait_until(lambda: abs(toy.turned - before) > 0.5, 5, "the controller's turn again")
     timer.cancel()
 
 
@@ -190,11 +185,11 @@ def test_a_robot_between_two_obstacles_turns_to_the_open_side(run: Run) -> None:
 
 def test_a_robot_boxed_in_everywhere_says_so_and_stays(run: Run) -> None:
     alive, toy = started(run, ring(0.18))
-    began = time.monotonic()
+    began = alive.clock.monotonic()
     answer = alive.execute("move_to_unblock")
     assert not answer.success
     assert "boxed in" in answer.error_msg
-    assert time.monotonic() - began < patient(5.0)
+    assert alive.clock.monotonic() - began < 5.0
     assert (toy.x, toy.turned) == (0.0, 0.0)
 
 
@@ -202,7 +197,7 @@ def test_a_robot_without_a_scan_does_not_unblock_blindly(run: Run) -> None:
     alive, toy = started(run, [AHEAD])
     toy.scans = False
     driver = alive.component
-    wait_until(lambda: driver.input("sensor_data").age() > 0.6, 5, "a stale scan")
+    alive.wait_until(lambda: driver.input("sensor_data").age() > 0.6, 5, "a stale scan")
     answer = alive.execute("move_to_unblock")
     assert not answer.success
     assert "no scan" in answer.error_msg
@@ -223,16 +218,16 @@ def test_a_failed_manoeuvre_leaves_the_drive_manager_usable(run: Run) -> None:
         publisher.publish(command)
         return toy.x > 0.05
 
-    wait_until(moves, 5, "motion at the controller's command")
+    alive.wait_until(moves, 5, "motion at the controller's command")
 
 
 def test_a_restart_ends_a_manoeuvre(run: Run) -> None:
     alive, toy = started(run)
     request = ExecuteMethod.Request(name="move_forward", kwargs_json='{"max_distance": 2.0}')
     moving = alive.begin(ExecuteMethod, "execute_method", request)
-    wait_until(lambda: toy.x > 0.05, 5, "motion")
+    alive.wait_until(lambda: toy.x > 0.05, 5, "motion")
     assert alive.execute("restart").success
-    wait_until(lambda: moving() is not None, 5, "the end of the manoeuvre")
+    alive.wait_until(lambda: moving() is not None, 5, "the end of the manoeuvre")
     assert "deactivated" in moving().error_msg
 
 
@@ -243,14 +238,14 @@ def test_the_emergency_flag_is_a_level_that_falls_by_itself(run: Run) -> None:
     command = Twist()
     command.linear.x = 0.2
     timer = alive.node.create_timer(0.05, lambda: publisher.publish(command))
-    wait_until(lambda: toy.x > 0.05, 5, "motion")
+    alive.wait_until(lambda: toy.x > 0.05, 5, "motion")
     toy.posts = [(toy.x + 0.3, 0.0, 0.05)]
-    wait_until(lambda: flags and flags[-1].data, 5, "the flag")
-    wait_until(toy.is_halted, 5, "a zero twist")
+    alive.wait_until(lambda: flags and flags[-1].data, 5, "the flag")
+    alive.wait_until(toy.is_halted, 5, "a zero twist")
     stood = toy.x
     toy.posts = []
-    wait_until(lambda: not flags[-1].data, 5, "the end of the flag")
-    wait_until(lambda: toy.x > stood + 0.05, 5, "motion again, with nobody's help")
+    alive.wait_until(lambda: not flags[-1].data, 5, "the end of the flag")
+    alive.wait_until(lambda: toy.x > stood + 0.05, 5, "motion again, with nobody's help")
     timer.cancel()
 
 
@@ -259,23 +254,25 @@ def test_the_emergency_flag_falls_when_the_robot_is_freed(run: Run) -> None:
     flags = alive.hear(Bool, "/emergency_stop")
     assert alive.execute("move_forward", max_distance=0.05).success
     toy.posts = [(toy.x + 0.18, 0.0, 0.05)]
-    wait_until(lambda: flags and flags[-1].data, 5, "the flag, with nothing commanded")
+    alive.wait_until(lambda: flags and flags[-1].data, 5, "the flag, with nothing commanded")
     assert alive.execute("move_to_unblock").success
-    wait_until(lambda: not flags[-1].data, 5, "the end of the flag")
+    alive.wait_until(lambda: not flags[-1].data, 5, "the end of the flag")
 
 
 def test_without_odometry_the_drive_manager_fails_and_a_new_message_heals_it(run: Run) -> None:
     alive, toy = started(run)
     toy.odometry = False
-    wait_until(lambda: alive.statuses and alive.statuses[-1].status == 3, 5, "a SYSTEM failure")
+    alive.wait_until(
+        lambda: alive.statuses and alive.statuses[-1].status == 3, 5, "a SYSTEM failure"
+    )
     assert list(alive.statuses[-1].src_topics) == ["/odom"]
     toy.odometry = True
-    wait_until(lambda: alive.statuses[-1].status == 0, 5, "health")
+    alive.wait_until(lambda: alive.statuses[-1].status == 0, 5, "health")
     assert not alive.statuses[-1].src_topics
 
 
 def test_inputs_that_have_not_spoken_yet_are_awaited_not_missed(run: Run) -> None:
     alive = run(DriveManager(config=DriveManagerConfig(topic_subscription_timeout=1.0)))
-    wait_until(lambda: alive.statuses, 5, "a status")
+    alive.wait_until(lambda: alive.statuses, 5, "a status")
     assert alive.statuses[0].status == 0
-    wait_until(lambda: alive.statuses[-1].status == 3, 5, "a SYSTEM failure in the end")
+    alive.wait_until(lambda: alive.statuses[-1].status == 3, 5, "a SYSTEM failure in the end")

@@ -53,7 +53,7 @@ class Child(BaseComponent):  # type: ignore[misc,unused-ignore]
         )
 
 
-def test_a_timed_one_executes_once_and_again_after_a_restart(run: Run) -> None:
+def test_a_timed_one_executes_once_and_again_after_a_restart(run_on_dds: Run) -> None:
     once = threading.Event()
 
     class Timed(Child):
@@ -67,14 +67,14 @@ def test_a_timed_one_executes_once_and_again_after_a_restart(run: Run) -> None:
     component = Timed(component_name="timed_test_component")
     component.loop_rate = 10.0
     component.run_type = "Timed"
-    alive = run(component)
+    alive = run_on_dds(component)
     assert once.wait(5)
     once.clear()
     assert alive.execute("restart").success
     assert once.wait(5)
 
 
-def test_a_server_whose_type_is_set_afterwards_is_called(run: Run) -> None:
+def test_a_server_whose_type_is_set_afterwards_is_called(run_on_dds: Run) -> None:
     called = threading.Event()
 
     class Server(Child):
@@ -88,11 +88,11 @@ def test_a_server_whose_type_is_set_afterwards_is_called(run: Run) -> None:
 
     component = Server(component_name="test_component")
     component.run_type = ComponentRunType.SERVER
-    run(component).call(SetMap, "set_map", SetMap.Request())
+    run_on_dds(component).call(SetMap, "set_map", SetMap.Request())
     assert called.is_set()
 
 
-def test_an_action_server_that_names_its_action_offers_it_under_that_name(run: Run) -> None:
+def test_an_action_server_that_names_its_action_offers_it_under_that_name(run_on_dds: Run) -> None:
     class Counting(Child):
         def __init__(self, component_name: str, **kwargs: Any) -> None:
             super().__init__(component_name, **kwargs)
@@ -107,15 +107,15 @@ def test_an_action_server_that_names_its_action_offers_it_under_that_name(run: R
             goal_handle.succeed()
             return IntelligentRest.Result()
 
-    goals = Goals(run(Counting("counter")), IntelligentRest, "/counter/count")
+    goals = Goals(run_on_dds(Counting("counter")), IntelligentRest, "/counter/count")
     assert goals.result(goals.send()).status == SUCCEEDED
 
 
-def test_topics_and_settings_may_be_given_by_position(run: Run) -> None:
+def test_topics_and_settings_may_be_given_by_position(run_on_dds: Run) -> None:
     level = Topic(name="/level", msg_type="Float32")
     component = Child("child", [level], None, BaseComponentConfig(loop_rate=20.0))
     assert component.loop_rate == 20.0
-    alive = run(component)
+    alive = run_on_dds(component)
     alive.publisher(Float32, "/level").publish(Float32(data=1.5))
     wait_until(component.got_all_inputs, 5, "the message")
     assert component.callbacks["level"].get_output() == 1.5

@@ -27,9 +27,6 @@ from kompass.components.base.parameter import ParameterError, read_values, with_
 from kompass.rclpy_ext.topic import Topic
 from tests.components.alive import Alive
 from tests.support.described import described_robot
-from tests.support.processes import wait_until
-
-pytestmark = pytest.mark.ros
 
 Run = Callable[..., Alive]
 
@@ -143,14 +140,14 @@ def test_a_change_without_keep_alive_restarts_the_component(run: Run) -> None:
     driver = DriveManager()
     alive = run(driver)
     transitions = alive.hear(TransitionEvent, f"/{driver.node_name}/transition_event")
-    wait_until(
+    alive.wait_until(
         lambda: alive.node.count_subscribers("/drive_manager/transition_event") == 1,
         5,
         "a listener",
     )
     assert set_one(alive, "scan_timeout", "0.7", keep_alive=False).success
     assert driver.is_active
-    wait_until(
+    alive.wait_until(
         lambda: [event.goal_state.label for event in transitions].count("active") == 1,
         5,
         "a restart",
@@ -158,9 +155,10 @@ def test_a_change_without_keep_alive_restarts_the_component(run: Run) -> None:
     assert driver.config.scan_timeout == 0.7
 
 
-def test_a_change_of_the_loop_rate_changes_the_loop(run: Run) -> None:
+@pytest.mark.ros
+def test_a_change_of_the_loop_rate_changes_the_loop(run_on_dds: Run) -> None:
     mapper = LocalMapper()
-    alive = run(mapper)
+    alive = run_on_dds(mapper)
     assert set_one(alive, "loop_rate", "50").success
     # Beside the loop there is the timer that exchanges the challenge, once a minute.
     node: Any = mapper.node
@@ -190,8 +188,10 @@ def test_an_input_can_be_moved_to_another_topic_while_running(run: Run) -> None:
     assert alive.call(ReplaceTopic, "change_topic", request).success
     publisher = alive.publisher(Twist, "/joystick")
     publisher.publish(Twist())
-    wait_until(lambda: driver.input("command").message is not None, 5, "a command")
-    wait_until(lambda: alive.node.count_subscribers("/control") == 0, 5, "the end of the old one")
+    alive.wait_until(lambda: driver.input("command").message is not None, 5, "a command")
+    alive.wait_until(
+        lambda: alive.node.count_subscribers("/control") == 0, 5, "the end of the old one"
+    )
 
 
 def test_an_output_can_be_moved_to_another_topic_while_running(run: Run) -> None:
@@ -205,7 +205,9 @@ def test_an_output_can_be_moved_to_another_topic_while_running(run: Run) -> None
     answer = alive.call(ReplaceTopic, "change_topic", request)
     assert answer.success, answer.error_msg
     alive.hear(TwistStamped, "/base/cmd_vel")
-    wait_until(lambda: alive.node.count_publishers("/base/cmd_vel") == 1, 5, "the new publisher")
+    alive.wait_until(
+        lambda: alive.node.count_publishers("/base/cmd_vel") == 1, 5, "the new publisher"
+    )
 
 
 @pytest.mark.parametrize(
@@ -225,9 +227,12 @@ def test_a_topic_that_does_not_fit_is_refused(run: Run, old: str, kind: str, mes
     assert driver.get_in_topic("command") == Topic(name="/control", msg_type="Twist")
 
 
-def test_the_log_level_is_that_of_the_nodes_own_log_and_changes_while_it_runs(run: Run) -> None:
+@pytest.mark.ros
+def test_the_log_level_is_that_of_the_nodes_own_log_and_changes_while_it_runs(
+    run_on_dds: Run,
+) -> None:
     driver = DriveManager(config=DriveManagerConfig(log_level="error"))
-    alive = run(driver)
+    alive = run_on_dds(driver)
     logger: Any = driver.node.get_logger()
     assert logger.get_effective_level() is LoggingSeverity.ERROR
     assert get_logger("rcl").get_effective_level() is LoggingSeverity.WARN

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import pytest
 from automatika_ros_sugar.srv import ChangeParameter
 from kompass_interfaces.srv import CheckGoal
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
@@ -14,10 +13,6 @@ from kompass.components import Planner, PlannerConfig
 from kompass.components.base.convert import grid_msg
 from tests.components.alive import LATCHED, Alive
 from tests.components.test_manoeuvres import robot
-from tests.support.processes import wait_until
-
-pytestmark = pytest.mark.ros
-
 
 Run = Callable[..., Alive]
 
@@ -61,32 +56,34 @@ class Stage:
 
 def test_no_map_is_a_system_failure_without_any_goal_and_a_map_heals_it(run: Run) -> None:
     stage = Stage(run)
-    wait_until(lambda: stage.level() == 3, 5, "a SYSTEM failure")
+    stage.alive.wait_until(lambda: stage.level() == 3, 5, "a SYSTEM failure")
     assert list(stage.alive.statuses[-1].src_topics) == ["/map"]
     stage.map()
-    wait_until(lambda: stage.level() == 0, 5, "health")
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "health")
 
 
 def test_a_goal_waits_for_an_occupied_start_to_become_free(run: Run) -> None:
     stage = Stage(run, patience=20.0)
     stage.map((1.0, 1.0))
-    wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
     assert stage.send(3.0, 3.0).success
-    wait_until(lambda: stage.level() == 1, 5, "an ALGORITHM failure")
+    stage.alive.wait_until(lambda: stage.level() == 1, 5, "an ALGORITHM failure")
     assert "RRTConnect" in stage.alive.statuses[-1].src_algorithms
     assert not any(plan.poses for plan in stage.plans)
     stage.at = (2.0, 1.0)
-    wait_until(lambda: stage.plans and stage.plans[-1].poses, 5, "a plan from the free place")
-    wait_until(lambda: stage.level() == 0, 5, "health")
+    stage.alive.wait_until(
+        lambda: stage.plans and stage.plans[-1].poses, 5, "a plan from the free place"
+    )
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "health")
 
 
 def test_patience_with_an_occupied_start_ends(run: Run) -> None:
     stage = Stage(run, patience=1.0)
     stage.map((1.0, 1.0))
-    wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
     assert stage.send(3.0, 3.0).success
-    wait_until(lambda: stage.level() == 1, 5, "an ALGORITHM failure")
-    wait_until(lambda: stage.level() == 0, 5, "the end of the goal")
+    stage.alive.wait_until(lambda: stage.level() == 1, 5, "an ALGORITHM failure")
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "the end of the goal")
 
 
 def test_without_its_action_the_planner_says_so(run: Run) -> None:
@@ -105,7 +102,7 @@ def test_another_clearance_counts_from_the_next_plan_on(run: Run) -> None:
     def check() -> CheckGoal.Response:
         return stage.alive.call(CheckGoal, "check_goal", request)
 
-    wait_until(lambda: check().reachable, 10, "a reachable goal")
+    stage.alive.wait_until(lambda: check().reachable, 10, "a reachable goal")
     change = ChangeParameter.Request(name="clearance", value="0.4", keep_alive=True)
     assert stage.alive.call(ChangeParameter, "update_config_parameter", change).success
     answer = check()

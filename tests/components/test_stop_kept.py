@@ -163,13 +163,13 @@ def kept(folder: Path) -> object:
     return json.loads((folder / "stop-drive_manager.json").read_text())["stopped"]
 
 
-def test_a_robot_that_was_stopped_comes_up_stopped(run: Run, data_folder: Path) -> None:
-    first = run(DriveManager())
+def test_a_robot_that_was_stopped_comes_up_stopped(run_on_dds: Run, data_folder: Path) -> None:
+    first = run_on_dds(DriveManager())
     operator = Operator(first)
     operator.press("somebody in the way")
     wait_until(lambda: kept(data_folder) is True, 5, "the STOP on disk")
     first.close()
-    second = run(DriveManager())
+    second = run_on_dds(DriveManager())
     state = Operator(second).states[0]
     assert state.stopped
     assert state.stopped_by == "ava"
@@ -178,30 +178,32 @@ def test_a_robot_that_was_stopped_comes_up_stopped(run: Run, data_folder: Path) 
     assert Operator(second).release().message == "released"
     assert kept(data_folder) is False
     second.close()
-    assert not Operator(run(DriveManager())).states[0].stopped
+    assert not Operator(run_on_dds(DriveManager())).states[0].stopped
 
 
-def test_a_stop_just_before_the_end_is_kept(run: Run, data_folder: Path) -> None:
-    alive = run(DriveManager())
+def test_a_stop_just_before_the_end_is_kept(run_on_dds: Run, data_folder: Path) -> None:
+    alive = run_on_dds(DriveManager())
     Operator(alive).press()
     alive.close()
     assert kept(data_folder) is True
 
 
 def test_a_damaged_file_stops_the_robot_until_a_person_releases_it(
-    run: Run, data_folder: Path
+    run_on_dds: Run, data_folder: Path
 ) -> None:
     data_folder.mkdir()
     (data_folder / "stop-drive_manager.json").write_bytes(b"\0" * SIZE)
-    operator = Operator(run(DriveManager()))
+    operator = Operator(run_on_dds(DriveManager()))
     assert operator.states[0].stopped
     assert "stop-drive_manager.json is damaged" in operator.states[0].reason
     assert operator.release().success
     assert kept(data_folder) is False
 
 
-def test_a_full_disk_keeps_stop_and_release_all_the_same(run: Run, data_folder: Path) -> None:
-    operator = Operator(run(DriveManager()))
+def test_a_full_disk_keeps_stop_and_release_all_the_same(
+    run_on_dds: Run, data_folder: Path
+) -> None:
+    operator = Operator(run_on_dds(DriveManager()))
     wait_until(lambda: kept(data_folder) is False, 5, "the file")
     with no_larger_than(SIZE):
         operator.press()
@@ -211,9 +213,9 @@ def test_a_full_disk_keeps_stop_and_release_all_the_same(run: Run, data_folder: 
 
 
 def test_a_release_that_cannot_be_kept_says_so_and_what_to_see_to(
-    run: Run, data_folder: Path
+    run_on_dds: Run, data_folder: Path
 ) -> None:
-    operator = Operator(run(DriveManager()))
+    operator = Operator(run_on_dds(DriveManager()))
     operator.press()
     wait_until(lambda: kept(data_folder) is True, 5, "the STOP on disk")
     path = data_folder / "stop-drive_manager.json"
@@ -243,10 +245,10 @@ class HangingDisk:
 
 
 def test_stop_waits_for_no_disk_and_beats_a_release_that_does(
-    run: Run, data_folder: Path, monkeypatch: pytest.MonkeyPatch
+    run_on_dds: Run, data_folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("kompass.components.drive.drive_manager.SLOW_DISK", 60.0)
-    alive = run(DriveManager())
+    alive = run_on_dds(DriveManager())
     operator = Operator(alive)
     operator.press()
     wait_until(lambda: kept(data_folder) is True, 5, "the STOP on disk")
@@ -265,9 +267,9 @@ def test_stop_waits_for_no_disk_and_beats_a_release_that_does(
 
 
 def test_a_disk_that_does_not_answer_does_not_hold_a_release_for_long(
-    run: Run, monkeypatch: pytest.MonkeyPatch
+    run_on_dds: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    operator = Operator(run(DriveManager()))
+    operator = Operator(run_on_dds(DriveManager()))
     disk = HangingDisk(monkeypatch)
     operator.press()
     answer = operator.release()
@@ -277,12 +279,12 @@ def test_a_disk_that_does_not_answer_does_not_hold_a_release_for_long(
 
 
 def test_without_a_folder_for_data_stop_works_and_is_not_kept(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run_on_dds: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROS_LOG_DIR", str(tmp_path))
     for name in ("KOMPASS_DATA_DIR", "XDG_STATE_HOME", "HOME"):
         monkeypatch.delenv(name, raising=False)
-    operator = Operator(run(DriveManager()))
+    operator = Operator(run_on_dds(DriveManager()))
     operator.press()
     wait_until(lambda: operator.states[-1].stopped, 5, "STOP")
     assert operator.release().message == "released"

@@ -44,11 +44,11 @@ FAILED = ComponentStatus.STATUS_FAILURE_COMPONENT_LEVEL
 
 @pytest.mark.parametrize("kind", NEED_ONE, ids=lambda kind: kind.__name__)
 def test_who_drives_does_not_become_active_without_a_robot(
-    run: Run, kind: Callable[[], Component]
+    run_on_dds: Run, kind: Callable[[], Component]
 ) -> None:
     component = kind()
     assert component.robot is None
-    alive = run(component, describe=False)
+    alive = run_on_dds(component, describe=False)
     wait_until(lambda: bool(alive.statuses), 10, "a status")
     assert alive.statuses[-1].status == FAILED
     assert NO_ROBOT in alive.statuses[-1].msg
@@ -60,22 +60,22 @@ def test_who_drives_does_not_become_active_without_a_robot(
 
 
 @pytest.mark.parametrize("kind", [LocalMapper, MapServer], ids=lambda kind: kind.__name__)
-def test_who_does_not_drive_needs_none(run: Run, kind: Callable[[], Component]) -> None:
+def test_who_does_not_drive_needs_none(run_on_dds: Run, kind: Callable[[], Component]) -> None:
     component = kind()
-    run(component, describe=False)
+    run_on_dds(component, describe=False)
     assert component.is_active
 
 
-def test_stop_can_be_pressed_on_a_robot_that_nobody_described(run: Run) -> None:
+def test_stop_can_be_pressed_on_a_robot_that_nobody_described(run_on_dds: Run) -> None:
     driver = DriveManager()
-    alive = run(driver, describe=False)
+    alive = run_on_dds(driver, describe=False)
     assert alive.call(StopRobot, "stop", StopRobot.Request(operator_name="Ada")).success
     assert driver.health.level == FAILED
 
 
-def test_a_robot_described_over_ros_lets_it_start(run: Run) -> None:
+def test_a_robot_described_over_ros_lets_it_start(run_on_dds: Run) -> None:
     driver = DriveManager()
-    alive = run(driver, describe=False)
+    alive = run_on_dds(driver, describe=False)
     request = ChangeParameters.Request(
         names=["robot"], values=[described_robot().model_dump_json()], keep_alive=True
     )
@@ -84,9 +84,9 @@ def test_a_robot_described_over_ros_lets_it_start(run: Run) -> None:
     assert driver.is_active
 
 
-def test_the_robot_of_who_drives_is_not_taken_away(run: Run) -> None:
+def test_the_robot_of_who_drives_is_not_taken_away(run_on_dds: Run) -> None:
     driver = DriveManager()
-    alive = run(driver)
+    alive = run_on_dds(driver)
     request = ChangeParameters.Request(names=["robot"], values=["null"], keep_alive=True)
     answer = alive.call(ChangeParameters, "update_config_parameters", request)
     assert list(answer.success) == [False]
@@ -94,11 +94,11 @@ def test_the_robot_of_who_drives_is_not_taken_away(run: Run) -> None:
     assert driver.robot == described_robot()
 
 
-def test_what_is_slower_than_the_base_can_drive_is_not_sent(run: Run) -> None:
+def test_what_is_slower_than_the_base_can_drive_is_not_sent(run_on_dds: Run) -> None:
     limits = LinearCtrlLimits(max_vel=1.0, min_absolute_val=0.1)
     turning = AngularCtrlLimits(max_vel=5.0, min_absolute_val=0.5)
     robot = described_robot(ctrl_vx_limits=limits, ctrl_omega_limits=turning)
-    alive = run(DriveManager(config=DriveManagerConfig(robot=robot)))
+    alive = run_on_dds(DriveManager(config=DriveManagerConfig(robot=robot)))
     toy = ToyRobot(alive)
     publisher = alive.publisher(Twist, "/control")
 

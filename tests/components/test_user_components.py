@@ -71,8 +71,8 @@ class Watch(Component):
         self.order.append("once")
 
 
-def test_topics_in_lists_go_by_their_names(run: Run) -> None:
-    alive = run(Watch())
+def test_topics_in_lists_go_by_their_names(run_on_dds: Run) -> None:
+    alive = run_on_dds(Watch())
     heard = alive.hear(Bool, "/alarm")
     levels = alive.publisher(Float32, "/level")
     levels.publish(Float32(data=0.1))
@@ -81,9 +81,11 @@ def test_topics_in_lists_go_by_their_names(run: Run) -> None:
     wait_until(lambda: heard[-1].data is False, 5, "the end of the alarm")
 
 
-def test_execute_once_is_called_once_in_each_activation_after_the_first_step(run: Run) -> None:
+def test_execute_once_is_called_once_in_each_activation_after_the_first_step(
+    run_on_dds: Run,
+) -> None:
     watch = Watch()
-    alive = run(watch)
+    alive = run_on_dds(watch)
     wait_until(lambda: watch.order.count("step") > 3, 5, "steps")
     assert watch.order[:2] == ["step", "once"]
     assert watch.order.count("once") == 1
@@ -108,9 +110,9 @@ class Counter(Component):
             raise ValueError("a level below zero")
 
 
-def test_an_event_component_steps_at_each_message_and_only_then(run: Run) -> None:
+def test_an_event_component_steps_at_each_message_and_only_then(run_on_dds: Run) -> None:
     counter = Counter()
-    alive = run(counter)
+    alive = run_on_dds(counter)
     levels = alive.publisher(Float32, "/level")
     status_comes(alive, HEALTHY, "waiting for /level")
     assert counter.seen == []
@@ -124,7 +126,7 @@ def test_an_event_component_steps_at_each_message_and_only_then(run: Run) -> Non
     status_comes(alive, HEALTHY)
 
 
-def test_a_callback_that_restarts_the_component_takes_the_step_away(run: Run) -> None:
+def test_a_callback_that_restarts_the_component_takes_the_step_away(run_on_dds: Run) -> None:
     counter = Counter()
     restarted: list[float] = []
 
@@ -134,7 +136,7 @@ def test_a_callback_that_restarts_the_component_takes_the_step_away(run: Run) ->
                 restarted.append(output)
 
     counter.attach_custom_callback("level", restart_at_five)
-    alive = run(counter)
+    alive = run_on_dds(counter)
     alive.publisher(Float32, "/level").publish(Float32(data=5.0))
     wait_until(lambda: restarted and counter.is_active, 5, "the restart")
     alive.publisher(Float32, "/level").publish(Float32(data=6.0))
@@ -159,12 +161,12 @@ class Answerer(Component):
         return response
 
 
-def test_a_server_component_serves_under_the_name_of_its_type(run: Run) -> None:
-    answer = run(Answerer()).call(Trigger, "trigger", Trigger.Request())
+def test_a_server_component_serves_under_the_name_of_its_type(run_on_dds: Run) -> None:
+    answer = run_on_dds(Answerer()).call(Trigger, "trigger", Trigger.Request())
     assert (answer.success, answer.message) == (True, "by answerer")
 
 
-def test_a_service_may_be_named_and_its_type_set_afterwards(run: Run) -> None:
+def test_a_service_may_be_named_and_its_type_set_afterwards(run_on_dds: Run) -> None:
     class Older(Component):
         def main_service_callback(self, request: Any, response: Any) -> Any:
             response.success = True
@@ -175,10 +177,10 @@ def test_a_service_may_be_named_and_its_type_set_afterwards(run: Run) -> None:
     component.run_type = "SERVER"
     component.main_srv_name = "/older/ask"
     assert component.main_srv_name == "older/ask"
-    assert run(component).call(Trigger, "ask", Trigger.Request()).success
+    assert run_on_dds(component).call(Trigger, "ask", Trigger.Request()).success
 
 
-def test_a_service_callback_may_take_its_time_while_the_loop_goes_on(run: Run) -> None:
+def test_a_service_callback_may_take_its_time_while_the_loop_goes_on(run_on_dds: Run) -> None:
     class Slow(Component):
         steps = 0
 
@@ -191,7 +193,7 @@ def test_a_service_callback_may_take_its_time_while_the_loop_goes_on(run: Run) -
             self.steps += 1
 
     slow = Slow("slow", main_srv_type=Trigger)
-    alive = run(slow)
+    alive = run_on_dds(slow)
     wait_until(lambda: slow.steps > 0, 5, "a step")
     done, before = alive.begin(Trigger, "trigger", Trigger.Request()), slow.steps
     wait_until(lambda: done() is not None, 5, "the answer")
@@ -199,9 +201,9 @@ def test_a_service_callback_may_take_its_time_while_the_loop_goes_on(run: Run) -
     assert slow.steps - before >= 2, "a timed component serves too, and steps meanwhile"
 
 
-def test_a_service_callback_that_raises_is_a_failure_until_it_does_not(run: Run) -> None:
+def test_a_service_callback_that_raises_is_a_failure_until_it_does_not(run_on_dds: Run) -> None:
     answerer = Answerer()
-    alive = run(answerer)
+    alive = run_on_dds(answerer)
     answerer.problem = OSError("the disk is full")
     answer = alive.call(Trigger, "trigger", Trigger.Request())
     assert (answer.success, answer.message) == (False, "OSError: the disk is full")
@@ -211,14 +213,14 @@ def test_a_service_callback_that_raises_is_a_failure_until_it_does_not(run: Run)
     status_comes(alive, HEALTHY)
 
 
-def test_an_inactive_server_says_that_it_is(run: Run) -> None:
-    alive = run(Answerer(), activate=False)
+def test_an_inactive_server_says_that_it_is(run_on_dds: Run) -> None:
+    alive = run_on_dds(Answerer(), activate=False)
     answer = alive.call(Trigger, "trigger", Trigger.Request())
     assert not answer.success
     assert "answerer is not active; start it" in answer.message
 
 
-def test_without_a_way_to_say_that_it_failed_nothing_is_answered(run: Run) -> None:
+def test_without_a_way_to_say_that_it_failed_nothing_is_answered(run_on_dds: Run) -> None:
     class Maps(Component):
         calls = 0
 
@@ -227,7 +229,7 @@ def test_without_a_way_to_say_that_it_failed_nothing_is_answered(run: Run) -> No
             raise OSError("no map")
 
     maps = Maps("maps", main_srv_type=GetMap)
-    alive = run(maps)
+    alive = run_on_dds(maps)
     answer = alive.begin(GetMap, "get_map", GetMap.Request())
     status_comes(alive, COMPONENT, "no map")
     assert answer() is None, "an empty map would pass for a map"
@@ -261,9 +263,9 @@ class Rest(Component):
         return IntelligentRest.Result()
 
 
-def test_an_action_server_pursues_a_goal_beside_its_loop_and_reports(run: Run) -> None:
+def test_an_action_server_pursues_a_goal_beside_its_loop_and_reports(run_on_dds: Run) -> None:
     rest = Rest()
-    alive = run(rest)
+    alive = run_on_dds(rest)
     goals = Goals(alive, IntelligentRest, "/rest/intelligent_rest")
     handle = goals.send(period_secs=0.4)
     assert handle.accepted
@@ -272,9 +274,9 @@ def test_an_action_server_pursues_a_goal_beside_its_loop_and_reports(run: Run) -
     assert goals.feedback
 
 
-def test_a_second_goal_is_refused_until_the_first_has_ended(run: Run) -> None:
+def test_a_second_goal_is_refused_until_the_first_has_ended(run_on_dds: Run) -> None:
     rest = Rest()
-    goals = Goals(run(rest), IntelligentRest, "/rest/intelligent_rest")
+    goals = Goals(run_on_dds(rest), IntelligentRest, "/rest/intelligent_rest")
     first = goals.send(period_secs=60.0)
     assert rest.begun.wait(5)
     assert not goals.send(period_secs=0.0).accepted
@@ -285,9 +287,9 @@ def test_a_second_goal_is_refused_until_the_first_has_ended(run: Run) -> None:
     assert goals.result(again).status == SUCCEEDED
 
 
-def test_deactivation_ends_the_goal_and_refuses_the_next(run: Run) -> None:
+def test_deactivation_ends_the_goal_and_refuses_the_next(run_on_dds: Run) -> None:
     rest = Rest()
-    alive = run(rest)
+    alive = run_on_dds(rest)
     goals = Goals(alive, IntelligentRest, "/rest/intelligent_rest")
     handle = goals.send(period_secs=60.0)
     assert rest.begun.wait(5)
@@ -300,7 +302,7 @@ def test_deactivation_ends_the_goal_and_refuses_the_next(run: Run) -> None:
     assert goals.result(goals.send(period_secs=0.0)).status == SUCCEEDED
 
 
-def test_an_action_callback_may_be_a_coroutine(run: Run) -> None:
+def test_an_action_callback_may_be_a_coroutine(run_on_dds: Run) -> None:
     class Async(Component):
         async def main_action_callback(self, goal_handle: Any) -> IntelligentRest.Result:
             await self.sleep(goal_handle.request.period_secs)
@@ -309,11 +311,11 @@ def test_an_action_callback_may_be_a_coroutine(run: Run) -> None:
 
     component = Async("later", main_action_type=IntelligentRest)
     component.main_action_name = "later/rest"
-    goals = Goals(run(component), IntelligentRest, "/later/rest")
+    goals = Goals(run_on_dds(component), IntelligentRest, "/later/rest")
     assert goals.result(goals.send(period_secs=0.1)).status == SUCCEEDED
 
 
-def test_an_action_callback_that_raises_aborts_its_goal_and_says_why(run: Run) -> None:
+def test_an_action_callback_that_raises_aborts_its_goal_and_says_why(run_on_dds: Run) -> None:
     class Broken(Component):
         broken = True
 
@@ -324,7 +326,7 @@ def test_an_action_callback_that_raises_aborts_its_goal_and_says_why(run: Run) -
             return MotionRecording.Result()
 
     component = Broken("broken", main_action_type=MotionRecording)
-    alive = run(component)
+    alive = run_on_dds(component)
     goals = Goals(alive, MotionRecording, "/broken/motion_recording")
     ended = goals.result(goals.send())
     assert ended.status == ABORTED
@@ -336,12 +338,12 @@ def test_an_action_callback_that_raises_aborts_its_goal_and_says_why(run: Run) -
 
 
 @pytest.mark.parametrize("given", [None, 3])
-def test_what_is_no_result_is_said_and_the_goal_is_not_won(run: Run, given: object) -> None:
+def test_what_is_no_result_is_said_and_the_goal_is_not_won(run_on_dds: Run, given: object) -> None:
     class Forgetful(Component):
         def main_action_callback(self, goal_handle: Any) -> Any:
             return given
 
-    alive = run(Forgetful("forgetful", main_action_type=IntelligentRest))
+    alive = run_on_dds(Forgetful("forgetful", main_action_type=IntelligentRest))
     goals = Goals(alive, IntelligentRest, "/forgetful/intelligent_rest")
     assert goals.result(goals.send()).status == ABORTED
     status_comes(alive, COMPONENT, "return the result, a IntelligentRest.Result")
@@ -526,13 +528,15 @@ class Chatty(Component):
         return True
 
 
-def test_a_method_that_is_not_marked_may_be_used_by_the_recipe_and_is_closed_else(run: Run) -> None:
+def test_a_method_that_is_not_marked_may_be_used_by_the_recipe_and_is_closed_else(
+    run_on_dds: Run,
+) -> None:
     chatty = Chatty()
     assert "say" not in chatty.available_actions
     data = Action(chatty.say, args=("hello",)).to_data()
     assert isinstance(data, Method)
     assert (data.method, data.kwargs) == ("say", {"text": "hello"})
-    alive = run(chatty)
+    alive = run_on_dds(chatty)
     assert alive.execute("say", text="hello").success
     assert chatty.said == ["hello"]
     answer = alive.execute("wipe")
@@ -547,7 +551,7 @@ def test_it_is_open_to_the_recipe_however_the_recipe_writes_the_action() -> None
     assert "say" in chatty.available_actions
 
 
-def test_one_may_be_a_fallback_and_what_is_ours_or_hidden_may_not(run: Run) -> None:
+def test_one_may_be_a_fallback_and_what_is_ours_or_hidden_may_not(run_on_dds: Run) -> None:
     chatty = Chatty()
     chatty.on_fail(chatty.wipe)
     assert "wipe" in chatty.available_actions
@@ -610,10 +614,10 @@ class Desk(Component):
     ],
 )
 def test_a_publisher_takes_plain_values(
-    run: Run, kind: str, value: Any, told: Callable[[Any], bool]
+    run_on_dds: Run, kind: str, value: Any, told: Callable[[Any], bool]
 ) -> None:
     desk = Desk()
-    alive = run(desk)
+    alive = run_on_dds(desk)
     heard = alive.hear(desk.get_out_topic(kind).ros_msg_type, f"/out/{kind}")  # type: ignore[union-attr]
     wait_until(lambda: alive.node.count_publishers(f"/out/{kind}"), 5, "the publisher")
 
@@ -658,17 +662,17 @@ def test_values_read_as_they_were_written(kind: type, value: Any) -> None:
     ],
 )
 def test_a_value_that_makes_no_such_message_is_refused(
-    run: Run, kind: str, value: Any, told: str
+    run_on_dds: Run, kind: str, value: Any, told: str
 ) -> None:
     desk = Desk()
-    run(desk)
+    run_on_dds(desk)
     with pytest.raises(TypeError, match=told):
         desk.publishers_dict[kind].publish(value)
 
 
-def test_a_header_gets_the_frame_and_the_time_and_nothing_else_takes_one(run: Run) -> None:
+def test_a_header_gets_the_frame_and_the_time_and_nothing_else_takes_one(run_on_dds: Run) -> None:
     desk = Desk()
-    alive = run(desk)
+    alive = run_on_dds(desk)
     heard = alive.hear(PoseStamped, "/out/PoseStamped")
 
     def comes() -> bool:
@@ -682,11 +686,11 @@ def test_a_header_gets_the_frame_and_the_time_and_nothing_else_takes_one(run: Ru
         desk.publishers_dict["Float32"].publish(1.0, frame_id="map")
 
 
-def test_inputs_and_outputs_are_found_by_key_and_by_topic_and_else_named(run: Run) -> None:
+def test_inputs_and_outputs_are_found_by_key_and_by_topic_and_else_named(run_on_dds: Run) -> None:
     desk = Desk()
     with pytest.raises(KeyError, match="inputs come when it is configured"):
         desk.callbacks["words"]
-    run(desk)
+    run_on_dds(desk)
     assert desk.callbacks["words"] is desk.callbacks["/words"]
     assert list(desk.callbacks) == ["words"]
     assert len(desk.publishers_dict) == len(Desk.KINDS)
@@ -694,7 +698,7 @@ def test_inputs_and_outputs_are_found_by_key_and_by_topic_and_else_named(run: Ru
         desk.publishers_dict["Flaot32"]
 
 
-def test_processors_and_callbacks_hold_over_restarts_and_other_topics(run: Run) -> None:
+def test_processors_and_callbacks_hold_over_restarts_and_other_topics(run_on_dds: Run) -> None:
     desk = Desk()
     called: list[Any] = []
     desk.attach_custom_callback("/words", lambda *, msg, output, **_: called.append(output))
@@ -702,7 +706,7 @@ def test_processors_and_callbacks_hold_over_restarts_and_other_topics(run: Run) 
     desk.add_callback_postprocessor("words", str.upper)
     desk.add_callback_postprocessor("words", lambda text: f"{text}!")
     desk.add_publisher_preprocessor("String", lambda text: None if text == "no" else f"<{text}>")
-    alive = run(desk)
+    alive = run_on_dds(desk)
     assert alive.execute("restart").success
     desk.replace_topic("input", "words", Topic(name="/more_words", msg_type="String"))
     alive.publisher(String, "/more_words").publish(String(data="hi"))
@@ -721,7 +725,7 @@ def test_processors_and_callbacks_hold_over_restarts_and_other_topics(run: Run) 
     assert {message.data for message in heard} == {"<yes>"}
 
 
-def test_a_callback_that_raises_is_a_failure_with_its_name(run: Run) -> None:
+def test_a_callback_that_raises_is_a_failure_with_its_name(run_on_dds: Run) -> None:
     desk = Desk()
 
     def on_words(msg: String) -> None:
@@ -729,7 +733,7 @@ def test_a_callback_that_raises_is_a_failure_with_its_name(run: Run) -> None:
             raise ValueError("not that word")
 
     desk.attach_custom_callback("words", on_words)
-    alive = run(desk)
+    alive = run_on_dds(desk)
     words = alive.publisher(String, "/words")
     words.publish(String(data="bad"))
     status_comes(alive, COMPONENT, "callback on_words: ValueError: not that word")
@@ -756,9 +760,9 @@ def test_a_processor_of_nothing_is_refused(attach: Callable[[Component], None], 
         attach(Desk())
 
 
-def test_inputs_that_have_not_spoken_are_named_and_told_in_the_status(run: Run) -> None:
+def test_inputs_that_have_not_spoken_are_named_and_told_in_the_status(run_on_dds: Run) -> None:
     component = Component("listener", inputs=[LEVEL, Topic(name="/words", msg_type="String")])
-    alive = run(component)
+    alive = run_on_dds(component)
     status_comes(alive, HEALTHY, "waiting for /level, /words")
     assert component.get_missing_inputs() == ["level", "words"]
     alive.publisher(Float32, "/level").publish(Float32(data=1.0))
@@ -783,10 +787,10 @@ def test_inputs_that_have_not_spoken_are_named_and_told_in_the_status(run: Run) 
     ],
 )
 def test_health_is_said_under_the_names_that_older_components_use(
-    run: Run, say: Callable[[Any], None], level: int, sources: str
+    run_on_dds: Run, say: Callable[[Any], None], level: int, sources: str
 ) -> None:
     component = Component("moody")
-    alive = run(component)
+    alive = run_on_dds(component)
     status_comes(alive, HEALTHY)
     say(component.health_status)
     status_comes(alive, level)
@@ -833,11 +837,11 @@ class Restarting(Component):
 
 @pytest.mark.parametrize("problem", [None, ValueError("on purpose")])
 def test_safe_restart_is_down_in_its_body_and_up_after_it_whatever_happens_there(
-    run: Run, problem: Exception | None
+    run_on_dds: Run, problem: Exception | None
 ) -> None:
     component = Restarting()
     component.problem = problem
-    run(component)
+    run_on_dds(component)
     wait_until(lambda: component.steps_after > 3, 5, "steps after the restart")
     assert component.value == 42
     assert component.state_inside == State.PRIMARY_STATE_UNCONFIGURED
@@ -845,7 +849,7 @@ def test_safe_restart_is_down_in_its_body_and_up_after_it_whatever_happens_there
     assert component.caught is (problem is not None)
 
 
-def test_a_safe_restart_that_does_not_come_up_is_an_error_and_a_failure(run: Run) -> None:
+def test_a_safe_restart_that_does_not_come_up_is_an_error_and_a_failure(run_on_dds: Run) -> None:
     class Gone(Restarting):
         gone = False
 
@@ -857,18 +861,18 @@ def test_a_safe_restart_that_does_not_come_up_is_an_error_and_a_failure(run: Run
             if self.gone:
                 raise OSError("the device is gone")
 
-    alive = run(Gone())
+    alive = run_on_dds(Gone())
     status_comes(alive, COMPONENT, "not active again after safe_restart")
     assert "the device is gone" in last(alive).msg
 
 
-def test_a_safe_restart_on_the_thread_of_a_goal_is_refused(run: Run) -> None:
+def test_a_safe_restart_on_the_thread_of_a_goal_is_refused(run_on_dds: Run) -> None:
     class Restless(Component):
         def main_action_callback(self, goal_handle: Any) -> Any:
             with self.safe_restart():
                 pass
 
-    alive = run(Restless("restless", main_action_type=MotionRecording))
+    alive = run_on_dds(Restless("restless", main_action_type=MotionRecording))
     goals = Goals(alive, MotionRecording, "/restless/motion_recording")
     ended = goals.result(goals.send())
     assert ended.status == ABORTED
@@ -876,7 +880,7 @@ def test_a_safe_restart_on_the_thread_of_a_goal_is_refused(run: Run) -> None:
     assert alive.component.is_active
 
 
-def test_an_error_in_a_transition_is_told_to_the_component(run: Run) -> None:
+def test_an_error_in_a_transition_is_told_to_the_component(run_on_dds: Run) -> None:
     class Told(Component):
         told = 0
 
@@ -887,7 +891,7 @@ def test_an_error_in_a_transition_is_told_to_the_component(run: Run) -> None:
             self.told += 1
 
     component = Told("told")
-    alive = run(component, activate=False)
+    alive = run_on_dds(component, activate=False)
     assert not alive.execute("start").success
     assert component.told == 1
     component.get_logger().info("and its logger is at hand")
@@ -899,7 +903,7 @@ class Settings(BaseComponentConfig):
     limit: float = Field(default=0.2, gt=0.0, lt=1.0, description="share of the battery")
 
 
-def test_settings_of_ones_own_are_checked(run: Run) -> None:
+def test_settings_of_ones_own_are_checked(run_on_dds: Run) -> None:
     class Configured(Component):
         config: Settings
         config_class = Settings

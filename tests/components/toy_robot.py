@@ -1,7 +1,6 @@
 """A robot of a few lines: it follows commands at once, among posts that its scan sees."""
 
 import math
-import time
 
 import numpy as np
 from geometry_msgs.msg import Twist
@@ -10,7 +9,6 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
 from tests.components.alive import Alive
-from tests.support.processes import wait_until
 
 PERIOD = 0.02  # s
 RAYS = 360
@@ -30,13 +28,14 @@ class ToyRobot:
         self.commands: list[tuple[float, float]] = []
         self._twist = Twist()
         self._ticks = 0
-        self._last = time.monotonic()
+        self._clock = alive.clock
+        self._last = self._clock.monotonic()
         node = alive.node
         node.create_subscription(Twist, "/cmd_vel", self._on_command, 10)
         self._odometry = node.create_publisher(Odometry, "/odom", 10)
         self._scan = node.create_publisher(LaserScan, "/scan", qos_profile_sensor_data)
         node.create_timer(PERIOD, self._tick)
-        wait_until(self._found, 10, "a listener to the scan or the odometry")
+        alive.wait_until(self._found, 10, "a listener to the scan or the odometry")
 
     def is_halted(self) -> bool:
         """Whether the newest command is zero; it may come after the answer of who sent it."""
@@ -54,7 +53,7 @@ class ToyRobot:
         if self.wheels_blocked:
             v = omega = 0.0
         # By the clock: on a busy machine the timer is late, and the robot must not be slow.
-        now = time.monotonic()
+        now = self._clock.monotonic()
         passed, self._last = min(now - self._last, 0.2), now
         self.x += v * math.cos(self.yaw) * passed
         self.y += v * math.sin(self.yaw) * passed

@@ -12,16 +12,8 @@ from tests.support.robot import LATCHED, Robot
 
 pytestmark = pytest.mark.ros
 
-SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
-ARRIVED, REFUSED, STOPPED, PREEMPTED = 0, 1, 3, 4
-
-
-def test_a_goal_with_a_heading_is_reached_around_the_pillars(robot: Robot) -> None:
-    ended = robot.result(robot.send_goal(0.5, 0.5, 0.5))
-    assert (ended.status, ended.result.outcome) == (SUCCEEDED, ARRIVED), ended.result.message
-    assert robot.distance_to(0.5, 0.5) < 0.10
-    assert abs(math.remainder(robot.truth[2] - 0.5, 2 * math.pi)) < 0.2
-    assert robot.contacts == 0
+SUCCEEDED, ABORTED = 4, 6
+REFUSED, STOPPED = 1, 3
 
 
 def test_a_clicked_point_from_another_process_moves_the_robot_there(robot: Robot) -> None:
@@ -62,24 +54,6 @@ def test_checking_a_goal_moves_nothing_and_tells_length_and_time(robot: Robot) -
     assert answer.duration > answer.length / 0.3
     assert len(answer.preview.poses) > 5
     assert robot.distance_to(*before[:2]) < 0.02
-
-
-def test_a_canceled_goal_is_reported_as_canceled_and_the_robot_halts(robot: Robot) -> None:
-    handle = robot.send_goal(-1.5, 0.5)
-    wait_until(lambda: robot.speed > 0.1, 10, "motion")
-    robot.await_future(handle.cancel_goal_async(), 5, "the cancellation")
-    assert robot.result(handle, timeout=5).status == CANCELED
-    wait_until(lambda: robot.speed < 0.01, 3, "a halt")
-
-
-def test_a_newer_goal_takes_over(robot: Robot) -> None:
-    first = robot.send_goal(-1.5, 0.5)
-    wait_until(lambda: robot.speed > 0.05, 10, "motion")
-    second = robot.send_goal(-0.5, -0.55)
-    ended = robot.result(first, timeout=5)
-    assert (ended.status, ended.result.outcome) == (ABORTED, PREEMPTED)
-    assert robot.result(second).status == SUCCEEDED
-    assert robot.contacts == 0
 
 
 def test_a_late_listener_still_gets_plan_and_map(robot: Robot) -> None:

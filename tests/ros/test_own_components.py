@@ -10,12 +10,12 @@ from automatika_ros_sugar.msg import ComponentStatus
 from automatika_ros_sugar.srv import ChangeParameter
 from geometry_msgs.msg import PoseArray
 from kompass_interfaces.action import FollowPath
-from kompass_interfaces.srv import SetFault
 from rclpy.action import ActionClient
 from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Empty, Float32, Int32
-from std_srvs.srv import SetBool, Trigger
+from std_srvs.srv import SetBool
 
+from tests.ros.test_recipes import drives_to_a_click
 from tests.support.journal import Journal
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
@@ -106,6 +106,10 @@ def test_the_page_knows_them_their_settings_actions_and_rules(page: httpx.Client
     assert names["battery-low"] == "Battery low → mark the place"
 
 
+def test_a_click_drives_it_there(marking: tuple[Stack, Robot]) -> None:
+    drives_to_a_click(marking[1])
+
+
 def test_what_its_text_says_of_rules_on_the_page_works_there(
     marking: tuple[Stack, Robot], page: httpx.Client
 ) -> None:
@@ -122,33 +126,10 @@ def test_what_its_text_says_of_rules_on_the_page_works_there(
     add_rule(page, {"id": "by-hand", "actions": actions, "event": event})
     ended = journal.done("by-hand", timeout=20)
     assert ended.ok, ended.text
+    told = page.get("/api/firings", params={"rule_id": "by-hand"}).json()["firings"]
+    assert told, "the page shows the firing"
     say(marking[1], "/battery/changed")
     assert journal.done("battery-changed").ok  # and nothing is marked
-
-
-def test_a_low_battery_has_the_place_marked_and_a_fresh_one_has_it_forgotten(
-    marking: tuple[Stack, Robot], page: httpx.Client
-) -> None:
-    _, battery = marking
-    journal = Journal(battery)
-    wait_until(lambda: "/battery/level" in battery.newest, 10, "the battery's level")
-    refused = change(battery, "battery", "lasts_metres", "0.0")
-    assert not refused.success
-    assert "lasts_metres" in refused.error_msg
-    assert change(battery, "battery", "lasts_metres", "0.2").success
-    battery.click(-1.5, 0.5)
-    ended = journal.done("battery-low", timeout=40)
-    assert [(step.ok, step.text) for step in journal.actions(ended) if not step.ok] == []
-    wait_until(lambda: "/places" in battery.newest, 10, "the marked place")
-    assert len(battery.newest["/places"].poses) == 1
-    told = page.get("/api/firings", params={"rule_id": "battery-low"}).json()["firings"]
-    assert told, "the page shows the firing"
-    since = journal.mark
-    say(battery, "/battery/changed")
-    assert journal.done("battery-changed", since).ok
-    answer = battery.call(Trigger, "/mark_place", Trigger.Request())
-    assert answer.success
-    assert answer.message.startswith("place 1 is at (")
 
 
 # -- recipe 08 --------------------------------------------------------------------------------
@@ -177,16 +158,8 @@ def send(robot: Robot, name: str) -> Any:
     return robot.await_future(robot.await_future(sent, 5, "sending"), 5, "the answer to the goal")
 
 
-def test_a_rule_starts_a_round_and_each_point_is_reached_and_noted(patrol: Robot) -> None:
-    journal = Journal(patrol)
-    say(patrol, "/patrol/start")
-    wait_until(lambda: patrol.distance_to(-1.5, -0.5) < 0.2, 40, "the first point")
-    assert not send(patrol, "west").accepted, "one round at a time"
-    ended = journal.done("patrol-start", timeout=60)
-    assert ended.ok, ended.text
-    assert patrol.distance_to(-1.5, 0.5) < 0.2
-    wait_until(lambda: len(journal.of("patrol-point", "done")) == 2, 10, "both notes")
-    assert all(step.ok for step in journal.of("patrol-point", "done"))
+def test_a_click_drives_the_patrol_there(patrolling: tuple[Stack, Robot]) -> None:
+    drives_to_a_click(patrolling[1])
 
 
 def test_a_rule_on_the_page_can_send_it_on_a_round(patrolling: tuple[Stack, Robot]) -> None:
@@ -210,49 +183,6 @@ def test_a_rule_on_the_page_can_send_it_on_a_round(patrolling: tuple[Stack, Robo
         add_rule(page, {"id": "by-hand", "actions": [go], "event": event})
     ended = journal.done("by-hand", timeout=60)
     assert ended.ok, ended.text
-
-
-def test_a_round_that_is_cancelled_stops_the_robot(patrol: Robot) -> None:
-    handle = send(patrol, "west")
-    assert handle.accepted
-    wait_until(lambda: patrol.speed > 0.05, 20, "motion")
-    handle.cancel_goal_async()
-    assert patrol.result(handle).status == CANCELED
-    wait_until(lambda: patrol.speed < 0.01, 10, "standstill")
-
-
-def test_an_unknown_round_is_aborted_at_once(patrol: Robot) -> None:
-    handle = send(patrol, "north")
-    assert handle.accepted
-    assert patrol.result(handle).status == ABORTED
-
-
-def test_a_round_that_is_walled_in_tries_again_until_it_is_free_and_goes_on(
-    patrol: Robot,
-) -> None:
-    """As with ``--fault boxed_in:20:60``, with a person who puts up the walls and takes them."""
-    journal = Journal(patrol)
-
-    def walls(*, on: bool) -> None:
-        request = SetFault.Request(fault="boxed_in", on=on)
-        assert patrol.call(SetFault, "/simulator/set_fault", request).success
-
-    handle = send(patrol, "west")
-    assert handle.accepted
-    wait_until(lambda: patrol.speed > 0.05, 20, "motion")
-    walls(on=True)
-    try:
-        assert patrol.result(handle, timeout=60).status == ABORTED
-        wait_until(lambda: len(journal.of("patrol-blocked", "done")) == 2, 20, "a second try")
-        for tried in journal.of("patrol-blocked", "done"):
-            assert not tried.ok
-            assert "boxed in: no way is free" in tried.text
-    finally:
-        walls(on=False)
-    wait_until(
-        lambda: any(step.ok for step in journal.of("patrol-blocked", "done")), 60, "a whole round"
-    )
-    assert patrol.distance_to(-1.5, 0.5) < 0.2
 
 
 # -- one that breaks --------------------------------------------------------------------------

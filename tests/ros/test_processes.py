@@ -23,16 +23,10 @@ pytestmark = pytest.mark.ros
 
 
 @pytest.fixture
-def stack() -> Iterator[Stack]:
+def fresh() -> Iterator[Stack]:
+    """A stack to be ended; what it must outlive is tried on the one of the module."""
     with closing(Stack.simulated()) as running:
         yield running
-
-
-@pytest.fixture
-def robot(stack: Stack) -> Iterator[Robot]:
-    with closing(Robot(stack.domain)) as client:
-        client.ready()
-        yield client
 
 
 def alive(pid: int) -> bool:
@@ -46,21 +40,21 @@ def answers(url: str) -> bool:
         return False
 
 
-def test_ctrl_c_ends_all_processes_within_three_seconds(stack: Stack) -> None:
-    wait_until(lambda: answers(stack.url), 20, "the page")
-    pids = [stack.process.pid, *children(stack.process.pid)]
+def test_ctrl_c_ends_all_processes_within_three_seconds(fresh: Stack) -> None:
+    wait_until(lambda: answers(fresh.url), 20, "the page")
+    pids = [fresh.process.pid, *children(fresh.process.pid)]
     assert len(pids) >= 8
     began = time.monotonic()
-    stack.interrupt()
-    assert stack.process.wait(patient(5)) == 0, stack.output
+    fresh.interrupt()
+    assert fresh.process.wait(patient(5)) == 0, fresh.output
     assert time.monotonic() - began < patient(3.0)
     assert not [pid for pid in pids if alive(pid)]
-    assert "killed" not in stack.output
+    assert "killed" not in fresh.output
 
 
-def test_children_do_not_outlive_a_killed_supervisor(stack: Stack) -> None:
-    pids = list(children(stack.process.pid))
-    os.kill(stack.process.pid, signal.SIGKILL)
+def test_children_do_not_outlive_a_killed_supervisor(fresh: Stack) -> None:
+    pids = list(children(fresh.process.pid))
+    os.kill(fresh.process.pid, signal.SIGKILL)
     wait_until(lambda: not [pid for pid in pids if alive(pid)], 5, "the end of all children")
 
 
@@ -108,18 +102,8 @@ def test_a_killed_console_does_not_stop_the_robot_and_comes_back(
     assert robot.result(handle).status == 4
 
 
-def test_stop_survives_the_death_of_the_drive_manager(stack: Stack, robot: Robot) -> None:
-    robot.stop()
-    os.kill(stack.pid_of("drive_manager"), signal.SIGKILL)
-    stack.wait_for_line("drive_manager killed by SIGKILL", 5)
-    robot.newest.pop("/drive_state", None)
-    wait_until(lambda: "/drive_state" in robot.newest, 15, "a drive manager again")
-    assert robot.newest["/drive_state"].stopped
-    assert robot.newest["/drive_state"].stopped_by == "tester"
-
-
 def test_a_dead_drive_manager_halts_the_robot(stack: Stack, robot: Robot) -> None:
-    robot.send_goal(0.5, 0.5)
+    robot.send_goal(-1.5, 0.5)
     wait_until(lambda: robot.speed > 0.1, 10, "motion")
     os.kill(stack.pid_of("drive_manager"), signal.SIGSTOP)
     try:
@@ -134,6 +118,17 @@ def test_a_second_stack_on_the_domain_is_refused(stack: Stack) -> None:
     assert "another stack already runs" in second.output
     assert "Traceback" not in second.output
     assert stack.process.poll() is None
+
+
+def test_stop_survives_the_death_of_the_drive_manager(stack: Stack, robot: Robot) -> None:
+    # The last one on this stack: STOP stays.
+    robot.stop()
+    os.kill(stack.pid_of("drive_manager"), signal.SIGKILL)
+    stack.wait_for_line("drive_manager killed by SIGKILL", 5)
+    robot.newest.pop("/drive_state", None)
+    wait_until(lambda: "/drive_state" in robot.newest, 15, "a drive manager again")
+    assert robot.newest["/drive_state"].stopped
+    assert robot.newest["/drive_state"].stopped_by == "tester"
 
 
 def one_line(stack: Stack) -> str:

@@ -1,18 +1,15 @@
 """Every healing scenario heals: real faults of the embedded robot, and rules that answer them."""
 
-import json
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import Any, cast
 
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
-from automatika_ros_sugar.srv import ExecuteMethod
 from geometry_msgs.msg import PointStamped
 from kompass_interfaces.srv import SetFault
-from nav_msgs.msg import Odometry
 from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Bool, Empty, Int32, UInt32
 
@@ -114,115 +111,6 @@ def test_without_a_map_the_planner_has_one_loaded_and_is_healthy(
     assert robot.check(-1.5, 0.5).reachable
 
 
-def test_a_start_that_the_map_calls_occupied_is_left_and_the_goal_reached(
-    robot: Robot, journal: Journal
-) -> None:
-    since, (x, y, _) = journal.mark, robot.truth
-    fault(robot, "start_occupied")
-    try:
-        wait_until(lambda: not robot.check(-1.5, 0.5).reachable, 5, "a start in an occupied cell")
-        handle = robot.send_goal(-1.5, 0.5)
-        wait_until(
-            lambda: any(step.ok for step in journal.of("planner-status", "done", since)),
-            15,
-            "a way out",
-        )
-        assert robot.distance_to(x, y) > 0.1
-        ended = robot.result(handle, timeout=40)
-        assert ended.status == SUCCEEDED, ended.result.message
-        assert robot.contacts == 0
-    finally:
-        fault(robot, "start_occupied", on=False)
-
-
-def test_a_blocked_way_restarts_the_planner_and_then_frees_the_robot(
-    robot: Robot, journal: Journal, voices: Voices
-) -> None:
-    """The fast emergency flag counts only together with a latched one, which came long before."""
-    speeds: list[float] = []
-    robot.node.create_subscription(
-        Odometry, "/odometry/filtered", lambda told: speeds.append(told.twist.twist.linear.x), 50
-    )
-    wait_until(lambda: speeds and speeds[-1] < 0.01, 10, "a standing robot")
-    voices.say("/test/armed", Bool(data=True))
-    since = journal.mark
-    handle = robot.send_goal(0.5, 0.5)
-    wait_until(lambda: robot.speed > 0.15, 15, "motion")
-    fault(robot, "way_blocked")
-    try:
-        run = journal.done("emergency-stop", since, timeout=15)
-        assert run.ok, run.text
-        restarted, freed = journal.actions(run)
-        assert "planner.restart" in restarted.details["action"]
-        assert "drive_manager.move_to_unblock" in freed.details["action"]
-        assert freed.stamp - freed.details["seconds"] >= restarted.stamp - 0.01
-        assert robot.result(handle, timeout=5).status != SUCCEEDED
-        assert robot.contacts == 0
-        wait_until(lambda: speeds[-1] < 0.01, 5, "a standing robot")
-    finally:
-        fault(robot, "way_blocked", on=False)
-        voices.say("/test/armed", Bool(data=False))
-    # The edges of "moving and armed", with 50 messages of odometry a second; of two bounds each
-    # start is one edge, of one bound there may be some more.
-    starts, moving = starts_of(speeds), sum(speed > 0.05 for speed in speeds)
-    assert starts >= 1
-    wait_until(lambda: len(journal.of("sets-off", "fired", since)) >= starts, 5, "each start")
-    assert len(journal.of("sets-off", "fired", since)) == starts
-    assert starts <= len(journal.of("odometry-filtered", "fired", since)) <= moving / 5
-
-
-def starts_of(speeds: Sequence[float]) -> int:
-    """How often the robot set off, by what was measured of its speed [m/s], noise included."""
-    starts, moves = 0, False
-    for speed in speeds:
-        starts += not moves and speed > 0.05
-        moves = speed > 0.05 or (moves and speed >= 0.01)
-    return starts
-
-
-def test_a_controller_that_finds_no_way_asks_once_per_delay_to_be_freed(
-    robot: Robot, journal: Journal, voices: Voices
-) -> None:
-    request = ExecuteMethod.Request(
-        name="set_algorithm", kwargs_json=json.dumps({"algorithm_value": "DWA"})
-    )
-    assert robot.call(ExecuteMethod, "/controller/execute_method", request).success
-    wait_until(lambda: robot.check(-1.6, -0.5).reachable, 20, "a planner with map and pose")
-    handle = robot.send_goal(-1.6, -0.5)
-    wait_until(lambda: robot.speed > 0.05, 15, "motion")
-    since = journal.mark
-    fault(robot, "boxed_in")
-    try:
-        wait_until(lambda: level(robot, "controller") == ALGORITHM, 10, "a failure to find a way")
-        assert list(robot.newest["/controller/status"].src_algorithms) == ["DWA"]
-        boxed = journal.done("stuck", since)
-        assert not boxed.ok
-        assert "boxed in" in boxed.text
-        since = journal.mark
-        stream(robot, "/controller_status", ComponentStatus(status=ALGORITHM), 100.0, 4.0)
-        fired = [step.at for step in journal.of("stuck", "fired", since)]
-        done = [step.at for step in journal.of("stuck", "done", since)]
-        assert 3 <= len(fired) <= 4
-        for ended, again in zip(done, fired[1:], strict=False):
-            assert again - ended == pytest.approx(1.0, abs=0.25)
-    finally:
-        fault(robot, "boxed_in", on=False)
-    ended = robot.result(handle, timeout=60)
-    assert ended.status == SUCCEEDED, ended.result.message
-
-
-def stream(robot: Robot, topic: str, message: Any, rate: float, seconds: float) -> None:
-    """Publish one message again and again."""
-    publisher = robot.node.create_publisher(type(message), topic, LATCHED)
-    begin = time.monotonic()
-    for turn in range(round(rate * seconds)):
-        publisher.publish(message)
-        time.sleep(max(0.0, begin + (turn + 1) / rate - time.monotonic()))
-    # The last word stays, as it is latched. The publisher goes with the node: the executor of
-    # another thread must not lose it under its hands.
-    publisher.publish(type(message)())
-
-
 def test_services_and_actions_of_other_nodes_are_called(
     robot: Robot, journal: Journal, voices: Voices
 ) -> None:
@@ -289,24 +177,6 @@ def test_an_edge_is_one_edge_however_often_the_other_topic_speaks(
     voices.say("/test/clear", Empty())
     journal.done("clear", since)
     assert len(journal.of("test-second", "fired", since)) == 1
-
-
-def test_an_unplugged_lidar_is_answered_by_the_fallbacks_up_to_giving_up(
-    stack: Stack, robot: Robot, journal: Journal
-) -> None:
-    since = journal.mark
-    fault(robot, "lidar_unplugged")
-    try:
-        wait_until(lambda: level(robot, "drive_manager") == SYSTEM, 3, "a missing scan")
-        assert list(robot.newest["/drive_manager/status"].src_topics) == ["/scan"]
-        restarted = journal.done("drive-manager-on-fail", since)
-        assert "restart" in journal.actions(restarted)[0].text
-        stack.wait_for_line("the mapper misses something", 5)
-        stack.wait_for_line("the drive manager is given up", 20)
-    finally:
-        fault(robot, "lidar_unplugged", on=False)
-    wait_until(lambda: level(robot, "drive_manager") == HEALTHY, 5, "health with the scan")
-    wait_until(lambda: level(robot, "mapper") == HEALTHY, 5, "health with the scan")
 
 
 def test_processes_are_stopped_for_a_while_and_killed_by_name(stack: Stack, robot: Robot) -> None:

@@ -49,7 +49,7 @@ from kompass.signing.proof import Verifier, announce, make_proof, read_answer
 from kompass.store.robot_key import GIVEN, known_keys, robot_key
 from kompass_console.schema.roles import Role
 from tests.components.alive import LATCHED, Alive
-from tests.components.conftest import data_folder, run
+from tests.components.conftest import data_folder, run_on_dds
 from tests.console.conftest import running, serving
 from tests.support.domains import give_back, next_domain
 from tests.support.patience import patient
@@ -57,7 +57,7 @@ from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.stack import TOKEN, Stack
 
-__all__ = ["data_folder", "run"]  # fixtures
+__all__ = ["data_folder", "run_on_dds"]  # fixtures
 
 pytestmark = pytest.mark.ros
 REFUSED, APPLIED = ApplyRules.Request.REFUSED, ApplyRules.Request.APPLIED
@@ -401,9 +401,9 @@ def unsigned(alive: Alive, kind: Any, name: str, request: Any) -> Any:
 
 @pytest.mark.parametrize("mode", ["", "read", "off"], indirect=True)
 @pytest.mark.usefixtures("mode")
-def test_anybody_stops_the_robot_and_only_who_has_the_key_releases_it(run: Run) -> None:
+def test_anybody_stops_the_robot_and_only_who_has_the_key_releases_it(run_on_dds: Run) -> None:
     gate = DriveManager()
-    alive = run(gate)
+    alive = run_on_dds(gate)
     assert unsigned(alive, StopRobot, "stop", StopRobot.Request(operator_name="neighbour")).success
     refused = unsigned(alive, ReleaseStop, "release_stop", ReleaseStop.Request(operator_name="ava"))
     assert not refused.success
@@ -426,9 +426,9 @@ def test_anybody_stops_the_robot_and_only_who_has_the_key_releases_it(run: Run) 
 @pytest.mark.parametrize("mode", ["full"], indirect=True)
 @pytest.mark.usefixtures("mode")
 def test_where_all_is_allowed_an_unsigned_release_is_marked_in_the_log(
-    run: Run, capfd: pytest.CaptureFixture[str]
+    run_on_dds: Run, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    alive = run(DriveManager())
+    alive = run_on_dds(DriveManager())
     unsigned(alive, StopRobot, "stop", StopRobot.Request(operator_name="ava"))
     request = ReleaseStop.Request(operator_name="chief")
     assert unsigned(alive, ReleaseStop, "release_stop", request).success
@@ -462,9 +462,9 @@ SETTERS = [
 
 @pytest.mark.parametrize("mode", ["", "off"], indirect=True)
 @pytest.mark.usefixtures("mode")
-def test_nobody_changes_a_component_without_the_key(run: Run) -> None:
+def test_nobody_changes_a_component_without_the_key(run_on_dds: Run) -> None:
     gate = DriveManager()
-    alive = run(gate)
+    alive = run_on_dds(gate)
     before = repr(gate.config)
     for kind, name, request in SETTERS:
         answer = unsigned(alive, kind, name, request)
@@ -487,16 +487,16 @@ def test_nobody_changes_a_component_without_the_key(run: Run) -> None:
 
 @pytest.mark.parametrize("mode", ["full"], indirect=True)
 @pytest.mark.usefixtures("mode")
-def test_where_all_is_allowed_other_ros_tools_change_components(run: Run) -> None:
-    alive = run(DriveManager())
+def test_where_all_is_allowed_other_ros_tools_change_components(run_on_dds: Run) -> None:
+    alive = run_on_dds(DriveManager())
     assert unsigned(alive, *SETTERS[0]).success
     transition = ChangeState.Request()
     transition.transition.id = 4
     assert unsigned(alive, ChangeState, "change_state", transition).success
 
 
-def test_a_service_that_is_none_is_refused_by_name(run: Run) -> None:
-    alive = run(Component(component_name="lamp"))
+def test_a_service_that_is_none_is_refused_by_name(run_on_dds: Run) -> None:
+    alive = run_on_dds(Component(component_name="lamp"))
     signer = Signer(alive.node, "/lamp", known_keys())
     wait_until(lambda: signer.is_ready, 10, "a challenge")
     call = signer.sign("/lamp/signed_call", SignedCall.Request(service="explode"))
@@ -508,9 +508,9 @@ def test_a_service_that_is_none_is_refused_by_name(run: Run) -> None:
 RELEASE = "/drive_manager/release_stop"
 
 
-def stopped(run: Run) -> tuple[DriveManager, Alive]:
+def stopped(run_on_dds: Run) -> tuple[DriveManager, Alive]:
     gate = DriveManager()
-    alive = run(gate)
+    alive = run_on_dds(gate)
     assert unsigned(alive, StopRobot, "stop", StopRobot.Request()).success
     return gate, alive
 
@@ -523,8 +523,8 @@ def release(alive: Alive, signer: Signer, limit: float = 10.0) -> Reply[ReleaseS
     return reply
 
 
-def test_a_request_that_crosses_a_restart_is_signed_anew(run: Run) -> None:
-    gate, alive = stopped(run)
+def test_a_request_that_crosses_a_restart_is_signed_anew(run_on_dds: Run) -> None:
+    gate, alive = stopped(run_on_dds)
     signer = Signer(alive.node, "/drive_manager", known_keys())
     wait_until(lambda: signer.is_ready, 10, "a challenge")
     # Nobody has heard what the new one says on its topic.
@@ -533,8 +533,8 @@ def test_a_request_that_crosses_a_restart_is_signed_anew(run: Run) -> None:
     assert not gate._latch.is_set
 
 
-def test_a_request_that_was_given_up_is_not_made_later(run: Run) -> None:
-    _, alive = stopped(run)
+def test_a_request_that_was_given_up_is_not_made_later(run_on_dds: Run) -> None:
+    _, alive = stopped(run_on_dds)
     signer = Signer(alive.node, "/drive_manager", known_keys())
     calls: list[Future] = []
 
@@ -564,8 +564,8 @@ def test_a_request_that_was_given_up_is_not_made_later(run: Run) -> None:
 
 
 @pytest.mark.parametrize("word", ["nonsense", "forged", "old"])
-def test_who_repeats_or_invents_challenges_locks_nobody_out(run: Run, word: str) -> None:
-    gate, alive = stopped(run)
+def test_who_repeats_or_invents_challenges_locks_nobody_out(run_on_dds: Run, word: str) -> None:
+    gate, alive = stopped(run_on_dds)
     old = gate._gatekeeper._verifier.announcement
     gate._gatekeeper._verifier = Verifier(robot_key(), time.monotonic())
     gate._gatekeeper._publish()

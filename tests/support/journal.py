@@ -1,12 +1,10 @@
 """What rules did, as anybody can read it on the monitor's topic."""
 
-import time
 from typing import Any, NamedTuple
 
 from kompass.monitor.client import MonitorClient
 from kompass.rulebook.schema.journal import FiringStep
-from tests.support.processes import wait_until
-from tests.support.robot import Robot
+from tests.support.tester import Tester
 
 
 class Step(NamedTuple):
@@ -25,16 +23,17 @@ class Step(NamedTuple):
 class Journal:
     """Collects firings from when it is made; a rule is meant by a part of its id."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Tester) -> None:
         self.steps: list[Step] = []
+        self._robot = robot
         MonitorClient(robot.node, "/monitor").watch_firings(self._note)
-        wait_until(
+        robot.wait_until(
             lambda: robot.node.count_publishers("/monitor/firings") > 0, 10, "the monitor's firings"
         )
 
     def _note(self, told: FiringStep) -> None:
         step = Step(
-            time.monotonic(),
+            self._robot.clock.monotonic(),
             told.time,
             told.rule_id,
             told.run_id,
@@ -56,7 +55,9 @@ class Journal:
 
     def done(self, rule: str, since: int = 0, timeout: float = 10.0) -> Step:
         """Wait for the end of a run of a rule."""
-        wait_until(lambda: self.of(rule, "done", since), timeout, f"the end of a run of '{rule}'")
+        self._robot.wait_until(
+            lambda: self.of(rule, "done", since), timeout, f"the end of a run of '{rule}'"
+        )
         return self.of(rule, "done", since)[0]
 
     def actions(self, step: Step) -> list[Step]:

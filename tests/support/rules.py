@@ -1,7 +1,6 @@
 """The rules of a running stack, through the services of its monitor."""
 
 import json
-import time
 from typing import Any
 
 from kompass_interfaces.srv import (
@@ -19,8 +18,7 @@ from kompass.rulebook.schema.journal import FiringRecord, FiringStep
 from kompass.rulebook.schema.revision import History
 from kompass.rulebook.schema.status import RuleStatus
 from kompass.rulebook.schema.table_view import TableView
-from tests.support.processes import wait_until
-from tests.support.robot import Robot
+from tests.support.tester import Tester
 
 LONGEST = 15.0  # s for an answer, on a busy machine
 Rule = dict[str, Any]
@@ -29,7 +27,7 @@ Rule = dict[str, Any]
 class Rules:
     """Looks at the rules of the robot's monitor, and changes them."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Tester) -> None:
         self.robot = robot
         self.firings: list[FiringStep] = []
         self.arrived: list[float] = []
@@ -39,22 +37,22 @@ class Rules:
         self.monitor.watch_state(self._states.append)
 
     def _hear(self, step: FiringStep) -> None:
-        self.arrived.append(time.monotonic())
+        self.arrived.append(self.robot.clock.monotonic())
         self.firings.append(step)
 
     def begin(self, request: Any) -> Reply[Any]:
         """Send a request of a service, whatever is in it."""
         reply: Reply[Any] = self.monitor.request(request)
-        wait_until(reply.begin, 10, f"the service for {type(request).__name__}")
+        self.robot.wait_until(reply.begin, 10, f"the service for {type(request).__name__}")
         return reply
 
     def call(self, request: Any) -> Any:
         """Send a request of a service; its answer as it came."""
-        return self.monitor.request(request).wait()
+        return self.robot.answer(self.monitor.request(request))
 
     def view(self, revision: int = 0) -> TableView:
         """The table in force, or another."""
-        return self.monitor.table(revision).wait().parsed()
+        return self.robot.answer(self.monitor.table(revision)).parsed()
 
     def rules(self) -> list[Rule]:
         """The rules in force as data, to be changed."""
@@ -73,7 +71,7 @@ class Rules:
 
     def apply(self, rules: list[Rule], expected: int = 0, **more: Any) -> ApplyRules.Response:
         """Hand in a table, based on the revision in force unless told otherwise."""
-        return self.begin_apply(rules, expected or self.view().revision, **more).wait()
+        return self.robot.answer(self.begin_apply(rules, expected or self.view().revision, **more))
 
     def must_apply(self, rules: list[Rule], **more: Any) -> int:
         """Put a table in force; its revision."""
@@ -106,15 +104,15 @@ class Rules:
 
     def history(self) -> History:
         """All revisions."""
-        return self.monitor.history(count=1000).wait().parsed()
+        return self.robot.answer(self.monitor.history(count=1000)).parsed()
 
     def journal(self, rule_id: str = "") -> tuple[FiringRecord, ...]:
         """The newest entries."""
-        return self.monitor.firings(rule_id=rule_id).wait().parsed().firings
+        return self.robot.answer(self.monitor.firings(rule_id=rule_id)).parsed().firings
 
     def explain(self, rule_id: str, run_id: int = 0, epoch: str = "") -> ExplanationView:
         """Why."""
-        return self.monitor.explain(rule_id, run_id, epoch).wait().parsed()
+        return self.robot.answer(self.monitor.explain(rule_id, run_id, epoch)).parsed()
 
     def status(self, rule_id: str) -> RuleStatus:
         """How a rule is doing, right now."""
@@ -125,7 +123,7 @@ class Rules:
     @property
     def state(self) -> TableState:
         """What the monitor last said of itself."""
-        wait_until(lambda: self._states, 10, "the rules' state")
+        self.robot.wait_until(lambda: self._states, 10, "the rules' state")
         return self._states[-1]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from automatika_ros_sugar.srv import (
@@ -13,7 +14,6 @@ from automatika_ros_sugar.srv import (
 )
 from kompass_interfaces.srv import SignedCall
 from lifecycle_msgs.srv import ChangeState
-from rclpy.node import Node
 
 from kompass.access.signed_services import SIGNED_CALL, unwrap, wrap
 from kompass.access.signer import Signer
@@ -26,13 +26,23 @@ OF_COMPONENTS = (
     *(ChangeParameter, ChangeParameters, ConfigureFromFile, ExecuteMethod, ReplaceTopic),
     ChangeState,
 )
+Wait = Callable[[Callable[[], object], float, str], None]
 
 
 class SignedCalls:
-    """Calls from one node, which another thread spins."""
+    """Calls from one node.
 
-    def __init__(self, node: Node) -> None:
-        self._node = node
+    Parameters
+    ----------
+    node
+        Asks.
+    wait
+        Waits until a condition holds, while the node works: for a node that another thread spins
+        when left out.
+    """
+
+    def __init__(self, node: Any, wait: Wait = wait_until) -> None:
+        self._node, self._wait = node, wait
         self._clients: dict[tuple[Any, str], Any] = {}
         self._signers: dict[str, Signer] = {}
 
@@ -46,7 +56,7 @@ class SignedCalls:
             reply = self._signed(kind, name, request, timeout)
         else:
             reply = Reply.of_service(self._client(kind, name), name, request, timeout)
-        wait_until(reply.begin, 10, f"service {name}")
+        self._wait(reply.begin, 10, f"service {name}")
         return reply
 
     def _signed(

@@ -995,6 +995,8 @@ def test_the_graph_tells_who_offers_what(bus: Bus, one: Node, other: Node, name:
     assert len(set(ids)) == 3
     assert dict(other.get_topic_names_and_types())[name] == ["std_msgs/msg/Int32"]
     of_node = other.get_service_names_and_types_by_node
+    # A node tells what is its own apart from what there is: it may be heard a moment later.
+    bus.until(lambda: f"{name}/ask" in dict(of_node("one", "/")))
     assert dict(of_node("one", "/"))[f"{name}/ask"] == ["std_srvs/srv/Trigger"]
     assert f"{name}/ask" not in dict(of_node("other", "/robot"))
     with pytest.raises(NodeNameNonExistentError):

@@ -1,0 +1,118 @@
+"""A client that sees and drives a robot, whichever bus and time the robot lives in."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from geometry_msgs.msg import PointStamped, Pose, PoseStamped, Twist
+from kompass_interfaces.action import PlanPath
+from kompass_interfaces.msg import DriveState
+from kompass_interfaces.srv import CheckGoal, ReleaseStop, StopRobot
+from nav_msgs.msg import Odometry
+from std_msgs.msg import UInt32
+
+from tests.support.client import LATCHED, Client
+
+__all__ = ["LATCHED", "Tester", "pose"]
+
+PERIOD = 0.05  # s between two looks at where the robot is
+
+
+class Tester(Client):
+    """What the tests do with a robot."""
+
+    def __init__(self, node: Any) -> None:
+        super().__init__(node)
+        self.subscribe(Odometry, "/simulator/ground_truth")
+        self.subscribe(UInt32, "/simulator/contacts")
+        self.subscribe(Twist, "/cmd_vel")
+        self.subscribe(DriveState, "/drive_state", LATCHED)
+        self._clicks = node.create_publisher(PointStamped, "/clicked_point", 10)
+        self._poses = node.create_publisher(PoseStamped, "/goal_pose", 10)
+        self._action = self.action_client(PlanPath, "/planner/plan_path")
+
+    def ready(self) -> None:
+        """Wait until the planner accepts that goals can be planned."""
+
+        def plans() -> bool:
+            return bool(self.check(0.0, 0.0).reason not in (1, 6))
+
+        self.wait_until(lambda: "/simulator/ground_truth" in self.newest, 20, "the robot's pose")
+        self.wait_until(plans, 20, "a planner with map and pose")
+
+    def check(self, x: float, y: float) -> CheckGoal.Response:
+        """Ask whether a point could be reached."""
+        request = CheckGoal.Request()
+        request.goal.position.x, request.goal.position.y = x, y
+        return self.call(CheckGoal, "/planner/check_goal", request)
+
+    def send_goal(self, x: float, y: float, yaw: float | None = None) -> Any:
+        """Send a PlanPath goal; its handle, once accepted."""
+        goal = PlanPath.Goal(goal=pose(x, y, yaw or 0.0))
+        goal.end_tolerance.lateral_distance_error = 0.05
+        goal.end_tolerance.orientation_error = math.pi if yaw is None else 0.1
+        handle = self.send(self._action, goal)
+        assert handle.accepted
+        return handle
+
+    def click(self, x: float, y: float) -> None:
+        """Publish Point, as RViz does."""
+        message = PointStamped()
+        message.header.frame_id = "map"
+        message.header.stamp = self.node.get_clock().now().to_msg()
+        message.point.x, message.point.y = x, y
+        self.wait_until(
+            lambda: self._clicks.get_subscription_count() > 0, 10, "a listener for clicks"
+        )
+        self._clicks.publish(message)
+
+    def stop(self) -> StopRobot.Response:
+        """Press STOP."""
+        request = StopRobot.Request(operator_name="tester", reason="test")
+        return self.call(StopRobot, "/drive_manager/stop", request)
+
+    def release(self) -> ReleaseStop.Response:
+        """Release STOP, as a person."""
+        request = ReleaseStop.Request(operator_name="tester")
+        return self.call(ReleaseStop, "/drive_manager/release_stop", request)
+
+    # -- where it is --------------------------------------------------------------------------
+
+    @property
+    def truth(self) -> tuple[float, float, float]:
+        """Where the robot really is."""
+        at = self.newest["/simulator/ground_truth"].pose.pose
+        return at.position.x, at.position.y, 2 * math.atan2(at.orientation.z, at.orientation.w)
+
+    @property
+    def speed(self) -> float:
+        """How fast it really moves [m/s]."""
+        twist = self.newest["/simulator/ground_truth"].twist.twist
+        return math.hypot(twist.linear.x, twist.linear.y)
+
+    @property
+    def contacts(self) -> int:
+        """How often it has touched something."""
+        self.wait_until(lambda: "/simulator/contacts" in self.newest, 5, "the count of contacts")
+        return int(self.newest["/simulator/contacts"].data)
+
+    def distance_to(self, x: float, y: float) -> float:
+        """From where it really is [m]."""
+        return math.hypot(self.truth[0] - x, self.truth[1] - y)
+
+    def watch(self, seconds: float) -> list[tuple[float, float, float]]:
+        """Poses during a while."""
+        seen, end = [], self.clock.monotonic() + seconds
+        while self.clock.monotonic() < end:
+            seen.append(self.truth)
+            self.rest(PERIOD)
+        return seen
+
+
+def pose(x: float, y: float, yaw: float) -> Pose:
+    """A planar pose as a message."""
+    made = Pose()
+    made.position.x, made.position.y = x, y
+    made.orientation.z, made.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return made
