@@ -59,7 +59,6 @@ from kompass.virtual.process import World
 from kompass.virtual.scheduler import SECOND, nanoseconds
 from tests.drills.editor import Edit, Editor
 from tests.drills.probes import Probes, probe_rules
-from tests.recipe.random_recipes import DRIVER, KINDS, PLANNER, Writer, value_of
 
 RECIPES = Path(__file__).parents[2] / "recipes"
 WRITTEN = ("01_point_navigation", "02_self_healing", "03_events_and_actions",
@@ -205,6 +204,10 @@ def stack_of(drive: RandomDrive) -> tuple[Stack, dict[int, Any]]:
         from kompass.drills.runner.worker import stack_of as recipe_stack
 
         return recipe_stack(RECIPES / f"{drive.recipe}.py"), {}
+    # Only now, in the drive's own process: the drive manager there has a STOP of its own, which
+    # all that are forked after it is made would share.
+    from tests.recipe.random_recipes import DRIVER, PLANNER, Writer
+
     rng = random.Random(f"recipe {drive.seed}")
     written = Writer(rng).rules()
     planner: Planner = PLANNER
@@ -321,6 +324,8 @@ def _drive(drive: RandomDrive, outcome: Outcome, folder: Path) -> None:
 
 def _chatter(node: VirtualNode, rng: random.Random, asked: dict[int, Any]) -> None:
     """What the random recipes look at."""
+    from tests.recipe.random_recipes import KINDS, value_of
+
     publishers = {name: node.create_publisher(kind, name, 10) for name, kind in KINDS.items()}
 
     def say() -> None:
