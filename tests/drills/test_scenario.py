@@ -227,5 +227,5 @@ def test_a_folder_without_scenarios_and_a_file_that_is_not_there_are_told(tmp_pa
 def test_a_goal_may_be_published_and_its_topic_is_a_full_name() -> None:
     text = "name: a\nworld: hexagon\ngoals: [{x: -1.5, y: 0.5, topic: %s}]\n"
     assert parse_scenario(text % "/clicked_point").goals[0].topic == "/clicked_point"
-    with pytest.raises(BadScenario, match='goals\\[0\\].topic = "clicked point": no full name'):
+    with pytest.raises(BadScenario, match=r'goals\[0\]\.topic = "clicked point": no full name'):
         parse_scenario(text % "clicked point")
