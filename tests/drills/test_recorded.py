@@ -256,3 +256,19 @@ def test_a_recipe_that_is_not_the_same_twice_is_told_of_and_named(tmp_path: Path
     (note,) = read_report(report.read_text()).notes
     assert first == f"! {note}"
     assert "The recipe is not the same twice" in page.read_text()
+
+
+RECIPES = sorted((Path(__file__).parents[2] / "recipes").glob("0[5-8]_*.py"))
+
+
+@pytest.mark.parametrize("recipe", RECIPES, ids=lambda path: path.stem)
+def test_recipes_of_every_kind_are_drilled_and_are_the_same_twice(
+    recipe: Path, tmp_path: Path
+) -> None:
+    scenario, report = tmp_path / "there.yaml", tmp_path / "report.json"
+    plain = SCENARIO.model_copy(update={"faults": (), "operators": (), "limit": 30.0})
+    scenario.write_text(scenario_text(plain))
+    done = cli("run", str(recipe), "--scenarios", str(scenario), "--json", str(report))
+    assert done.returncode == 0, done.stdout + done.stderr
+    (drive,) = read_report(report.read_text()).drives
+    assert drive.outcome == "arrived"

@@ -222,3 +222,10 @@ def test_a_folder_without_scenarios_and_a_file_that_is_not_there_are_told(tmp_pa
     (tmp_path / "latin.yaml").write_bytes(b"name: caf\xe9")
     with pytest.raises(BadScenario, match="not UTF-8"):
         read_scenarios(tmp_path)
+
+
+def test_a_goal_may_be_published_and_its_topic_is_a_full_name() -> None:
+    text = "name: a\nworld: hexagon\ngoals: [{x: -1.5, y: 0.5, topic: %s}]\n"
+    assert parse_scenario(text % "/clicked_point").goals[0].topic == "/clicked_point"
+    with pytest.raises(BadScenario, match=r'goals\[0\]\.topic = "clicked point": no full name'):
+        parse_scenario(text % "clicked point")
