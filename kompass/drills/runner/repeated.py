@@ -8,8 +8,8 @@ from itertools import zip_longest
 
 _LONGEST = 160  # characters of a fact that are told
 CAUSES = (
-    "time.time(), datetime.now() or a sleep in a callback of a component, threads and sockets of "
-    "its own, os.urandom() and the like"
+    "time.time() or datetime.now() in a callback of a component, threads and sockets of its own, "
+    "os.urandom() and the like"
 )
 
 
