@@ -46,6 +46,8 @@ class Life:
         Of each member.
     stuck_since
         Since when one of them is [monotonic s].
+    lost_since
+        Since when one of them is not expected to come back by itself [monotonic s].
     """
 
     name: str
@@ -60,6 +62,7 @@ class Life:
     killed: str = ""
     conditions: dict[str, Condition] = field(default_factory=dict)
     stuck_since: float | None = None
+    lost_since: float | None = None
 
     @property
     def members(self) -> Sequence[str]:
@@ -148,7 +151,7 @@ class Oversight:
         self.tell(life, "active")
 
     def may_be_computing(self, life: Life, silent: float) -> bool:
-        """Whether it matters if a process computes, that has been silent for so long [s]."""
+        """Whether it matters what a process does that was silent, or a part of it, so long [s]."""
         return life.stopped is None and silent > self._limits.silent / 2
 
     def assess(
@@ -159,6 +162,7 @@ class Oversight:
         lags: Mapping[str, float | None],
         *,
         computing: bool = False,
+        waited: float = 0.0,
         allowed: Mapping[str, float] | None = None,
     ) -> Assessed:
         """Look at the heartbeats of a process that works, and tell what has changed.
@@ -169,22 +173,26 @@ class Oversight:
             Of the process.
         now
             Monotonic time [s].
-        silent, lags, computing, allowed
+        silent, lags, computing, waited, allowed
             As of :class:`kompass.supervisor.liveness.Observation`; lags of all members, and
             allowances of those that have one, by their names.
         """
         changes: list[Changed] = []
+        is_lost = False
         for member in life.members:
-            condition, reason = assess_liveness(
+            judged = assess_liveness(
                 Observation(
                     silent=silent,
                     lag=lags[member],
                     stopped=None if life.stopped is None else now - life.stopped,
                     computing=computing,
+                    waited=waited,
                     allowed=(allowed or {}).get(member, 0.0),
                 ),
                 self._limits,
             )
+            condition, reason = judged.condition, judged.reason
+            is_lost = is_lost or judged.is_lost
             before = life.conditions.get(member, "active")
             newly_stopped = life.stopped is not None and not life.told_stopped
             if condition != before or newly_stopped:
@@ -193,12 +201,12 @@ class Oversight:
                 self._tell_member(life, member, condition, reason, life.stopped is not None)
         life.told_stopped = life.stopped is not None
         kill, killed = "", self._limits.killed
-        if "stuck" not in life.conditions.values():
-            life.stuck_since = None
-        elif life.stuck_since is None:
-            life.stuck_since = now
-        elif killed is not None and now - life.stuck_since >= killed:
-            kill = f"it was stuck for {now - life.stuck_since:.0f} s"
+        stuck = "stuck" in life.conditions.values()
+        life.stuck_since = _since(life.stuck_since, stuck, now)
+        life.lost_since = _since(life.lost_since, is_lost, now)
+        if killed is not None and life.lost_since is not None and life.stuck_since is not None:
+            if now - life.lost_since >= killed:
+                kill = f"it was stuck for {now - life.stuck_since:.0f} s"
         return Assessed(changes, kill)
 
     def bury(self, life: Life, reason: str) -> None:
@@ -250,3 +258,10 @@ class Oversight:
         told = (name, nodes, state, life.pid, life.restarts, reason, stopped, life.born)
         news = self._newest[name] = ProcessNews(*told)
         self._tell_all(news)
+
+
+def _since(before: float | None, holds: bool, now: float) -> float | None:
+    """Since when something holds; None while it does not."""
+    if not holds:
+        return None
+    return now if before is None else before

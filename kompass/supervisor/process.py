@@ -66,7 +66,9 @@ class Child:
     reports: int  # read end of the pipe
     outbox: int = -1  # write end, for one that listens
     pending: bytes = b""
-    cpu_usage: CpuUsage = field(default_factory=CpuUsage)
+    # While it shows no life at all, and while one of its executors does not come round.
+    silence: CpuUsage = field(default_factory=CpuUsage)
+    lateness: CpuUsage = field(default_factory=CpuUsage)
 
     @property
     def pid(self) -> int:

@@ -14,6 +14,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from kompass.supervisor.cpu_usage import CpuUsage, Work
 from kompass.supervisor.guard import guard_process
 from kompass.supervisor.liveness import LivenessLimits
 from kompass.supervisor.news import ProcessNews
@@ -170,17 +171,21 @@ class Supervisor:
         if not life.active:
             return
         silent = now - heartbeat.last_sent()
-        computing = False
-        if self._oversight.may_be_computing(life, silent):
-            computing = child.cpu_usage.computing(child.pid, now)
-        else:
-            child.cpu_usage.clear()
         lags: dict[str, float | None] = {}
         for member in life.members:
             last = heartbeat.last_sent(member)
             lags[member] = now - last if last else None
+        longest = max((lag for lag in lags.values() if lag is not None), default=0.0)
+        computing = self._work(child, child.silence, silent, now).computing
+        waited = self._work(child, child.lateness, longest, now).waited
         assessed = self._oversight.assess(
-            life, now, silent, lags, computing=computing, allowed=child.spec.allowed
+            life,
+            now,
+            silent,
+            lags,
+            computing=computing,
+            waited=waited,
+            allowed=child.spec.allowed,
         )
         for change in assessed.changes:
             if change.now == "stuck":
@@ -189,6 +194,13 @@ class Supervisor:
                 log.info("%s is no longer stuck", change.member)
         if assessed.kill:
             self._kill(child, assessed.kill)
+
+    def _work(self, child: Child, usage: CpuUsage, silent: float, now: float) -> Work:
+        """What a process did while it was silent, or a part of it was."""
+        if self._oversight.may_be_computing(child.life, silent):
+            return usage.look(child.pid, now)
+        usage.clear()
+        return Work(computing=False, waited=0.0)
 
     def _kill(self, child: Child, why: str) -> None:
         if not child.life.killed:

@@ -7,8 +7,8 @@ from kompass.supervisor.news import ProcessNews
 from kompass.supervisor.oversight import Life, Oversight, StartupError
 from kompass.supervisor.restarts import DELAYS, Restarts
 
-LIMITS = LivenessLimits(busy=0.5, stuck=10.0, killed=3.0)
-BUSY, STUCK = 1.0, 10.0  # s that a loop has not come round
+LIMITS = LivenessLimits(busy=0.5, stuck=2.5, hung=10.0, killed=3.0)
+BUSY, SILENT, HUNG = 1.0, 2.5, 10.0  # s that a loop has not come round
 
 
 class Listener:
@@ -36,19 +36,33 @@ def test_only_what_changes_is_told() -> None:
     assert listener.states == [("controller", "busy"), ("controller", "active")]
 
 
+def test_one_that_never_comes_round_is_spoken_for_soon_and_killed_later() -> None:
+    listener, one = Listener(), life()
+
+    looks = [
+        listener.oversight.assess(one, float(now), 0.0, {"controller": float(now)})
+        for now in range(14)
+    ]
+
+    assert [now for now, look in enumerate(looks) if look.kill] == [13]
+    assert looks[13].kill == "it was stuck for 10 s"
+    assert listener.states == [("controller", "busy"), ("controller", "stuck")]
+    assert listener.heard[1].reason == "its loop has not come round for 3.0 s"
+
+
 def test_one_that_stays_stuck_is_to_be_killed_and_one_that_comes_round_is_not() -> None:
     listener, one, other = Listener(), life(), life()
 
-    looks = [listener.oversight.assess(one, now, 0.0, {"controller": STUCK}) for now in (0, 2, 3)]
+    looks = [listener.oversight.assess(one, now, 0.0, {"controller": HUNG}) for now in (0, 2, 3)]
     assert [bool(look.kill) for look in looks] == [False, False, True]
-    for now, lag in ((0, STUCK), (2, 0.1), (4, STUCK), (6, STUCK)):
+    for now, lag in ((0, HUNG), (2, 0.1), (4, HUNG), (6, HUNG), (6.5, SILENT), (9, HUNG)):
         assert not listener.oversight.assess(other, now, 0.0, {"controller": lag}).kill
 
 
 def test_of_nodes_that_share_a_process_the_one_that_hangs_is_told_of() -> None:
     listener, one = Listener(), life("planner", "mapper", name="components")
 
-    listener.oversight.assess(one, 1.0, 0.0, {"planner": STUCK, "mapper": 0.1})
+    listener.oversight.assess(one, 1.0, 0.0, {"planner": SILENT, "mapper": 0.1})
 
     assert [(news.name, news.nodes, news.state) for news in listener.heard] == [
         ("planner", ["planner"], "stuck")

@@ -468,7 +468,7 @@ def test_a_process_frozen_in_foreign_code_is_stuck(tmp_path: Path, programs: lis
 def test_an_executor_that_never_comes_round_is_stuck_in_the_end(
     tmp_path: Path, programs: list[Program]
 ) -> None:
-    program = listened(tmp_path, programs, "computes for ever", "stuck=1.5, killed=0.3")
+    program = listened(tmp_path, programs, "computes for ever", "stuck=1.5, hung=1.5, killed=0.3")
     wait_until(lambda: program.told("a").count("active") == 2, 10, "a second life")
     assert program.told("a")[1:5] == ["active", "busy", "stuck", "dead"]
 
@@ -496,7 +496,7 @@ def test_nodes_that_share_a_process_are_told_of_one_by_one(
         EAR + "specs = [ProcessSpec('components', beats, names=['node_a', 'node_b']), ear]",
         name="ear",
         hang="never returns",
-        options=LIMITED.format("stuck=60"),
+        options=LIMITED.format("stuck=60, hung=60"),
     )
     programs.append(program)
     wait_until(lambda: "busy" in program.told("node_a"), 10, "word of the busy node")
