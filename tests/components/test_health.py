@@ -6,6 +6,7 @@ from typing import Any
 from automatika_ros_sugar.msg import ComponentStatus
 
 from kompass.components import Component
+from kompass.components.base.health import HEALTHY_TEXT, INACTIVE_TEXT
 from tests.components.alive import LATCHED, Alive
 
 Run = Callable[..., Alive]
@@ -80,3 +81,27 @@ def test_a_late_listener_of_either_name_knows_at_once(run: Run) -> None:
     ]
     alive.wait_until(lambda: all(heard), 3, "the latched status")
     assert {message.status for messages in heard for message in messages[:1]} == {2}
+
+
+def test_one_that_is_stopped_says_again_and_again_that_it_is_inactive(run: Run) -> None:
+    component = Moody("moody")
+    alive = run(component)
+    alive.wait_until(lambda: last(alive).msg == HEALTHY_TEXT, 5, "health")
+    assert alive.execute("stop").success
+    alive.wait_until(lambda: last(alive).msg == INACTIVE_TEXT, 5, "word that it is inactive")
+    since = len(alive.statuses)
+    alive.wait_until(lambda: len(alive.statuses) > since + 5, 5, "repetitions")
+    assert {status.msg for status in alive.statuses[since:]} == {INACTIVE_TEXT}
+    assert alive.execute("start").success
+    alive.wait_until(lambda: last(alive).msg == HEALTHY_TEXT, 5, "health")
+
+
+def test_one_that_failed_and_is_stopped_has_no_failure_that_a_rule_would_answer(run: Run) -> None:
+    component = Moody("moody")
+    alive = run(component)
+    component.mood = raises
+    alive.wait_until(lambda: last(alive).status == 2, 5, "a COMPONENT failure")
+    assert alive.execute("stop").success
+    alive.wait_until(lambda: last(alive).msg == INACTIVE_TEXT, 5, "word that it is inactive")
+    assert last(alive).status == 0
+    assert list(last(alive).src_components) == []

@@ -169,6 +169,7 @@ class Component:
         self._outputs = OutputPorts(self.qos)
         self._timers: list[Any] = []
         self._loop: list[Any] = []
+        self._idle: Any = None  # timer
         self._active_since: float | None = None
         self._logged: dict[str, float] = {}
         self.action_problem = ""
@@ -514,6 +515,8 @@ class Component:
         self._node = make(self.node_name, self, namespace)
         self._node.set_log_levels(self.config.log_level, self.config.rclpy_log_level)
         self._status = StatusPublisher(self._node, self.config.status_rate)
+        self.health.set_inactive()
+        self._say_while_inactive()
         self._gatekeeper = Gatekeeper(self._node)
         self.init_variables()
         self.create_interfaces()
@@ -573,6 +576,7 @@ class Component:
             self._close()
             raise
         self._intend(True)
+        self._say_while_inactive()
         self.publish_status()
 
     def on_deactivate(self) -> None:
@@ -584,6 +588,9 @@ class Component:
                 self._main_action.withdraw()
             self._close()
             self._intend(False)
+            self.health.set_inactive()
+            self._say_while_inactive()
+            self.publish_status()
 
     def _intend(self, active: bool) -> None:
         if self.on_intent is not None and not self._keeps_intent:
@@ -642,6 +649,14 @@ class Component:
             self.node.destroy_timer(timer)
         self._timers, self._loop = [], []
         self._inputs.close(self.node)
+
+    def _say_while_inactive(self) -> None:
+        """Repeat the status at its rate while no main loop does; so that silence means a defect."""
+        if self._idle is not None:
+            self.node.destroy_timer(self._idle)
+        period = 1.0 / self.config.status_rate
+        say = self.publish_status
+        self._idle = None if self.is_active else self.node.create_timer(period, say)
 
     def _give_back(self) -> None:
         self._outputs.destroy()
@@ -1160,8 +1175,16 @@ class Component:
         if not names or self._node is None:
             return
         self._node.set_log_levels(config.log_level, config.rclpy_log_level)
-        if self._node.state == "unconfigured":
-            return
+        if self._node.state != "unconfigured":
+            self._tell_of_change(old, names)
+        if self.is_active and names & set(RATES):
+            self._start_loop()
+        if self._status is not None and "status_rate" in names:
+            self._status.set_rate(config.status_rate)
+            self._say_while_inactive()
+
+    def _tell_of_change(self, old: ComponentConfig, names: set[str]) -> None:
+        """Have a change taken into account, or undo it."""
         try:
             if self.lacks_robot:
                 raise ParameterError(f"{self.node_name}: 'robot' = None: {NO_ROBOT}")
@@ -1173,10 +1196,6 @@ class Component:
             self.config = old
             self.on_config_changed(names)
             raise
-        if self.is_active and names & set(RATES):
-            self._start_loop()
-        if self._status is not None:
-            self._status.set_rate(config.status_rate)
 
     def replace_topic(self, direction: str, old_name: str, topic: Topic) -> None:
         """Use another topic for an input or output, while running too.

@@ -16,6 +16,8 @@ TEXTS = {
 }
 
 HEALTHY_TEXT = TEXTS[ComponentStatus.STATUS_HEALTHY]
+# Nothing has failed in one that is not active: a rule that answers failures must not start it.
+INACTIVE_TEXT = "Inactive - it does nothing until it is started"
 
 
 @dataclass
@@ -36,6 +38,11 @@ class Health:
     def set_healthy(self, message: str = "") -> None:
         """Clear the failure and its sources; ``message`` tells e.g. what is waited for."""
         self._set(ComponentStatus.STATUS_HEALTHY, message)
+
+    def set_inactive(self) -> None:
+        """It was stopped, or has not been started."""
+        self._set(ComponentStatus.STATUS_HEALTHY, "")
+        self.message = INACTIVE_TEXT
 
     def set_fail_algorithm(
         self,

@@ -83,7 +83,7 @@ class Planner(Component):
 
     @property
     def longest_step(self) -> float:
-        return self.config.chosen_timeout + 5.0  # it is simplified and checked after it is found
+        return self.config.chosen_timeout + 2.0  # it is simplified and checked after it is found
 
     def init_variables(self) -> None:
         self._planner: GlobalPlanner | None = None
