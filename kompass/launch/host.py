@@ -13,7 +13,7 @@ from rclpy.signals import SignalHandlerOptions
 from kompass.bus.node import LifecycleNode, MakeNode
 from kompass.components.base.component import Component
 from kompass.components.base.node import ComponentNode
-from kompass.launch.answering import Answering
+from kompass.launch.answering import answer_over
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.heartbeat import send_heartbeat
@@ -79,7 +79,7 @@ def host(
         if inbox >= 0:
             _listen(inbox, running, feeders or {})
         if channels:
-            Answering(channels, running)
+            answer_over(channels, running)
         report("active " + " ".join(component.node_name for component in components))
         _spin(running, ended)
     finally:

@@ -3,12 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 from kompass.supervisor.oversight import Life
 from kompass.virtual.process import Thread, VirtualProcess
 
-# Makes what runs in a process; returns who is told of the others, if it wants to be.
-Main = Callable[[VirtualProcess], Callable[[str], object] | None]
+
+class Ears(NamedTuple):
+    """What a process takes from outside of ROS.
+
+    Attributes
+    ----------
+    news
+        How the other processes are doing, a JSON line each.
+    packet
+        What comes over its channel.
+    """
+
+    news: Callable[[str], object] | None = None
+    packet: Callable[[bytes], object] | None = None
+
+
+DEAF = Ears()
+# Makes what runs in a process, of its life.
+Main = Callable[[VirtualProcess, Life], Ears]
 
 
 class Program:
@@ -24,6 +42,8 @@ class Program:
         How long a step of a node may take, by its name, where that is longer than usual [s].
     process, life
         The one that lives; None while none does.
+    ears
+        Of that one.
     """
 
     def __init__(
@@ -38,7 +58,7 @@ class Program:
         self.starts = 0
         self.process: VirtualProcess | None = None
         self.life: Life | None = None
-        self.listener: Callable[[str], object] | None = None
+        self.ears = DEAF
 
     def executors(self, name: str) -> Sequence[Thread]:
         """Those of the process that lives: of one of its nodes, or all."""

@@ -9,16 +9,19 @@ from pathlib import Path
 from typing import Any
 
 from kompass.bus.node import LifecycleNode, Transitions
+from kompass.channel.channels import Channels
+from kompass.channel.life import Life as ChannelLife
 from kompass.components import MapServer, MapServerConfig
 from kompass.components.base.component import Component
 from kompass.components.drive.drive_manager import DriveManager
 from kompass.components.drive.halt import HALT_NODE, PERIOD, Halt
+from kompass.launch.answering import Answering
 from kompass.launch.gates import feeders_of, halting
 from kompass.launch.host import give_life
 from kompass.launch.processes import process_name
 from kompass.launch.stack import Monitored, Stack
 from kompass.launch.virtual_faults import VirtualFaults
-from kompass.launch.virtual_program import Main, Program
+from kompass.launch.virtual_program import DEAF, Ears, Main, Program
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.process import NAME as MONITOR
 from kompass.monitor.recording import FlightRecording
@@ -183,7 +186,7 @@ class VirtualStack:
             return
         process.kill()
         life.killed = why
-        program.process, program.life, program.listener = None, None, None
+        program.process, program.life, program.ears = None, None, DEAF
         self._later(DYING, self._note_death, program, life)
 
     def _note_stopped(self, program: Program, life: Life) -> None:
@@ -243,7 +246,7 @@ class VirtualStack:
         process.later(nanoseconds(STARTING), self._begin, program, process, life)
 
     def _begin(self, program: Program, process: VirtualProcess, life: Life) -> None:
-        program.listener = program.main(process)
+        program.ears = program.main(process, life)
         for news in self._oversight.newest:
             self._tell_listener(program, news.to_line())
         self._oversight.activate(life)
@@ -255,8 +258,15 @@ class VirtualStack:
             self._tell_listener(program, line)
 
     def _tell_listener(self, program: Program, line: str) -> None:
-        if program.listener is not None and program.process is not None:
-            program.process.later(nanoseconds(TOLD), program.listener, line)
+        if program.ears.news is not None and program.process is not None:
+            program.process.later(nanoseconds(TOLD), program.ears.news, line)
+
+    def _send(self, name: str, packet: bytes) -> bool:
+        """Send over a channel; what a dead process has not read its successor would not take."""
+        program = self.program(name)
+        if program.ears.packet is not None and program.process is not None:
+            program.process.later(nanoseconds(TOLD), program.ears.packet, packet)
+        return True
 
     # -- what runs in them --------------------------------------------------------------------
 
@@ -270,10 +280,11 @@ class VirtualStack:
             if one.stops_robot
         }
 
-        def main(process: VirtualProcess) -> Callable[[str], object] | None:
+        def main(process: VirtualProcess, life: Life) -> Ears:
             running = [(one, self._alive(process, one, desired)) for one in copy.deepcopy(group)]
+            answering = Answering(_name_of(life), running, partial(self._send, MONITOR))
             if not feeders:
-                return None
+                return Ears(packet=answering.take)
 
             def listen(line: str) -> None:
                 news = ProcessNews.of_line(line)
@@ -285,7 +296,7 @@ class VirtualStack:
                         text = f"{', '.join(sorted(lost))}: {news.reason}"
                         executor.create_task(component.on_feeder_lost, text)
 
-            return listen
+            return Ears(listen, answering.take)
 
         return main
 
@@ -302,7 +313,7 @@ class VirtualStack:
             process.at_death(component.custom_on_shutdown)  # unlocks its file of STOP
         return executor
 
-    def _monitor(self, monitored: Monitored, process: VirtualProcess) -> Callable[[str], object]:
+    def _monitor(self, monitored: Monitored, process: VirtualProcess, life: Life) -> Ears:
         node = VirtualNode(process, MONITOR, self._stack.namespace)
         executor = VirtualExecutor(process)
         executor.add_node(node)
@@ -318,22 +329,31 @@ class VirtualStack:
         monitor = Monitor(
             *(node, executor, rules, monitored.catalog, start, store, settings, self._asked),
             recording=self._recording,
+            channels=Channels(
+                _name_of(life),
+                {one.node_name: partial(self._send, one.node_name) for one in rules.components},
+            ),
         )
         for component in rules.components:  # the last monitor has made handles of them
             object.__setattr__(component, "__class__", self._originals[id(component)])
         monitor.reach_components(rules.components)
-        return partial(executor.create_task, monitor.process_changed)
+        return Ears(
+            partial(executor.create_task, monitor.process_changed),
+            partial(executor.create_task, monitor.component_answered),
+        )
 
-    def _simulate(self, process: VirtualProcess) -> None:
+    def _simulate(self, process: VirtualProcess, _: Life) -> Ears:
         node = VirtualNode(process, SIMULATOR)
         executor = VirtualExecutor(process)
         Simulator(node, self._place, self._seed, self._orders, self._faults)
         executor.add_node(node)
+        return DEAF
 
-    def _serve_map(self, process: VirtualProcess) -> None:
+    def _serve_map(self, process: VirtualProcess, _: Life) -> Ears:
         config = MapServerConfig(map_file_path=str(map_path(self._place.name)))
         server = MapServer(MAP_SERVER, config=config)
         self._alive(process, server, DesiredState({MAP_SERVER: True}))
+        return DEAF
 
     # -- time ---------------------------------------------------------------------------------
 
@@ -346,8 +366,8 @@ class VirtualStack:
 
 
 def _halt(
-    gates: Sequence[str], topics: Sequence[Any], frame: str, process: VirtualProcess
-) -> Callable[[str], object]:
+    gates: Sequence[str], topics: Sequence[Any], frame: str, process: VirtualProcess, _: Life
+) -> Ears:
     node = VirtualNode(process, HALT_NODE)
     executor = VirtualExecutor(process)
     executor.add_node(node)
@@ -358,4 +378,9 @@ def _halt(
         halt.note(line)
         halt.look()
 
-    return partial(executor.create_task, listen)
+    return Ears(partial(executor.create_task, listen))
+
+
+def _name_of(life: Life) -> ChannelLife:
+    """A life, as who speaks over channels tells it from others."""
+    return ChannelLife(life.pid, life.born)

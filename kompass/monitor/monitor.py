@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from functools import partial
 
 from builtin_interfaces.msg import Time
 
 from kompass.access.gatekeeper import Gatekeeper
 from kompass.bus.node import Executor, Node
+from kompass.channel.channels import Channels
 from kompass.components.base.component import Component
 from kompass.monitor.engine_loop import EngineLoop
 from kompass.monitor.execution.action_runner import ActionRunner
@@ -78,12 +79,7 @@ class Monitor:
     recording
         The flight recorder; None where there is none.
     channels
-        File descriptors of our ends of the channels to components, by their names.
-
-    Attributes
-    ----------
-    ends
-        Of these channels, where :meth:`component_answered` finds its packets.
+        To components; what they answer is for :meth:`component_answered`.
     """
 
     def __init__(
@@ -97,7 +93,7 @@ class Monitor:
         settings: MonitorSettings,
         ask: Callable[[str], None],
         recording: FlightRecording | None = None,
-        channels: Mapping[str, int] | None = None,
+        channels: Channels | None = None,
     ) -> None:
         def stamp() -> Time:
             return node.get_clock().now().to_msg()
@@ -131,7 +127,6 @@ class Monitor:
             self._processes.restart_if_stuck,
             channels,
         )
-        self.ends = self._runner.channels.ends
         publishers = self._runner.publishers
         self._runs = runs = Runs(self._runner.run, loop.ended, firings)
         inputs = RuleInputs(node, proxy.pass_on)

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import gc
 import signal
+import socket
 import sys
 import threading
 import traceback
 from collections.abc import Mapping
+from functools import partial
 
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from kompass.bus.node import Node
+from kompass.channel.channels import Channels
+from kompass.channel.life import own_life
+from kompass.channel.packet import send_packet
 from kompass.monitor.incoming import incoming
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.monitor import Monitor
@@ -66,13 +71,17 @@ def run_monitor(
     node = PlainNode(NAME, namespace=namespace or None)
     executor = TaskExecutor()
     executor.add_node(node)
+    # Processes that host several components have one channel.
+    ends = {each: socket.socket(fileno=each) for each in set(channels.values())}
+    senders = {name: partial(send_packet, ends[each]) for name, each in channels.items()}
     monitor = Monitor(
-        *(node, executor, recipe, catalog, start, store, settings, report, recording, channels)
+        *(node, executor, recipe, catalog, start, store, settings, report, recording),
+        Channels(own_life(), senders),
     )
     monitor.reach_components(recipe.components)
 
     def read() -> None:
-        for each in incoming(inbox, monitor.ends):
+        for each in incoming(inbox, [*ends.values()]):
             if isinstance(each, str):
                 executor.create_task(monitor.process_changed, each)
             else:

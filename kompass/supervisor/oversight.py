@@ -204,9 +204,9 @@ class Oversight:
         stuck = "stuck" in life.conditions.values()
         life.stuck_since = _since(life.stuck_since, stuck, now)
         life.lost_since = _since(life.lost_since, is_lost, now)
-        if killed is not None and life.lost_since is not None and life.stuck_since is not None:
-            if now - life.lost_since >= killed:
-                kill = f"it was stuck for {now - life.stuck_since:.0f} s"
+        if killed is not None and life.lost_since is not None and now - life.lost_since >= killed:
+            assert life.stuck_since is not None, "what is lost is stuck"
+            kill = f"it was stuck for {now - life.stuck_since:.0f} s"
         return Assessed(changes, kill)
 
     def bury(self, life: Life, reason: str) -> None:

@@ -4,12 +4,15 @@ import os
 import socket
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import pytest
 
 from kompass.access.gatekeeper import NotAdmitted
+from kompass.bus.clock import SYSTEM
 from kompass.channel.answer import Answer
+from kompass.channel.channels import Channels
 from kompass.channel.life import own_life
 from kompass.channel.packet import receive_packet, send_packet
 from kompass.channel.pair import open_pair
@@ -31,9 +34,11 @@ class Asking:
     def __init__(self, spinning: Spinning) -> None:
         self.spinning = spinning
         pair = open_pair()
+        self.end = socket.socket(fileno=pair.asker)
         self.other = socket.socket(fileno=pair.answerer)
         awaitables = Awaitables(Timers(spinning.node), spinning.executor)
-        self.channels = ComponentChannels({"lamp": pair.asker}, awaitables)
+        channels = Channels(own_life(), {"lamp": partial(send_packet, self.end)})
+        self.channels = ComponentChannels(channels, awaitables, SYSTEM)
 
     def news(self, state: ProcessCondition, pid: int = 7, reason: str = "") -> None:
         self.channels.changed(ProcessNews("lamp", ["lamp"], state, pid, reason=reason, born=70))
@@ -65,8 +70,7 @@ class Asking:
 
     def close(self) -> None:
         self.other.close()
-        for end in self.channels.ends:
-            end.close()
+        self.end.close()
 
 
 @pytest.fixture
@@ -131,7 +135,7 @@ def test_who_is_up_is_asked_whatever_it_does(asking: Asking, state: ProcessCondi
 def test_who_does_not_read_is_not_asked_this_way(asking: Asking) -> None:
     asking.news("active")
     packets = 0
-    while send_packet(asking.channels.ends[0], b"x" * 1000):
+    while send_packet(asking.end, b"x" * 1000):
         packets += 1
     assert asking.ask()() is None
     for _ in range(packets):

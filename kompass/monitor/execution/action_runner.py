@@ -27,6 +27,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from kompass.access.signed_services import SIGNED_CALL, unwrap, wrap
 from kompass.access.signer import MOST_CALLS, Signer
 from kompass.bus.node import ActionClient, Executor, Node
+from kompass.channel.channels import Channels
 from kompass.monitor.execution.component_channels import ComponentChannels
 from kompass.monitor.execution.publishers import Listeners, Publishers
 from kompass.monitor.execution.service_refusal import refusal
@@ -90,8 +91,7 @@ class ActionRunner:
     restart_if_stuck
         Has the process of a component started anew if it hangs, and returns whether it does.
     channels
-        File descriptors of our ends of the channels to components, by node name; who has
-        none is asked over ROS.
+        To components; who has none is asked over ROS.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class ActionRunner:
         permissions: Permissions,
         components: Collection[str],
         restart_if_stuck: Callable[[str], bool],
-        channels: Mapping[str, int] | None = None,
+        channels: Channels | None = None,
     ) -> None:
         self._node, self._clock = node, node.clock
         self._alarms = alarms
@@ -120,7 +120,7 @@ class ActionRunner:
         self._functions = functions
         self._executor = executor
         self._awaitables = Awaitables(timers, executor)
-        self.channels = ComponentChannels(channels or {}, self._awaitables)
+        self.channels = ComponentChannels(channels, self._awaitables, self._clock)
         self._reached: set[Future[Any]] = set()
         self._restart_if_stuck = restart_if_stuck
         self._clients: dict[tuple[type, str], Any] = {}

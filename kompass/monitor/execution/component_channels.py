@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import itertools
-import socket
-import time
-from collections.abc import Mapping
 from typing import NamedTuple
 
 from rclpy.task import Future
 
 from kompass.access.gatekeeper import NotAdmitted
+from kompass.bus.clock import Clock
 from kompass.channel.answer import Answer
-from kompass.channel.life import Life, own_life
-from kompass.channel.packet import send_packet
+from kompass.channel.channels import Channels
+from kompass.channel.life import Life
 from kompass.channel.request import Request
 from kompass.rclpy_ext.awaitables import Awaitables
 from kompass.supervisor.news import ProcessNews
@@ -39,24 +37,13 @@ class ComponentChannels:
     Parameters
     ----------
     channels
-        File descriptors of our ends, by component; they are ours from now on.
-    awaitables
+        Where there are any; who has none is not asked here.
+    awaitables, clock
         Of that executor.
-
-    Attributes
-    ----------
-    ends
-        Where answers come in.
     """
 
-    def __init__(self, channels: Mapping[str, int], awaitables: Awaitables) -> None:
-        each = {
-            descriptor: socket.socket(fileno=descriptor) for descriptor in set(channels.values())
-        }
-        self.ends = tuple(each.values())
-        self._end_of = {node: each[descriptor] for node, descriptor in channels.items()}
-        self._awaitables = awaitables
-        self._life = own_life()
+    def __init__(self, channels: Channels | None, awaitables: Awaitables, clock: Clock) -> None:
+        self._channels, self._awaitables, self._clock = channels, awaitables, clock
         self._lives: dict[str, Life] = {}  # of the processes that are up, by component
         self._open: dict[int, _Open] = {}
         self._numbers = itertools.count(1)
@@ -80,7 +67,8 @@ class ComponentChannels:
         answer = Answer.of_packet(packet)
         each = self._open.get(answer.number)
         # Answers to the monitor before this one, and to who does not wait any more, are nobody's.
-        if each is not None and answer.asker == self._life:
+        asker = None if self._channels is None else self._channels.life
+        if each is not None and answer.asker == asker:
             self._end(each, NotAdmitted(answer.problem) if answer.problem else answer.body)
 
     async def ask(
@@ -116,13 +104,13 @@ class ComponentChannels:
         NotAdmitted
             When the service gave no answer; the message says why.
         """
-        end, life = self._end_of.get(node), self._lives.get(node)
-        if end is None or life is None:
+        channels, life = self._channels, self._lives.get(node)
+        if channels is None or life is None or node not in channels.send:
             return None
         number = next(self._numbers)
-        until = None if timeout is None else time.monotonic() + timeout
-        request = Request(number, self._life, life, until, node, service, body)
-        if not send_packet(end, request.to_packet()):
+        until = None if timeout is None else self._clock.monotonic() + timeout
+        request = Request(number, channels.life, life, until, node, service, body)
+        if not channels.send[node](request.to_packet()):
             return None
         each = self._open[number] = _Open(node, life, self._awaitables.future())
         try:
