@@ -12,6 +12,8 @@ from typing import Any, Protocol
 
 from kompass.bus.clock import Clock
 
+# Pursues a goal, given its handle.
+Execute = Callable[[Any], Coroutine[Any, Any, Any]]
 # Of a topic, a service or an action, and the types under which it is offered.
 NamesAndTypes = Sequence[tuple[str, Sequence[str]]]
 
@@ -151,11 +153,13 @@ class Node(Graph, Protocol):
         self,
         action_type: Any,
         action_name: str,
-        execute: Callable[[Any], Coroutine[Any, Any, Any]],
+        execute: Execute,
         *,
         goal_callback: Callable[[Any], Any],
         cancel_callback: Callable[[Any], Any],
-    ) -> Any: ...
+    ) -> Any:
+        """Take goals. When a callback raises, the node is told, and what was asked is refused."""
+
     def create_action_client(self, action_type: Any, action_name: str) -> ActionClient: ...
     def destroy_publisher(self, publisher: Any) -> bool: ...
     def destroy_subscription(self, subscription: Any) -> bool: ...
@@ -178,6 +182,7 @@ class Transitions(Protocol):
     def on_cleanup(self) -> None: ...
     def on_shutdown(self) -> None: ...
     def on_transition_error(self, transition: str, error: Exception) -> None: ...
+    def on_callback_error(self, error: Exception) -> None: ...
 
 
 ChangeState = Callable[[Any, Any], Any]

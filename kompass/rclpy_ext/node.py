@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Coroutine, Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Executor as Threads
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from rclpy.action import (
     ActionClient,
+    ActionServer,
+    CancelResponse,
+    GoalResponse,
     get_action_names_and_types,
     get_action_server_names_and_types_by_node,
 )
@@ -20,8 +23,9 @@ from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 
 from kompass.bus.clock import SYSTEM, Clock
-from kompass.bus.node import NamesAndTypes
+from kompass.bus.node import Execute, NamesAndTypes
 from kompass.rclpy_ext.action_server import ForgetfulActionServer
+from kompass.rclpy_ext.guarded import guarded
 from kompass.rclpy_ext.log import write_log
 
 
@@ -62,27 +66,32 @@ class NodeOnDDS:
         return bool(super().destroy_subscription(subscription))  # type: ignore[misc]
 
     def create_action_server(
-        self,
-        action_type: Any,
-        action_name: str,
-        execute: Callable[[Any], Coroutine[Any, Any, Any]],
-        *,
-        goal_callback: Callable[[Any], Any],
-        cancel_callback: Callable[[Any], Any],
+        self, action_type: Any, action_name: str, execute: Execute, **callbacks: Any
     ) -> ForgetfulActionServer:
-        """As :class:`rclpy.action.ActionServer`."""
-        return ForgetfulActionServer(
-            self,
-            action_type,
-            action_name,
-            execute,
-            goal_callback=goal_callback,
-            cancel_callback=cancel_callback,
-        )
+        """As :meth:`kompass.bus.node.Node.create_action_server`."""
+        return ForgetfulActionServer(self, action_type, action_name, execute, **callbacks)
 
     def create_action_client(self, action_type: Any, action_name: str) -> ActionClient:
         """As :class:`rclpy.action.ActionClient`."""
         return ActionClient(self, action_type, action_name)
+
+    def add_waitable(self, waitable: Any) -> None:
+        """As of :class:`rclpy.node.Node`; what a callback of an action raises ends no process.
+
+        It is told, and a goal or cancel request that is not answered for that is refused.
+        """
+        if isinstance(waitable, ActionServer):  # also one that a recipe makes by itself
+            tell = self.on_callback_error
+            goal, cancel = waitable._goal_callback, waitable._cancel_callback
+            waitable.register_goal_callback(guarded(goal, GoalResponse.REJECT, tell))
+            waitable.register_cancel_callback(guarded(cancel, CancelResponse.REJECT, tell))
+        waitable.execute = guarded(waitable.execute, None, self.on_callback_error)
+        super().add_waitable(waitable)  # type: ignore[misc]
+
+    def on_callback_error(self, error: Exception) -> None:
+        """A callback of an action has raised."""
+        text = f"a callback failed: {type(error).__name__}: {error}"
+        self.get_logger().error(text)  # type: ignore[attr-defined]
 
     def get_action_names_and_types(self) -> NamesAndTypes:
         """As :func:`rclpy.action.get_action_names_and_types`."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
@@ -16,8 +15,9 @@ from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
-from kompass.bus.node import Node
+from kompass.bus.node import Execute, Node
 from kompass.rclpy_ext.deferred_service import defer_answers
+from kompass.rclpy_ext.guarded import guarded
 from kompass.virtual.process import VirtualProcess
 
 RESULT_KEPT = 900 * 1_000_000_000  # ns for which a server remembers a goal that has ended
@@ -56,6 +56,7 @@ class ActionNode(Node, Protocol):
 
     @property
     def process(self) -> VirtualProcess: ...
+    def on_callback_error(self, error: Exception) -> None: ...
     def destroy_service(self, service: Any) -> bool: ...
 
 
@@ -146,13 +147,15 @@ class VirtualActionServer:
         node: ActionNode,
         action_type: Any,
         action_name: str,
-        execute: Callable[[Any], Any],
+        execute: Execute,
         *,
         goal_callback: Callable[[Any], Any],
         cancel_callback: Callable[[Any], Any],
     ) -> None:
         self._node, self.action_type, self._execute = node, action_type, execute
-        self._goal_callback, self._cancel_callback = goal_callback, cancel_callback
+        tell = node.on_callback_error
+        self._goal_callback = guarded(goal_callback, GoalResponse.REJECT, tell)
+        self._cancel_callback = guarded(cancel_callback, CancelResponse.REJECT, tell)
         self._goals: dict[bytes, VirtualGoalHandle] = {}
         impl = action_type.Impl
         self._services = []
@@ -223,8 +226,7 @@ class VirtualActionServer:
     async def _on_goal(self, request: Any, response: Any) -> Any:
         key = bytes(request.goal_id.uuid)
         if key not in self._goals:
-            with _fatal(self._node):
-                answer = await await_or_execute(self._goal_callback, request.goal)
+            answer = await self._goal_callback(request.goal)
             response.accepted = answer == GoalResponse.ACCEPT
         response.stamp = self._node.get_clock().now().to_msg()
         if response.accepted:
@@ -260,8 +262,7 @@ class VirtualActionServer:
     async def _on_cancel(self, request: Any, response: Any) -> Any:
         response.return_code, goals = self._to_cancel(request.goal_info)
         for goal in goals:
-            with _fatal(self._node):
-                answer = await await_or_execute(self._cancel_callback, goal)
+            answer = await self._cancel_callback(goal)
             # As rclpy: the code says no that all were refused.
             if answer == CancelResponse.ACCEPT and goal.can("cancel"):
                 goal.advance("cancel")
@@ -404,8 +405,10 @@ class VirtualActionClient:
     def _on_feedback(self, message: Any) -> None:
         callback = self._feedback.get(bytes(message.goal_id.uuid))
         if callback is not None:
-            with _fatal(self._node):
+            try:
                 callback(message)
+            except Exception as error:  # noqa: BLE001 - is told of, as by nodes on DDS
+                self._node.on_callback_error(error)
 
     def _on_status(self, message: GoalStatusArray) -> None:
         for each in message.status_list:
@@ -415,17 +418,6 @@ class VirtualActionClient:
                 handle.status = each.status
                 if each.status in _OVER:
                     del self._goals[key]
-
-
-@contextmanager
-def _fatal(node: ActionNode) -> Iterator[None]:
-    """What is raised in here ends the process, as the events executor does (rclpy issue 1641)."""
-    try:
-        yield
-    except Exception as error:
-        node.get_logger().fatal(f"the process dies of {type(error).__name__}: {error}")
-        node.process.kill()
-        raise
 
 
 def _time(info: GoalInfo) -> int:

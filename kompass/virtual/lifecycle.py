@@ -154,6 +154,10 @@ class VirtualLifecycleNode(VirtualNode):
         """Put something in front of the service for transitions."""
         self._change_state.callback = guard(self._change_state.callback)
 
+    def on_callback_error(self, error: Exception) -> None:
+        """A callback of an action has raised: a failure of the component."""
+        self._component.on_callback_error(error)
+
     # -- transitions --------------------------------------------------------------------------
 
     def _trigger(self, number: int) -> TransitionCallbackReturn:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable
 from concurrent.futures import Executor as Threads
 from functools import cache
 from typing import Any, Protocol, TypeVar
@@ -22,7 +22,7 @@ from rclpy.validate_node_name import validate_node_name
 from rclpy.validate_topic_name import validate_topic_name
 
 from kompass.bus.clock import Clock
-from kompass.bus.node import NamesAndTypes
+from kompass.bus.node import Execute, NamesAndTypes
 from kompass.virtual.actions import VirtualActionClient, VirtualActionServer, action_names_and_types
 from kompass.virtual.executor import VirtualExecutor
 from kompass.virtual.log import VirtualLog
@@ -436,22 +436,9 @@ class VirtualNode:
         return timer
 
     def create_action_server(
-        self,
-        action_type: Any,
-        action_name: str,
-        execute: Callable[[Any], Coroutine[Any, Any, Any]],
-        *,
-        goal_callback: Callable[[Any], Any],
-        cancel_callback: Callable[[Any], Any],
+        self, action_type: Any, action_name: str, execute: Execute, **callbacks: Any
     ) -> VirtualActionServer:
-        return VirtualActionServer(
-            self,
-            action_type,
-            action_name,
-            execute,
-            goal_callback=goal_callback,
-            cancel_callback=cancel_callback,
-        )
+        return VirtualActionServer(self, action_type, action_name, execute, **callbacks)
 
     def create_action_client(self, action_type: Any, action_name: str) -> VirtualActionClient:
         return VirtualActionClient(self, action_type, action_name)
@@ -491,6 +478,10 @@ class VirtualNode:
     def write_log(self, level: str, text: str) -> None:
         """A line of its log."""
         getattr(self._logger, level)(text)
+
+    def on_callback_error(self, error: Exception) -> None:
+        """A callback of an action has raised."""
+        self._logger.error(f"a callback failed: {type(error).__name__}: {error}")
 
     def threads(self, count: int, name: str) -> Threads:
         return VirtualThreads(self.process, count, name)

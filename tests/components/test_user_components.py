@@ -13,6 +13,7 @@ from kompass_interfaces.action import IntelligentRest, MotionRecording
 from lifecycle_msgs.msg import State
 from nav_msgs.srv import GetMap
 from pydantic import Field
+from rclpy.action import ActionServer, CancelResponse
 from std_msgs.msg import Bool, Byte, Float32, Float32MultiArray, Int32MultiArray, String
 from std_srvs.srv import Trigger
 
@@ -335,6 +336,37 @@ def test_an_action_callback_that_raises_aborts_its_goal_and_says_why(run_on_dds:
     component.broken = False
     assert goals.result(goals.send()).status == SUCCEEDED
     status_comes(alive, HEALTHY)
+
+
+def test_a_goal_that_an_own_server_cannot_judge_is_refused_and_the_process_lives(
+    run_on_dds: Run,
+) -> None:
+    """Both servers: the node's, and one of rclpy that a component makes by itself."""
+
+    class Judge(Component):
+        def create_interfaces(self) -> None:
+            async def execute(goal_handle: Any) -> Any:
+                goal_handle.succeed()
+                return MotionRecording.Result()
+
+            def judge(goal: Any) -> Any:
+                raise ZeroDivisionError("no such thing")
+
+            accept = {"cancel_callback": lambda _: CancelResponse.ACCEPT}
+            name = f"{self.node_name}/ours"
+            self.node.create_action_server(
+                MotionRecording, name, execute, goal_callback=judge, **accept
+            )
+            name = f"{self.node_name}/theirs"
+            self.theirs = ActionServer(
+                self.node, MotionRecording, name, execute, goal_callback=judge
+            )
+
+    alive = run_on_dds(Judge("judge"))
+    for name in ("ours", "theirs"):
+        assert not Goals(alive, MotionRecording, f"/judge/{name}").send().accepted
+        status_comes(alive, COMPONENT, "ZeroDivisionError: no such thing")
+    assert alive.execute("broadcast_status").success
 
 
 @pytest.mark.parametrize("given", [None, 3])

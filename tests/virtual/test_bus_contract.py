@@ -405,13 +405,14 @@ class Server:
         self._bus, self._node = bus, node
         self.handles: list[Any] = []
         self.ends: list[Future] = []
-        self.goal_response, self.cancel_response = GoalResponse.ACCEPT, CancelResponse.ACCEPT
+        self.on_goal: Any = lambda _: GoalResponse.ACCEPT
+        self.on_cancel: Any = lambda _: CancelResponse.ACCEPT
         self.server = node.create_action_server(
             PlanPath,
             name,
             self._execute,
-            goal_callback=lambda _: self.goal_response,
-            cancel_callback=lambda _: self.cancel_response,
+            goal_callback=lambda goal: self.on_goal(goal),
+            cancel_callback=lambda handle: self.on_cancel(handle),
         )
 
     async def _execute(self, handle: Any) -> Any:
@@ -466,12 +467,52 @@ def test_a_goal_is_followed_to_its_end(bus: Bus, other: Node, server: Server, na
 
 def test_a_goal_may_be_refused(bus: Bus, other: Node, server: Server, name: str) -> None:
     client = other.create_action_client(PlanPath, name)
-    server.goal_response = GoalResponse.REJECT
+    server.on_goal = lambda _: GoalResponse.REJECT
     bus.until(client.server_is_ready)
     sent = client.send_goal_async(PlanPath.Goal())
     bus.until(sent.done)
     assert not sent.result().accepted
     assert server.handles == []
+
+
+def fail(_: Any) -> Any:
+    raise ValueError("as expected")
+
+
+def test_a_goal_whose_callback_raises_is_refused_and_the_next_one_taken(
+    bus: Bus, other: Node, server: Server, name: str
+) -> None:
+    client = other.create_action_client(PlanPath, name)
+    server.on_goal = fail
+    bus.until(client.server_is_ready)
+    sent = client.send_goal_async(PlanPath.Goal())
+    bus.until(sent.done)
+    assert not sent.result().accepted
+    server.on_goal = lambda _: GoalResponse.ACCEPT
+    assert server.accepted(client).accepted
+
+
+def test_a_goal_goes_on_whose_cancel_or_feedback_callback_raises(
+    bus: Bus, other: Node, server: Server, name: str
+) -> None:
+    client = other.create_action_client(PlanPath, name)
+    heard: list[Any] = []
+
+    def hear(message: Any) -> None:
+        heard.append(message)
+        fail(message)
+
+    goal = server.accepted(client, feedback_callback=hear)
+    server.on_cancel = fail
+    refused = goal.cancel_goal_async()
+    bus.until(refused.done)
+    assert not refused.result().goals_canceling
+    server.handles[0].publish_feedback(PlanPath.Feedback())
+    bus.until(lambda: heard)
+    ended = goal.get_result_async()
+    server.ends[0].set_result(lambda handle: handle.succeed())
+    bus.until(ended.done)
+    assert ended.result().status == GoalStatus.STATUS_SUCCEEDED
 
 
 def test_a_goal_is_cancelled_by_who_sent_it(
@@ -480,12 +521,12 @@ def test_a_goal_is_cancelled_by_who_sent_it(
     client = other.create_action_client(PlanPath, name)
     goal = server.accepted(client)
     ended, handle = goal.get_result_async(), server.handles[0]
-    server.cancel_response = CancelResponse.REJECT
+    server.on_cancel = lambda _: CancelResponse.REJECT
     refused = goal.cancel_goal_async()
     bus.until(refused.done)
     assert not refused.result().goals_canceling
     assert not handle.is_cancel_requested
-    server.cancel_response = CancelResponse.ACCEPT
+    server.on_cancel = lambda _: CancelResponse.ACCEPT
     cancelled = goal.cancel_goal_async()
     bus.until(cancelled.done)
     assert [bytes(each.goal_id.uuid) for each in cancelled.result().goals_canceling] == [
@@ -793,6 +834,9 @@ class Part:
 
     def on_shutdown(self) -> None:
         self._do("shutdown")
+
+    def on_callback_error(self, error: Exception) -> None:
+        self.told.append(("callback", str(error)))
 
     def on_transition_error(self, transition: str, error: Exception) -> None:
         if "telling" in self.failing:

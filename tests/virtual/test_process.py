@@ -204,24 +204,6 @@ def test_a_callback_that_raises_is_given_to_who_asked_for_it_or_comes_out(world:
         world.scheduler.run_for(MS)
 
 
-def test_a_goal_callback_that_raises_takes_the_process_with_it_as_with_rclpy(world: World) -> None:
-    def fail(_: object) -> GoalResponse:
-        raise ValueError("as expected")
-
-    async def execute(_: object) -> PlanPath.Result:
-        return PlanPath.Result()
-
-    one, other = node_in(world, "one"), node_in(world, "other")
-    one.create_action_server(
-        PlanPath, "/a", execute, goal_callback=fail, cancel_callback=lambda _: CancelResponse.REJECT
-    )
-    sent = other.create_action_client(PlanPath, "/a").send_goal_async(PlanPath.Goal())
-    world.scheduler.run_for(SECOND)
-    assert one.process.dead
-    assert not sent.done()
-    assert "the process dies of ValueError: as expected" in [entry.text for entry in world.log]
-
-
 def test_a_server_forgets_goals_that_ended_long_ago(world: World) -> None:
     async def execute(handle: object) -> PlanPath.Result:
         handle.succeed()  # type: ignore[attr-defined]

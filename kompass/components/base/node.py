@@ -47,6 +47,10 @@ class ComponentNode(NodeOnDDS, LifecycleNode):  # type: ignore[misc]  # rclpy ha
         """
         guard_change_state(self, guard)
 
+    def on_callback_error(self, error: Exception) -> None:
+        """A callback of an action has raised: a failure of the component."""
+        self._component.on_callback_error(error)
+
     def _carry(self, transition: str) -> TransitionCallbackReturn:
         try:
             getattr(self._component, transition)()
