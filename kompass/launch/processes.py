@@ -15,6 +15,7 @@ from kompass.launch.stack import Stack
 from kompass.monitor.process import NAME, run_monitor
 from kompass.recorder.process import flight_recorder
 from kompass.supervisor.desired_state import DesiredState
+from kompass.supervisor.heartbeat import Heartbeat
 from kompass.supervisor.instance_lock import lock_instance
 from kompass.supervisor.process import ProcessSpec, Report
 from kompass.supervisor.restarts import Restarts
@@ -25,8 +26,9 @@ def run_processes(stack: Stack) -> None:
     """Run a stack until SIGINT or SIGTERM; see :meth:`kompass.launch.launcher.Launcher.bringup`."""
     prepare_key()
     own, recorder = [_host(stack, group) for group in stack.groups], list[ProcessSpec]()
+    heartbeat = Heartbeat(())
     if stack.monitored is not None:
-        monitor, recorder = _monitor(stack)
+        monitor, recorder = _monitor(stack, heartbeat)
         own.append(monitor)
     names = [name for spec in own for name in spec.names]
     # A node of the recipe's own takes the place of a companion of that name.
@@ -44,6 +46,7 @@ def run_processes(stack: Stack) -> None:
             restarts=Restarts(stack.process_retries),
             activation_timeout=stack.activation_timeout,
             inactive=stack.inactive,
+            heartbeat=heartbeat,
         ).run()
     finally:
         for descriptor in held:
@@ -55,8 +58,8 @@ def process_name(group: Sequence[Component]) -> str:
     return group[0].node_name if len(group) == 1 else "components"
 
 
-def _monitor(stack: Stack) -> tuple[ProcessSpec, list[ProcessSpec]]:
-    """The monitor's process, and those of its flight recorder."""
+def _monitor(stack: Stack, supervisor: Heartbeat) -> tuple[ProcessSpec, list[ProcessSpec]]:
+    """The monitor's process, which watches the supervisor, and those of its flight recorder."""
     monitored = stack.monitored
     assert monitored is not None
     recording, recorder = flight_recorder(stack.components, stack.namespace)
@@ -64,7 +67,14 @@ def _monitor(stack: Stack) -> tuple[ProcessSpec, list[ProcessSpec]]:
     def main(report: Report) -> None:
         rules, catalog = monitored.rules, monitored.catalog
         run_monitor(
-            *(rules, catalog, report, spec.inbox, spec.channels, stack.namespace, recording)
+            rules,
+            catalog,
+            report,
+            spec.inbox,
+            spec.channels,
+            supervisor.silent,
+            stack.namespace,
+            recording,
         )
 
     spec = ProcessSpec(name=NAME, main=main, names=[NAME], listens=True)

@@ -28,6 +28,7 @@ from kompass.monitor.reporting.firings import Firings
 from kompass.monitor.reporting.journal_watch import JournalWatch
 from kompass.monitor.reporting.process_states import ProcessStates
 from kompass.monitor.reporting.status_proxy import StatusProxy
+from kompass.monitor.reporting.supervisor_watch import SupervisorWatch
 from kompass.monitor.rules_state import RulesStatePublisher
 from kompass.monitor.services import Services, Sources
 from kompass.monitor.settings import MonitorSettings
@@ -50,6 +51,7 @@ FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
 REPEAT_PERIOD = 0.4  # s between repetitions for those who are silent
 RATE_PERIOD = 2.0  # s between two measurements of how fast messages come
 JOURNAL_PERIOD = 1.0  # s between looks at whether firings can be written down
+SUPERVISOR_PERIOD = 0.5  # s between looks at whether the supervisor shows life
 STORE_PERIOD = 5.0  # s between tries to write on a disk that was full at the start
 PROBATION_PERIOD = 0.2  # s between looks at the end of a probation
 
@@ -80,6 +82,8 @@ class Monitor:
         The flight recorder; None where there is none.
     channels
         To components; what they answer is for :meth:`component_answered`.
+    supervisor_silent
+        For how long the supervisor has shown no life [s]; None where it always does.
     """
 
     def __init__(
@@ -94,6 +98,7 @@ class Monitor:
         ask: Callable[[str], None],
         recording: FlightRecording | None = None,
         channels: Channels | None = None,
+        supervisor_silent: Callable[[], float] | None = None,
     ) -> None:
         def stamp() -> Time:
             return node.get_clock().now().to_msg()
@@ -191,6 +196,9 @@ class Monitor:
         if store is not None:
             watch = JournalWatch(store, alarms, firings.announce)
             timers.every(JOURNAL_PERIOD, watch.look)
+        if supervisor_silent is not None:
+            supervisor = SupervisorWatch(supervisor_silent, alarms, firings.announce)
+            timers.every(SUPERVISOR_PERIOD, supervisor.look)
         engine.begin()
         state.changed()
         if start.notice:

@@ -8,7 +8,7 @@ import socket
 import sys
 import threading
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 
 import rclpy
@@ -42,6 +42,7 @@ def run_monitor(
     report: Report,
     inbox: int,
     channels: Mapping[str, int],
+    supervisor_silent: Callable[[], float],
     namespace: str = "",
     recording: FlightRecording | None = None,
 ) -> None:
@@ -59,6 +60,8 @@ def run_monitor(
         File descriptor on which the supervisor tells of processes, a JSON line each.
     channels
         File descriptors of our ends of the channels to components, by their names.
+    supervisor_silent
+        For how long the supervisor has shown no life [s].
     recording
         The flight recorder; None where there is none.
     """
@@ -77,6 +80,7 @@ def run_monitor(
     monitor = Monitor(
         *(node, executor, recipe, catalog, start, store, settings, report, recording),
         Channels(own_life(), senders),
+        supervisor_silent,
     )
     monitor.reach_components(recipe.components)
 

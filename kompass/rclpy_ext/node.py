@@ -19,8 +19,9 @@ from rclpy.action import (
 from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode
-from rclpy.node import Node
+from rclpy.node import Node, NodeNameNonExistentError
 
 from kompass.bus.clock import SYSTEM, Clock
 from kompass.bus.node import Execute, NamesAndTypes
@@ -101,10 +102,21 @@ class NodeOnDDS:
     def get_action_server_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
-        """As :func:`rclpy.action.get_action_server_names_and_types_by_node`."""
-        found: NamesAndTypes = get_action_server_names_and_types_by_node(
-            self, node_name, node_namespace
-        )
+        """As :func:`rclpy.action.get_action_server_names_and_types_by_node`.
+
+        Raises
+        ------
+        rclpy.node.NodeNameNonExistentError
+            When there is no such node; as for services, where rclpy's own has another name for it.
+        """
+        try:
+            found: NamesAndTypes = get_action_server_names_and_types_by_node(
+                self, node_name, node_namespace
+            )
+        except rclpy_implementation.RCLError as error:
+            if (node_name, node_namespace) in self.get_node_names_and_namespaces():  # type: ignore[attr-defined]
+                raise
+            raise NodeNameNonExistentError(str(error)) from None
         return found
 
     def write_log(self, level: str, text: str) -> None:

@@ -47,6 +47,10 @@ class Heartbeat:
         """When that part last showed life, as monotonic time [s]; 0 for never."""
         return self._times[0 if member is None else self._index[member]]
 
+    def silent(self) -> float:
+        """For how long the process as such has shown no life [s]; for whoever shares it."""
+        return time.monotonic() - self.last_sent()
+
     def start(self) -> None:
         """Show life of the process as such from a thread of its own, until the process ends."""
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 from kompass.supervisor.cpu_usage import CpuUsage, Work
 from kompass.supervisor.guard import guard_process
+from kompass.supervisor.heartbeat import Heartbeat
 from kompass.supervisor.liveness import LivenessLimits
 from kompass.supervisor.news import ProcessNews
 from kompass.supervisor.oversight import Oversight, StartupError
@@ -54,6 +55,8 @@ class Supervisor:
         Within which all that are announced must be active [s]; None to wait for ever.
     inactive
         Of whom it is known beforehand that they come up without becoming active.
+    heartbeat
+        Of the supervisor itself: shows life each time that it has looked at all processes.
     """
 
     def __init__(
@@ -65,6 +68,7 @@ class Supervisor:
         restarts: Restarts | None = None,
         activation_timeout: float | None = None,
         inactive: Sequence[str] = (),
+        heartbeat: Heartbeat | None = None,
     ) -> None:
         self._guard = guard_process(END_TIME)
         self._specs = [self._guard, *specs]
@@ -77,6 +81,7 @@ class Supervisor:
         self._pending: list[_PendingStart] = []
         self._awaited = set(announced)
         self._inactive = inactive
+        self._heartbeat = heartbeat or Heartbeat(())
         self._started = 0.0
         self._assessed = 0.0
 
@@ -89,6 +94,7 @@ class Supervisor:
             When a process cannot start at all.
         """
         self._started = time.monotonic()
+        self._heartbeat.send()
         numbers = [signal.SIGINT, signal.SIGTERM, signal.SIGCHLD]
         # A terminal that is closed, or a connection that is lost, must not end the gate unhalted.
         if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
@@ -148,6 +154,7 @@ class Supervisor:
             for child in list(self._children.values()):
                 self._assess(child, now)
             self._check_activation(now)
+            self._heartbeat.send()
 
     # -- liveness -----------------------------------------------------------------------------
 

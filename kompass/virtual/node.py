@@ -10,7 +10,6 @@ from typing import Any, Protocol, TypeVar
 from rclpy.clock import ClockType
 from rclpy.exceptions import InvalidHandle
 from rclpy.expand_topic_name import expand_topic_name
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode
 from rclpy.node import NodeNameNonExistentError
 from rclpy.task import Future
@@ -523,12 +522,7 @@ class VirtualNode:
     def get_action_server_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
-        try:
-            found = self.get_publisher_names_and_types_by_node(node_name, node_namespace)
-        except NodeNameNonExistentError as error:  # rcl_action says it in another way
-            raise rclpy_implementation.RCLError(
-                f"Failed to get action server names and type: {error}"
-            ) from None
+        found = self.get_publisher_names_and_types_by_node(node_name, node_namespace)
         return action_names_and_types(found)
 
     def get_publishers_info_by_topic(self, topic_name: str) -> list[Any]:

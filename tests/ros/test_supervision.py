@@ -15,6 +15,7 @@ from automatika_ros_sugar.srv import ChangeParameter
 from kompass_interfaces.msg import StackState
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
+from std_msgs.msg import String
 
 from kompass.rulebook.schema.journal import FiringRecord
 from tests.support.patience import patient
@@ -161,6 +162,25 @@ def test_a_hung_monitor_is_noticed_though_nobody_can_speak_for_it(
     robot.newest.pop("/monitor/stack_state")
     wait_until(lambda: robot.state("monitor") == "active", 15, "its word")
     assert {robot.state(name) for name in ("planner", "controller", "mapper")} == {"active"}
+
+
+def test_a_supervisor_that_is_held_by_a_signal_is_told_of_until_it_goes_on(
+    stack: Stack, robot: Watched
+) -> None:
+    robot.subscribe(String, "/monitor/alarms", LATCHED)
+
+    def alarms() -> list[str]:
+        message = robot.newest.get("/monitor/alarms")
+        told = json.loads(message.data) if message else []
+        return [each["text"] for each in told if each["name"] == "supervisor-silent"]
+
+    stack.process.send_signal(signal.SIGSTOP)
+    try:
+        wait_until(alarms, 10, "an alarm")
+    finally:
+        stack.process.send_signal(signal.SIGCONT)
+    assert "what dies or hangs is not started again" in alarms()[0]
+    wait_until(lambda: not alarms(), 5, "the end of the alarm")
 
 
 def test_a_fallback_restarts_what_hangs_before_the_supervisor_loses_patience(

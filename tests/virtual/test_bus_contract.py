@@ -635,14 +635,17 @@ def test_an_action_is_found_by_name_and_by_node(
     found = (name, ["kompass_interfaces/action/PlanPath"])
     bus.until(lambda: found in map(_plain, other.get_action_names_and_types()))
     of_node = other.get_action_server_names_and_types_by_node
-    assert found in map(_plain, of_node("one", "/"))
+    # On DDS that there is a node, and what it has, is told on other ways than the topics.
+    nodes = other.get_node_names_and_namespaces
+    bus.until(lambda: ("one", "/") in map(tuple, nodes()))
+    bus.until(lambda: found in map(_plain, of_node("one", "/")))
     assert found not in map(_plain, of_node("other", "/robot"))
     client = other.create_action_client(PlanPath, name)
     bus.until(client.server_is_ready)
     server.server.destroy()
     bus.until(lambda: not client.server_is_ready())
     client.destroy()
-    with pytest.raises(RCLError):
+    with pytest.raises(NodeNameNonExistentError):
         of_node("nobody", "/")
 
 
