@@ -10,8 +10,9 @@ from typing import Any
 from rclpy.task import Future
 
 from kompass.rclpy_ext.executor import Task, TimerQueue
-from kompass.virtual.process import VirtualProcess
+from kompass.virtual.process import SleptTooLong, VirtualProcess
 from kompass.virtual.scheduler import SECOND, Event, nanoseconds
+from kompass.virtual.waiting import begin_turn, end_turn
 
 # Whoever spins a real executor comes round so often, also when nothing happens (launch/host.py).
 LONGEST_WAIT = SECOND // 10  # ns
@@ -183,6 +184,7 @@ class VirtualExecutor:
         process.sending_delay = cost
         # Before what is called, which may stop or kill the process, or raise.
         self._free_at = now + cost
+        begin_turn(process)
         try:
             for timers in self._timers:
                 wait = min(wait, max(1, nanoseconds(timers.fire())))
@@ -194,9 +196,22 @@ class VirtualExecutor:
                 raise
             if not process.dead:
                 self.on_error(error)
+        except SleptTooLong:
+            self._hangs = True
         finally:
+            end_turn()
             process.sending_delay = 0
+            if process.ahead:
+                self._sleep_on(process)
             if self._ready:
                 self._arrange(self._free_at)
             elif self._timers:
                 self._arrange(now + wait)
+
+    def _sleep_on(self, process: VirtualProcess) -> None:
+        """Be busy for as long as what was called has slept."""
+        self._free_at += process.ahead
+        process.ahead = 0
+        if self._turn is not None:
+            self._turn.cancel()
+            self._turn = None

@@ -18,6 +18,7 @@ from kompass.virtual.qos import QoS
 from kompass.virtual.scheduler import Scheduler, nanoseconds
 
 LEASE = 20.0  # s for which DDS believes in a process that was killed (Fast DDS' lease)
+LONG = 50_000_000  # ns; who takes longer to send something has slept before
 GID_PREFIX = 12  # bytes of an endpoint's id that name its process (RTPS 2.5, 9.3.1)
 
 Kind = Literal["topic", "request", "response"]
@@ -59,6 +60,10 @@ class Owner(Protocol):
     @property
     def sending_delay(self) -> int:
         """How much later than now leaves what it sends [ns]."""
+
+    @property
+    def dead(self) -> bool:
+        """Whether it has ended, in whatever way."""
 
     @property
     def answers(self) -> bool:
@@ -193,12 +198,19 @@ class Link:
         if self._loss and self._random() < self._loss:
             return
         scheduler = self._network.scheduler
-        at = scheduler.now + self.writer.owner.sending_delay + self._shortest
+        delay = self.writer.owner.sending_delay
+        at = scheduler.now + delay + self._shortest
         at += int(self._random() * self._spread)
         if at <= self._last:
             at = self._last + 1
         self._last = at
-        scheduler.call_at(at, self.reader.arrive, data)
+        arrive = self.reader.arrive if delay < LONG else self._arrive_unless_dead
+        scheduler.call_at(at, arrive, data)
+
+    def _arrive_unless_dead(self, data: Any) -> None:
+        """Of a callback that slept before it sent: its process may have died meanwhile."""
+        if not self.writer.owner.dead:
+            self.reader.arrive(data)
 
 
 class NodeEntry:

@@ -36,7 +36,7 @@ from kompass.virtual.network import (
 )
 from kompass.virtual.process import VirtualProcess
 from kompass.virtual.qos import QoS, qos_of
-from kompass.virtual.scheduler import Event, Scheduler, nanoseconds
+from kompass.virtual.scheduler import Event, nanoseconds
 from kompass.virtual.threads import VirtualThreads
 from kompass.virtual.wire import Packet
 
@@ -260,7 +260,7 @@ class VirtualTimer:
         if self._destroyed:
             return
         self._canceled = False
-        self._at = self._scheduler.now + self._period
+        self._at = self._scheduler.now + self._node.process.ahead + self._period
         self._arrange()
 
     def is_canceled(self) -> bool:
@@ -302,12 +302,13 @@ class VirtualRosClock:
 
     clock_type = ClockType.ROS_TIME
 
-    def __init__(self, scheduler: Scheduler) -> None:
-        self._scheduler = scheduler
+    def __init__(self, process: VirtualProcess) -> None:
+        self._process, self._scheduler = process, process.world.scheduler
 
     def now(self) -> Time:
         """Virtual wall time."""
-        return Time(nanoseconds=self._scheduler.wall, clock_type=ClockType.ROS_TIME)
+        now = self._scheduler.wall + self._process.ahead
+        return Time(nanoseconds=now, clock_type=ClockType.ROS_TIME)
 
 
 class VirtualNode:
@@ -331,7 +332,7 @@ class VirtualNode:
         world = process.world
         full = f"{self._namespace.strip('/').replace('/', '.')}.{name}".strip(".")
         self._logger = VirtualLog(full, world.scheduler, world.log.append)
-        self._ros_clock = VirtualRosClock(world.scheduler)
+        self._ros_clock = VirtualRosClock(process)
         self._executor: VirtualExecutor | None = None
         # What there is to do, before it is in an executor.
         self._waiting: list[Callable[[], object]] = []
@@ -354,7 +355,7 @@ class VirtualNode:
 
     @property
     def clock(self) -> Clock:
-        return self.process.world.clock
+        return self.process.clock
 
     @property
     def executor(self) -> VirtualExecutor:

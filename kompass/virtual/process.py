@@ -10,10 +10,17 @@ from kompass.virtual.log import LogEntry
 from kompass.virtual.network import GID_PREFIX, Conditions, Endpoint, Network, NodeEntry
 from kompass.virtual.scheduler import EPOCH, Event, Scheduler, VirtualClock, nanoseconds
 
+LONGEST_SLEEP = (
+    60_000_000_000  # ns in one turn; whoever oversees processes has lost patience before
+)
 COST = 20e-6  # s that a callback takes; more than 0, so that none can go on for ever at one moment
 
 # Says how long a callback takes [s], given chance.
 CostModel = Callable[[random.Random], float]
+
+
+class SleptTooLong(BaseException):
+    """A callback sleeps for longer than anybody waits for it."""
 
 
 class Thread(Protocol):
@@ -117,6 +124,8 @@ class VirtualProcess:
         How much later than now leaves what it sends [ns].
     slowness
         How many times longer everything takes than it should: 1, and more for one that is starved.
+    ahead
+        By how much the time of the callback that runs now is ahead of all others' [ns]: it slept.
     """
 
     def __init__(self, world: World, name: str, serial: int, cost: float | CostModel) -> None:
@@ -124,6 +133,8 @@ class VirtualProcess:
         self.prefix = b"\x01\x0f" + serial.to_bytes(GID_PREFIX - 2, "big")
         self.sending_delay = 0
         self.slowness = 1.0
+        self.ahead = 0
+        self.clock = ProcessClock(self)
         self._cost = cost
         self._fixed = None if callable(cost) else nanoseconds(cost)
         self._chance = world.scheduler.random(f"process {serial}")
@@ -187,7 +198,20 @@ class VirtualProcess:
             elif not self._dead:
                 function(*args)
 
-        return self.world.scheduler.call_later(delay, call)
+        return self.world.scheduler.call_later(delay + self.ahead, call)
+
+    def sleep(self, duration: int) -> None:
+        """Have the callback that runs now take so many nanoseconds longer.
+
+        Raises
+        ------
+        SleptTooLong
+            When it has slept for too long; it is not to be caught.
+        """
+        self.ahead += duration
+        self.sending_delay += duration
+        if self.ahead > LONGEST_SLEEP:
+            raise SleptTooLong
 
     # -- its fate -----------------------------------------------------------------------------
 
@@ -247,3 +271,19 @@ class VirtualProcess:
     def remove_node(self, node: Member) -> None:
         """One that was destroyed."""
         self._nodes.remove(node)
+
+
+class ProcessClock:
+    """Time as the callbacks of a process see it; see :class:`kompass.bus.clock.Clock`."""
+
+    def __init__(self, process: VirtualProcess) -> None:
+        self._process, self._scheduler = process, process.world.scheduler
+
+    def monotonic(self) -> float:
+        return (self._scheduler.now + self._process.ahead) * 1e-9
+
+    def monotonic_ns(self) -> int:
+        return self._scheduler.now + self._process.ahead
+
+    def wall(self) -> float:
+        return (self._scheduler.wall + self._process.ahead) * 1e-9

@@ -2,6 +2,7 @@
 
 Who makes time pass hands over to such a thread and stands still until the thread waits or is done.
 So never two of them run at once, and in which order they do is a matter of virtual time alone.
+A callback cannot wait so: its turn takes as much longer as it sleeps.
 While one runs, what it would wait with is exchanged: ``time.sleep``, conditions (with which events,
 queues and futures wait) and the event loops that it makes; and the clocks of :mod:`time` are those
 of its world. Locks are not, nor sockets, nor threads that it starts itself.
@@ -17,7 +18,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, SupportsIndex
 
 from kompass.virtual.process import VirtualProcess
 from kompass.virtual.scheduler import nanoseconds
@@ -145,14 +146,38 @@ def waiting() -> Blocking | None:
     return found if found is not None and found.ident == threading.get_ident() else None
 
 
-def _sleep(seconds: float) -> None:
+_turning: tuple[VirtualProcess, int] | None = None  # and the thread in which it does
+
+
+def begin_turn(process: VirtualProcess) -> None:
+    """Have ``time.sleep`` in this thread make the turn of an executor longer, until it ends."""
+    global _turning
+    _turning = process, threading.get_ident()
+    time.sleep = sleep
+
+
+def end_turn() -> None:
+    """The turn is over."""
+    global _turning
+    _turning = None
+    time.sleep = _real["sleep"]
+
+
+def sleep(seconds: float | SupportsIndex) -> None:
+    """As :func:`time.sleep`: in virtual time where that passes, and else in real time."""
+    seconds = float(seconds)
     found = waiting()
-    if found is None:
+    turning = None
+    if found is None and _turning is not None and _turning[1] == threading.get_ident():
+        turning = _turning[0]
+    if found is None and turning is None:
         _real["sleep"](seconds)
-        return
-    if seconds < 0:
+    elif seconds < 0:
         raise ValueError("sleep length must be non-negative")
-    found.wait(seconds)
+    elif found is not None:
+        found.wait(seconds)
+    elif turning is not None:
+        turning.sleep(nanoseconds(seconds))
 
 
 def _clock(name: str) -> Callable[[], float | int]:
@@ -261,7 +286,7 @@ def _start(self: threading.Thread) -> None:
 
 _VIRTUAL: Mapping[tuple[Any, str], Any] = {
     **{(time, name): _clock(name) for name in _CLOCKS},
-    (time, "sleep"): _sleep,
+    (time, "sleep"): sleep,
     (threading.Condition, "wait"): _wait,
     (threading.Thread, "start"): _start,
     # Their own names for the clock.

@@ -11,8 +11,11 @@ from concurrent.futures import Future
 from typing import Any
 
 import pytest
+from std_msgs.msg import String
 
 from kompass.virtual import waiting
+from kompass.virtual.executor import VirtualExecutor
+from kompass.virtual.node import VirtualNode
 from kompass.virtual.process import VirtualProcess, World
 from kompass.virtual.threads import HOP, VirtualThreads
 from kompass.virtual.waiting import NeverReturned, in_virtual_time
@@ -175,3 +178,79 @@ def test_a_hundred_sleepers_wake_in_the_same_order_every_time() -> None:
     first = run()
     assert len(first) == 300
     assert run() == first
+
+
+class Sleeper:
+    """A node whose timer sleeps, and one that hears what it says afterwards."""
+
+    def __init__(self, world: World, seconds: float) -> None:
+        self.world, self.seconds = world, seconds
+        self.process = world.process("sleeper")
+        self.node = VirtualNode(self.process, "sleeper")
+        self.executor = VirtualExecutor(self.process)
+        self.executor.add_node(self.node)
+        self._publisher = self.node.create_publisher(String, "/said", 10)
+        self.turns: list[tuple[float, float]] = []  # when it began, and for how long it slept
+        self.heard: list[tuple[float, str]] = []
+        ear = VirtualNode(world.process("ear"), "ear")
+        VirtualExecutor(ear.process).add_node(ear)
+        ear.create_subscription(String, "/said", self._hear, 10)
+        world.scheduler.run_for(SECOND)
+        self.began = world.clock.monotonic()
+        self.node.create_timer(0.1, self._turn)
+
+    def _hear(self, message: String) -> None:
+        self.heard.append((self.world.clock.monotonic() - self.began, message.data))
+
+    def _turn(self) -> None:
+        before = self.node.clock.monotonic()
+        self._publisher.publish(String(data="before"))
+        time.sleep(self.seconds)
+        self._publisher.publish(String(data="after"))
+        self.turns.append((before - self.began, self.node.clock.monotonic() - before))
+
+
+def test_a_callback_that_sleeps_takes_virtual_time_and_no_other() -> None:
+    begun = time.monotonic()
+    with World() as world:
+        sleeper = Sleeper(world, 30.0)
+        world.scheduler.run_for(95 * SECOND)
+    assert [slept for _, slept in sleeper.turns] == pytest.approx([30.0] * 4)
+    assert [text for _, text in sleeper.heard[:4]] == ["before", "after"] * 2
+    times = [at for at, _ in sleeper.heard[:4]]
+    assert times == pytest.approx([0.1, 30.1, 30.1, 60.1], abs=0.2)
+    assert time.monotonic() - begun < 20.0
+
+
+def test_a_callback_that_sleeps_holds_up_its_executor_and_those_who_look_see_it() -> None:
+    with World() as world:
+        sleeper = Sleeper(world, 3.0)
+        done: list[float] = []
+        world.scheduler.run_for(SECOND)
+        assert sleeper.executor.lag == pytest.approx(0.9 * SECOND, rel=0.01)
+        sleeper.executor.push(lambda: done.append(world.clock.monotonic() - sleeper.began))
+        world.scheduler.run_for(6 * SECOND)
+    # After the timer's next turn, which was due before.
+    assert done == [pytest.approx(6.1, abs=0.02)]
+
+
+def test_what_a_callback_would_have_said_after_its_process_died_is_not_heard() -> None:
+    with World() as world:
+        sleeper = Sleeper(world, 3.0)
+        world.scheduler.run_for(SECOND)
+        sleeper.process.kill()
+        world.scheduler.run_for(5 * SECOND)
+    assert [text for _, text in sleeper.heard] == ["before"]
+
+
+def test_a_callback_that_sleeps_again_and_again_for_ever_hangs_and_ends_no_drill() -> None:
+    with World() as world:
+        sleeper = Sleeper(world, 0.0)
+
+        def wait_for_ever() -> None:
+            while True:
+                time.sleep(0.5)
+
+        sleeper.executor.push(wait_for_ever)
+        world.scheduler.run_for(200 * SECOND)
+        assert sleeper.executor.lag == pytest.approx(200 * SECOND, rel=0.01)
