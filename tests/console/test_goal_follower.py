@@ -104,6 +104,18 @@ def test_the_reason_arrives_after_the_status(follower: GoalFollower) -> None:
     assert info(follower).message == "The way closed."
 
 
+def test_a_goal_whose_planner_is_gone_has_failed_and_says_why(follower: GoalFollower) -> None:
+    send(follower)
+    follower.statuses(ACTION, {"a1": at(EXECUTING)})
+    follower.lost("a2")
+    assert info(follower).phase == "accepted", "of another goal"
+    follower.lost("a1")
+    assert info(follower).phase == "failed"
+    assert "planner's process died" in info(follower).message
+    follower.statuses(ACTION, {"a1": at(EXECUTING)})
+    assert info(follower).phase == "failed"
+
+
 def test_a_goal_nobody_takes_fails_after_a_while(follower: GoalFollower, clock: Clock) -> None:
     send(follower)
     clock.now += 3.0

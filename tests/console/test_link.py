@@ -156,6 +156,21 @@ def test_a_canceled_goal_is_told_so(
     until(socket, lambda s: s["goal"]["phase"] == "canceled" and "operator" in s["goal"]["message"])
 
 
+def test_a_goal_whose_planner_was_killed_is_told_as_lost_once_there_is_another(
+    socket: ClientConnection, client: httpx.Client
+) -> None:
+    with running_stack() as first:
+        until(socket, complete)
+        ready(client)
+        client.post("/api/goals", json={"x": 3.0, "y": 2.0})
+        until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
+        first.kill()
+        with running_stack():
+            state = until(socket, lambda s: s["goal"]["phase"] != "driving")
+    assert state["goal"]["phase"] == "failed"
+    assert "planner's process died" in state["goal"]["message"]
+
+
 def test_a_goal_that_cannot_be_reached_is_not_sent(
     socket: ClientConnection, client: httpx.Client, stack: None
 ) -> None:

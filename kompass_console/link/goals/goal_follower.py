@@ -31,6 +31,11 @@ _SAME_TIME = 1.0  # s between a goal and its path, when a console attaches to a 
 _SLOWEST = 0.05  # m/s, for the time left
 _ENDED: dict[int, GoalPhase] = {SUCCEEDED: "arrived", CANCELED: "canceled", ABORTED: "failed"}
 _OVER: frozenset[GoalPhase] = frozenset({"arrived", "failed", "canceled"})
+# Nobody sends it again: a robot that sets off by itself after a crash surprises who stands there.
+_LOST = (
+    "The planner's process died and took the goal with it; the robot drives no farther than the "
+    "path that it has. Send the goal again."
+)
 _MESSAGES: dict[GoalPhase, str] = {
     "arrived": "The robot has arrived.",
     "canceled": "The goal was canceled.",
@@ -183,6 +188,15 @@ class GoalFollower:
             self._advance(goal, ending.status)
             if goal.over and ending.message:
                 goal.message = ending.message
+        self._changed()
+
+    def lost(self, uuid: str) -> None:
+        """Whoever had taken an action goal is gone, and nobody will say how it ended."""
+        with self._lock:
+            goal = self._goal
+            if goal is None or goal.uuid != uuid or goal.over:
+                return
+            self._end(goal, "failed", _LOST)
         self._changed()
 
     def tick(self, *, action_there: bool) -> None:

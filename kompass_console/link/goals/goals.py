@@ -68,6 +68,8 @@ class Goals:
         self._feedback: dict[str, Reader[tuple[str, float]]] = {}
         self._results: dict[str, Any] = {}
         self._unasked: list[tuple[str, str]] = []
+        # The goal that is followed, and who served its action when it was taken (ids of DDS).
+        self._served: tuple[str, frozenset[bytes]] = ("", frozenset())
         self._cancels = ServicePool(node, CancelGoal, "action_msgs/srv/CancelGoal")
 
     @property
@@ -98,6 +100,7 @@ class Goals:
     def tick(self) -> None:
         """Let time pass for the goal that is followed."""
         self._ask_results()
+        self._look_at_server()
         self.follower.tick(action_there=self.action_there)
 
     def send(
@@ -186,6 +189,20 @@ class Goals:
             _feedback_of,
             lambda feedback: self.follower.feedback(*feedback),
         )
+
+    def _look_at_server(self) -> None:
+        """A server that is started again has the name of the dead one, and knows no goal of it."""
+        action, uuid = self.follower.target() or ("", "")
+        if not uuid:
+            return
+        infos = self._node.get_publishers_info_by_topic(f"{action}/_action/status")
+        now = frozenset(bytes(info.endpoint_gid) for info in infos)
+        followed, before = self._served
+        if followed != uuid or not before:
+            self._served = uuid, now
+        # DDS believes in one that was killed for a while; its successor is there before.
+        elif not now or now - before:
+            self.follower.lost(uuid)
 
     def _ask_results(self) -> None:
         """Ask for results as soon as their server is connected; before that, a request is lost."""
