@@ -124,9 +124,11 @@ class Blocking:
         global _running
         with in_virtual_time():
             _running = self
-            self._turn.release()
-            back = self._yielded.acquire(timeout=PATIENCE)
-            _running = None
+            try:
+                self._turn.release()
+                back = self._yielded.acquire(timeout=PATIENCE)
+            finally:  # Ctrl-C comes here, too
+                _running = None
         if not back:
             raise NeverReturned(
                 f"a function in the thread {self._name!r} of {self.process.name} has neither "
