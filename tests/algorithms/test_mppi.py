@@ -1,4 +1,5 @@
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,18 +11,30 @@ from kompass.algorithms.geometry import Floats, inverse, transform_points
 
 from .worlds import PATHS, STRAIGHT, Run, distance_to_polyline, drive
 
-SMALL = {"max_v": 0.22, "max_omega": 1.5, "acc": 1.0, "decel": 2.0, "omega_acc": 3.0}
-LARGE = {"max_v": 2.0, "max_omega": 4.0, "acc": 4.0, "decel": 4.0, "omega_acc": 10.0}
+SMALL: dict[str, Any] = {
+    "max_v": 0.22,
+    "max_omega": 1.5,
+    "acc": 1.0,
+    "decel": 2.0,
+    "omega_acc": 3.0,
+}
+LARGE: dict[str, Any] = {
+    "max_v": 2.0,
+    "max_omega": 4.0,
+    "acc": 4.0,
+    "decel": 4.0,
+    "omega_acc": 10.0,
+}
 BOX = Footprint(np.array([[0.254, 0.215], [-0.254, 0.215], [-0.254, -0.215], [0.254, -0.215]]))
 NOTHING = np.empty((0, 2))
 
 
-def small(**params: float) -> MPPI:
-    return MPPI(MPPIParams(**params), robot_radius=0.105, **SMALL)  # type: ignore[arg-type]
+def small() -> MPPI:
+    return MPPI(footprint=Footprint.circle(0.105), **SMALL)
 
 
 def large() -> MPPI:
-    return MPPI(robot_radius=BOX.radius, footprint=BOX, **LARGE)
+    return MPPI(footprint=BOX, **LARGE)
 
 
 def posts(*centres: tuple[float, float], radius: float = 0.075) -> Floats:

@@ -96,7 +96,7 @@ class MPPIParams(FollowerParams):
         "prediction_time": (0.2, 10.0),
         "time_step": (0.02, 1.0),
         "least_reach": (0.1, 20.0),
-        "rollouts": (16, 20000),
+        "rollouts": (64, 20000),
         "temperature": (0.001, 100.0),
         "speed_noise": (0.001, 2.0),
         "turn_noise": (0.001, 2.0),
@@ -147,7 +147,7 @@ class MPPI(PathFollower[MPPIParams]):
     config
         See :class:`MPPIParams`.
     footprint
-        The robot's body; a circle of ``robot_radius`` when left out.
+        The robot's body.
     seed
         Of the noise.
     limits
@@ -161,20 +161,19 @@ class MPPI(PathFollower[MPPIParams]):
         self,
         config: MPPIParams | None = None,
         *,
-        robot_radius: float,
-        footprint: Footprint | None = None,
+        footprint: Footprint,
         seed: int = 1,
-        **limits: float,
+        **limits: Any,
     ) -> None:
-        super().__init__(config, robot_radius=robot_radius, **limits)
-        self.footprint = Footprint.circle(robot_radius) if footprint is None else footprint
+        super().__init__(config, footprint=footprint, **limits)
+        self._body = footprint
         params = self.config
         self._steps = max(4, round(params.prediction_time / params.time_step))
         # A slow robot looks ahead for longer, or it would see nothing of a way round.
         reach = max(self._linear.max_vel * params.prediction_time, params.least_reach)
         self._reach = reach
         self._step_time = reach / self._linear.max_vel / self._steps
-        reach += self.footprint.radius
+        reach += footprint.radius
         margin = params.clearance + params.obstacle_range
         self._half = math.ceil((reach + margin) / params.resolution)
         if 2 * self._half > MOST_CELLS:
@@ -183,8 +182,8 @@ class MPPI(PathFollower[MPPIParams]):
                 f"plans of {self._reach:g} m; give a coarser one, or a shorter prediction_time"
             )
         self._noise = self._draw(np.random.default_rng(seed))
-        self._swerves = self._draw_swerves()
-        self._turn_now = 0
+        self._fixed = self._plain()
+        self._bank = 0
         self._plan: Singles = np.zeros((self._steps, 2), dtype=np.float32)
 
     def reset(self) -> None:
@@ -254,19 +253,31 @@ class MPPI(PathFollower[MPPIParams]):
         noise[..., 1] *= params.turn_noise * self._angular.max_vel
         return noise.astype(np.float32)
 
-    def _draw_swerves(self) -> Singles:
-        """Plans (N, steps, 2) that step aside, and that step aside and come back."""
+    def _plain(self) -> Singles:
+        """Plans (N, steps, 2) that noise around the last one would rarely meet.
+
+        To stop, to turn, to drive an arc, to step aside, and to step aside and come back.
+        """
+        top, turn = self._linear.max_vel, self._angular.max_vel
         time = np.arange(self._steps) / self._steps
+        steady = np.ones(self._steps)
         aside = np.where(time < 0.5, 1.0, -1.0)
         back = np.where((time < 0.25) | (time >= 0.75), 1.0, -1.0)
         horizon = self._steps * self._step_time
-        plans = [
-            np.column_stack([np.full(self._steps, share * self._linear.max_vel), rate])
+        plans = [(0.0, 0.0 * steady), (0.0, turn * steady), (0.0, -turn * steady)]
+        plans += [
+            (share, bend * turn * steady)
+            for share in (0.15, 0.4, 1.0)
+            for bend in (-1.0, -0.5, -0.2, 0.0, 0.2, 0.5, 1.0)
+        ]
+        plans += [
+            (share, rate)
             for share in (0.5, 1.0)
             for heading in (-1.1, -0.7, -0.35, 0.35, 0.7, 1.1)
             for rate in (2.0 * heading / horizon * aside, 4.0 * heading / horizon * back)
         ]
-        return np.array(plans, dtype=np.float32)
+        both = [np.column_stack([share * top * steady, rate]) for share, rate in plans]
+        return np.array(both, dtype=np.float32)
 
     def _candidates(self, situation: Situation) -> Singles:
         """Plans (N, steps, 2) to be looked at, whether the robot could do them or not."""
@@ -274,22 +285,10 @@ class MPPI(PathFollower[MPPIParams]):
         moved = np.empty_like(self._plan)
         for axis in range(2):
             moved[:, axis] = np.interp(at, np.arange(self._steps), self._plan[:, axis])
-        self._turn_now = (self._turn_now + 1) % _BANKS
-        plans = moved + self._noise[self._turn_now]
-        # What noise around the last plan would rarely meet: to go on with it, to stop, to turn,
-        # and to drive plain arcs.
-        top, turn = self._linear.max_vel, self._angular.max_vel
-        plain = [(0.0, 0.0), (0.0, turn), (0.0, -turn)]
-        plain += [
-            (share * top, bend * turn)
-            for share in (0.15, 0.4, 1.0)
-            for bend in (-1.0, -0.5, -0.2, 0.0, 0.2, 0.5, 1.0)
-        ]
+        self._bank = (self._bank + 1) % _BANKS
+        plans: Singles = moved + self._noise[self._bank]
         plans[0] = moved
-        for index, (v, omega) in enumerate(plain[: len(plans) - 1], start=1):
-            plans[index] = (v, omega)
-        room = max(0, len(plans) - 1 - len(plain))
-        plans[1 + len(plain) : 1 + len(plain) + len(self._swerves)] = self._swerves[:room]
+        plans[1 : 1 + len(self._fixed)] = self._fixed
         return plans
 
     def _feasible(self, plans: Singles, situation: Situation) -> Singles:
@@ -307,7 +306,8 @@ class MPPI(PathFollower[MPPIParams]):
             speed = np.clip(v[:, index], speed - slower, speed + faster)
             rate = np.clip(omega[:, index], rate - bend, rate + bend)
             v[:, index], omega[:, index] = speed, rate
-        return np.stack([v, omega], axis=2)
+        out: Singles = np.stack([v, omega], axis=2)
+        return out
 
     def _cost(self, plans: Singles, field: _Field, here: float, situation: Situation) -> Floats:
         """What each plan (N, steps, 2) costs (N,); _CONTACT and more for those with a contact."""
@@ -341,7 +341,7 @@ class MPPI(PathFollower[MPPIParams]):
 
     def _room(self, field: _Field, x: Singles, y: Singles, yaw: Singles) -> Singles:
         """Distance between the body at poses of any shape and the nearest obstacle [m]."""
-        centres, radius = self.footprint.discs
+        centres, radius = self._body.discs
         if len(centres) == 1:
             return field.at(x, y) - np.float32(radius)
         cos, sin = np.cos(yaw), np.sin(yaw)
@@ -454,7 +454,7 @@ class _Nearest:
         away = np.hypot(points[self._which, 0] - at[None, :], points[self._which, 1] - at[:, None])
         self.distance = _Field(1.0 / resolution, half, away.astype(np.float32))
 
-    def index(self, x: Floats, y: Floats) -> NDArray[np.int64]:
+    def index(self, x: Singles, y: Singles) -> NDArray[np.int64]:
         """Of the nearest point, at places (M,)."""
         col = np.clip(np.rint(x / self._resolution), -self._half, self._half).astype(np.int64)
         row = np.clip(np.rint(y / self._resolution), -self._half, self._half).astype(np.int64)
