@@ -3,6 +3,7 @@
 from kompass.components.controller.controllers_id import ControllersID
 from kompass.components.controller.follower_settings import (
     DWAConfig,
+    MPPIConfig,
     PurePursuitConfig,
     StanleyConfig,
 )
@@ -12,6 +13,7 @@ from kompass.porting import absent_names
 __all__ = [
     "ControllersID",
     "DWAConfig",
+    "MPPIConfig",
     "MapConfig",
     "PurePursuitConfig",
     "StanleyConfig",

@@ -15,7 +15,7 @@ from typing import Any
 PAGE = "docs/porting.md"
 LIKENESS = 0.8  # of a name to one that is here, for it to be a slip of the same
 
-CAMERA = "nothing here sees with a camera; paths are followed with DWA, Stanley or PurePursuit"
+CAMERA = "nothing here sees with a camera; use DWA, MPPI, Stanley or PurePursuit on a path"
 SETTINGS = "derive from kompass.config.Settings, whose fields are pydantic's"
 BOUNDS = "give bounds with pydantic, x: float = Field(default=1.0, ge=0, le=10)"
 MESSAGES = (

@@ -5,6 +5,7 @@ import pytest
 
 from kompass.algorithms.following.dwa import DWA, DWAParams
 from kompass.algorithms.following.follower import NoCommand
+from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats, inverse, transform_points
 
 from .worlds import PATHS, STRAIGHT, distance_to_polyline, drive
@@ -14,7 +15,7 @@ RADIUS = 0.105
 
 
 def dwa() -> DWA:
-    return DWA(DWAParams(), robot_radius=RADIUS, **ROBOT)
+    return DWA(DWAParams(), footprint=Footprint.circle(RADIUS), **ROBOT)
 
 
 def posts(*centres: tuple[float, float], radius: float = 0.05) -> Floats:

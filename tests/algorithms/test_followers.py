@@ -11,7 +11,13 @@ from kompass.algorithms.geometry import Floats
 
 from .worlds import HAIRPIN, PATHS, SINE, STRAIGHT, L, U, distance_to_polyline, drive, polyline
 
-ROBOT = {"max_v": 0.22, "max_omega": 1.5, "acc": 1.0, "decel": 2.0, "omega_acc": 3.0}
+ROBOT: dict[str, Any] = {
+    "max_v": 0.22,
+    "max_omega": 1.5,
+    "acc": 1.0,
+    "decel": 2.0,
+    "omega_acc": 3.0,
+}
 FOLLOWERS = [PurePursuit, Stanley]
 
 
@@ -224,7 +230,10 @@ def test_without_a_path_or_with_a_pose_that_is_no_number_it_says_so(follower: An
         (lambda: PurePursuitParams(goal_tolerance=-1.0), "goal_tolerance"),
         (lambda: PurePursuitParams(turn_done_angle=2.0), "turn_done_angle"),
         (lambda: StanleyParams(wheel_base=0.0), "wheel_base"),
-        (lambda: PurePursuit(PurePursuitParams(), **{**ROBOT, "max_v": 0.0}), "max_v"),
+        (
+            lambda: PurePursuit(None, **{**ROBOT, "max_v": 0.0}),
+            "max_v",
+        ),
     ],
 )
 def test_parameters_out_of_range_are_refused_by_name(make: Any, field: str) -> None:

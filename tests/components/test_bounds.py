@@ -9,8 +9,10 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel, ValidationError
 
 from kompass.algorithms.following.dwa import DWA, DWAParams
+from kompass.algorithms.following.mppi import MPPIParams
 from kompass.algorithms.following.pure_pursuit import PurePursuitParams
 from kompass.algorithms.following.stanley import StanleyParams
+from kompass.algorithms.footprint import Footprint
 from kompass.components import (
     Component,
     Controller,
@@ -112,7 +114,7 @@ def test_other_settings_are_refused_with_their_names(make: Any, message: str) ->
         make()
 
 
-@pytest.mark.parametrize("kind", [DWAParams, StanleyParams, PurePursuitParams])
+@pytest.mark.parametrize("kind", [DWAParams, MPPIParams, StanleyParams, PurePursuitParams])
 def test_the_algorithms_themselves_hold_to_their_bounds(kind: Any) -> None:
     for field in dataclasses.fields(kind):
         for value in (-1.0, 1e9, float("nan")):
@@ -124,7 +126,7 @@ def test_a_grid_too_fine_for_a_fast_robot_names_what_to_change() -> None:
     with pytest.raises(ValueError, match=r"resolution: 0\.005 m is too fine .*100 m/s × 10 s"):
         DWA(
             DWAParams(resolution=0.005, prediction_time=10.0),
-            robot_radius=0.2,
+            footprint=Footprint.circle(0.2),
             max_v=100.0,
             max_omega=1.0,
             acc=1.0,

@@ -87,6 +87,7 @@ PUBLIC: dict[str, list[str]] = {
     "kompass.control": [
         "ControllersID",
         "DWAConfig",
+        "MPPIConfig",
         "MapConfig",
         "PurePursuitConfig",
         "StanleyConfig",

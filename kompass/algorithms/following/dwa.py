@@ -21,6 +21,7 @@ from scipy.ndimage import distance_transform_edt
 
 from kompass.algorithms.following.follower import FollowerParams, NoCommand, PathFollower, Situation
 from kompass.algorithms.following.limits import stopping_distance, stopping_speed
+from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats, inverse, transform_points, wrap_angle
 
 # What must be free beyond the braking distance of a velocity for it to be admissible [m].
@@ -106,8 +107,8 @@ class DWA(PathFollower[DWAParams]):
     ----------
     config
         See :class:`DWAParams`.
-    robot_radius
-        Of the circle around the footprint [m].
+    footprint
+        The robot's body; the circle around it is what counts.
     limits
         ``max_v``, ``max_omega``, ``acc``, ``decel``, ``omega_acc``, as of every follower.
     """
@@ -116,12 +117,11 @@ class DWA(PathFollower[DWAParams]):
     needs_obstacles = True
 
     def __init__(
-        self, config: DWAParams | None = None, *, robot_radius: float, **limits: float
+        self, config: DWAParams | None = None, *, footprint: Footprint, **limits: float
     ) -> None:
-        super().__init__(config, robot_radius=robot_radius, **limits)
-        if not (math.isfinite(robot_radius) and robot_radius > 0):
-            raise ValueError(f"robot_radius: {robot_radius} m; give a finite number above 0")
-        reach = self._linear.max_vel * self.config.prediction_time + robot_radius
+        super().__init__(config, footprint=footprint, **limits)
+        self.robot_radius = footprint.radius
+        reach = self._linear.max_vel * self.config.prediction_time + self.robot_radius
         self._half = math.ceil((reach + self.config.obstacle_range + 0.2) / self.config.resolution)
         if 2 * self._half > MOST_CELLS:
             raise ValueError(

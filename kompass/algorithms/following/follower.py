@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from kompass.algorithms.following.command import Command, FollowStep, Phase
 from kompass.algorithms.following.limits import Limits, stopping_speed
 from kompass.algorithms.following.path_tracker import PathTracker
+from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats, wrap_angle
 
 
@@ -140,8 +141,8 @@ class PathFollower(ABC, Generic[P]):
         [m/s²]
     omega_acc
         Both ways [rad/s²].
-    robot_radius
-        Of the circle around the footprint [m]; only those look at it that need obstacles.
+    footprint
+        The robot's body; only those look at it that need obstacles.
     """
 
     params_class: ClassVar[type[FollowerParams]]
@@ -157,10 +158,10 @@ class PathFollower(ABC, Generic[P]):
         acc: float,
         decel: float,
         omega_acc: float,
-        robot_radius: float = 0.0,
+        footprint: Footprint | None = None,
     ) -> None:
         self.config: P = cast(P, self.params_class()) if config is None else config
-        self.robot_radius = robot_radius
+        self.footprint = footprint
         self._linear = Limits(max_v, acc, decel)
         self._angular = Limits(max_omega, omega_acc, omega_acc)
         for name, value in (

@@ -11,6 +11,7 @@ from kompass.components.base.component_config import ComponentConfig
 from kompass.components.controller.controllers_id import ELSEWHERE, ControllersID
 from kompass.components.controller.follower_settings import (
     DWAConfig,
+    MPPIConfig,
     PurePursuitConfig,
     StanleyConfig,
 )
@@ -58,7 +59,7 @@ class ControllerConfig(ComponentConfig):
     )
     use_direct_sensor: bool = Field(
         default=False,
-        description="DWA takes obstacles from the scan itself instead of the local map",
+        description="DWA and MPPI take obstacles from the scan itself instead of the local map",
     )
     sensor_timeout: float = Field(
         default=0.5, gt=0, le=60, description="s; an older scan or local map stops the robot"
@@ -70,5 +71,6 @@ class ControllerConfig(ComponentConfig):
     goal_dist_tolerance: float = Field(default=0.03, gt=0, le=10, description="m")
     goal_orientation_tolerance: float = Field(default=0.05, gt=0, le=math.pi, description="rad")
     DWA: DWAConfig = Field(default_factory=DWAConfig)
+    MPPI: MPPIConfig = Field(default_factory=MPPIConfig)
     Stanley: StanleyConfig = Field(default_factory=StanleyConfig)
     PurePursuit: PurePursuitConfig = Field(default_factory=PurePursuitConfig)

@@ -36,7 +36,7 @@ class Controller(Component):
 
     A path ends with its last pose, heading included. An empty path clears the old one.
 
-    An algorithm that needs obstacles (DWA) sees them in ``local_map``, or, with
+    An algorithm that needs obstacles (DWA, MPPI) sees them in ``local_map``, or, with
     ``use_direct_sensor``, in ``sensor_data``; only the one in use is subscribed to. For the others
     (Stanley, pure pursuit) neither is.
     """
@@ -86,7 +86,7 @@ class Controller(Component):
 
     @property
     def direct_sensor(self) -> bool:
-        """Whether DWA takes obstacles from the scan; other algorithms need no sensor."""
+        """Whether DWA and MPPI take obstacles from the scan; other algorithms need no sensor."""
         return self.config.use_direct_sensor
 
     @direct_sensor.setter

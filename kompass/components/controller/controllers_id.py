@@ -26,6 +26,7 @@ class ControllersID(enum.Enum, metaclass=_Named):
     STANLEY = "Stanley"
     PURE_PURSUIT = "PurePursuit"
     DWA = "DWA"
+    MPPI = "MPPI"
 
     @classmethod
     def _missing_(cls, value: object) -> "ControllersID | None":

@@ -1,6 +1,7 @@
 """Settings of the path-following algorithms, section by section of the configuration file."""
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Self, get_type_hints
 
@@ -8,8 +9,10 @@ from pydantic import Field, create_model, model_validator
 
 from kompass.algorithms.following.dwa import DWA
 from kompass.algorithms.following.follower import USUAL_BOUNDS, PathFollower
+from kompass.algorithms.following.mppi import MPPI
 from kompass.algorithms.following.pure_pursuit import PurePursuit
 from kompass.algorithms.following.stanley import Stanley
+from kompass.algorithms.footprint import Footprint
 from kompass.components.base.robot_limits import velocity_limits
 from kompass.components.controller.controllers_id import ControllersID
 from kompass.robot import RobotConfig, RobotType
@@ -20,7 +23,7 @@ from kompass.settings import Settings, notice_once
 TURN_IN_PLACE = 0.4  # rad
 # A little more than the drive manager's default critical zone: the algorithm must turn away from
 # an obstacle before the gate behind it stops the robot.
-DWA_CLEARANCE = 0.06  # m
+CLEARANCE = 0.06  # m
 
 COMMON_NAMES = {
     "goal_dist_tolerance": "goal_tolerance",
@@ -141,12 +144,19 @@ DWAConfig: Any = _section(
             ("octree_resolution", "max_num_threads", "drop_samples", "allow_reverse"), ELSEWHERE
         ),
     },
-    defaults={"clearance": DWA_CLEARANCE},
+    defaults={"clearance": CLEARANCE},
+)
+MPPIConfig: Any = _section(
+    ControllersID.MPPI,
+    MPPI,
+    # It turns by plans under which obstacles are looked at.
+    defaults={"clearance": CLEARANCE, "turn_in_place_angle": math.pi},
 )
 SECTIONS = {
     ControllersID.STANLEY: StanleyConfig,
     ControllersID.PURE_PURSUIT: PurePursuitConfig,
     ControllersID.DWA: DWAConfig,
+    ControllersID.MPPI: MPPIConfig,
 }
 
 
@@ -178,7 +188,7 @@ def make_follower(
     }
     return settings.follower(
         dataclasses.replace(params, **crawl),
-        robot_radius=robot.radius,
+        footprint=Footprint(robot.footprint),
         max_v=limits.vx.max_vel,
         max_omega=limits.omega.max_vel,
         acc=limits.vx.max_acc,

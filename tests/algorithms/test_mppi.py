@@ -1,0 +1,159 @@
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kompass.algorithms.following.follower import NoCommand
+from kompass.algorithms.following.mppi import MPPI, MPPIParams
+from kompass.algorithms.footprint import Footprint
+from kompass.algorithms.geometry import Floats, inverse, transform_points
+
+from .worlds import PATHS, STRAIGHT, Run, distance_to_polyline, drive
+
+SMALL: dict[str, Any] = {
+    "max_v": 0.22,
+    "max_omega": 1.5,
+    "acc": 1.0,
+    "decel": 2.0,
+    "omega_acc": 3.0,
+}
+LARGE: dict[str, Any] = {
+    "max_v": 2.0,
+    "max_omega": 4.0,
+    "acc": 4.0,
+    "decel": 4.0,
+    "omega_acc": 10.0,
+}
+BOX = Footprint(np.array([[0.254, 0.215], [-0.254, 0.215], [-0.254, -0.215], [0.254, -0.215]]))
+NOTHING = np.empty((0, 2))
+
+
+def small() -> MPPI:
+    return MPPI(footprint=Footprint.circle(0.105), **SMALL)
+
+
+def large() -> MPPI:
+    return MPPI(footprint=BOX, **LARGE)
+
+
+def posts(*centres: tuple[float, float], radius: float = 0.075) -> Floats:
+    turn = np.linspace(0, 2 * math.pi, 24, endpoint=False)
+    ring = radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    return np.concatenate([ring + centre for centre in centres])
+
+
+def among(follower: MPPI, obstacles: Floats, *, limit: float = 60.0, dt: float = 0.05) -> Run:
+    follower.set_path(STRAIGHT)
+    return drive(
+        follower,
+        (0, 0, 0),
+        dt=dt,
+        limit=limit,
+        points=lambda pose: transform_points(inverse(pose), obstacles),
+    )
+
+
+def gap(footprint: Footprint, run: Run, obstacles: Floats) -> float:
+    """The least distance between body and obstacles [m]; below 0 is a collision."""
+    return min(
+        float(footprint.distance(transform_points(inverse(pose), obstacles)).min())
+        for pose in run.poses
+    )
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_without_obstacles_every_path_is_driven_to_its_very_end(name: str) -> None:
+    path = PATHS[name]
+    follower = small()
+    follower.set_path(path)
+    run = drive(follower, (0, 0, float(path[0, 2])), points=lambda _pose: NOTHING)
+    assert run.arrived
+    distance, heading = run.error_to(path[-1])
+    assert distance <= 0.03
+    assert heading <= 0.05
+    assert distance_to_polyline(run.poses[:, :2], path).max() <= 0.12
+
+
+@pytest.mark.parametrize(
+    "centres",
+    [[(2.5, 0.1)], [(2.5, 0.06)], [(2.5, -0.15), (1.2, 0.1)], [(2, 0.5), (2, -0.2), (3.5, 0.1)]],
+)
+def test_posts_on_the_path_are_passed_without_touching(centres: list[tuple[float, float]]) -> None:
+    obstacles = posts(*centres)
+    run = among(small(), obstacles, dt=0.1)
+    assert run.arrived
+    assert run.error_to(STRAIGHT[-1])[0] <= 0.03
+    assert gap(Footprint.circle(0.105), run, obstacles) > 0.0
+
+
+def test_what_fills_the_way_is_stood_before_without_touching() -> None:
+    obstacles = posts((2.5, 0.0))
+    run = among(small(), obstacles, dt=0.1)
+    assert gap(Footprint.circle(0.105), run, obstacles) > 0.0
+
+
+def test_a_long_body_passes_a_gap_that_its_circle_would_not_fit() -> None:
+    # 0.58 m between the posts: 0.15 m more than it is wide, 0.09 m less than its circle.
+    obstacles = posts((2.5, 0.365), (2.5, -0.365))
+    run = among(large(), obstacles)
+    assert run.arrived
+    assert gap(BOX, run, obstacles) > 0.0
+    assert BOX.radius * 2 > 0.58
+
+
+def test_at_full_speed_it_stops_before_a_wall_without_touching() -> None:
+    wall = np.column_stack([np.full(400, 4.0), np.linspace(-4, 4, 400)])
+    run = among(large(), wall, limit=8.0)
+    assert not run.arrived
+    assert run.commands[:, 0].max() > 1.5
+    assert gap(BOX, run, wall) > 0.0
+
+
+def test_it_turns_round_though_the_path_begins_behind_it() -> None:
+    follower = small()
+    follower.set_path(STRAIGHT)
+    run = drive(follower, (0, 0, math.pi), points=lambda _pose: NOTHING)
+    assert run.arrived
+    assert distance_to_polyline(run.poses[:, :2], STRAIGHT).max() <= 0.25
+
+
+def test_where_it_is_too_late_to_stop_it_says_so() -> None:
+    wall = np.column_stack([np.full(80, 0.6), np.linspace(-2, 2, 80)])
+    follower = large()
+    follower.set_path(STRAIGHT)
+    with pytest.raises(NoCommand, match=r"No way keeps 0\.03 m .* the nearest is at 0\.3"):
+        follower.step((0, 0, 0), 2.0, 0.0, 0.05, wall)
+
+
+def test_a_robot_too_close_to_something_may_leave_it() -> None:
+    behind = np.array([(-0.12, y) for y in np.linspace(-0.1, 0.1, 9)])
+    follower = small()
+    follower.set_path(STRAIGHT)
+    assert follower.step((1, 0, 0), 0.0, 0.0, 0.1, behind).command.vx > 0.0
+    # And what is right ahead is not driven into.
+    other = small()
+    other.set_path(STRAIGHT)
+    assert other.step((1, 0, 0), 0.0, 0.0, 0.1, -behind).command.vx <= 0.02
+
+
+def test_the_same_inputs_give_the_same_commands() -> None:
+    obstacles = posts((2.5, 0.1), (1.2, -0.2))
+    first, second = (among(small(), obstacles, limit=5.0, dt=0.1) for _ in range(2))
+    assert first.commands.tobytes() == second.commands.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("rollouts", 1), ("temperature", 0.0), ("resolution", 0.0), ("clearance", -1.0)],
+)
+def test_parameters_out_of_range_are_refused_by_name(field: str, value: float) -> None:
+    with pytest.raises(ValueError, match=field):
+        MPPIParams(**{field: value})  # type: ignore[arg-type]
+
+
+def test_more_places_than_any_robot_has_time_for_are_refused() -> None:
+    with pytest.raises(ValueError, match="fewer rollouts or a longer step"):
+        MPPIParams(rollouts=20000, prediction_time=10.0, time_step=0.02)
+    with pytest.raises(ValueError, match="at least four times"):
+        MPPIParams(prediction_time=0.2, time_step=0.1)
