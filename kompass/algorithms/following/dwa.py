@@ -132,6 +132,19 @@ class DWA(PathFollower[DWAParams]):
                 f"{self.config.prediction_time:g} s; give a coarser one, or a shorter time"
             )
 
+        cells = np.arange(-self._half, self._half + 1)
+        self._nodes: Floats = cells * self.config.resolution  # x of columns, y of rows
+
+        self._gives_way = False
+
+    def reset(self) -> None:
+        super().reset()
+        self._gives_way = False
+
+    def _turns_to_path(self) -> bool:
+        # What it has just turned away from, to get round something, it is not to turn back to.
+        return not self._gives_way
+
     def _curvature(self, situation: Situation) -> float:
         raise AssertionError("DWA chooses velocities, not a curvature")
 
@@ -158,6 +171,7 @@ class DWA(PathFollower[DWAParams]):
         counts = travelled <= (braking + _BEYOND_BRAKING)[:, None]
         counts[:, 0] = True
         admissible = self._admissible(obstacles, distance, travelled, counts)
+        self._gives_way = not admissible.any() or (self._gives_way and situation.off_course)
         if not admissible.any():
             return 0.0, self._turn_to_open(obstacles, situation)
         nearest = np.where(counts, distance, np.inf).min(axis=1)
@@ -193,7 +207,10 @@ class DWA(PathFollower[DWAParams]):
         """The turning rate towards the open direction that is nearest to the way to the aim."""
         aim = self._aim(situation)
         directions = np.linspace(-math.pi, math.pi, 48, endpoint=False)
-        ahead = np.linspace(0.05, _OPEN_AHEAD, 6)
+        # The first place is that of the slowest rollout: what is open must be so for that one, too,
+        # or the robot would turn here and there between two judgements.
+        first = max(self.config.min_speed * float(self._times[0]), 0.001)
+        ahead = np.append(first, np.linspace(0.05, _OPEN_AHEAD, 6))
         (distance,) = self._look_up(
             (obstacles,), np.cos(directions)[:, None] * ahead, np.sin(directions)[:, None] * ahead
         )
@@ -262,22 +279,31 @@ class DWA(PathFollower[DWAParams]):
     def _fields(self, situation: Situation) -> tuple[Floats, Floats]:
         """Distances from obstacles and from the path ahead [m], (n, n) around the robot."""
         config = self.config
-        n = 2 * self._half + 1
         tracker = situation.tracker
         window = self._half * config.resolution * 1.5
         along = np.arange(tracker.progress, tracker.progress + window, config.resolution / 2.0)
         path = tracker.points_at(along)
         path = transform_points(inverse((situation.x, situation.y, situation.yaw)), path)
-        out = []
-        for points in (situation.obstacles, path):
-            cells = np.ones((n, n), dtype=bool)
-            near = points[(np.abs(points) < self._half * config.resolution).all(axis=1)]
-            if not len(near):
-                out.append(np.full((n, n), n * config.resolution))
-                continue
-            index = np.rint(near / config.resolution).astype(np.int64) + self._half
-            cells[index[:, 1], index[:, 0]] = False
-            out.append(distance_transform_edt(cells) * config.resolution)
-        # A point may lie anywhere in its cell: count from the cell's corner.
-        obstacles = np.maximum(out[0] - config.resolution * math.sqrt(0.5), 0.0)
-        return obstacles, out[1]
+        return self._distances(situation.obstacles), self._distances(path)
+
+    def _distances(self, points: Floats) -> Floats:
+        """Distances [m] of the grid's nodes (n, n) from points (N, 2) in the base frame.
+
+        Each node looks at one point only, but at where that is and not at the middle of its cell:
+        between obstacles, a robot has no room to give away to rounding.
+        """
+        resolution, n = self.config.resolution, 2 * self._half + 1
+        near = points[(np.abs(points) < self._half * resolution).all(axis=1)]
+        if not len(near):
+            return np.full((n, n), n * resolution)
+        # Of several in one cell the nearest to the robot counts, which is written last.
+        near = near[np.argsort(-(near[:, 0] ** 2 + near[:, 1] ** 2), kind="stable")]
+        col, row = (np.rint(near / resolution).astype(np.int64) + self._half).T
+        empty = np.ones((n, n), dtype=bool)
+        empty[row, col] = False
+        points_of = np.zeros((2, n, n))
+        points_of[:, row, col] = near.T
+        row, col = distance_transform_edt(empty, return_distances=False, return_indices=True)
+        x, y = points_of[:, row, col]
+        out: Floats = np.hypot(x - self._nodes, y - self._nodes[:, None])
+        return out

@@ -6,7 +6,6 @@ To be imported last: it makes what has been imported before stay out of the driv
 from __future__ import annotations
 
 import gc
-
 from typing import Any
 
 from action_msgs.msg import GoalStatusArray
