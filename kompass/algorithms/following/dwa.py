@@ -122,7 +122,7 @@ class DWA(PathFollower[DWAParams]):
         if not (math.isfinite(robot_radius) and robot_radius > 0):
             raise ValueError(f"robot_radius: {robot_radius} m; give a finite number above 0")
         steps = max(2, round(self.config.prediction_time / self.config.time_step))
-        self._times: Floats = self.config.time_step * np.arange(1, steps + 1)
+        self._times = self.config.time_step * np.arange(1, steps + 1, dtype=np.float64)
         reach = self._linear.max_vel * self.config.prediction_time + robot_radius
         self._half = math.ceil((reach + self.config.obstacle_range + 0.2) / self.config.resolution)
         if 2 * self._half > MOST_CELLS:
@@ -132,8 +132,8 @@ class DWA(PathFollower[DWAParams]):
                 f"{self.config.prediction_time:g} s; give a coarser one, or a shorter time"
             )
 
-        cells = np.arange(-self._half, self._half + 1)
-        self._nodes: Floats = cells * self.config.resolution  # x of columns, y of rows
+        cells = np.arange(-self._half, self._half + 1, dtype=np.float64)
+        self._nodes = cells * self.config.resolution  # x of columns, y of rows
 
         self._gives_way = False
 

@@ -116,7 +116,7 @@ class Mission:
     def stuck(self, pose: Pose2D, now: float) -> bool:
         """Whether nothing has come nearer for longer than patience.
 
-        To turn towards the path is to come nearer; to turn to and fro, after the first time, is not.
+        To turn towards the path is to come nearer; to turn to and fro is not.
         """
         distance, heading = self.errors(pose)
         left = self.distance_left(pose) + distance / 10
