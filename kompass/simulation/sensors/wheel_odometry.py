@@ -32,7 +32,7 @@ class WheelOdometry:
 
     def __init__(self, random: np.random.Generator) -> None:
         radius = WHEEL_RADIUS * (1.0 + RADIUS_ERROR * random.standard_normal(2))
-        left, right = (np.asarray(radius) * math.tau / TICKS_PER_TURN).tolist()
+        left, right = np.broadcast_to(radius * math.tau / TICKS_PER_TURN, 2).tolist()
         self._travel_per_tick: tuple[float, float] = left, right
         self._separation = float(
             WHEEL_SEPARATION * (1 + SEPARATION_ERROR * random.standard_normal())
