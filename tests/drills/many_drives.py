@@ -14,7 +14,7 @@ from multiprocessing import get_context
 from kompass.drills.runner.worker import ENVIRONMENT
 
 NICENESS = 10
-PRELOADED = ["tests.drills.random_drives", "kompass.drills.runner.warm"]
+PRELOADED = ["tests.drills.random_drives"]
 
 
 @dataclass(frozen=True)
