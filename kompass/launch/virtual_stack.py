@@ -345,7 +345,8 @@ class VirtualStack:
     def _simulate(self, process: VirtualProcess, _: Life) -> Ears:
         node = VirtualNode(process, SIMULATOR)
         executor = VirtualExecutor(process)
-        Simulator(node, self._place, self._seed, self._orders, self._faults)
+        recorded = self._world.network.ear is not None
+        Simulator(node, self._place, self._seed, self._orders, self._faults, always=recorded)
         executor.add_node(node)
         return DEAF
 

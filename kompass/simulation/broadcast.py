@@ -14,7 +14,7 @@ from std_msgs.msg import Float32, UInt32
 from tf2_msgs.msg import TFMessage
 
 from kompass.algorithms.geometry import compose, inverse
-from kompass.bus.node import Node
+from kompass.bus.node import Node, Publisher
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation import messages
 from kompass.simulation.physics.mjcf import IMU_HEIGHT, LIDAR_HEIGHT
@@ -29,10 +29,16 @@ _TRANSFORMS = QoSProfile(depth=100)
 
 
 class Broadcast:
-    """All publishers of the embedded robot."""
+    """All publishers of the embedded robot.
 
-    def __init__(self, node: Node, robot: SimulatedRobot) -> None:
-        self._robot = robot
+    Parameters
+    ----------
+    always
+        Whether to send also what nobody has subscribed to: for who hears of all that is sent.
+    """
+
+    def __init__(self, node: Node, robot: SimulatedRobot, *, always: bool = False) -> None:
+        self._robot, self._always = robot, always
         self._clock = node.get_clock()
         publisher = node.create_publisher
         self._scan = publisher(LaserScan, "/scan", _SENSOR)
@@ -61,8 +67,11 @@ class Broadcast:
         now = self._clock.now()
         stamp = now.to_msg()
         fill = messages.fill_odometry
-        self._truth.publish(fill(self._truth_message, self._robot.truth(), stamp))
-        self._imu.publish(messages.fill_inertial(self._imu_message, self._robot.imu(), stamp))
+        if self._is_heard(self._truth):
+            self._truth.publish(fill(self._truth_message, self._robot.truth(), stamp))
+        inertial = self._robot.imu()  # its noise is the same whether or not somebody listens
+        if self._is_heard(self._imu):
+            self._imu.publish(messages.fill_inertial(self._imu_message, inertial, stamp))
         if (self._robot.contacts, self._robot.person_contacts) != self._published_contacts:
             self.contacts()
         with suppress(NoReading):
@@ -74,7 +83,10 @@ class Broadcast:
         stamp = _stamp(now, filtered.age)
         fill = messages.fill_odometry
         self._filtered.publish(fill(self._filtered_message, filtered, stamp))
-        self._wheels.publish(fill(self._wheels_message, wheels, stamp))
+        if self._is_heard(self._wheels):
+            self._wheels.publish(fill(self._wheels_message, wheels, stamp))
+        if not self._is_heard(self._tf):
+            return
         correction = compose(filtered.pose, inverse(wheels.pose))
         x, y, yaw = (float(part) for part in correction)
         messages.fill_transform(self._correction, (x, y, yaw), stamp)
@@ -99,6 +111,10 @@ class Broadcast:
         self._published_contacts = (contacts, with_people)
         self._contacts.publish(UInt32(data=contacts))
         self._person_contacts.publish(UInt32(data=with_people))
+
+    def _is_heard(self, publisher: Publisher) -> bool:
+        """Whether a message is worth making: fifty times a second that is most of the work."""
+        return self._always or publisher.get_subscription_count() > 0
 
     def _announce_sensors(self) -> None:
         stamp = self._clock.now().to_msg()

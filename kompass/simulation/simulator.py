@@ -37,6 +37,8 @@ class Simulator:
         Faults to begin by themselves.
     processes
         The faults of the stack's processes.
+    always
+        Whether it sends also what nobody has subscribed to.
 
     Attributes
     ----------
@@ -51,10 +53,12 @@ class Simulator:
         seed: int,
         orders: Sequence[FaultOrder],
         processes: FaultKind,
+        *,
+        always: bool = False,
     ) -> None:
         self.robot = SimulatedRobot(place, seed)
         self._node = node
-        self._broadcast = Broadcast(node, self.robot)
+        self._broadcast = Broadcast(node, self.robot, always=always)
         self._commands = CommandInput(node, self.robot.command)
         self._faults = FaultService(node, self.robot, orders, processes)
         Costmap(node)

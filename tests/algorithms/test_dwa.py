@@ -58,6 +58,28 @@ def test_posts_beside_and_partly_on_the_path_are_passed_without_touching(
     assert gap(run.poses, obstacles) > 0.0
 
 
+@pytest.mark.parametrize("turn", np.linspace(0.0, 1.5, 7))
+def test_what_a_grid_rounds_holds_up_no_robot_that_keeps_the_planners_distance(
+    turn: float,
+) -> None:
+    """A wall as a local map has it, in cells of 5 cm that turn with the robot."""
+    cell, keeps = 0.05, RADIUS + 0.1
+    wall = np.column_stack([np.linspace(-0.2, 2.2, 500), np.full(500, keeps)])
+    cos, sin = math.cos(turn), math.sin(turn)
+    to_grid = np.array([[cos, -sin], [sin, cos]])
+
+    def local_map(pose: Floats) -> Floats:
+        seen = transform_points(inverse(pose), wall) @ to_grid
+        cells = np.unique(np.floor(seen / cell), axis=0)
+        return np.asarray((cells + 0.5) * cell @ to_grid.T)
+
+    follower = dwa()
+    follower.set_path(STRAIGHT[STRAIGHT[:, 0] <= 2.0])
+    run = drive(follower, (0, 0, 0), points=local_map, limit=15)
+    assert run.arrived
+    assert gap(run.poses, wall) > 0.0
+
+
 def test_before_a_wall_across_the_path_it_stops_without_touching() -> None:
     wall = np.column_stack([np.full(200, 1.5), np.linspace(-2, 2, 200)])
     follower = dwa()
@@ -70,10 +92,17 @@ def test_before_a_wall_across_the_path_it_stops_without_touching() -> None:
 
 
 def test_a_robot_hemmed_in_has_no_command() -> None:
-    follower = dwa()
+    follower, ring = dwa(), posts((1, 0), radius=0.2)
     follower.set_path(STRAIGHT)
+    poses: list[Floats] = []
     with pytest.raises(NoCommand, match=r"No direction keeps 0\.1. m .* the nearest is at 0\.1"):
-        follower.step((1, 0, 0), 0.0, 0.0, 0.1, posts((0, 0), radius=0.2))
+        drive(
+            follower,
+            (1, 0, 0),
+            points=lambda pose: transform_points(inverse(pose), ring),
+            at_step=lambda _, pose: poses.append(pose),
+        )
+    assert gap(np.array(poses), ring) > 0.0
 
 
 def test_a_robot_too_close_to_something_may_leave_it() -> None:

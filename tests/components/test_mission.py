@@ -67,6 +67,28 @@ def test_turning_to_the_goals_heading_is_progress() -> None:
         assert not made.stuck((2.0, 0.0, 3.0 - 0.1 * second), now=float(second))
 
 
+def test_turning_towards_a_path_that_leads_straight_back_is_progress() -> None:
+    made = mission()
+    for second in range(40):  # half a turn in 39 s, with a patience of 10
+        yaw = math.pi - 0.08 * second
+        assert not made.stuck((0.0, 0.0, max(yaw, 0.0)), now=float(second))
+    # It faces the path by now, and does not drive.
+    assert not made.stuck((0.0, 0.0, 0.0), now=45.0)
+    assert made.stuck((0.0, 0.0, 0.0), now=50.0)
+
+
+def test_turning_to_and_fro_is_no_progress() -> None:
+    made = mission()
+    stuck = [made.stuck((0.0, 0.0, 2.0 + math.sin(0.7 * s)), now=float(s)) for s in range(25)]
+    assert any(stuck)
+
+
+def test_turning_away_from_the_path_is_no_progress() -> None:
+    made = mission()
+    stuck = [made.stuck((0.0, 0.0, 0.25 * second), now=float(second)) for second in range(12)]
+    assert stuck[-1]
+
+
 def test_patience_without_a_path_counts_from_the_first_failure() -> None:
     made = mission()
     assert not made.unplanned(now=100.0)

@@ -14,7 +14,7 @@ from multiprocessing import get_context
 from kompass.drills.runner.worker import ENVIRONMENT
 
 NICENESS = 10
-PRELOADED = "tests.drills.random_drives"
+PRELOADED = ["tests.drills.random_drives"]
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def make(seeds: Iterable[int], jobs: int, until: float = float("inf")) -> Iterat
     """
     os.environ |= ENVIRONMENT
     context = get_context("forkserver")
-    context.set_forkserver_preload([PRELOADED])
+    context.set_forkserver_preload(PRELOADED)
     waiting = iter(seeds)
     with ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=1) as pool:
         under_way = {}

@@ -56,6 +56,14 @@ def test_a_robot_arrives_faster_than_it_drives() -> None:
     assert observed.result.broken == ()
 
 
+@pytest.mark.parametrize("seed", [1, 4])
+def test_a_robot_passes_a_pillar_by_its_local_map_without_turning_to_and_fro(seed: int) -> None:
+    beside = {"start": Start(x=0.675, y=-1.625), "goals": (Goal(x=1.225, y=0.525),)}
+    observed = drive(scenario(seed=seed, **beside), RECIPES / "04_cross_component_healing.py")
+    assert observed.result.outcome == "arrived", observed.result.why
+    assert observed.result.duration < 25.0  # 15 s are what it takes to be given up
+
+
 def test_the_same_seed_gives_the_same_facts_and_another_one_others() -> None:
     fault = ScheduledFault(name="kill:mapper", at=6.0)
     first, again = (drive(scenario(fault)).facts for _ in range(2))

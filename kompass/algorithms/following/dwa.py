@@ -11,7 +11,7 @@ distance to the path are then look-ups.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -121,6 +121,8 @@ class DWA(PathFollower[DWAParams]):
     ) -> None:
         super().__init__(config, footprint=footprint, **limits)
         self.robot_radius = footprint.radius
+        steps = max(2, round(self.config.prediction_time / self.config.time_step))
+        self._times = self.config.time_step * np.arange(1, steps + 1, dtype=np.float64)
         reach = self._linear.max_vel * self.config.prediction_time + self.robot_radius
         self._half = math.ceil((reach + self.config.obstacle_range + 0.2) / self.config.resolution)
         if 2 * self._half > MOST_CELLS:
@@ -130,28 +132,46 @@ class DWA(PathFollower[DWAParams]):
                 f"{self.config.prediction_time:g} s; give a coarser one, or a shorter time"
             )
 
+        cells = np.arange(-self._half, self._half + 1, dtype=np.float64)
+        self._nodes = cells * self.config.resolution  # x of columns, y of rows
+
+        self._gives_way = False
+
+    def reset(self) -> None:
+        super().reset()
+        self._gives_way = False
+
+    def _turns_to_path(self) -> bool:
+        # What it has just turned away from, to get round something, it is not to turn back to.
+        return not self._gives_way
+
     def _curvature(self, situation: Situation) -> float:
         raise AssertionError("DWA chooses velocities, not a curvature")
 
     def _drive(self, situation: Situation) -> tuple[float, float]:
         config = self.config
         v, omega = self._window(situation)
-        steps = max(2, round(config.prediction_time / config.time_step))
-        times = config.time_step * np.arange(1, steps + 1)
-        # Exact positions on the arc of a constant twist; sinc keeps straight ones finite.
-        half_turn = 0.5 * omega[:, None] * times
-        chord = v[:, None] * times * np.sinc(half_turn / math.pi)
-        x, y = chord * np.cos(half_turn), chord * np.sin(half_turn)
+        shape = (len(omega) * len(v), len(self._times))
+        # Exact positions on the arc of a constant twist; sinc keeps straight ones finite. What
+        # depends on the turning rate alone is worked out once for all velocities.
+        half_turn = 0.5 * omega[:, None] * self._times
+        sinc = np.sinc(half_turn / math.pi)
+        along = (v[:, None] * self._times)[None]
+        chord = along * sinc[:, None]
+        x = (chord * np.cos(half_turn)[:, None]).reshape(shape)
+        y = (chord * np.sin(half_turn)[:, None]).reshape(shape)
 
         obstacles, path = self._fields(situation)
-        distance = self._look_up(obstacles, x, y)
+        distance, from_path = self._look_up((obstacles, path), x, y)
+        travelled = np.broadcast_to(along, (len(omega), *along.shape[1:])).reshape(shape)
+        v, omega = np.tile(v, len(omega)), np.repeat(omega, len(v))
         # As in the original, what counts is that the robot can stop before it hits something: a
         # rollout is checked as far as its braking distance and a little, not to its end.
-        travelled = v[:, None] * times
         braking = stopping_distance(1.0, self._linear.max_decel, 0.0) * v * v + v * situation.dt
         counts = travelled <= (braking + _BEYOND_BRAKING)[:, None]
         counts[:, 0] = True
         admissible = self._admissible(obstacles, distance, travelled, counts)
+        self._gives_way = not admissible.any() or (self._gives_way and situation.off_course)
         if not admissible.any():
             return 0.0, self._turn_to_open(obstacles, situation)
         nearest = np.where(counts, distance, np.inf).min(axis=1)
@@ -162,7 +182,7 @@ class DWA(PathFollower[DWAParams]):
             omega - situation.turn_rate
         ) / (2.0 * self._angular.max_vel)
         cost = (
-            config.path_weight * self._look_up(path, x, y).mean(axis=1)
+            config.path_weight * from_path.mean(axis=1)
             + config.goal_weight * left
             + config.obstacle_weight * nearness
             + config.smoothness_weight * change
@@ -187,9 +207,12 @@ class DWA(PathFollower[DWAParams]):
         """The turning rate towards the open direction that is nearest to the way to the aim."""
         aim = self._aim(situation)
         directions = np.linspace(-math.pi, math.pi, 48, endpoint=False)
-        ahead = np.linspace(0.05, _OPEN_AHEAD, 6)
-        distance = self._look_up(
-            obstacles, np.cos(directions)[:, None] * ahead, np.sin(directions)[:, None] * ahead
+        # The first place is that of the slowest rollout: what is open must be so for that one, too,
+        # or the robot would turn here and there between two judgements.
+        first = max(self.config.min_speed * float(self._times[0]), 0.001)
+        ahead = np.append(first, np.linspace(0.05, _OPEN_AHEAD, 6))
+        (distance,) = self._look_up(
+            (obstacles,), np.cos(directions)[:, None] * ahead, np.sin(directions)[:, None] * ahead
         )
         counts = np.ones(distance.shape, dtype=bool)
         travelled = np.broadcast_to(ahead, distance.shape)
@@ -209,23 +232,27 @@ class DWA(PathFollower[DWAParams]):
         rate = min(self._angular.max_vel, max(rate, self.config.min_turn_rate))
         return math.copysign(rate, turn)
 
-    def _look_up(self, values: Floats, x: Floats, y: Floats) -> Floats:
-        """A field's values at base-frame places of any shape, interpolated between cells."""
+    def _look_up(self, fields: Sequence[Floats], x: Floats, y: Floats) -> list[Floats]:
+        """Each field's values at base-frame places of any shape, interpolated between cells."""
         last = 2 * self._half - 1
         u = np.clip(x / self.config.resolution + self._half, 0.0, last + 1.0)
         v = np.clip(y / self.config.resolution + self._half, 0.0, last + 1.0)
         col = np.minimum(u.astype(np.int64), last)
         row = np.minimum(v.astype(np.int64), last)
         u, v = u - col, v - row
-        flat, stride = values.ravel(), values.shape[1]
+        rest_u, rest_v = 1.0 - u, 1.0 - v
+        stride = 2 * self._half + 1
         i = row * stride + col
-        low = flat[i] * (1.0 - u) + flat[i + 1] * u
-        high = flat[i + stride] * (1.0 - u) + flat[i + stride + 1] * u
-        out: Floats = low * (1.0 - v) + high * v
+        corners = (i, i + 1, i + stride, i + stride + 1)
+        out = []
+        for values in fields:
+            flat = values.ravel()
+            a, b, c, d = (flat.take(at) for at in corners)
+            out.append((a * rest_u + b * u) * rest_v + (c * rest_u + d * u) * v)
         return out
 
     def _window(self, situation: Situation) -> tuple[Floats, Floats]:
-        """The pairs (N,), (N,) of velocity and turning rate that can be reached in one period."""
+        """The velocities (V,) and turning rates (W,) that can be reached in one period."""
         config = self.config
         low, high = self._linear.reachable(situation.speed, situation.dt)
         high = max(min(high, situation.allowed_speed), low, 0.0)
@@ -236,8 +263,7 @@ class DWA(PathFollower[DWAParams]):
         omega = np.linspace(left, right, config.angular_samples)
         if left < 0.0 < right:
             omega = np.append(omega, 0.0)
-        grid_v, grid_omega = np.meshgrid(v, omega)
-        return grid_v.ravel(), grid_omega.ravel()
+        return v, omega
 
     def _aim(self, situation: Situation) -> tuple[float, float]:
         """Where the robot should be after the prediction time, in the base frame."""
@@ -253,22 +279,31 @@ class DWA(PathFollower[DWAParams]):
     def _fields(self, situation: Situation) -> tuple[Floats, Floats]:
         """Distances from obstacles and from the path ahead [m], (n, n) around the robot."""
         config = self.config
-        n = 2 * self._half + 1
         tracker = situation.tracker
         window = self._half * config.resolution * 1.5
         along = np.arange(tracker.progress, tracker.progress + window, config.resolution / 2.0)
-        path = np.array([tracker.point_at(float(s)) for s in along])
+        path = tracker.points_at(along)
         path = transform_points(inverse((situation.x, situation.y, situation.yaw)), path)
-        out = []
-        for points in (situation.obstacles, path):
-            cells = np.ones((n, n), dtype=bool)
-            near = points[(np.abs(points) < self._half * config.resolution).all(axis=1)]
-            if not len(near):
-                out.append(np.full((n, n), n * config.resolution))
-                continue
-            index = np.rint(near / config.resolution).astype(np.int64) + self._half
-            cells[index[:, 1], index[:, 0]] = False
-            out.append(distance_transform_edt(cells) * config.resolution)
-        # A point may lie anywhere in its cell: count from the cell's corner.
-        obstacles = np.maximum(out[0] - config.resolution * math.sqrt(0.5), 0.0)
-        return obstacles, out[1]
+        return self._distances(situation.obstacles), self._distances(path)
+
+    def _distances(self, points: Floats) -> Floats:
+        """Distances [m] of the grid's nodes (n, n) from points (N, 2) in the base frame.
+
+        Each node looks at one point only, but at where that is and not at the middle of its cell:
+        between obstacles, a robot has no room to give away to rounding.
+        """
+        resolution, n = self.config.resolution, 2 * self._half + 1
+        near = points[(np.abs(points) < self._half * resolution).all(axis=1)]
+        if not len(near):
+            return np.full((n, n), n * resolution)
+        # Of several in one cell the nearest to the robot counts, which is written last.
+        near = near[np.argsort(-(near[:, 0] ** 2 + near[:, 1] ** 2), kind="stable")]
+        col, row = (np.rint(near / resolution).astype(np.int64) + self._half).T
+        empty = np.ones((n, n), dtype=bool)
+        empty[row, col] = False
+        points_of = np.zeros((2, n, n))
+        points_of[:, row, col] = near.T
+        row, col = distance_transform_edt(empty, return_distances=False, return_indices=True)
+        x, y = points_of[:, row, col]
+        out: Floats = np.hypot(x - self._nodes, y - self._nodes[:, None])
+        return out

@@ -103,6 +103,8 @@ class Situation:
         The path, and the place on it.
     homing
         Whether only the straight way to the path's end is left.
+    off_course
+        Whether it faces so far from the way ahead that a robot would turn on the spot.
     allowed_speed
         What the path ahead and its end allow [m/s].
     dt
@@ -118,6 +120,7 @@ class Situation:
     turn_rate: float
     tracker: PathTracker
     homing: bool
+    off_course: bool
     allowed_speed: float
     dt: float
     obstacles: Floats
@@ -329,7 +332,8 @@ class PathFollower(ABC, Generic[P]):
         if homing and distance <= 0.7 * params.goal_tolerance:
             bearing = 0.0  # on the spot: where it lies does not matter any more
         limit = params.turn_in_place_angle * (0.5 if homing else 1.0)
-        if abs(bearing) > limit:
+        off_course = abs(bearing) > limit
+        if off_course and self._turns_to_path():
             self._phase = "turning"
         elif self._phase == "turning" and abs(bearing) <= params.turn_done_angle:
             self._phase = "driving"
@@ -337,11 +341,17 @@ class PathFollower(ABC, Generic[P]):
             return self._turn(bearing, speed, turn_rate, dt)
 
         allowed = self._allowed_speed(tracker, bearing, distance if homing else None, dt)
-        situation = Situation(x, y, yaw, speed, turn_rate, tracker, homing, allowed, dt, obstacles)
+        situation = Situation(
+            *(x, y, yaw, speed, turn_rate, tracker, homing, off_course, allowed, dt, obstacles)
+        )
         vx, omega = self._drive(situation)
         return Command(
             self._linear.approach(speed, vx, dt), 0.0, self._angular.approach(turn_rate, omega, dt)
         )
+
+    def _turns_to_path(self) -> bool:
+        """Whether to turn on the spot when the path lies far to the side."""
+        return True
 
     def _allowed_speed(
         self, tracker: PathTracker, bearing: float, straight: float | None, dt: float

@@ -103,6 +103,16 @@ class PathTracker:
             float(np.interp(s, self._along, self._points[:, 1])),
         )
 
+    def points_at(self, s: Floats) -> Floats:
+        """The places (N, 2) at arc lengths ``s`` (N,); as :meth:`point_at`."""
+        over = np.maximum(s - self.length, 0.0)
+        out = np.empty((len(s), 2))
+        out[:, 0] = np.interp(s, self._along, self._points[:, 0])
+        out[:, 1] = np.interp(s, self._along, self._points[:, 1])
+        out[:, 0] += over * math.cos(self.end_heading)
+        out[:, 1] += over * math.sin(self.end_heading)
+        return out
+
     def heading_at(self, s: float) -> float:
         """The path's direction at arc length ``s`` [rad], turning gradually between its legs."""
         return float(wrap_angle(float(np.interp(s, self._middles, self._headings))))

@@ -6,6 +6,7 @@ from typing import Any, Generic, TypeVar
 
 from rclpy.duration import Duration
 
+from kompass.algorithms.safety.lateness import Lateness
 from kompass.bus.clock import SYSTEM, Clock
 from kompass.bus.node import LifecycleNode
 from kompass.components.base.topics import DeclaredTopics
@@ -21,6 +22,9 @@ P = TypeVar("P")
 
 class Input:
     """Subscription that keeps the newest message. Ages are of the monotonic clock [s].
+
+    A message is as old when it comes as its stamp says, where that can be believed
+    (:class:`kompass.algorithms.safety.lateness.Lateness`).
 
     Parameters
     ----------
@@ -40,6 +44,7 @@ class Input:
         self.topic = topic
         self.message: Any = None
         self.received: float | None = None
+        self.lateness = Lateness()
         self.on_message: Callable[[Any], None] | None = None
         # Called when all others have been.
         self.afterwards: Callable[[], None] | None = None
@@ -98,14 +103,31 @@ class Input:
     def clear(self) -> None:
         """Forget the last message."""
         self.message, self.received = None, None
+        self.lateness = Lateness()
 
     def age(self) -> float:
-        """Seconds since the newest message; infinite before the first."""
+        """Seconds since the newest message was stamped; infinite before the first."""
+        return self.silence() + self.lateness.late
+
+    def silence(self) -> float:
+        """Seconds since the newest message came; infinite before the first."""
         return float("inf") if self.received is None else self._clock.monotonic() - self.received
+
+    def too_old(self, limit: float) -> str:
+        """Why there is nothing that is no older than ``limit`` [s]; empty when there is."""
+        if self.age() <= limit:
+            return ""
+        topic = f"/{self.topic.name}"
+        if self.silence() > limit:
+            return f"nothing on {topic}"
+        return f"what is on {topic} is too old: {self.lateness.told}"
 
     def _receive(self, message: Any) -> None:
         self.message = message
         self.received = self._clock.monotonic()
+        stamp = getattr(getattr(message, "header", None), "stamp", None)
+        if stamp is not None:
+            self.lateness.heard(stamp.sec + stamp.nanosec * 1e-9, self._clock.wall())
         if self.on_message is not None:
             self.on_message(message)
         for callback in self._callbacks:

@@ -267,9 +267,10 @@ class Controller(Component):
         if self.awaits(source):
             self.health.set_healthy(f"waiting for {topic}")
         else:
-            self.health.set_fail_system(
-                topics=[topic], message="the robot does not know where it is"
-            )
+            text = "the robot does not know where it is"
+            if source.silence() <= self.config.location_timeout < source.age():
+                text += f": {source.too_old(self.config.location_timeout)}"
+            self.health.set_fail_system(topics=[topic], message=text)
         return None
 
     def _seen(self) -> NDArray[np.float64] | None:
@@ -284,7 +285,8 @@ class Controller(Component):
         if self.awaits(source) or (self._obstacles.problem and self.is_starting):
             self.health.set_healthy(f"waiting for {topic}")
         else:
-            reason = self._obstacles.problem or f"nothing on {topic} to see obstacles with"
+            old = source.too_old(self.config.sensor_timeout) or f"nothing on {topic}"
+            reason = self._obstacles.problem or f"{old}, to see obstacles with"
             self.health.set_fail_system(topics=[topic], message=reason)
         return None
 

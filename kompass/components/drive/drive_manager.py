@@ -17,6 +17,7 @@ from std_msgs.msg import Bool
 
 from kompass.access.gatekeeper import NotAdmitted
 from kompass.algorithms.mapping.scan_points import scan_to_points
+from kompass.algorithms.safety.frozen_scan import FrozenScan
 from kompass.algorithms.safety.rhythm import Rhythm
 from kompass.algorithms.safety.standstill import Standstill
 from kompass.algorithms.transforms import TransformError
@@ -112,6 +113,8 @@ class DriveManager(Component):
         self._gate = None if self.lacks_robot else DriveGate(self._gate_limits())
         self._standstill = Standstill()
         self._scans, self._odometries = Rhythm(), Rhythm()
+        self._repeats = FrozenScan()
+        self._told_of_clock: set[str] = set()
         self._points: NDArray[np.float64] = np.empty((0, 2))
         self._points_of: object = None
         self._emergency = False
@@ -315,26 +318,35 @@ class DriveManager(Component):
             *(WatchedTopic(name, others=most) for name in heard),
         ]
 
+    def _tell_of_clocks(self) -> None:
+        """Say once of each source that its stamps cannot be believed."""
+        for source in (self.input("sensor_data"), self.input("location")):
+            note, topic = source.lateness.note, source.topic.name
+            if note and topic not in self._told_of_clock:
+                self._told_of_clock.add(topic)
+                self.node.get_logger().warning(f"/{topic}: {note}")
+
     def _on_location(self, _message: object) -> None:
         now = self.clock.monotonic()
         self._odometries.heard(now)
         self._standstill.update(self._location.speed(), now)
 
-    def _on_scan(self, _message: object) -> None:
+    def _on_scan(self, message: Any) -> None:
         self._scans.heard(self.clock.monotonic())
+        self._repeats.heard(np.asarray(message.ranges), self._location.pose())
 
     def _overdue(self, source: Input, rhythm: Rhythm, timeout: float) -> bool:
         """Whether the robot is not to drive by the newest message of an input any more.
 
         Health waits for the timeout: a machine that is busy for a moment is no failure.
         """
-        return source.age() > rhythm.patience(self.config.missed_messages, timeout)
+        return source.silence() > rhythm.patience(self.config.missed_messages, timeout)
 
     def _obstacles(self) -> NDArray[np.float64] | None:
         """Points of the newest scan in the robot's frame, shape (N, 2); None when unknown."""
         source = self.input("sensor_data")
         scan = source.message
-        if scan is None or source.age() > self.config.scan_timeout:
+        if scan is None or source.age() > self.config.scan_timeout or self._repeats.is_frozen:
             return None
         if scan is not self._points_of:
             try:
@@ -371,6 +383,7 @@ class DriveManager(Component):
             self._judge_intruders(intruders)
         else:
             self._judge_health(obstacles is not None, odometry_age <= self.config.odometry_timeout)
+        self._tell_of_clocks()
         if self._latch.is_set:
             self._queue.clear()
         scan, odometry = self.input("sensor_data"), self.input("location")
@@ -458,9 +471,9 @@ class DriveManager(Component):
         missing = {}
         needs_scan = not (self.config.disable_safety_stop or self.config.use_without_scan_sensor)
         if needs_scan and not scan_known:
-            missing[scan] = f"no scan {_for(scan.age())}"
+            missing[scan] = self._missing(scan, "scan", self.config.scan_timeout)
         if not odometry_known:
-            missing[odometry] = f"no odometry {_for(odometry.age())}"
+            missing[odometry] = self._missing(odometry, "odometry", self.config.odometry_timeout)
         topics = [f"/{source.topic.name}" for source in missing]
         if not missing:
             self.health.set_healthy()
@@ -468,6 +481,16 @@ class DriveManager(Component):
             self.health.set_healthy(f"waiting for {', '.join(topics)}")
         else:
             self.health.set_fail_system(topics=topics, message="; ".join(missing.values()))
+
+    def _missing(self, source: Input, what: str, timeout: float) -> str:
+        """Why an input is of no use, for people."""
+        if source.silence() > timeout:
+            return f"no {what} {_for(source.silence())}"
+        if source.age() > timeout:
+            return f"the {what} is too old: {source.lateness.told}"
+        if self._repeats.is_frozen:
+            return f"the {what} stays the same to the last bit while the robot moves: it is frozen"
+        return f"no {what} that can be used"
 
     def _has_served(self, source: Input) -> bool:
         """Whether an input has been of use since the activation; a scan needs its transform."""

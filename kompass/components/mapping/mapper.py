@@ -118,19 +118,17 @@ class LocalMapper(Component):
 
     def _execution_step(self) -> None:
         source, location = self.input("sensor_data"), self.input("location")
-        missing = [
-            f"/{item.topic.name}"
-            for item, limit in (
-                (source, self.config.sensor_timeout),
-                (location, self.config.location_timeout),
-            )
-            if item.age() > limit
-        ]
+        given = (
+            (source, self.config.sensor_timeout),
+            (location, self.config.location_timeout),
+        )
+        missing = [f"/{item.topic.name}" for item, limit in given if item.age() > limit]
+        reasons = filter(None, (item.too_old(limit) for item, limit in given))
         if missing and len(self.awaits(source, location)) >= len(missing):
             self.health.set_healthy(f"waiting for {', '.join(missing)}")
             return
         if missing:
-            self.health.set_fail_system(topics=missing, message=f"nothing on {', '.join(missing)}")
+            self.health.set_fail_system(topics=missing, message="; ".join(reasons))
             return
         scan = source.message
         if scan is self._mapped:

@@ -63,10 +63,13 @@ class Mission:
     _no_plan_since: float | None = None
     _best: float = math.inf
     _best_at: float = field(default=-math.inf)
+    _least_off: float = math.inf  # from where the path leads, since it came nearer last [rad]
     _inside_since: float | None = None
 
     SETTLE = 2.0  # s inside the tolerance after which a robot that still creeps has arrived
     PROGRESS = 0.05  # m (or rad/10) that count as progress
+    TURNED = 0.2  # rad by which it must face the way ahead better than ever, to have got somewhere
+    AHEAD = 0.35  # m along the path, to where it has to face
 
     def planned(self, path: NDArray[np.float64], now: float) -> None:
         """A path of poses (N, 3) was found."""
@@ -111,14 +114,32 @@ class Mission:
         return standing or now - self._inside_since >= self.SETTLE
 
     def stuck(self, pose: Pose2D, now: float) -> bool:
-        """Whether nothing has come nearer for longer than patience."""
+        """Whether nothing has come nearer for longer than patience.
+
+        To turn towards the path is to come nearer; to turn to and fro is not.
+        """
         distance, heading = self.errors(pose)
         left = self.distance_left(pose) + distance / 10
         if self.tolerance.heading_matters and distance < 2 * self.tolerance.distance:
             left += heading / 10
         if left < self._best - self.PROGRESS:
-            self._best, self._best_at = left, now
+            self._best, self._best_at, self._least_off = left, now, self._off_path(pose)
+        elif (off := self._off_path(pose)) < self._least_off - self.TURNED:
+            self._best_at, self._least_off = now, off
         return self.path is not None and now - self._best_at >= self.patience
+
+    def _off_path(self, pose: Pose2D) -> float:
+        """How far it faces from where the path leads [rad]; 0 where there is nothing ahead."""
+        if self.path is None:
+            return 0.0
+        offset = self.path[:, :2] - pose[:2]
+        away = np.hypot(offset[:, 0], offset[:, 1])
+        nearest = int(np.argmin(away))
+        farther = np.flatnonzero(away[nearest:] >= self.AHEAD)
+        dx, dy = offset[nearest + int(farther[0])] if len(farther) else offset[-1]
+        if math.hypot(dx, dy) < self.tolerance.distance:
+            return 0.0
+        return abs(float(wrap_angle(math.atan2(dy, dx) - pose[2])))
 
     def strayed(self, pose: Pose2D, limit: float) -> bool:
         """Whether the robot is farther from its path than ``limit`` [m]."""

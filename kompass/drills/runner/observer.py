@@ -14,7 +14,6 @@ from automatika_ros_sugar.msg import ComponentStatus
 from kompass_interfaces.msg import DriveState, RuleFiring
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String, UInt32
 
@@ -84,7 +83,7 @@ class Observer:
         self._epoch = ""
         self._faults: list[str] = []
         self._alarms: dict[str, str] = {}
-        self._truth: bytes | None = None
+        self._truth: Odometry | None = None
         self._contacts = {CONTACTS: 0, PERSON_CONTACTS: 0}
         self._counted = (0, 0)  # contacts with something, and with a person
         self._heard: dict[str, deque[float]] = {}
@@ -98,9 +97,8 @@ class Observer:
         listen(DriveState, "drive_state", self._on_drive_state, LATCHED_PROFILE)
         listen(String, "/simulator/faults", self._on_faults, LATCHED_PROFILE)
         for sense, topic, kind in SENSES:
-            listen(kind, topic, partial(self._on_sense, sense), _ANY, raw=True)
-        # One in five is looked at: the others are not worth reading.
-        listen(Odometry, TRUTH, self._on_truth, _ANY, raw=True)
+            listen(kind, topic, partial(self._on_sense, sense), _ANY)
+        listen(Odometry, TRUTH, self._on_truth, _ANY)
         for topic in (CONTACTS, PERSON_CONTACTS):
             listen(UInt32, topic, partial(self._on_contacts, topic), LATCHED_PROFILE)
         node.create_timer(PERIOD, self._look)
@@ -188,7 +186,7 @@ class Observer:
                 self.note(FaultEnded, name)
         self._faults = faults
 
-    def _on_sense(self, sense: str, _: bytes) -> None:
+    def _on_sense(self, sense: str, _: object) -> None:
         heard = self._heard.setdefault(sense, deque(maxlen=PAUSES + 1))
         heard.append(self._node.clock.monotonic())
         if sense in self._blind:
@@ -197,8 +195,8 @@ class Observer:
 
     # -- the truth ----------------------------------------------------------------------------
 
-    def _on_truth(self, data: bytes) -> None:
-        self._truth = data
+    def _on_truth(self, message: Odometry) -> None:
+        self._truth = message
 
     def _on_contacts(self, topic: str, message: UInt32) -> None:
         self._contacts[topic] = int(message.data)
@@ -215,7 +213,7 @@ class Observer:
                 begin = round(max(at - self._began, 0.0), 6)
                 self.note(WentBlind, sense, round(period, 6), at=begin)
         if self._truth is not None:
-            self._note_motion(deserialize_message(self._truth, Odometry))
+            self._note_motion(self._truth)
         # Both counts of one moment have come by now, in whatever order.
         of_people = self._contacts[PERSON_CONTACTS]
         others = self._contacts[CONTACTS] - of_people

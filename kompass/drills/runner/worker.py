@@ -36,6 +36,16 @@ ENVIRONMENT = {
     "KOMPASS_ROS_CONTROL": "read",
 }
 
+# What the process imports that all drives are forked from: what they are made with, what recipes
+# import, which lies above, and at last what warms all of it up.
+PRELOADED = [
+    "kompass.drills.runner.preloaded",
+    "kompass.actions",
+    "kompass.control",
+    "kompass.ros",
+    "kompass.drills.runner.warm",
+]
+
 
 @dataclass(frozen=True)
 class Order:
@@ -141,7 +151,7 @@ def _pool(jobs: int) -> ProcessPoolExecutor:
     # Taken over by the process that all others are forked from.
     os.environ |= ENVIRONMENT | {ASKS: str(os.getpid())}
     context = get_context("forkserver")
-    context.set_forkserver_preload(["kompass.drills.runner.preloaded"])
+    context.set_forkserver_preload(PRELOADED)
     return ProcessPoolExecutor(
         jobs, mp_context=context, max_tasks_per_child=1, initializer=_end_with_server
     )

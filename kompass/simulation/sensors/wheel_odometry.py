@@ -19,6 +19,8 @@ SEPARATION_ERROR = 0.01
 TRAVEL_VARIANCE = 1e-5
 SPEED_VARIANCE = (2e-3**2, 1e-9, 2e-2**2)  # of the twist, (m/s)², (m/s)², (rad/s)²
 
+_TWIST = np.diag(SPEED_VARIANCE)
+
 
 class WheelOdometry:
     """Integrates encoder ticks along circular arcs, frame ``odom``, which starts at the robot.
@@ -30,40 +32,43 @@ class WheelOdometry:
 
     def __init__(self, random: np.random.Generator) -> None:
         radius = WHEEL_RADIUS * (1.0 + RADIUS_ERROR * random.standard_normal(2))
-        self._travel_per_tick = np.asarray(radius) * math.tau / TICKS_PER_TURN
-        self._separation = WHEEL_SEPARATION * (1.0 + SEPARATION_ERROR * random.standard_normal())
-        self._ticks: np.ndarray | None = None
+        left, right = np.broadcast_to(radius * math.tau / TICKS_PER_TURN, 2).tolist()
+        self._travel_per_tick: tuple[float, float] = left, right
+        self._separation = float(
+            WHEEL_SEPARATION * (1 + SEPARATION_ERROR * random.standard_normal())
+        )
+        self._ticks: tuple[int, int] | None = None
         self._pose = (0.0, 0.0, 0.0)
         self._twist = (0.0, 0.0, 0.0)
         self._covariance = np.zeros((3, 3))
 
     def update(self, left_angle: float, right_angle: float, dt: float) -> None:
         """Take in the wheel angles (radians) now, ``dt`` seconds after the last ones."""
-        angles = np.array([left_angle, right_angle])
-        ticks = np.floor(angles * (TICKS_PER_TURN / math.tau))
-        if self._ticks is None:
-            self._ticks = ticks
-        left, right = (ticks - self._ticks) * self._travel_per_tick
-        self._ticks = ticks
-        if left == 0.0 and right == 0.0:
+        per_radian = TICKS_PER_TURN / math.tau
+        ticks = math.floor(left_angle * per_radian), math.floor(right_angle * per_radian)
+        before, self._ticks = self._ticks or ticks, ticks
+        if before == ticks:
             self._twist = (0.0, 0.0, 0.0)
             return
-        travel = float(left + right) / 2
-        turn = float(right - left) / self._separation
-        self._grow_covariance(abs(float(left)), abs(float(right)), travel, turn)
+        left = (ticks[0] - before[0]) * self._travel_per_tick[0]
+        right = (ticks[1] - before[1]) * self._travel_per_tick[1]
+        travel = (left + right) / 2
+        turn = (right - left) / self._separation
+        self._grow_covariance(abs(left), abs(right), travel, turn)
         x, y, yaw = self._pose
         # The chord of the arc: its length is travel·sinc(turn/2), its direction the mean heading.
-        chord = travel * float(np.sinc(turn / math.tau))
+        half = turn / 2
+        chord = travel * (math.sin(half) / half if half else 1.0)
         self._pose = (
-            x + chord * math.cos(yaw + turn / 2),
-            y + chord * math.sin(yaw + turn / 2),
+            x + chord * math.cos(yaw + half),
+            y + chord * math.sin(yaw + half),
             math.remainder(yaw + turn, math.tau),
         )
         self._twist = (travel / dt, 0.0, turn / dt)
 
     def read(self) -> BodyMotion:
         """Pose in ``odom`` with its grown covariance, and the twist of the last update."""
-        return BodyMotion(self._pose, self._twist, self._covariance.copy(), np.diag(SPEED_VARIANCE))
+        return BodyMotion(self._pose, self._twist, self._covariance.copy(), _TWIST.copy())
 
     def _grow_covariance(self, left: float, right: float, travel: float, turn: float) -> None:
         heading = self._pose[2] + turn / 2
