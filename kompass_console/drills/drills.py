@@ -293,6 +293,7 @@ def _summary(report: Report) -> DrillSummary:
                 faults=[fault.name for fault in drive.scenario.faults],
                 change="same" if found is None else found.change,
                 text=drive.why if found is None else found.text,
+                why=drive.why,
                 proposed=drive.outcome,
                 in_force=before[drive.scenario.name].outcome,
             )

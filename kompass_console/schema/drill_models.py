@@ -61,7 +61,8 @@ class DrillDrive(BaseModel):
     """What came of a scenario under the two tables, in a line.
 
     `change` is of the proposed table against the one in force; `text` says how they differ, or,
-    where they do not, what became of the robot.
+    where they do not, what became of the robot. `why` is the end under the proposed table in a
+    sentence: which rule stopped the robot, why it gave up.
     """
 
     name: str
@@ -69,6 +70,7 @@ class DrillDrive(BaseModel):
     faults: list[str]
     change: Literal["worse", "better", "other", "same"]
     text: str
+    why: str
     proposed: Outcome
     in_force: Outcome
 
@@ -156,3 +158,13 @@ class DrillPair(BaseModel):
     place: DrillPlace
     proposed: DriveResult
     in_force: DriveResult
+
+
+class PlayedDrive(In):
+    """A scenario of a drill to be shown in a view: from which second of it, and how many seconds
+    of it pass in one. At `speed` 0 it stands still."""
+
+    drill: Annotated[str, Field(max_length=100)]
+    scenario: Annotated[str, Field(max_length=100)]
+    moment: Annotated[float, Field(ge=0.0, le=1e6)] = 0.0
+    speed: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
