@@ -177,6 +177,7 @@ class Drills:
             in_force_name=f"revision {revision}",
             worlds=(options.world or self.own_world or world_names()[0],),
             faults=tuple(options.faults),
+            faults_per_drive=options.faults_per_drive,
             seed=options.seed,
             drives=options.drives,
             jobs=max(1, len(os.sched_getaffinity(0)) - 1),

@@ -20,13 +20,15 @@ class DrillOptions(In):
 
     `faults` are names as after `--faults`: `all`, a kind such as `kill` for each of the recipe's
     components, or one with its parameter. `world` null is the one in which the embedded robot
-    drives now, else the first there is. `drives` are made under each of the two tables.
+    drives now, else the first there is. `drives` are made under each of the two tables, and
+    `faults_per_drive` of the faults break in each.
     """
 
     faults: list[Annotated[str, Field(min_length=1, max_length=100)]] = Field(
         default_factory=lambda: ["all"], min_length=1, max_length=100
     )
     world: Annotated[str, Field(max_length=100)] | None = None
+    faults_per_drive: Annotated[int, Field(ge=1, le=3)] = 1
     drives: Annotated[int, Field(ge=1, le=MOST_DRIVES)] = 20
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 1
 
