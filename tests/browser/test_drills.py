@@ -122,10 +122,17 @@ def watch_in_the_scene(new_page: OpenPage) -> None:
     rules.get("drive-play").click()
     expect(rules.get("played-band")).to_contain_text("the robot itself is not shown")
     wait_until(lambda: min(lines(page)) > 50, 30, "both robots drive, each with its line")
+    # The whole way is there as a thin line; it becomes a thick one as far as the robot has come.
     rules.get("drive-moment").press("Home")
-    wait_until(lambda: max(lines(page)) < 25, 15, "they are back where they began")
+    seen: list[int] = []
+
+    def at_rest() -> bool:
+        seen.append(lines(page)[1])
+        return len(seen) > 3 and len(set(seen[-4:])) == 1
+
+    wait_until(at_rest, 30, "they are where they began")
     rules.get("drive-moment").press("End")
-    wait_until(lambda: min(lines(page)) > 50, 15, "the end of both")
+    wait_until(lambda: lines(page)[1] > 1.5 * seen[-1] + 20, 30, "the end of both")
     page.keep("drill-scene")
 
     # No place of the drill's world is taken for one of the robot's; STOP is where it always is.
