@@ -120,7 +120,7 @@ def drill(drill_id: DrillId, _: LoggedIn, console: CurrentConsole) -> DrillProgr
     _notice(console)
     progress = console.drills.progress(drill_id)
     if progress is None:
-        raise _unknown()
+        raise unknown_drill()
     return progress
 
 
@@ -131,7 +131,7 @@ def drill_drive(
     """A scenario's drives under both tables, from beginning to end."""
     pair = console.drills.pair(drill_id, scenario)
     if pair is None:
-        raise _unknown()
+        raise unknown_drill()
     return pair
 
 
@@ -140,7 +140,7 @@ def drill_report(drill_id: DrillId, _: LoggedIn, console: CurrentConsole) -> Res
     """All of it as one page to send around."""
     report = console.drills.report(drill_id)
     if report is None:
-        raise _unknown()
+        raise unknown_drill()
     headers = {"Content-Disposition": f'attachment; filename="drill-{report.seed}.html"'}
     return Response(report_html(report), media_type="text/html", headers=headers)
 
@@ -152,7 +152,7 @@ def cancel_drill(drill_id: DrillId, session: Operator, console: CurrentConsole) 
     outcome = "done" if done else "unknown"
     console.audit.record(session, "cancel drill", outcome, id=drill_id)
     if not done:
-        raise _unknown()
+        raise unknown_drill()
 
 
 def _notice(console: Console) -> None:
@@ -174,7 +174,8 @@ def _unknown_name(options: DrillOptions) -> ConsoleError | None:
     return None
 
 
-def _unknown() -> ConsoleError:
+def unknown_drill() -> ConsoleError:
+    """The answer for a drill or a drive that this console does not know."""
     return ConsoleError(
         404,
         "This console does not know the drill, or it has not come to an end: it was started again, "

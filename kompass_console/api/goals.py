@@ -13,7 +13,7 @@ from kompass_console.api.scene import unknown_view
 from kompass_console.link.goal_check import STOPPED, Checked, above_horizon
 from kompass_console.link.link import CANCEL_TIMEOUT
 from kompass_console.scene.layers.preview import Preview
-from kompass_console.scene.scene import PageNotConnected
+from kompass_console.scene.scene import DriveShown, PageNotConnected
 from kompass_console.schema.models import GestureCheck, GoalCheck, GoalRequest, GoalSent
 from kompass_console.schema.world import GoalMark
 from kompass_console.web.auth import LoginSession
@@ -111,6 +111,10 @@ async def _picked(
     except PageNotConnected as error:
         raise ConsoleError(
             409, "The scene is not connected.", "Wait until it is drawn again, then repeat."
+        ) from error
+    except DriveShown as error:
+        raise ConsoleError(
+            409, "The scene shows a drill, and not the robot.", "Go back to the robot first."
         ) from error
     start, end = points[0], points[-1]
     if start is None or end is None:

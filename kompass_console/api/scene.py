@@ -5,11 +5,16 @@ from __future__ import annotations
 import contextlib
 
 from fastapi import APIRouter, Response, WebSocket, WebSocketDisconnect
+from starlette.concurrency import run_in_threadpool
 
 from kompass_console.api.access import CurrentConsole, LoggedIn, console_of
+from kompass_console.api.drills import unknown_drill
 from kompass_console.api.sockets import Pace, admitted
 from kompass_console.scene.client_page import SCENE_POLICY, scene_page
+from kompass_console.scene.drive_drawing import drive_drawing
+from kompass_console.scene.scene import PageNotConnected
 from kompass_console.scene.viser_hub import SUBPROTOCOL
+from kompass_console.schema.drill_models import PlayedDrive
 from kompass_console.schema.models import View, ViewPatch
 from kompass_console.web.errors import ConsoleError
 
@@ -55,6 +60,36 @@ def clear_preview(view_id: str, session: LoggedIn, console: CurrentConsole) -> N
     if console.views.get(view_id, session) is None:
         raise unknown_view()
     console.scene.preview(view_id, None)
+
+
+@views.put("/{view_id}/drive", status_code=204)
+async def play_drive(
+    view_id: str, played: PlayedDrive, session: LoggedIn, console: CurrentConsole
+) -> None:
+    """Show a scenario of a drill in a view, in the place of the robot.
+
+    It goes on by itself from there; a view that is not told so again for 10 s shows the robot.
+    """
+    if console.views.get(view_id, session) is None:
+        raise unknown_view()
+    pair = console.drills.pair(played.drill, played.scenario)
+    if pair is None:
+        raise unknown_drill()
+    drive = await run_in_threadpool(drive_drawing, played.drill, pair.proposed, pair.in_force)
+    try:
+        await console.scene.play(view_id, drive, played.moment, played.speed)
+    except PageNotConnected as error:
+        raise ConsoleError(
+            409, "The scene is not connected.", "Wait until it is drawn, or look at the map."
+        ) from error
+
+
+@views.delete("/{view_id}/drive", status_code=204)
+async def leave_drive(view_id: str, session: LoggedIn, console: CurrentConsole) -> None:
+    """Show the robot in a view again."""
+    if console.views.get(view_id, session) is None:
+        raise unknown_view()
+    await console.scene.leave(view_id)
 
 
 @router.get("/scene/{view_id}/")

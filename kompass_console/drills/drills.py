@@ -177,6 +177,7 @@ class Drills:
             in_force_name=f"revision {revision}",
             worlds=(options.world or self.own_world or world_names()[0],),
             faults=tuple(options.faults),
+            faults_per_drive=options.faults_per_drive,
             seed=options.seed,
             drives=options.drives,
             jobs=max(1, len(os.sched_getaffinity(0)) - 1),
@@ -293,6 +294,7 @@ def _summary(report: Report) -> DrillSummary:
                 faults=[fault.name for fault in drive.scenario.faults],
                 change="same" if found is None else found.change,
                 text=drive.why if found is None else found.text,
+                why=drive.why,
                 proposed=drive.outcome,
                 in_force=before[drive.scenario.name].outcome,
             )

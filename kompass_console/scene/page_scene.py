@@ -12,16 +12,18 @@ import viser
 
 from kompass_console.scene import camera as cameras
 from kompass_console.scene.drawings import Drawings, LayerKey
+from kompass_console.scene.drive_drawing import DriveDrawing
 from kompass_console.scene.layers.goal import GoalNodes
 from kompass_console.scene.layers.local_map import LocalMapNodes
 from kompass_console.scene.layers.map import MapNodes
 from kompass_console.scene.layers.palette import palette
 from kompass_console.scene.layers.path import PathNodes
 from kompass_console.scene.layers.preview import Preview, PreviewNodes
-from kompass_console.scene.layers.robot import RobotNodes
+from kompass_console.scene.layers.robot import RobotColours, RobotNodes
 from kompass_console.scene.layers.scan import ScanNodes
 from kompass_console.scene.layers.trail import TrailNodes
 from kompass_console.scene.picking import Camera
+from kompass_console.scene.playback import Playback
 from kompass_console.schema.models import View
 
 _WORLD = "/world"
@@ -37,11 +39,24 @@ class Memory:
     shift: np.ndarray
 
 
+@dataclass(frozen=True, slots=True)
+class _Left:
+    """What a page looked at before it played a drive: camera position and look-at point (3,), m,
+    and whether straight down."""
+
+    position: np.ndarray
+    look_at: np.ndarray
+    top: bool
+
+
 class PageScene:
     """Nodes and camera of one connected page.
 
     To follow the robot, the world is moved under the camera and the camera stays where it is: a
     page's own orbit and zoom are then never overwritten by a stale position from here.
+
+    A drive of a drill is played in a world of its own; the robot's is hidden as a whole then, and
+    drawn again when the page leaves the drive.
     """
 
     def __init__(
@@ -60,6 +75,9 @@ class PageScene:
         self._bounds: cameras.Bounds | None = None
         self._drawn: dict[LayerKey, int] = {}
         self._preview: Preview | None = None
+        self._playback: Playback | None = None
+        self._left: _Left | None = None
+        self._footprint: np.ndarray | None = None
         resumed = memory is not None and np.allclose(
             client.camera.position, memory.position, atol=_SAME_CAMERA
         )
@@ -91,7 +109,43 @@ class PageScene:
     @property
     def memory(self) -> Memory:
         """What to give to the scene of the page's next connection."""
-        return Memory(np.array(self.client.camera.position), self._shift.copy())
+        seen = np.array(self.client.camera.position) if self._left is None else self._left.position
+        return Memory(seen, self._shift.copy())
+
+    @property
+    def plays(self) -> bool:
+        """Whether a drive is shown, and not the robot."""
+        return self._playback is not None
+
+    def play(self, drive: DriveDrawing, moment: float, speed: float) -> None:
+        """Show a drive in the place of the robot, from a second of it on at a speed."""
+        playback = self._playback
+        if playback is None or playback.drive.id != drive.id:
+            if playback is None:
+                state = self.client.camera
+                self._left = _Left(
+                    np.array(state.position), np.array(state.look_at), self._view.top
+                )
+                self._world.visible = False
+            else:
+                playback.remove()
+            playback = Playback(self._scene, drive, self._footprint, self._view.theme)
+            if self._playback is None or self._playback.drive.place is not drive.place:
+                self._look_at_whole(drive.place.bounds)
+            self._playback = playback
+        playback.go_on(moment, speed)
+
+    def leave(self) -> None:
+        """Show the robot again, as it was looked at before."""
+        playback, left = self._playback, self._left
+        if playback is None or left is None:
+            return
+        self._playback = self._left = None
+        playback.remove()
+        self._world.visible = True
+        self._look(left.position, left.look_at)
+        if left.top != self._view.top:
+            self._tilt()
 
     def apply(self, view: View, drawings: Drawings) -> None:
         """Bring the page to other settings."""
@@ -101,17 +155,24 @@ class PageScene:
         self._show()
         if not view.follow:
             self._following = None
-        elif not old.follow:
+        elif not old.follow and not self.plays:
             self._begin_following()
         if view.top != old.top:
             self._tilt()
         self.draw(drawings)
 
     def draw(self, drawings: Drawings) -> None:
-        """Draw what has changed since the last time."""
+        """Draw what has changed since the last time, or the moment of the drive that is played."""
+        if self._playback is not None:
+            if not self._playback.forgotten:
+                with self.client.atomic():
+                    self._playback.draw()
+                return
+            self.leave()
         counts = drawings.counts
         with self.client.atomic():
             if self._changed("footprint", counts):
+                self._footprint = drawings.footprint
                 self._robot_nodes.draw_body(drawings.footprint)
             if self._changed("robot", counts) and drawings.robot is not None:
                 self._robot_nodes.place(drawings.robot)
@@ -152,10 +213,13 @@ class PageScene:
         self._trail = TrailNodes(self._scene, _WORLD, theme)
         self._path = PathNodes(self._scene, f"{_WORLD}/path", colours.path)
         self._scan = ScanNodes(self._scene, _WORLD, theme)
-        self._robot_nodes = RobotNodes(self._scene, _WORLD, theme)
+        robot = RobotColours(colours.body, colours.front, colours.footprint)
+        self._robot_nodes = RobotNodes(self._scene, f"{_WORLD}/robot", robot)
         self._goal = GoalNodes(self._scene, f"{_WORLD}/goal", colours.goal)
         self._preview_nodes = PreviewNodes(self._scene, _WORLD, theme)
         self._preview_nodes.draw(self._preview)
+        if self._playback is not None:
+            self._playback.build(theme)
 
     def _light(self) -> None:
         """Even light from above, and a little more from the north-west to tell sides apart."""
@@ -190,10 +254,14 @@ class PageScene:
 
     def _frame(self) -> None:
         """Look at the whole map."""
-        bounds = self._bounds or cameras.NOTHING_KNOWN
+        self._look_at_whole(self._bounds or cameras.NOTHING_KNOWN, self._shift)
+
+    def _look_at_whole(
+        self, bounds: cameras.Bounds, shift: np.ndarray | tuple[float, float] = (0.0, 0.0)
+    ) -> None:
         position, look_at = cameras.framing(bounds, self.camera.aspect, top=self._view.top)
-        shift = np.array([*self._shift, 0.0])
-        self._look(position + shift, look_at + shift)
+        moved = np.array([*shift, 0.0])
+        self._look(position + moved, look_at + moved)
 
     def _tilt(self) -> None:
         """Between straight down and at an angle, keeping the point looked at and the distance."""

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import viser
 
 from kompass_console.scene.drawings import Converter, Drawings
+from kompass_console.scene.drive_drawing import DriveDrawing
 from kompass_console.scene.layers.preview import Preview
 from kompass_console.scene.page_scene import Memory, PageScene
 from kompass_console.scene.picking import floor_point
@@ -24,6 +25,10 @@ _logger = logging.getLogger(__name__)
 
 class PageNotConnected(LookupError):
     """The view exists, but its scene has no connection (yet, or any more)."""
+
+
+class DriveShown(Exception):
+    """A page shows a drive of a drill: a place in it is none of the robot's."""
 
 
 class Scene:
@@ -75,6 +80,35 @@ class Scene:
 
         self.hub.post(change)
 
+    async def play(self, view_id: str, drive: DriveDrawing, moment: float, speed: float) -> None:
+        """Show a drive on a page in the place of the robot, from a second of it on at a speed.
+
+        A page that is not told so again for ten seconds shows the robot.
+
+        Raises
+        ------
+        PageNotConnected
+            When that page's scene is not connected.
+        """
+
+        def change() -> None:
+            page = self._pages.get(view_id)
+            if page is None:
+                raise PageNotConnected(view_id)
+            page.play(drive, moment, speed)
+
+        await self.hub.run(change)
+
+    async def leave(self, view_id: str) -> None:
+        """Show the robot again; without effect where no drive is shown."""
+
+        def change() -> None:
+            page = self._pages.get(view_id)
+            if page is not None:
+                page.leave()
+
+        await self.hub.run(change)
+
     async def pick(
         self, view_id: str, points: list[tuple[float, float]]
     ) -> list[tuple[float, float] | None]:
@@ -85,12 +119,16 @@ class Scene:
         ------
         PageNotConnected
             When that page's scene is not connected.
+        DriveShown
+            When that page plays a drive.
         """
 
         def find() -> list[tuple[float, float] | None]:
             page = self._pages.get(view_id)
             if page is None:
                 raise PageNotConnected(view_id)
+            if page.plays:
+                raise DriveShown(view_id)
             camera = page.camera
             floor = [floor_point(camera, u, v) for u, v in points]
             return [None if point is None else page.to_map(point) for point in floor]

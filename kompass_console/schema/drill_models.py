@@ -20,13 +20,15 @@ class DrillOptions(In):
 
     `faults` are names as after `--faults`: `all`, a kind such as `kill` for each of the recipe's
     components, or one with its parameter. `world` null is the one in which the embedded robot
-    drives now, else the first there is. `drives` are made under each of the two tables.
+    drives now, else the first there is. `drives` are made under each of the two tables, and
+    `faults_per_drive` of the faults break in each.
     """
 
     faults: list[Annotated[str, Field(min_length=1, max_length=100)]] = Field(
         default_factory=lambda: ["all"], min_length=1, max_length=100
     )
     world: Annotated[str, Field(max_length=100)] | None = None
+    faults_per_drive: Annotated[int, Field(ge=1, le=3)] = 1
     drives: Annotated[int, Field(ge=1, le=MOST_DRIVES)] = 20
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 1
 
@@ -61,7 +63,8 @@ class DrillDrive(BaseModel):
     """What came of a scenario under the two tables, in a line.
 
     `change` is of the proposed table against the one in force; `text` says how they differ, or,
-    where they do not, what became of the robot.
+    where they do not, what became of the robot. `why` is the end under the proposed table in a
+    sentence: which rule stopped the robot, why it gave up.
     """
 
     name: str
@@ -69,6 +72,7 @@ class DrillDrive(BaseModel):
     faults: list[str]
     change: Literal["worse", "better", "other", "same"]
     text: str
+    why: str
     proposed: Outcome
     in_force: Outcome
 
@@ -156,3 +160,13 @@ class DrillPair(BaseModel):
     place: DrillPlace
     proposed: DriveResult
     in_force: DriveResult
+
+
+class PlayedDrive(In):
+    """A scenario of a drill to be shown in a view: from which second of it, and how many seconds
+    of it pass in one. At `speed` 0 it stands still."""
+
+    drill: Annotated[str, Field(max_length=100)]
+    scenario: Annotated[str, Field(max_length=100)]
+    moment: Annotated[float, Field(ge=0.0, le=1e6)] = 0.0
+    speed: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0

@@ -4,14 +4,19 @@ import re
 from collections.abc import Iterator
 from contextlib import closing
 
+import numpy as np
 import pytest
 from playwright.sync_api import expect
 
 from tests.browser.conftest import OpenPage
+from tests.browser.console_page import UNCOVERED, ConsolePage
 from tests.browser.rules_page import RulesPage
 from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.stack import RECIPE, TOKEN, Stack
+
+# The palette's colours of both lines, as viser's tone mapping brings them to the screen.
+LINES = ((0, 96, 196), (191, 101, 4))
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -70,8 +75,12 @@ def test_a_proposed_rule_is_drilled_and_a_drive_that_differs_is_played(
     expect(rules.get("drill-chance")).to_be_visible()
     first = rules.page.page.locator("[data-testid^=drive-1-]").first
     expect(first).to_contain_text("worse")
+    expect(first).to_contain_text("STOP of rule Shy")  # by name, before anything is opened
     first.get_by_role("button").first.click()
 
+    # There is no scene to play in on this page, so it is played on a map.
+    for key in ("End", "Home"):
+        rules.get("drive-moment").press(key)
     expect(rules.get("drive-map")).to_be_visible()
     expect(rules.get("side-proposed")).to_contain_text("no goal")
     robot = rules.get("robot-in_force")
@@ -97,6 +106,63 @@ def test_a_proposed_rule_is_drilled_and_a_drive_that_differs_is_played(
         expect(rules.get(place).locator("[data-kind=stop]")).to_have_count(1)
     expect(rules.get("side-proposed")).to_contain_text(re.compile("STOP|stop"))
     rules.page.keep("drill-player")
+    watch_in_the_scene(new_page)
+
+
+def watch_in_the_scene(new_page: OpenPage) -> None:
+    """A page that draws in three dimensions finds the drill, and plays a drive of it."""
+    page = new_page(1440, 900)
+    page.open(TOKEN)
+    rules = RulesPage.of(page)
+    propose(rules)
+    page.page.locator("[data-testid^=drive-1-]").first.get_by_role("button").first.click()
+    expect(rules.get("drive-play")).to_be_visible()
+    expect(rules.get("drive-map")).to_have_count(0)
+    assert lines(page) == (0, 0)
+    rules.get("drive-play").click()
+    expect(rules.get("played-band")).to_contain_text("the robot itself is not shown")
+    wait_until(lambda: min(lines(page)) > 50, 30, "both robots drive, each with its line")
+    # The whole way is there as a thin line; it becomes a thick one as far as the robot has come.
+    rules.get("drive-moment").press("Home")
+    seen: list[int] = []
+
+    def at_rest() -> bool:
+        seen.append(lines(page)[1])
+        return len(seen) > 3 and len(set(seen[-4:])) == 1
+
+    wait_until(at_rest, 30, "they are where they began")
+    rules.get("drive-moment").press("End")
+    wait_until(lambda: lines(page)[1] > 1.5 * seen[-1] + 20, 30, "the end of both")
+    page.keep("drill-scene")
+
+    # No place of the drill's world is taken for one of the robot's; STOP is where it always is.
+    expect(rules.get("goal-tool")).to_be_disabled()
+    assert rules.get("stop-button").evaluate(UNCOVERED)
+    page.page.keyboard.press("Escape")
+    expect(rules.get("played-band")).to_be_hidden()
+    wait_until(lambda: lines(page) == (0, 0), 15, "nothing is left of the drill")
+    page.await_scene()  # a press means the robot's floor again
+
+    # Whoever leaves the drive sees the robot.
+    rules.get("drive-play").click()
+    wait_until(lambda: sum(lines(page)) > 50, 30, "it plays again")
+    rules.get("rules-close").click()
+    wait_until(lambda: lines(page) == (0, 0), 15, "the robot")
+    expect(rules.get("played-band")).to_have_count(0)
+
+
+def lines(page: ConsolePage) -> tuple[int, int]:
+    """Pixels of the scene in the colour of the proposed rules' line, and of the line of those in
+    force."""
+    box = page.get("scene-frame").bounding_box()
+    assert box is not None
+    below = int(box["y"]) + 150  # the band has both colours, too
+    left, right = int(box["x"]), int(box["x"] + box["width"])
+    seen = page.picture()[below : int(box["y"] + box["height"]), left:right].astype(int)
+    proposed, in_force = (
+        int((np.abs(seen - np.array(colour)).max(axis=2) < 14).sum()) for colour in LINES
+    )
+    return proposed, in_force
 
 
 def test_a_drill_is_cancelled_by_hand_on_a_phone(new_page: OpenPage) -> None:

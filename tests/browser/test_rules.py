@@ -40,9 +40,12 @@ def rules(new_page: OpenPage) -> RulesPage:
     return RulesPage.opened(new_page(1280, 800), TOKEN)
 
 
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)], ids=["wide", "phone"])
 def test_a_double_click_on_review_discards_nothing_and_discard_leads_back(
-    rules: RulesPage,
+    new_page: OpenPage, width: int, height: int
 ) -> None:
+    button = "tab-rules" if width < 560 else "rules"
+    rules = RulesPage.opened(new_page(width, height), TOKEN, button)
     rules.edit(STUCK)
     rules.get("cooldown").fill("45")
     rules.get("draft-review").dblclick()
@@ -407,6 +410,38 @@ def test_rules_are_a_tab_of_a_small_screen_and_stop_stays_free(
     page.keep(f"stopped-over-rules-{width}")
     page.release_stop()
     expect(page.get("stop-band")).to_be_hidden()
+
+
+# Pairs of what is drawn in the header and lies over something else there.
+OVERLAPS = """(header) => {
+  const drawn = [...header.querySelectorAll("svg, strong, span")].filter(
+    (each) => each.tagName === "svg" ||
+      (each.children.length === 0 && each.closest(".visually-hidden") === null));
+  const boxes = drawn.map((each) => each.getBoundingClientRect());
+  const over = [];
+  boxes.forEach((one, i) => boxes.slice(i + 1).forEach((other, j) => {
+    const across = Math.min(one.right, other.right) - Math.max(one.left, other.left);
+    if (one.width > 0 && other.width > 0 && across > 0.5)
+      over.push([drawn[i].outerHTML, drawn[i + 1 + j].outerHTML]);
+  }));
+  return over;
+}"""
+
+
+def test_a_rule_that_stops_the_robot_is_written_on_a_phone(new_page: OpenPage) -> None:
+    phone = new_page(390, 844, has_touch=True, is_mobile=True)
+    rules = RulesPage.opened(phone, TOKEN, "tab-rules")
+    rules.get("rule-add").tap()
+    rules.get("rule-name").fill("Stop here")
+    rules.get("add-action").tap()  # straight from the name: what is pressed keeps the focus
+    phone.page.get_by_role("option", name="Stop the robot", exact=True).tap()
+    expect(rules.get("actions[0]").get_by_role("combobox").first).to_have_value("Stop the robot")
+    expect(rules.get("revision-badge")).to_contain_text("1")
+    expect(rules.get("sim-rate")).to_be_visible()
+    header = phone.page.get_by_role("banner")
+    assert header.evaluate(OVERLAPS) == []
+    assert header.evaluate("(element) => element.scrollWidth <= element.clientWidth")
+    phone.keep("header-phone")
 
 
 # As high as Mantine goes, over the whole page: a dialog, a drawer, a notification.

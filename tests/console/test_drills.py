@@ -8,15 +8,18 @@ import shutil
 import subprocess
 import uuid
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import httpx
 import pytest
 
 from kompass_console.drills.subject import DrillSubject
+from kompass_console.scene import playback
 from kompass_console.schema.roles import Role
-from tests.console.conftest import TOKENS, Served, serving
+from tests.console.conftest import TOKENS, Served, cookie_of, serving
 from tests.console.rules_client import Json, await_monitor, running_monitor, table
+from tests.console.scene_client import SceneClient
 from tests.support.processes import ended, marked, wait_until
 
 pytestmark = pytest.mark.ros
@@ -153,6 +156,91 @@ def test_a_proposed_table_is_compared_drive_by_drive_with_the_one_in_force(
     lines = [line for line in drilling.audited() if line["what"] == "drill"]
     assert lines[-1]["who"] == "ava"
     assert lines[-1]["outcome"] == "started"
+
+
+@pytest.fixture
+def scene(drilling: Served, operator: httpx.Client) -> Iterator[tuple[str, SceneClient]]:
+    """A view of the operator's, and the page that shows it."""
+    view = str(operator.post("/api/views").json()["id"])
+    with closing(SceneClient(drilling.port, view, cookie_of(operator))) as page:
+        page.look()
+        wait_until(lambda: "/world/robot" in page.nodes, 5.0, "the scene is drawn")
+        yield view, page
+
+
+@pytest.mark.slow
+def test_a_drive_is_played_in_the_scene_of_one_page_and_the_robot_comes_back(
+    operator: httpx.Client,
+    drilling: Served,
+    scene: tuple[str, SceneClient],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    view, page = scene
+    drill = begin(operator, drives=1)
+    [drive] = after(operator, drill)["report"]["drives"]
+    pair = operator.get(f"/api/drills/{drill}/drives/{drive['name']}").json()
+    address = f"/api/views/{view}/drive"
+    played = {"drill": drill, "scenario": drive["name"]}
+    ghosts = [f"/drive/{side}/robot" for side in ("proposed", "in_force")]
+    before = dict(page.camera)
+    others = str(operator.post("/api/views").json()["id"])
+    with closing(SceneClient(drilling.port, others, cookie_of(operator))) as other:
+        other.look()
+        assert operator.put(address, json={**played, "moment": 0.0}).status_code == 204
+        wait_until(lambda: all(page.visible.get(ghost) for ghost in ghosts), 5.0, "both robots")
+        assert page.visible["/world"] is False
+        start = pair["proposed"]["scenario"]["start"]
+        for ghost in ghosts:
+            assert page.positions[ghost][:2] == pytest.approx((start["x"], start["y"]), abs=0.05)
+        assert page.camera != before
+
+        # It goes on by itself at its speed, and stands at the moment that it is taken to.
+        assert operator.put(address, json={**played, "speed": 10.0}).status_code == 204
+        wait_until(
+            lambda: page.positions[ghosts[0]][:2] != pytest.approx((start["x"], start["y"]), abs=1),
+            10.0,
+            "it drives",
+        )
+        end = {**played, "moment": pair["proposed"]["duration"]}
+        assert operator.put(address, json=end).status_code == 204
+        last = pair["proposed"]["track"][-1][1:]
+        wait_until(
+            lambda: page.positions[ghosts[0]][:2] == pytest.approx(last, abs=0.01), 2.0, "its end"
+        )
+        fired = next(one for one in pair["proposed"]["firings"] if one["rule_id"] == "shy")
+        assert operator.put(address, json={**played, "moment": fired["at"]}).status_code == 204
+        said = page.updates.setdefault("/drive/proposed/robot/name", {})
+        wait_until(lambda: "shy fired" in said.get("text", ""), 2.0, "which rule fires")
+
+        # What is pressed there is no place of the robot's.
+        pressed = operator.post("/api/goals/check", json={"view": view, "start": [0.5, 0.6]})
+        assert pressed.status_code == 409
+        assert "shows a drill" in pressed.json()["detail"]["title"]
+
+        assert operator.delete(address).status_code == 204
+        wait_until(lambda: page.visible["/world"], 2.0, "the robot's world")
+        wait_until(lambda: "/drive" not in page.nodes, 2.0, "nothing is left of the drive")
+        assert page.camera == before
+        assert not any(node.startswith("/drive") for node in other.nodes)
+        assert other.visible["/world"]
+
+    # A page that says no more of it is not shown a robot that is not there.
+    monkeypatch.setattr(playback, "_FORGOTTEN", 0.5)
+    assert operator.put(address, json=played).status_code == 204
+    wait_until(lambda: not page.visible["/world"], 2.0, "the drive")
+    wait_until(lambda: page.visible["/world"], 5.0, "the robot again")
+
+
+def test_a_drive_is_played_where_it_is_known_and_a_page_looks(
+    operator: httpx.Client, drilling: Served, scene: tuple[str, SceneClient]
+) -> None:
+    view, _ = scene
+    played = {"drill": "none", "scenario": "1-0"}
+    assert operator.put(f"/api/views/{view}/drive", json=played).status_code == 404
+    with drilling.client(Role.VIEWER) as other:
+        assert other.put(f"/api/views/{view}/drive", json=played).status_code == 404
+        assert other.delete(f"/api/views/{view}/drive").status_code == 404
+    assert operator.put(f"/api/views/{view}/drive", json={**played, "speed": -1}).status_code == 422
 
 
 def test_one_runs_at_a_time_and_one_that_is_cancelled_leaves_nothing_behind(

@@ -43,6 +43,8 @@ class DrillOrder(Model):
         The tables, by name.
     worlds, faults
         To draw from; faults as after ``--faults``.
+    faults_per_drive
+        How many break in each.
     drives
         Under each table.
     jobs
@@ -60,6 +62,7 @@ class DrillOrder(Model):
     in_force_name: str
     worlds: tuple[str, ...]
     faults: tuple[str, ...]
+    faults_per_drive: Annotated[int, Field(ge=1)] = 1
     seed: Annotated[int, Field(ge=0)]
     drives: Annotated[int, Field(ge=1)]
     jobs: Annotated[int, Field(ge=1)]
@@ -132,7 +135,9 @@ def drill(order: DrillOrder, progress: Callable[[int, int], None]) -> Report:
     looked = look_at(recipe, order.proposed)
     look_at(recipe, order.in_force)
     faults = expand_faults(order.faults, {"NAME": looked.nodes})
-    options = DrawOptions(worlds=order.worlds, faults=faults)
+    options = DrawOptions(
+        worlds=order.worlds, faults=faults, faults_per_drive=order.faults_per_drive
+    )
     scenarios = [draw(order.seed, number, options) for number in range(order.drives)]
     # Both tables of a scenario one after the other, so that both are as far at any time.
     tables = (order.proposed, order.in_force)

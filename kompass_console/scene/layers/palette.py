@@ -31,6 +31,9 @@ class Palette:
     footprint: Rgb
     goal: Rgb
     preview: Rgb
+    proposed: Rgb
+    in_force: Rgb
+    alert: Rgb
 
 
 _LIGHT = Palette(
@@ -49,6 +52,9 @@ _LIGHT = Palette(
     footprint=(58, 66, 76),
     goal=(28, 110, 220),
     preview=(92, 150, 232),
+    proposed=(31, 95, 191),
+    in_force=(176, 96, 0),
+    alert=(147, 48, 95),
 )
 
 _DARK = Palette(
@@ -67,6 +73,9 @@ _DARK = Palette(
     footprint=(206, 213, 222),
     goal=(96, 165, 250),
     preview=(150, 196, 252),
+    proposed=(96, 165, 250),
+    in_force=(236, 180, 79),
+    alert=(238, 147, 191),
 )
 
 

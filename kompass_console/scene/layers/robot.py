@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 import viser
 
-from kompass_console.scene.layers.palette import palette
+from kompass_console.scene.layers.palette import Rgb
 from kompass_console.scene.layers.shapes import circle, closed_segments, prism
-from kompass_console.schema.models import Theme
 from kompass_console.schema.world import Pose
 
 _DEFAULT_RADIUS = 0.11  # m, until the footprint is known
@@ -24,14 +24,23 @@ def outline(footprint: npt.NDArray[np.float64] | None) -> npt.NDArray[np.float64
     return footprint
 
 
-class RobotNodes:
-    """The robot on one page."""
+@dataclass(frozen=True, slots=True)
+class RobotColours:
+    """Of what a robot is drawn with."""
 
-    def __init__(self, scene: viser.SceneApi, parent: str, theme: Theme) -> None:
+    body: Rgb
+    front: Rgb
+    footprint: Rgb
+
+
+class RobotNodes:
+    """A robot on one page."""
+
+    def __init__(self, scene: viser.SceneApi, name: str, colours: RobotColours) -> None:
         self._scene = scene
-        self._palette = palette(theme)
-        self._name = f"{parent}/robot"
-        self._frame = scene.add_frame(self._name, show_axes=False, visible=False)
+        self._colours = colours
+        self._name = name
+        self._frame = scene.add_frame(name, show_axes=False, visible=False)
         self._placed = False
         self._visible = True
         self.draw_body(None)
@@ -40,7 +49,7 @@ class RobotNodes:
         """Build the body to the size of the footprint."""
         drawn = outline(footprint)
         size = float(np.linalg.norm(drawn, axis=1).max())
-        colours = self._palette
+        colours = self._colours
         body = circle(size * 0.86, 48)
         arrow = size * np.array([[0.78, 0.0], [-0.5, 0.58], [-0.24, 0.0], [-0.5, -0.58]])
         self._mesh("body", *prism(body, size * 0.15, size * 0.75), colours.body)

@@ -1,6 +1,6 @@
 import { ApiError } from "./errors";
 import { answer, http, QUICK_MS, within } from "./http";
-import type { GoalPick, GoalPoint, Session, ViewPatch } from "./types";
+import type { GoalPick, GoalPoint, PlayedDrive, Session, ViewPatch } from "./types";
 
 /** A goal is checked and sent by way of the robot's planner. */
 const GOAL_MS = 8000;
@@ -29,6 +29,25 @@ export const patchView = (id: string, patch: ViewPatch) =>
     http.PATCH("/api/views/{view_id}", {
       params: { path: { view_id: id } },
       body: patch,
+      signal: within(QUICK_MS),
+    }),
+  );
+
+/** Shows a drive of a drill in the view, in the place of the robot. */
+export const playDrive = (id: string, played: PlayedDrive) =>
+  answer(
+    http.PUT("/api/views/{view_id}/drive", {
+      params: { path: { view_id: id } },
+      body: played,
+      signal: within(QUICK_MS),
+    }),
+  );
+
+/** Shows the robot in the view again. */
+export const leaveDrive = (id: string) =>
+  answer(
+    http.DELETE("/api/views/{view_id}/drive", {
+      params: { path: { view_id: id } },
       signal: within(QUICK_MS),
     }),
   );

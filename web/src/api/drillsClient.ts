@@ -6,6 +6,8 @@ const SLOW_MS = 15_000;
 
 export interface DrillOptions {
   faults: string[];
+  /** How many of them break in each drive. */
+  faults_per_drive: number;
   /** Null for the one in which the robot drives now. */
   world: string | null;
   drives: number;

@@ -7,6 +7,7 @@ type Schemas = components["schemas"];
 export type Session = Sent<Schemas["SessionInfo"]>;
 export type View = Sent<Schemas["View"]>;
 export type ViewPatch = Schemas["ViewPatch"];
+export type PlayedDrive = Sent<Schemas["PlayedDrive"]>;
 export type LayerKey = keyof View["layers"];
 export type State = Sent<Schemas["State"]>;
 export type Pose = NonNullable<State["pose"]>;

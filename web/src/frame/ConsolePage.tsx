@@ -1,5 +1,5 @@
 import { useMediaQuery } from "@mantine/hooks";
-import { useState } from "react";
+import { useEffect, useState } from "react";
 import { CoordinatesForm } from "../goal/CoordinatesForm";
 import { GoalCard } from "../goal/GoalCard";
 import { GoalHint } from "../goal/GoalHint";
@@ -11,10 +11,13 @@ import { ProbationBand } from "../rules/bands/ProbationBand";
 import { RulesProvider } from "../rules/context/RulesContext";
 import { RulesNavProvider, useNav } from "../rules/context/RulesNav";
 import { DriveBand } from "../scene/DriveBand";
+import { PlayedBand } from "../scene/PlayedBand";
 import scene from "../scene/Scene.module.css";
 import { SceneFrame } from "../scene/SceneFrame";
+import { StageProvider, useStage } from "../scene/StageContext";
 import { StaleBand } from "../scene/StaleBand";
 import { useView, type ViewHandle } from "../scene/useView";
+import { drawsWebGl } from "../scene/webgl";
 import { useSession } from "../session/SessionContext";
 import { RobotProvider } from "../state/RobotContext";
 import { StopBand } from "../stop/StopBand";
@@ -44,25 +47,42 @@ export function ConsolePage({ onRefused }: { onRefused: () => void }) {
   );
 }
 
-/** The frame of the page. Robot data is read by its leaves: nothing here renders with it. */
+/** The page around its scene. */
 function Workplace() {
-  const { session } = useSession();
   const handle = useView();
+  const rules = useNav();
+  const phone = useMediaQuery("(max-width: 560px)", false, { getInitialValueInEffect: false });
+  const covered = phone && rules.open;
+  return (
+    <StageProvider view={handle.view?.id ?? null} ready={drawsWebGl() && !covered}>
+      <Frame handle={handle} phone={phone} />
+    </StageProvider>
+  );
+}
+
+/** The frame of the page. Robot data is read by its leaves: nothing here renders with it. */
+function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
+  const { session } = useSession();
   const { view, change } = handle;
   const goal = useGoalTool(view?.id ?? null);
   const rules = useNav();
+  const stage = useStage();
+  const plays = stage.shown !== null;
   const [layersOpen, setLayersOpen] = useState(false);
   const [helpOpen, setHelpOpen] = useState(false);
   const narrow = useMediaQuery("(max-width: 1100px)", false, { getInitialValueInEffect: false });
-  const phone = useMediaQuery("(max-width: 560px)", false, { getInitialValueInEffect: false });
+  // What is pressed in a drill's world is no place of the robot's.
+  useEffect(() => {
+    if (plays && goal.active) goal.toggle();
+  }, [plays, goal.active, goal.toggle]);
 
   useKeys(({ key, onControl, inMenu }) => {
     switch (key.toLowerCase()) {
       case "g":
-        if (session.role !== "viewer" && view !== null) goal.toggle();
+        if (session.role !== "viewer" && view !== null && !plays) goal.toggle();
         return true;
       case "f":
-        if (view !== null) change({ follow: !view.follow });
+        if (view !== null && !plays) change({ follow: !view.follow });
         return true;
       case "t":
         if (view !== null) change({ top: !view.top });
@@ -86,6 +106,7 @@ function Workplace() {
         if (inMenu || layersOpen) return false;
         if (goal.back()) return true;
         if (helpOpen) setHelpOpen(false);
+        else if (plays) stage.leave();
         else if (rules.open) {
           if (!rules.back()) rules.close();
         } else return false;
@@ -140,7 +161,7 @@ function SceneStack({
       ) : (
         <>
           <SceneFrame id={view.id} />
-          {goal.active && <GoalOverlay tool={goal} view={view.id} />}
+          {goal.active && drawsWebGl() && <GoalOverlay tool={goal} view={view.id} />}
           {goal.active && goal.draft === null && <GoalHint tool={goal} />}
           {goal.active && goal.typing && goal.draft === null && (
             <CoordinatesForm tool={goal} view={view.id} />
@@ -150,6 +171,7 @@ function SceneStack({
       )}
       <div className={scene.bands}>
         {!covered && <StopBand />}
+        <PlayedBand />
         <StaleBand />
         {!covered && <DriveBand />}
         <AuditBand />

@@ -10,6 +10,7 @@ import type { ReactNode } from "react";
 import type { GoalTool } from "../goal/useGoalTool";
 import { OPENERS, useNav } from "../rules/context/RulesNav";
 import { LayersMenu } from "../scene/LayersMenu";
+import { useStage } from "../scene/StageContext";
 import type { ViewHandle } from "../scene/useView";
 import { useSession } from "../session/SessionContext";
 import classes from "./ToolRail.module.css";
@@ -28,14 +29,22 @@ export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }
   const { view, change } = scene;
   const rules = useNav();
   const viewer = session.role === "viewer";
+  const plays = useStage().shown !== null;
+  const later = "Go back to the robot first";
   return (
     <nav className={classes.rail} aria-label="Tools">
       <Tool
         testId="goal-tool"
         label="Goal"
-        hint={viewer ? "Viewers watch; an operator sends goals" : "Send the robot somewhere (G)"}
+        hint={
+          viewer
+            ? "Viewers watch; an operator sends goals"
+            : plays
+              ? later
+              : "Send the robot somewhere (G)"
+        }
         on={goal.active}
-        disabled={viewer || view === null}
+        disabled={viewer || view === null || plays}
         onClick={goal.toggle}
         icon={<IconMapPin size={22} aria-hidden />}
       />
@@ -43,9 +52,9 @@ export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }
       <Tool
         testId="follow"
         label="Follow"
-        hint="Keep the robot in the middle (F)"
+        hint={plays ? later : "Keep the robot in the middle (F)"}
         on={view?.follow ?? false}
-        disabled={view === null}
+        disabled={view === null || plays}
         onClick={() => view !== null && change({ follow: !view.follow })}
         icon={<IconCurrentLocation size={22} aria-hidden />}
       />

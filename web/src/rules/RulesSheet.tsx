@@ -39,11 +39,15 @@ export function RulesSheet() {
   const { place, returnTo } = nav;
 
   // The button that led elsewhere is gone with its page, and the keyboard would begin anew at the
-  // top of everything. Where somebody has put the focus meanwhile, it stays.
+  // top of everything. Where somebody has put the focus meanwhile, it stays; and in the middle of a
+  // press that takes it from one field to the next nobody has it yet, so that is waited for.
   useEffect(() => {
-    if (document.activeElement !== null && document.activeElement !== document.body) return;
-    const from = returnTo === "" ? null : document.getElementById(returnTo);
-    (from ?? (place.at === "table" ? null : body.current))?.focus();
+    const timer = window.setTimeout(() => {
+      if (document.activeElement !== null && document.activeElement !== document.body) return;
+      const from = returnTo === "" ? null : document.getElementById(returnTo);
+      (from ?? (place.at === "table" ? null : body.current))?.focus();
+    });
+    return () => window.clearTimeout(timer);
   }, [place, returnTo]);
 
   return (

@@ -30,7 +30,8 @@ export function RevisionBadge() {
       title="Open the rules (R)"
       onClick={() => nav.go(nav.place)}
     >
-      <span>rev {revision}</span> <span className={classes.state}>{state}</span>
+      <span className={classes.revision}>rev {revision}</span>{" "}
+      <span className={classes.state}>{state}</span>
       {unsaved > 0 && (
         <span className={classes.unsaved} title="Unsaved changes">
           ✎ {unsaved}

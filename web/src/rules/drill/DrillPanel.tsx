@@ -15,6 +15,11 @@ import { faultText, progressText, subjectText, tallyText } from "./drillText";
 import { useDrill } from "./useDrill";
 
 const COUNTS = [4, 10, 20, 50, 100, 200];
+const AT_ONCE = [
+  { value: "1", label: "one in each drive" },
+  { value: "2", label: "two in each drive" },
+  { value: "3", label: "three in each drive" },
+];
 
 interface Props {
   table: Table;
@@ -26,6 +31,7 @@ interface Props {
 export function DrillPanel({ table, ready }: Props) {
   const { room, drill, fresh, starting, error, start, cancel } = useDrill(table);
   const [faults, setFaults] = useState<string[]>([]);
+  const [each, setEach] = useState("1");
   const [count, setCount] = useState("20");
   const [chosen, setChosen] = useState<string | null>(null);
   const world = chosen ?? room?.own_world ?? room?.worlds[0]?.name ?? "";
@@ -45,10 +51,12 @@ export function DrillPanel({ table, ready }: Props) {
             <Options
               room={room}
               faults={faults}
+              each={each}
               count={count}
               world={world}
               locked={running}
               onFaults={setFaults}
+              onEach={setEach}
               onCount={setCount}
               onWorld={setChosen}
             />
@@ -66,6 +74,7 @@ export function DrillPanel({ table, ready }: Props) {
                   onClick={() =>
                     start({
                       faults: faults.length === 0 ? ["all"] : faults,
+                      faults_per_drive: Number(each),
                       world,
                       drives: Number(count),
                     })
@@ -87,16 +96,18 @@ export function DrillPanel({ table, ready }: Props) {
 interface OptionsProps {
   room: DrillRoom;
   faults: string[];
+  each: string;
   count: string;
   world: string;
   locked: boolean;
   onFaults: (faults: string[]) => void;
+  onEach: (each: string) => void;
   onCount: (count: string) => void;
   onWorld: (world: string) => void;
 }
 
 function Options(props: OptionsProps) {
-  const { room, faults, count, world, locked } = props;
+  const { room, faults, each, count, world, locked } = props;
   return (
     <div className={classes.options}>
       <MultiSelect
@@ -112,8 +123,16 @@ function Options(props: OptionsProps) {
         onChange={props.onFaults}
       />
       <Choice
+        label="How many"
+        data={AT_ONCE}
+        value={each}
+        disabled={locked}
+        data-testid="drill-each"
+        onChange={props.onEach}
+      />
+      <Choice
         label="Drives under each"
-        data={COUNTS.filter((each) => each <= room.most_drives).map(String)}
+        data={COUNTS.filter((most) => most <= room.most_drives).map(String)}
         value={count}
         disabled={locked}
         data-testid="drill-count"

@@ -35,7 +35,9 @@ export function DriveList({ drill, drives }: Props) {
                 <span>
                   <strong>{CHANGE_WORDS[drive.change]}</strong>, {faultsText(drive.faults)}
                 </span>
-                <span className={page.muted}>{drive.text}</span>
+                <span className={page.muted}>
+                  {drive.why === drive.text ? drive.text : `${drive.text}. ${drive.why}`}
+                </span>
               </span>
               {open === drive.name ? (
                 <IconChevronDown size={18} aria-hidden />

@@ -4,6 +4,8 @@ import { useCallback, useEffect, useMemo, useState } from "react";
 import { getDrillPair } from "../../api/drillsClient";
 import type { DrillPair, Drive } from "../../api/drillTypes";
 import { useAsked } from "../../api/queries";
+import { useStage } from "../../scene/StageContext";
+import { SIDES } from "../../scene/sides";
 import { Choice } from "../../ui/controls/Choice";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
@@ -11,12 +13,6 @@ import { DriveMap } from "./DriveMap";
 import { DriveTimeline } from "./DriveTimeline";
 import classes from "./Player.module.css";
 import { going, marksOf, played, SHAPES, SPEEDS } from "./playback";
-
-/** The two tables, how they are called and which shape they have on the map. */
-export const SIDES = [
-  { side: "proposed", name: "Proposed", shape: "▶" },
-  { side: "in_force", name: "In force", shape: "▷" },
-] as const;
 
 /** One scenario under both tables, to be watched. */
 export function DrivePlayer({ drill, scenario }: { drill: string; scenario: string }) {
@@ -27,16 +23,17 @@ export function DrivePlayer({ drill, scenario }: { drill: string; scenario: stri
   return (
     <div className={classes.player} data-testid="drive-player">
       <Problem error={error} />
-      {pair !== null && <Player pair={pair} />}
+      {pair !== null && <Player drill={drill} pair={pair} />}
     </div>
   );
 }
 
-function Player({ pair }: { pair: DrillPair }) {
+function Player({ drill, pair }: { drill: string; pair: DrillPair }) {
   const end = Math.max(pair.proposed.duration, pair.in_force.duration);
   const [time, setTime] = useState(0);
   const [speed, setSpeed] = useState("5");
   const [playing, setPlaying] = useState(false);
+  const { inScene, tell } = useScenePlayer(drill, pair.proposed.scenario.name, setPlaying);
   usePlaying(
     playing,
     Number(speed),
@@ -46,16 +43,28 @@ function Player({ pair }: { pair: DrillPair }) {
     if (time >= end) setPlaying(false);
   }, [time, end]);
   const seek = (at: number) => {
+    const moment = Math.min(end, Math.max(0, at));
     setPlaying(false);
-    setTime(Math.min(end, Math.max(0, at)));
+    setTime(moment);
+    tell(moment, 0);
   };
   const toggle = () => {
-    if (!playing && time >= end) setTime(0);
+    const from = !playing && time >= end ? 0 : time;
+    setTime(from);
     setPlaying(!playing);
+    tell(from, playing ? 0 : Number(speed));
+  };
+  const hurry = (next: string) => {
+    setSpeed(next);
+    if (playing) tell(time, Number(next));
   };
   return (
     <>
-      <DriveMap pair={pair} time={time} />
+      {inScene ? (
+        <p className={page.muted}>Both robots drive in the scene, in the place of yours.</p>
+      ) : (
+        <DriveMap pair={pair} time={time} />
+      )}
       <div className={classes.controls}>
         <Button
           variant="default"
@@ -91,7 +100,7 @@ function Player({ pair }: { pair: DrillPair }) {
           data={SPEEDS.map((each) => ({ value: String(each), label: `${each}×` }))}
           value={speed}
           data-testid="drive-speed"
-          onChange={setSpeed}
+          onChange={hurry}
         />
       </div>
       {SIDES.map(({ side, name, shape }) => (
@@ -111,6 +120,22 @@ function Player({ pair }: { pair: DrillPair }) {
       <Happenings pair={pair} onSeek={seek} />
     </>
   );
+}
+
+/**
+ * Plays in the scene what the player does, where there is one to play in. Whoever goes back to the
+ * robot stops it; whoever leaves the player goes back to the robot.
+ */
+function useScenePlayer(drill: string, scenario: string, setPlaying: (playing: boolean) => void) {
+  const { ready, error, shown, show, leave } = useStage();
+  const inScene = ready && error === null;
+  const on = shown?.drill === drill && shown.scenario === scenario;
+  useEffect(() => {
+    if (inScene && !on) setPlaying(false);
+  }, [inScene, on, setPlaying]);
+  useEffect(() => leave, [leave]);
+  const tell = (moment: number, speed: number) => show({ drill, scenario, moment, speed });
+  return { inScene, tell };
 }
 
 /** Calls back before each picture while it plays. */

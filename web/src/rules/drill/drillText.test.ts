@@ -19,6 +19,7 @@ const drive = (change: DrillDrive["change"]): DrillDrive => ({
   world: "hexagon",
   faults: [],
   change,
+  why: "",
   text: "",
   proposed: "arrived",
   in_force: "arrived",
