@@ -74,6 +74,12 @@ def complete(state: State) -> bool:
     )
 
 
+def gone(state: State) -> bool:
+    """Nothing is heard of a stack."""
+    streams = {s["key"]: s for s in state["streams"]}
+    return all(streams[key]["age"] is None or streams[key]["stale"] for key in ("odometry", "scan"))
+
+
 def seen(state: State) -> bool:
     """The robot is somewhere."""
     return bool(state["pose"] and state["pose"]["age"] < 0.2)
@@ -95,9 +101,11 @@ def socket(console: Served, client: httpx.Client) -> Iterator[ClientConnection]:
 def stack(request: pytest.FixtureRequest, console: Served, client: httpx.Client) -> Iterator[Stack]:
     """A stack, found by the console as far as it is there."""
     found = complete if "--no-drive" not in request.param else seen
-    with running_stack(*request.param) as running, listening(console, client) as socket:
-        until(socket, found)
-        yield running
+    with listening(console, client) as socket:
+        until(socket, gone)  # the one before: what is found must be of this one
+        with running_stack(*request.param) as running:
+            until(socket, found)
+            yield running
 
 
 def ready(client: httpx.Client) -> None:
@@ -226,7 +234,8 @@ def test_stop_ends_the_drive_and_stays_until_released(
     assert client.post("/api/goals", json={"x": 0.6, "y": 0.6}).status_code == 409
     assert client.post("/api/stop/release").json()["accepted"]
     until(socket, lambda s: not s["drive"]["stopped"])
-    assert client.post("/api/goals", json={"x": 0.6, "y": 0.6}).status_code == 200
+    assert client.post("/api/goals", json={"x": -3.0, "y": 2.0}).status_code == 200
+    until(socket, lambda s: s["goal"]["phase"] == "driving")
     assert client.post("/api/goals/cancel").status_code == 202
     until(socket, lambda s: s["goal"]["phase"] == "canceled")
 
