@@ -10,6 +10,7 @@ import pytest
 from kompass.store.robot_key import GIVEN
 from tests.support.domains import next_domain
 from tests.support.keys import give_key
+from tests.support.order import rank
 from tests.support.processes import ended, marked
 
 # Inherited by everything that a test starts, so that orphans can be told from strangers.
@@ -26,6 +27,11 @@ def pytest_configure() -> None:
     os.environ["ROS_DOMAIN_ID"] = str(next_domain())
     os.environ.pop(GIVEN, None)  # never one of a robot that somebody uses
     give_key()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files that take longest come first; within a file the order stays."""
+    items.sort(key=lambda item: rank(item.path))
 
 
 @pytest.fixture(scope="module", autouse=True)

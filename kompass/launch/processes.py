@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Sequence
 
@@ -25,6 +26,8 @@ from kompass.supervisor.supervisor import Supervisor
 def run_processes(stack: Stack) -> None:
     """Run a stack until SIGINT or SIGTERM; see :meth:`kompass.launch.launcher.Launcher.bringup`."""
     prepare_key()
+    # Every process would import it with its first message: a parser of IDL that none of them needs.
+    importlib.import_module("rosidl_generator_py")
     own, recorder = [_host(stack, group) for group in stack.groups], list[ProcessSpec]()
     heartbeat = Heartbeat(())
     if stack.monitored is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import statistics
+import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -24,6 +25,17 @@ from tests.support.processes import wait_until
 pytestmark = pytest.mark.ros
 
 State = dict[str, Any]
+Stack = subprocess.Popen[bytes]
+# What runs beside the console. Tests of the same stack share it, so each leaves it without a goal.
+WHOLE = ("--failing", "mapper")
+SLOW = ("--slow-checks", "1.5", "--slow-release", "1.5")  # s; the console gives up after 2 s
+TAKES_NO_GOALS = ("--no-poses", "--no-points")
+FOREIGN = ("--no-planner", "--no-action", "--no-statuses", "--no-drive")
+
+
+def beside(*options: str) -> pytest.MarkDecorator:
+    """Run a test beside a stack with these options."""
+    return pytest.mark.parametrize("stack", [options], indirect=True, ids=" ".join)
 
 
 @contextmanager
@@ -62,6 +74,17 @@ def complete(state: State) -> bool:
     )
 
 
+def gone(state: State) -> bool:
+    """Nothing is heard of a stack."""
+    streams = {s["key"]: s for s in state["streams"]}
+    return all(streams[key]["age"] is None or streams[key]["stale"] for key in ("odometry", "scan"))
+
+
+def seen(state: State) -> bool:
+    """The robot is somewhere."""
+    return bool(state["pose"] and state["pose"]["age"] < 0.2)
+
+
 @pytest.fixture(scope="module")
 def client(console: Served) -> Iterator[httpx.Client]:
     with console.client(Role.OPERATOR, user="ava") as client:
@@ -74,13 +97,15 @@ def socket(console: Served, client: httpx.Client) -> Iterator[ClientConnection]:
         yield socket
 
 
-@pytest.fixture
-def stack(socket: ClientConnection, client: httpx.Client) -> Iterator[None]:
-    """A complete stack, found by the console."""
-    with running_stack():
-        until(socket, complete)
-        ready(client)
-        yield
+@pytest.fixture(scope="module")
+def stack(request: pytest.FixtureRequest, console: Served, client: httpx.Client) -> Iterator[Stack]:
+    """A stack, found by the console as far as it is there."""
+    found = complete if "--no-drive" not in request.param else seen
+    with listening(console, client) as socket:
+        until(socket, gone)  # the one before: what is found must be of this one
+        with running_stack(*request.param) as running:
+            until(socket, found)
+            yield running
 
 
 def ready(client: httpx.Client) -> None:
@@ -104,7 +129,8 @@ def test_a_state_comes_though_there_is_no_robot(socket: ClientConnection) -> Non
     assert state["viewers"] == 1
 
 
-def test_the_state_tells_all_of_the_robot(socket: ClientConnection, stack: None) -> None:
+@beside(*WHOLE)
+def test_the_state_tells_all_of_the_robot(socket: ClientConnection, stack: Stack) -> None:
     state = until(socket, complete)
     assert state["robot"]["name"] == "test robot"
     assert state["robot"]["radius"] == pytest.approx(0.105, abs=1e-6)
@@ -124,16 +150,19 @@ def test_a_ping_is_answered_and_noise_is_not(socket: ClientConnection) -> None:
     assert answer == {"type": "pong", "t": 12.5}
 
 
-def test_states_come_ten_times_a_second_at_most(socket: ClientConnection, stack: None) -> None:
+@beside(*WHOLE)
+def test_states_come_ten_times_a_second_at_most(socket: ClientConnection, stack: Stack) -> None:
     first = until(socket, lambda _: True)
     last = until(socket, lambda s: s["time"] > first["time"] + 1.5)
     rate = (last["seq"] - first["seq"]) / (last["time"] - first["time"])
     assert 2.0 <= rate <= 12.0
 
 
+@beside(*WHOLE)
 def test_a_goal_is_followed_until_it_arrives(
-    socket: ClientConnection, client: httpx.Client, stack: None
+    socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
+    ready(client)
     sent = client.post("/api/goals", json={"x": 0.3, "y": -0.6, "yaw": 1.0}).json()
     assert (sent["topic"], sent["heading_used"]) == ("/goal_pose", True)
     state = until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
@@ -147,33 +176,22 @@ def test_a_goal_is_followed_until_it_arrives(
     assert (state["goal"]["x"], state["goal"]["y"]) == (0.3, -0.6)
 
 
+@beside(*WHOLE)
 def test_a_canceled_goal_is_told_so(
-    socket: ClientConnection, client: httpx.Client, stack: None
+    socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
+    ready(client)
     client.post("/api/goals", json={"x": 3.0, "y": 2.0})
     until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
     assert client.post("/api/goals/cancel").status_code == 202
     until(socket, lambda s: s["goal"]["phase"] == "canceled" and "operator" in s["goal"]["message"])
 
 
-def test_a_goal_whose_planner_was_killed_is_told_as_lost_once_there_is_another(
-    socket: ClientConnection, client: httpx.Client
-) -> None:
-    with running_stack() as first:
-        until(socket, complete)
-        ready(client)
-        client.post("/api/goals", json={"x": 3.0, "y": 2.0})
-        until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
-        first.kill()
-        with running_stack():
-            state = until(socket, lambda s: s["goal"]["phase"] != "driving")
-    assert state["goal"]["phase"] == "failed"
-    assert "planner's process died" in state["goal"]["message"]
-
-
+@beside(*WHOLE)
 def test_a_goal_that_cannot_be_reached_is_not_sent(
-    socket: ClientConnection, client: httpx.Client, stack: None
+    socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
+    ready(client)
     answer = client.post("/api/goals/check", json={"x": 30.0, "y": 0.0}).json()
     assert (answer["ok"], answer["reason"]) == (False, "outside_map")
     assert answer["nearest"] == {"x": pytest.approx(3.2), "y": pytest.approx(0.0)}
@@ -184,26 +202,27 @@ def test_a_goal_that_cannot_be_reached_is_not_sent(
     assert until(socket, lambda _: True)["goal"] == before
 
 
+@beside(*SLOW)
 def test_a_goal_that_has_just_passed_is_sent_without_another_check(
-    socket: ClientConnection, client: httpx.Client
+    client: httpx.Client, stack: Stack
 ) -> None:
-    slow = 1.3  # s, of the 2 s after which the console gives up
-    with running_stack("--slow-checks", str(slow)):
-        until(socket, complete)
-        ready(client)
-        body = {"x": 0.7, "y": 0.6, "yaw": 0.0}
-        assert client.post("/api/goals/check", json=body).json()["ok"]
-        pressed = time.monotonic()
-        assert client.post("/api/goals", json=body).status_code == 200
-        assert time.monotonic() - pressed < slow
-        pressed = time.monotonic()
-        assert client.post("/api/goals", json={**body, "x": 0.75}).status_code == 200
-        assert time.monotonic() - pressed >= slow  # this one was never checked
+    slow = float(SLOW[1])
+    ready(client)
+    body = {"x": 0.7, "y": 0.6, "yaw": 0.0}
+    assert client.post("/api/goals/check", json=body).json()["ok"]
+    pressed = time.monotonic()
+    assert client.post("/api/goals", json=body).status_code == 200
+    assert time.monotonic() - pressed < slow
+    pressed = time.monotonic()
+    assert client.post("/api/goals", json={**body, "x": 0.75}).status_code == 200
+    assert time.monotonic() - pressed >= slow  # this one was never checked
 
 
+@beside(*WHOLE)
 def test_stop_ends_the_drive_and_stays_until_released(
-    socket: ClientConnection, client: httpx.Client, stack: None
+    socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
+    ready(client)
     client.post("/api/goals", json={"x": 3.0, "y": 2.0})
     until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
     assert client.post("/api/stop", json={"reason": "test"}).json()["accepted"]
@@ -215,27 +234,28 @@ def test_stop_ends_the_drive_and_stays_until_released(
     assert client.post("/api/goals", json={"x": 0.6, "y": 0.6}).status_code == 409
     assert client.post("/api/stop/release").json()["accepted"]
     until(socket, lambda s: not s["drive"]["stopped"])
-    assert client.post("/api/goals", json={"x": 0.6, "y": 0.6}).status_code == 200
+    assert client.post("/api/goals", json={"x": -3.0, "y": 2.0}).status_code == 200
+    until(socket, lambda s: s["goal"]["phase"] == "driving")
+    assert client.post("/api/goals/cancel").status_code == 202
+    until(socket, lambda s: s["goal"]["phase"] == "canceled")
 
 
+@beside(*SLOW)
 def test_a_release_that_waits_for_the_disk_is_awaited(
-    socket: ClientConnection, client: httpx.Client
+    socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
     """The drive manager writes a release down before it answers; a STOP is answered at once."""
-    slow = 1.5  # s
-    with running_stack("--slow-release", str(slow)):
-        until(socket, complete)
-        pressing = lambda: client.post("/api/stop", json={}).is_success  # noqa: E731
-        wait_until(pressing, 5.0, "the drive manager")
-        released = client.post("/api/stop/release")
-        assert released.is_success, released.text
-        assert released.json()["accepted"], released.text
-        until(socket, lambda s: not s["drive"]["stopped"])
+    pressing = lambda: client.post("/api/stop", json={}).is_success  # noqa: E731
+    wait_until(pressing, 5.0, "the drive manager")
+    released = client.post("/api/stop/release")
+    assert released.is_success, released.text
+    assert released.json()["accepted"], released.text
+    until(socket, lambda s: not s["drive"]["stopped"])
 
 
-def test_stop_waits_for_nothing_else(console: Served, socket: ClientConnection) -> None:
-    with running_stack("--slow-checks", "1.5"), console.client(Role.VIEWER) as client:
-        until(socket, complete)
+@beside(*SLOW)
+def test_stop_waits_for_nothing_else(console: Served, stack: Stack) -> None:
+    with console.client(Role.VIEWER) as client:
         wait_until(
             lambda: client.post("/api/stop", json={}).status_code == 200, 5.0, "the drive manager"
         )
@@ -252,7 +272,6 @@ def test_stop_waits_for_nothing_else(console: Served, socket: ClientConnection) 
             checks[0].join(0.05)
         assert statistics.median(times) < 0.75  # half of what a check takes
         assert len(times) > 2
-        client.post("/api/stop/release")
 
 
 def _check(console: Served) -> None:
@@ -260,61 +279,57 @@ def _check(console: Served) -> None:
         client.post("/api/goals/check", json={"x": 0.6, "y": 0.6})
 
 
-def test_a_planner_that_does_not_answer_is_said_not_to(
-    client: httpx.Client, socket: ClientConnection
-) -> None:
-    with running_stack("--slow-checks", "3"):
-        until(socket, complete)
-        answer = client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()
+@beside("--slow-checks", "3")
+def test_a_planner_that_does_not_answer_is_said_not_to(client: httpx.Client, stack: Stack) -> None:
+    answer: dict[str, Any] = {}
+
+    def asked_it() -> bool:
+        pressed = time.monotonic()
+        answer.update(client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json())
+        return time.monotonic() - pressed > 1.5
+
+    wait_until(asked_it, 8.0, "the console has found the planner")
     assert (answer["ok"], answer["reason"]) == (False, "no_planner")
 
 
+@beside("--no-poses")
 def test_a_program_that_takes_points_gets_points(
-    socket: ClientConnection, client: httpx.Client
+    socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
-    with running_stack("--no-poses"):
-        until(socket, complete)
-        ready(client)
-        body = {"x": -0.4, "y": -0.6, "yaw": 1.0}
-        check = client.post("/api/goals/check", json=body).json()
-        assert not check["heading_used"]
-        assert "heading is not used" in check["note"]
-        assert client.post("/api/goals", json=body).json()["topic"] == "/clicked_point"
-        state = until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "arrived")
-        assert state["goal"]["yaw"] is None
+    ready(client)
+    body = {"x": -0.4, "y": -0.6, "yaw": 1.0}
+    check = client.post("/api/goals/check", json=body).json()
+    assert not check["heading_used"]
+    assert "heading is not used" in check["note"]
+    assert client.post("/api/goals", json=body).json()["topic"] == "/clicked_point"
+    state = until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "arrived")
+    assert state["goal"]["yaw"] is None
 
 
-def test_a_program_that_takes_no_goals_is_said_not_to(
-    socket: ClientConnection, client: httpx.Client
-) -> None:
-    with running_stack("--no-poses", "--no-points"):
-        until(socket, complete)
-        wait_until(
-            lambda: (
-                client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()["reason"]
-                == "nobody_listens"
-            ),
-            5.0,
-            "nobody listens",
-        )
+@beside(*TAKES_NO_GOALS)
+def test_a_program_that_takes_no_goals_is_said_not_to(client: httpx.Client, stack: Stack) -> None:
+    wait_until(
+        lambda: (
+            client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()["reason"]
+            == "nobody_listens"
+        ),
+        5.0,
+        "nobody listens",
+    )
 
 
+@beside("--no-planner", "--no-action")
 def test_without_its_planner_a_goal_is_not_waved_through(
-    socket: ClientConnection, client: httpx.Client
+    client: httpx.Client, stack: Stack
 ) -> None:
-    with running_stack("--no-planner", "--no-action"):
-        until(socket, complete)
-        answer = client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()
-        assert (answer["ok"], answer["reason"]) == (False, "no_planner")
+    answer = client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()
+    assert (answer["ok"], answer["reason"]) == (False, "no_planner")
 
 
-def test_on_another_stack_the_map_is_looked_at(tmp_path: Path, domain: int) -> None:
-    foreign = ("--no-planner", "--no-action", "--no-statuses", "--no-drive")
-    with (
-        serving(tmp_path / "audit", domain) as console,
-        console.client(Role.OPERATOR) as client,
-        running_stack(*foreign),
-    ):
+@beside(*FOREIGN)
+def test_on_another_stack_the_map_is_looked_at(tmp_path: Path, domain: int, stack: Stack) -> None:
+    # A console that has never heard of a stack of ours.
+    with serving(tmp_path / "audit", domain) as console, console.client(Role.OPERATOR) as client:
         ready(client)
         free = client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()
         assert "only the map" in free["note"]
@@ -324,31 +339,31 @@ def test_on_another_stack_the_map_is_looked_at(tmp_path: Path, domain: int) -> N
         assert (away["ok"], away["reason"]) == (False, "outside_map")
 
 
-def test_without_a_drive_manager_stop_says_so_at_once(
-    socket: ClientConnection, client: httpx.Client
-) -> None:
-    with running_stack("--no-drive"):
-        until(socket, lambda s: s["pose"] and s["pose"]["age"] < 0.2)
-        wait_until(lambda: client.post("/api/stop", json={}).status_code == 503, 5.0, "no answer")
-        pressed = time.monotonic()
-        answer = client.post("/api/stop", json={})
-        assert time.monotonic() - pressed < patient(1.5)
+@beside("--no-drive")
+def test_without_a_drive_manager_stop_says_so_at_once(client: httpx.Client, stack: Stack) -> None:
+    wait_until(lambda: client.post("/api/stop", json={}).status_code == 503, 5.0, "no answer")
+    pressed = time.monotonic()
+    answer = client.post("/api/stop", json={})
+    assert time.monotonic() - pressed < patient(1.5)
     assert "emergency stop" in answer.json()["detail"]["remedy"]
 
 
-def test_a_failing_component_is_told_with_its_reason(socket: ClientConnection) -> None:
-    with running_stack("--failing", "mapper"):
-        state = until(
-            socket,
-            lambda s: any(c["status"] == "system_failure" for c in s["components"]),
-        )
+@beside(*WHOLE)
+def test_a_failing_component_is_told_with_its_reason(
+    socket: ClientConnection, stack: Stack
+) -> None:
+    state = until(
+        socket,
+        lambda s: any(c["status"] == "system_failure" for c in s["components"]),
+    )
     mapper = next(c for c in state["components"] if c["name"] == "mapper")
     assert (mapper["message"], mapper["sources"]) == ("No scan for 2 s.", ["/scan"])
 
 
-def test_silence_is_told_as_silence(socket: ClientConnection) -> None:
-    with running_stack():
-        until(socket, complete)
+@beside(*TAKES_NO_GOALS)
+def test_silence_is_told_as_silence(socket: ClientConnection, stack: Stack) -> None:
+    until(socket, complete)
+    stack.terminate()  # nobody else comes to this one
 
     def all_silent(state: dict[str, Any]) -> bool:
         streams = {each["key"]: each for each in state["streams"]}
@@ -364,20 +379,33 @@ def test_silence_is_told_as_silence(socket: ClientConnection) -> None:
     until(socket, all_silent)
 
 
+@beside(*WHOLE)
 def test_a_console_that_comes_later_finds_the_goal_that_runs(
-    console: Served, tmp_path: Path, domain: int, socket: ClientConnection, client: httpx.Client
+    tmp_path: Path, domain: int, socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
+    ready(client)
+    client.post("/api/goals", json={"x": 3.0, "y": 2.0})
+    until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
+    with (
+        serving(tmp_path / "second.jsonl", domain) as second,
+        second.client(Role.OPERATOR) as late,
+        listening(second, late) as heard,
+    ):
+        state = until(heard, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
+        assert state["goal"]["sent_by"] == "another program"
+        state = until(heard, lambda s: s["goal"]["phase"] == "arrived")
+        assert (state["goal"]["x"], state["goal"]["y"]) == pytest.approx((3.0, 2.0), abs=0.01)
+
+
+@beside()
+def test_a_goal_whose_planner_was_killed_is_told_as_lost_once_there_is_another(
+    socket: ClientConnection, client: httpx.Client, stack: Stack
+) -> None:
+    ready(client)
+    client.post("/api/goals", json={"x": 3.0, "y": 2.0})
+    until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
+    stack.kill()
     with running_stack():
-        until(socket, complete)
-        ready(client)
-        client.post("/api/goals", json={"x": 3.0, "y": 2.0})
-        until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
-        with (
-            serving(tmp_path / "second.jsonl", domain) as second,
-            second.client(Role.OPERATOR) as late,
-            listening(second, late) as heard,
-        ):
-            state = until(heard, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
-            assert state["goal"]["sent_by"] == "another program"
-            state = until(heard, lambda s: s["goal"]["phase"] == "arrived")
-            assert (state["goal"]["x"], state["goal"]["y"]) == pytest.approx((3.0, 2.0), abs=0.01)
+        state = until(socket, lambda s: s["goal"]["phase"] != "driving")
+    assert state["goal"]["phase"] == "failed"
+    assert "planner's process died" in state["goal"]["message"]

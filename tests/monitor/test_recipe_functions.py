@@ -411,6 +411,10 @@ def lamps(spinning: Spinning) -> Iterator[tuple[Lamp, Lamp]]:
     node.trigger_configure()
     node.trigger_activate()
     yield real, copy
+    node.trigger_deactivate()
+    # A timer may have come due before that: it is served while the component is still there.
+    served = spinning.executor.create_task(lambda: None)
+    spinning.until(served.done)
     spinning.executor.remove_node(node)
     real.leave()
 

@@ -10,7 +10,8 @@ from tests.support.stack import RECIPE, Stack
 
 pytestmark = pytest.mark.ros
 
-# Stacks of these run for other tests, which click too: test_navigation.py, test_own_components.py.
+# Stacks of these run for tests that click too: test_navigation.py, test_own_components.py,
+# test_patrol.py.
 ELSEWHERE = ("01_point_navigation", "07_own_components", "08_patrol")
 RECIPES = sorted(path for path in RECIPE.parent.glob("0*.py") if path.stem not in ELSEWHERE)
 

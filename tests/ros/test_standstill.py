@@ -1,43 +1,19 @@
-"""A robot whose programs die comes to a standstill, and one that was stopped stays stopped."""
+"""A robot whose programs die, or are held by a signal, comes to a standstill."""
 
 import os
 import signal
-import socket
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
-from pathlib import Path
-from urllib.parse import urlsplit
+from collections.abc import Iterator
+from contextlib import closing
 
 import pytest
 from geometry_msgs.msg import Twist
 
 from kompass.components.drive.halt import HALT_NODE
-from tests.support.domains import give_back, next_domain
-from tests.support.processes import children, end_with_parent, wait_until
-from tests.support.robot import Robot
+from tests.support.driver import Driver
+from tests.support.processes import held, wait_until
 from tests.support.stack import Stack
 
 pytestmark = pytest.mark.ros
-GUARDED = Path(__file__).parents[1] / "recipes" / "guarded_robot.py"
-
-
-class Driver(Robot):
-    """A robot that drives to and fro, and what is heard on its command topic."""
-
-    _goals = 0
-
-    def drive(self) -> None:
-        """A goal under way."""
-        self.send_goal(*((0.5, 0.5), (-1.5, 0.3))[self._goals % 2])
-        self._goals += 1
-        wait_until(lambda: self.speed > 0.15, 20, "motion")
-
-    def halts(self) -> bool:
-        """Whether the newest command is zero, and one has come."""
-        newest = self.newest.get("/cmd_vel")
-        return newest is not None and newest == Twist()
 
 
 @pytest.fixture
@@ -45,16 +21,6 @@ def robot(stack: Stack) -> Iterator[Driver]:
     with closing(Driver(stack.domain)) as client:
         client.ready()
         yield client
-
-
-@contextmanager
-def held(pid: int) -> Iterator[None]:
-    """A process that a signal holds, until the end of the block."""
-    os.kill(pid, signal.SIGSTOP)
-    try:
-        yield
-    finally:
-        os.kill(pid, signal.SIGCONT)
 
 
 def test_somebody_sends_zero_for_a_drive_manager_that_a_signal_holds(
@@ -102,92 +68,3 @@ def test_the_drive_manager_halts_at_once_when_the_controller_is_killed(
     os.kill(stack.pid_of("controller"), signal.SIGKILL)
     stack.wait_for_line("halted: controller: the process was killed by SIGKILL", 2)
     wait_until(lambda: robot.speed < 0.01, 2, "a standstill")
-
-
-def test_components_that_share_a_process_are_spoken_for_when_it_dies() -> None:
-    stack = Stack.simulated("--single-process")
-    robot = Driver(stack.domain)
-    try:
-        robot.ready()
-        wait_until(lambda: f"{HALT_NODE} is up" in stack.output, 10, "who halts the robot")
-        robot.drive()
-        robot.newest.pop("/cmd_vel")
-        with held(stack.pid_of("components")):
-            wait_until(robot.halts, 2, "a zero twist")
-            wait_until(lambda: robot.speed < 0.01, 2, "a standstill")
-    finally:
-        robot.close()
-        stack.close()
-
-
-@contextmanager
-def driven_from_outside(**environment: str) -> Iterator[tuple[Stack, Driver]]:
-    """A recipe on a robot that is no child of its supervisor, driven by commands of ours."""
-    domain = next_domain(stack=True)
-    base = subprocess.Popen(
-        [sys.executable, "-m", "kompass.simulation", "hexagon"],
-        env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
-        preexec_fn=end_with_parent,
-    )
-    try:
-        command = ("run", str(GUARDED), "--no-browser", "--port", "0")
-        stack = Stack(*command, domain=domain, COMMAND_PUBLISHERS="2", **environment)
-        robot = Driver(domain)
-        try:
-            stack.wait_for_line("all components active", 20)
-            wait_until(lambda: "console is up" in stack.output, 20, "the console")
-            wait_until(lambda: "guard is up" in stack.output, 20, "the guard")
-            wait_until(lambda: f"{HALT_NODE} is up" in stack.output, 20, "who halts the robot")
-            wait_until(lambda: "/simulator/ground_truth" in robot.newest, 20, "the robot's pose")
-            commands = robot.node.create_publisher(Twist, "/control", 10)
-            forward = Twist()
-            forward.linear.x = 0.2
-            robot.node.create_timer(0.05, lambda: commands.publish(forward))
-            yield stack, robot
-        finally:
-            robot.close()
-            stack.close()
-    finally:
-        base.terminate()
-        base.wait(10)
-        give_back(domain)
-
-
-def gone(pids: list[int]) -> Callable[[], bool]:
-    return lambda: not [pid for pid in pids if Path(f"/proc/{pid}").exists()]
-
-
-@pytest.mark.parametrize("stopped", ["drive_manager", "console", HALT_NODE, "guard"])
-def test_nothing_outlives_a_killed_supervisor_and_the_robot_stands(stopped: str) -> None:
-    with driven_from_outside() as (stack, robot):
-        wait_until(lambda: robot.speed > 0.15, 20, "motion")
-        port = urlsplit(stack.url).port
-        pids = list(children(stack.process.pid))
-        robot.newest.pop("/cmd_vel")
-        os.kill(stack.pid_of(stopped), signal.SIGSTOP)
-        os.kill(stack.process.pid, signal.SIGKILL)
-        wait_until(robot.halts, 3, "a zero twist")
-        wait_until(lambda: robot.speed < 0.01, 3, "a standstill")
-        wait_until(gone(pids), 3, "the end of all children")
-        with socket.create_server(("127.0.0.1", port)):
-            pass  # free for the next console
-
-
-def test_a_robot_that_was_stopped_comes_up_stopped_after_the_whole_stack_was_killed(
-    tmp_path: Path,
-) -> None:
-    environment = {"KOMPASS_DATA_DIR": str(tmp_path)}
-    with driven_from_outside(**environment) as (stack, robot):
-        wait_until(lambda: robot.speed > 0.15, 20, "motion")
-        robot.stop()
-        (path,) = tmp_path.glob("*/stop-drive_manager.json")
-        wait_until(lambda: '"stopped": true' in path.read_text(), 5, "the STOP on disk")
-        for pid in [stack.process.pid, *children(stack.process.pid)]:
-            os.kill(pid, signal.SIGKILL)
-    with driven_from_outside(**environment) as (stack, robot):
-        wait_until(lambda: "/drive_state" in robot.newest, 10, "the drive manager's word")
-        state = robot.newest["/drive_state"]
-        assert (state.stopped, state.stopped_by) == (True, "tester")
-        assert state.reason.startswith("test (pressed ")
-        robot.release()
-        wait_until(lambda: robot.speed > 0.15, 10, "motion after the release")

@@ -1,8 +1,8 @@
 """How long the tests wait before they call a promise of promptness broken.
 
-Two files of tests run at a time, each with processes of its own, on whatever machine there is. So
-every limit that is stated in a test is that of a quiet machine, and is stretched here; what holds
-on a quiet machine is shown with ``KOMPASS_TEST_PATIENCE=1``, and measured in ``benchmarks/``.
+Several files of tests run at a time, each with processes of its own, on whatever machine there is.
+So every limit that is stated in a test is that of a quiet machine, and is stretched here; what
+holds on a quiet machine is shown with ``KOMPASS_TEST_PATIENCE=1``, and measured in ``benchmarks/``.
 """
 
 import os

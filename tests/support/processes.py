@@ -1,9 +1,11 @@
 """Look at processes from outside, through /proc."""
 
 import ctypes
+import os
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from tests.support.patience import patient
@@ -20,10 +22,18 @@ def end_with_parent() -> None:
     _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
+@contextmanager
+def held(pid: int) -> Iterator[None]:
+    """A process that a signal holds, until the end of the block."""
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        os.kill(pid, signal.SIGCONT)
+
+
 def marked(mark: str) -> list[str]:
     """Command lines of all other living processes that carry ``mark`` in their environment."""
-    import os
-
     found = []
     for folder in Path("/proc").iterdir():
         if not folder.name.isdigit() or int(folder.name) == os.getpid():

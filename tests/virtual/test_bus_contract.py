@@ -5,7 +5,7 @@ Where rclpy surprises it is right, and virtual time follows.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import count, product
 from typing import Any
 
@@ -390,9 +390,10 @@ def test_a_service_of_another_type_is_not_found(
     bus.until(lambda: other.count_services(name) == 1)
     bus.until(lambda: len(dict(other.get_service_names_and_types())[name]) == 2)
     assert not client.service_is_ready()
-    assert dict(other.get_service_names_and_types_by_node("one", "/"))[name] == [
-        "std_srvs/srv/Trigger"
-    ], "of one node, its services count alone"
+    of_node = other.get_service_names_and_types_by_node
+    bus.until(lambda: _told(name, lambda: of_node("one", "/")))
+    alone = dict(of_node("one", "/"))[name]
+    assert alone == ["std_srvs/srv/Trigger"], "of one node, its services count alone"
 
 
 # -- actions ----------------------------------------------------------------------------------
@@ -635,10 +636,8 @@ def test_an_action_is_found_by_name_and_by_node(
     found = (name, ["kompass_interfaces/action/PlanPath"])
     bus.until(lambda: found in map(_plain, other.get_action_names_and_types()))
     of_node = other.get_action_server_names_and_types_by_node
-    # On DDS that there is a node, and what it has, is told on other ways than the topics.
-    nodes = other.get_node_names_and_namespaces
-    bus.until(lambda: ("one", "/") in map(tuple, nodes()))
-    bus.until(lambda: found in map(_plain, of_node("one", "/")))
+    bus.until(lambda: _told(name, lambda: of_node("one", "/")))
+    assert found in map(_plain, of_node("one", "/"))
     assert found not in map(_plain, of_node("other", "/robot"))
     client = other.create_action_client(PlanPath, name)
     bus.until(client.server_is_ready)
@@ -647,6 +646,14 @@ def test_an_action_is_found_by_name_and_by_node(
     client.destroy()
     with pytest.raises(NodeNameNonExistentError):
         of_node("nobody", "/")
+
+
+def _told(name: str, ask: Callable[[], Iterable[Any]]) -> bool:
+    """Whether the graph says so of a node; it learns of nodes apart from what there is of them."""
+    try:
+        return name in dict(ask())
+    except (NodeNameNonExistentError, RCLError):
+        return False
 
 
 def _plain(found: Any) -> tuple[str, list[str]]:
@@ -1042,8 +1049,7 @@ def test_the_graph_tells_who_offers_what(bus: Bus, one: Node, other: Node, name:
     assert len(set(ids)) == 3
     assert dict(other.get_topic_names_and_types())[name] == ["std_msgs/msg/Int32"]
     of_node = other.get_service_names_and_types_by_node
-    # A node tells what is its own apart from what there is: it may be heard a moment later.
-    bus.until(lambda: f"{name}/ask" in dict(of_node("one", "/")))
+    bus.until(lambda: _told(f"{name}/ask", lambda: of_node("one", "/")))
     assert dict(of_node("one", "/"))[f"{name}/ask"] == ["std_srvs/srv/Trigger"]
     assert f"{name}/ask" not in dict(of_node("other", "/robot"))
     with pytest.raises(NodeNameNonExistentError):
@@ -1069,4 +1075,5 @@ def test_a_node_that_is_destroyed_leaves_nothing(bus: Bus, one: Node, name: str)
     publisher.publish(Int32())
     bus.rest(0.1)
     assert heard == []
-    assert "short_lived" not in [each for each, _ in one.get_node_names_and_namespaces()]
+    names = one.get_node_names_and_namespaces
+    bus.until(lambda: "short_lived" not in [each for each, _ in names()])

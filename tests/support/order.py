@@ -1,0 +1,61 @@
+"""Which files of tests come first when they are given to several workers.
+
+A worker takes a file as soon as it is free. With the longest at the beginning all of them end
+together; with the longest at the end, one works on while the others stand idle.
+"""
+
+from pathlib import Path
+
+TESTS = Path(__file__).parents[1]
+
+# By their seconds, the longest first; what takes less than about 10 s need not be here.
+LONGEST = (
+    "browser/test_rules.py",
+    "drills/test_random_drives.py",
+    "ros/test_supervisor_killed.py",
+    "browser/test_driving.py",
+    "ros/test_processes.py",
+    "ros/test_seeds.py",
+    "security/test_ros_control.py",
+    "security/test_neighbour.py",
+    "ros/test_rules_live.py",
+    "browser/test_watching.py",
+    "ros/test_recipes.py",
+    "ros/test_recorder.py",
+    "drills/test_recorded.py",
+    "simulation/test_node.py",
+    "console/test_link.py",
+    "console/test_drills_stack.py",
+    "ros/test_supervision.py",
+    "rclpy_ext/test_messages.py",
+    "ros/test_rules_in_need.py",
+    "ros/test_recorded_drives.py",
+    "ros/test_patrol.py",
+    "ros/test_own_components.py",
+    "ros/test_standstill.py",
+    "ros/test_refused_commands.py",
+    "drills/test_command.py",
+    "browser/test_drills.py",
+    "console/test_rules_cli.py",
+    "ros/test_navigation.py",
+    "supervisor/test_supervisor.py",
+    "virtual/test_bus_contract.py",
+    "drills/test_runner.py",
+    "drills/test_machine_faults.py",
+    "drills/test_draw.py",
+    "console/test_drills.py",
+    "console/test_rules_api.py",
+    "console/test_audit.py",
+    "ros/test_channels.py",
+    "ros/test_as_said.py",
+    "security/test_outsider.py",
+    "docs/test_first_hour.py",
+    "stack/test_components.py",
+    "recipe/test_random_recipes.py",
+)
+_RANKS = {TESTS / name: rank for rank, name in enumerate(LONGEST)}
+
+
+def rank(path: Path) -> int:
+    """Where a file comes; those that are not named come last, in the order that they have."""
+    return _RANKS.get(path, len(_RANKS))
