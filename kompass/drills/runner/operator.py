@@ -18,7 +18,7 @@ from kompass.bus.node import ActionClient, Node, Publisher
 from kompass.components.base.component import Component
 from kompass.components.base.convert import quaternion_msg
 from kompass.components.planner.mission import FREE_HEADING
-from kompass.drills.facts import GOAL_OUTCOMES, FaultBegan, GoalEnded, GoalSent
+from kompass.drills.facts import GOAL_OUTCOMES, FaultBegan, FaultFailed, GoalEnded, GoalSent
 from kompass.drills.runner.goal_watch import GoalWatch
 from kompass.drills.runner.observer import Observer
 from kompass.drills.scenario import Goal, OperatorAct, Scenario, ScheduledFault
@@ -81,6 +81,7 @@ class Operator:
                 self._ends = GoalWatch(node, f"/{self._way.action}")
         self._publishers: dict[str, tuple[type[Any], Publisher]] = {}
         self._fault_client = node.create_client(SetFault, SET_FAULT)
+        self._switched: dict[Any, ScheduledFault] = {}  # by the answers that are on their way
         gates = [one.node_name for one in components if one.stops_robot]
         self._stops = [node.create_client(StopRobot, f"{name}/stop") for name in gates]
         self._releases = [
@@ -227,10 +228,23 @@ class Operator:
 
     def _break(self, fault: ScheduledFault) -> None:
         request = SetFault.Request(fault=fault.name, on=True, duration=fault.duration)
+        asked = self._fault_client.call_async(request)
+        self._switched[asked] = fault
+        asked.add_done_callback(partial(self._on_switched, fault, self._observer.now))
+
+    def _on_switched(self, fault: ScheduledFault, at: float, answered: Any) -> None:
+        del self._switched[answered]
+        answer = answered.result()
+        if not answer.success:
+            self._observer.note(FaultFailed, fault.name, answer.message, at=at)
         # What goes on for a while is told by the simulator; what is over at once, by nobody.
-        if fault.name.startswith(AT_ONCE):
-            self._observer.note(FaultBegan, fault.name)
-        self._fault_client.call_async(request)
+        elif fault.name.startswith(AT_ONCE):
+            self._observer.note(FaultBegan, fault.name, at=at)
+
+    def finish(self) -> None:
+        """The drive is over: what was not answered by now is not."""
+        for fault in self._switched.values():
+            self._observer.note(FaultFailed, fault.name, "the simulator did not answer")
 
     def _act(self, act: OperatorAct) -> None:
         if act.does == "stop":

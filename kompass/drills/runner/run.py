@@ -133,6 +133,7 @@ def _drive(
         left = min(AFTERWARDS, scenario.limit - observer.now)
         if left > 0.0:
             scheduler.run_for(nanoseconds(left))
+        operator.finish()
         observer.note(DriveEnded)
         if recorded is not None:
             recorded.finish()
