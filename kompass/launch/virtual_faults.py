@@ -101,6 +101,13 @@ class VirtualFaults:
             raise FaultRefused(f"{target} is dead, and cannot be {done}; have it break earlier")
         return process
 
+    def _working(self, target: str, done: str) -> VirtualProcess:
+        """As :meth:`_alive`; one that is only just starting is refused, too."""
+        process, life = self._alive(target, done), self._stack.program(target).life
+        if life is None or not life.active:
+            raise FaultRefused(f"{target} is starting, and cannot be {done}; have it break later")
+        return process
+
     def _starve(self, target: str) -> Callable[[], object]:
         """Until it ends, or another process has taken the place of this one."""
         process = self._alive(target, "starved")
@@ -112,7 +119,7 @@ class VirtualFaults:
         return end
 
     def _hang(self, target: str) -> Callable[[], object]:
-        self._alive(target, "hung up")
+        self._working(target, "hung up")
         executors = list(self._stack.program(target).executors(target))
         for executor in executors:
             executor.hang()
@@ -147,7 +154,7 @@ class VirtualFaults:
 
     def _answer_wrongly(self, target: str) -> Callable[[], object]:
         """Until it ends, or another process has taken the place of this one."""
-        process, program = self._alive(target, "wrong"), self._stack.program(target)
+        process, program = self._working(target, "wrong"), self._stack.program(target)
         nodes = [target] if target in program.nodes else program.nodes
         spoilt = [
             (writer, made)

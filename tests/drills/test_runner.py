@@ -154,16 +154,29 @@ def test_what_was_seen_before_the_beginning_counts_as_of_then_in_its_order() -> 
     assert kinds == [ProcessEnded, StopPressed, ProcessStarted, Status]
 
 
+def test_a_goal_that_is_due_while_the_planner_is_dead_is_sent_when_it_is_back() -> None:
+    faults = (ScheduledFault(name="kill:planner", at=1.9),)
+    goals = (Goal(x=0.7, y=-0.5, at=2.0),)
+    observed = drive(scenario(*faults, goals=goals, limit=60.0))
+    (back,) = (fact.at for fact in observed.facts if isinstance(fact, ProcessStarted))
+    (goal,) = observed.result.goals
+    assert back <= goal.sent < back + 2.0
+    assert goal.outcome == "arrived"
+
+
 def test_a_fault_that_is_refused_is_told_with_the_reason() -> None:
     faults = (
         ScheduledFault(name="kill:mapper", at=1.0),
         ScheduledFault(name="stop:mapper", at=1.05),
+        ScheduledFault(name="hang:mapper", at=1.25),
         ScheduledFault(name="wrong:monitor", at=1.0),
     )
     result = drive(scenario(*faults, limit=4.0)).result
     assert [fault.name for fault in result.faults] == ["kill:mapper"]
+    assert result.broken == ()
     reasons = {fault.name: fault.reason for fault in result.refused}
     assert reasons["stop:mapper"].startswith("mapper is dead, and cannot be stopped")
+    assert reasons["hang:mapper"].startswith("mapper is starting, and cannot be hung up")
     assert reasons["wrong:monitor"].startswith("monitor says nothing that others drive by")
 
 

@@ -114,8 +114,8 @@ def _drive(
 
     def on_news(news: ProcessNews) -> None:
         observer.on_news(news)
-        if planner in news.nodes and news.state == "dead":
-            operator.planner_died()
+        if planner in news.nodes:
+            operator.planner_changed(news.state)
 
     robot.on_news = on_news
     with closing(robot):
