@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import re
+import signal
 import sys
 import time
 from collections import Counter
@@ -179,6 +180,7 @@ def run(arguments: list[str]) -> int:
         else (_loud(seed) for seed in seeds)
     )
     interrupted = False
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # its processes end with it, too
     try:
         for driven in drives:
             tally.take(driven)
