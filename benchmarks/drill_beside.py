@@ -16,6 +16,8 @@ import statistics
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -34,6 +36,7 @@ PLACES = ((1.9, 0.0), (-1.0, 1.6), (0.0, -1.7))
 CLICK = 1.0  # s between two
 STANDSTILL = 0.5  # s; longer intervals are between two ways, and not of the control loop
 WARM_UP = 10.0  # s for a drill to have its processes, and for the first way to begin
+GRACE = 10.0  # s for a drill to end after SIGTERM
 AIM = 1.1  # with the drill, over without
 
 
@@ -100,6 +103,9 @@ class Watch:
 def main() -> None:
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
     turns = int(sys.argv[2]) if len(sys.argv) > 2 else 3
+    signal.signal(signal.SIGTERM, _end)  # so that what was started ends, too
+    takes = WARM_UP + turns * (WARM_UP + 2 * seconds)
+    _say(f"{turns} turns of {seconds:g} s without a drill and {seconds:g} s with: {takes:.0f} s")
     stack = Stack.simulated("--sim=hexagon", recipe=RECIPE)
     context = rclpy.Context()
     options = SignalHandlerOptions.NO
@@ -112,16 +118,13 @@ def main() -> None:
         watch.take(WARM_UP, None)
         for turn in range(turns):
             watch.take(seconds, without)
-            drill = _drill()
-            try:
+            _say(f"turn {turn + 1} of {turns}: without a drill, load {os.getloadavg()[0]:.1f}")
+            with _drill() as drill:
                 watch.take(WARM_UP, None)
                 watch.take(seconds, beside)
                 if drill.poll() is not None:
                     raise RuntimeError("the drill ended before its time")
-            finally:
-                os.killpg(drill.pid, signal.SIGTERM)
-                drill.wait()
-            print(f"turn {turn + 1} of {turns}, load {os.getloadavg()[0]:.1f}", flush=True)
+            _say(f"turn {turn + 1} of {turns}: with one, load {os.getloadavg()[0]:.1f}")
     finally:
         executor.shutdown()
         node.destroy_node()
@@ -139,15 +142,34 @@ def main() -> None:
         )
 
 
-def _drill() -> subprocess.Popen[bytes]:
-    """More drives than there is time for, in a process group of their own."""
+@contextmanager
+def _drill() -> Iterator[subprocess.Popen[bytes]]:
+    """More drives than there is time for, in a process group of their own, while it is entered."""
     console = Path(sys.executable).with_name("kompass-console")
-    return subprocess.Popen(
+    drill = subprocess.Popen(
         [str(console), "drill", str(RECIPE), "--seeds", "10000"],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
+    try:
+        yield drill
+    finally:
+        with suppress(ProcessLookupError):  # it has ended by itself, and its processes with it
+            os.killpg(drill.pid, signal.SIGTERM)
+        try:
+            drill.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            os.killpg(drill.pid, signal.SIGKILL)
+            drill.wait()
+
+
+def _end(number: int, _: object) -> None:
+    raise SystemExit(128 + number)
+
+
+def _say(text: str) -> None:
+    print(text, flush=True)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from kompass.drills.draw import DrawOptions, draw, expand_faults
+from kompass.drills.draw import DrawOptions, draw
 from kompass.drills.drive import DriveResult
 from kompass.drills.report_json import TableName, make_report, report_json
 from kompass.drills.runner.worker import Order, look_at, make_drives
@@ -31,10 +31,11 @@ def burn() -> None:
 
 def drives(folder: Path, recipe: Path, seeds: int, jobs: int) -> str:
     """Make them, each with a recording in the folder; the report."""
-    options = DrawOptions(worlds=("hexagon",), faults=expand_faults(["all"]))
+    looked = look_at(recipe)
+    options = DrawOptions(worlds=("hexagon",), faults=looked.faults(["all"]))
     scenarios = [draw(1, number, options) for number in range(seeds)]
     orders = [Order(recipe, each, None, folder / f"{each.name}.mcap") for each in scenarios]
-    table = TableName.of("recipe", Table.model_validate_json(look_at(recipe).table))
+    table = TableName.of("recipe", Table.model_validate_json(looked.table))
     made = [DriveResult.model_validate_json(text) for _, text in make_drives(orders, jobs)]
     return report_json(make_report(recipe=recipe.name, table=table, drives=made, seed=1))
 

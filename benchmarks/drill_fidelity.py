@@ -121,6 +121,7 @@ def _drive(
         executor.spin_once(timeout_sec=0.1)
     left = min(AFTERWARDS, drive.limit - observer.now)
     spin_until(time.monotonic() + left)
+    operator.finish()
     observer.note(DriveEnded)
     return judge(drive, tuple(observer.facts))
 
@@ -163,8 +164,8 @@ class News:
             process.name, list(process.nodes), state, process.pid, reason=process.reason
         )
         self._observer.on_news(told)
-        if self._planner in told.nodes and state == "dead":
-            self._operator.planner_died()
+        if self._planner in told.nodes:
+            self._operator.planner_changed(state)
 
 
 def fired(drive: DriveResult) -> list[str]:

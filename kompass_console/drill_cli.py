@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from kompass.drills.draw import DrawOptions
     from kompass.drills.drive import DriveResult
     from kompass.drills.report_json import Report, TableName
+    from kompass.drills.runner.worker import Looked
     from kompass.drills.scenario import Scenario
     from kompass.rules.schema.table import Table
 
@@ -89,13 +90,11 @@ def run(
     for option, file in (("--json", json_file), ("--report", report_file)):
         if file is not None and not file.absolute().parent.is_dir():
             raise CliError(BAD_INPUT, f"{option} {file}: there is no folder {file.parent}")
-    chosen, options = _scenarios(scenarios, worlds, faults, seed, seeds)
+    proposed = _table("--rules", rules)
+    other = None if against is None or str(against) == "recipe" else _table("--against", against)
     try:
-        proposed = _table("--rules", rules)
-        other = (
-            None if against is None or str(against) == "recipe" else _table("--against", against)
-        )
         looked = look_at(recipe, proposed)
+        chosen, options = _scenarios(looked, scenarios, worlds, faults, seed, seeds)
         if other is not None:
             look_at(recipe, other)
         own = Table.model_validate_json(looked.table)
@@ -150,12 +149,12 @@ def replay(
     if not recipe.is_file():
         raise CliError(BAD_INPUT, f"--recipe {recipe}: there is no such file; give a Python file")
     _check_new("-o", output)
-    scenario = _scenario(drive, scenarios, worlds, faults, seed)
     proposed = _table("--rules", rules)
     said: list[str] = []
     made = output.with_name(f".{output.name}.{os.getpid()}.partial")
     try:
-        look_at(recipe, proposed)
+        looked = look_at(recipe, proposed)
+        scenario = _scenario(looked, drive, scenarios, worlds, faults, seed)
         order = Order(recipe, scenario, proposed, made.absolute())
         (((_, text)),) = make_drives([order], os.cpu_count() or 1, said.append)
         made.rename(output)
@@ -219,10 +218,12 @@ def _check_new(option: str, file: Path) -> None:
         raise CliError(BAD_INPUT, f"{option} {file}: there is no folder {file.parent}")
 
 
-def _scenario(drive: str, files: Path | None, worlds: str, faults: str, seed: int) -> Scenario:
+def _scenario(
+    looked: Looked, drive: str, files: Path | None, worlds: str, faults: str, seed: int
+) -> Scenario:
     """The scenario of one drive, by its name or its number."""
     if files is not None:
-        chosen, _ = _scenarios(files, worlds, faults, seed, 1)
+        chosen, _ = _scenarios(looked, files, worlds, faults, seed, 1)
         found = [each for each in chosen if each.name == drive]
         if not found:
             known = ", ".join(each.name for each in chosen)
@@ -235,7 +236,7 @@ def _scenario(drive: str, files: Path | None, worlds: str, faults: str, seed: in
             f"{drive}: no drive of seed {seed} is called so; give a number, or {seed}-NUMBER, or "
             "the --scenario that it was read from",
         )
-    chosen, _ = _scenarios(None, worlds, faults, seed, int(number) + 1)
+    chosen, _ = _scenarios(looked, None, worlds, faults, seed, int(number) + 1)
     return chosen[-1]
 
 
@@ -256,22 +257,28 @@ def _name(file: Path | None, table: Table) -> TableName:
 
 
 def _scenarios(
-    files: Path | None, worlds: str, faults: str, seed: int, count: int
+    looked: Looked, files: Path | None, worlds: str, faults: str, seed: int, count: int
 ) -> tuple[list[Scenario], DrawOptions | None]:
     """Those of files, or drawn ones with what they were drawn from."""
     from pydantic import ValidationError
 
-    from kompass.drills.draw import DrawOptions, draw, expand_faults
+    from kompass.drills.draw import DrawOptions, check_targets, draw
     from kompass.drills.scenario_file import BadScenario, read_scenarios
     from kompass.simulation.faults.fault_names import UnknownFault
 
     if files is not None:
         try:
-            return list(read_scenarios(files)), None
+            read = list(read_scenarios(files))
         except BadScenario as error:
             raise CliError(BAD_INPUT, f"--scenarios: {error}") from None
+        for one in read:
+            try:
+                check_targets([fault.name for fault in one.faults], looked.targets)
+            except UnknownFault as error:
+                raise CliError(BAD_INPUT, f"--scenarios: scenario {one.name}: {error}") from None
+        return read, None
     try:
-        options = DrawOptions(worlds=tuple(_parts(worlds)), faults=expand_faults(_parts(faults)))
+        options = DrawOptions(worlds=tuple(_parts(worlds)), faults=looked.faults(_parts(faults)))
     except UnknownFault as error:
         raise CliError(BAD_INPUT, f"--faults: {error}") from None
     except ValidationError as error:
@@ -336,6 +343,10 @@ def _tell(report: Report) -> int:
         for drive in report.drives:
             broken = ", ".join(f.name for f in drive.scenario.faults) or "no fault"
             typer.echo(f"  {drive.scenario.name}  {broken}: {drive.why}")
+    for drive in (*report.drives, *report.drives_against):
+        for fault in drive.refused:
+            name, what = drive.scenario.name, f"{fault.name} did not begin at {fault.at:g} s"
+            typer.echo(f"  {name}: {what}: {fault.reason}")
     for drive in report.drives:
         for each in drive.broken:
             typer.echo(f"  {drive.scenario.name}: {each.invariant} at {each.at:g} s: {each.text}")

@@ -25,6 +25,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
             "share",
             "signing",
             "supervisor",
+            "yaml_lines",
         ),
         ("channel", "field_types"),
         ("expressions", "robot", "rulebook"),

@@ -6,9 +6,10 @@ its seed is a hash of seed and number that depends on no hash seed of the proces
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from random import Random
 from typing import Annotated, TypeVar
@@ -26,6 +27,8 @@ from kompass.simulation.faults.fault_names import (
     FAULTS,
     MACHINE_FAULTS,
     MAP_WITHHELD,
+    TARGETED,
+    WRONG,
     UnknownFault,
     check_fault,
     check_place,
@@ -36,11 +39,8 @@ from kompass.simulation.worlds.registry import world, world_names
 from kompass.simulation.worlds.world import World
 
 ALL = "all"
-# What the words in capitals in FAULTS stand for, where nothing else is given.
-STAND_FOR: Mapping[str, Sequence[str]] = {
-    "NAME": ("planner", "controller", "mapper", "drive_manager")
-}
 _FIRST_GOAL = 2.0  # s after the start at which the first goal is sent
+_AHEAD = 1.0  # s before a goal at which somebody begins to answer wrongly
 _TRIES = 50  # places looked at for a goal that is far enough
 # Where a fault begins on its way, as shares of the least time that the way can take: the robot has
 # set off, and cannot have arrived.
@@ -51,40 +51,62 @@ _DURATIONS = (3.0, 20.0)  # s
 _T = TypeVar("_T")
 
 
-def expand_faults(
-    names: Iterable[str], stand_for: Mapping[str, Sequence[str]] | None = None
-) -> tuple[str, ...]:
+def expand_faults(names: Iterable[str], nodes: Sequence[str]) -> tuple[str, ...]:
     """Names of faults, with ``all`` and what takes a parameter written out, each once.
 
     Parameters
     ----------
     names
         As after ``--faults``: names, ``all``, or ``kill`` and the like for every parameter.
-    stand_for
-        What the parameters in ``FAULTS`` stand for, where it is not what ``STAND_FOR`` says:
-        values by the fault's kind, or else by the word in capitals, as ``{"NAME": ("planner",)}``.
+    nodes
+        Of the recipe's components: each of them is killed, stopped and so on.
 
     Raises
     ------
     UnknownFault
-        There is no such fault, or nothing is given for its parameter.
+        There is no such fault, or its parameter cannot be read.
     """
-    known = {**STAND_FOR, **(stand_for or {})}
     kinds = {whole.partition(":")[0]: whole for whole in (*FAULTS, *MACHINE_FAULTS)}
     found: list[str] = []
     for name in names:
         for one in kinds if name == ALL else (name,):
             kind, _, word = kinds.get(one, one).partition(":")
             if one in kinds and word:
-                values = known.get(kind, known.get(word) or _usual(kind))
+                values = nodes if word == "NAME" else _usual(kind)
                 found += [f"{kind}:{value}" for value in values]
             else:
                 found.append(one)
     return tuple(dict.fromkeys(map(check_fault, found)))
 
 
+def check_targets(names: Iterable[str], targets: Sequence[str]) -> None:
+    """Refuse faults of processes and nodes that are not there.
+
+    Parameters
+    ----------
+    names
+        Of faults, written out.
+    targets
+        The processes of the stack, and the nodes in them.
+
+    Raises
+    ------
+    UnknownFault
+        Nobody is called so.
+    """
+    for name in names:
+        kind, _, target = name.partition(":")
+        if kind in TARGETED and target not in targets:
+            near = difflib.get_close_matches(target, targets, n=1, cutoff=0.4)
+            hint = f"did you mean {near[0]!r}? " if near else ""
+            raise UnknownFault(
+                f"fault {name!r}: the recipe has no process or node {target!r}; {hint}it has "
+                f"{', '.join(sorted(targets))}"
+            )
+
+
 def _usual(kind: str) -> Sequence[str]:
-    """What stands behind the colon of a fault where nothing is given."""
+    """What stands behind the colon of a fault that does not name a node."""
     if kind == DOOR_CLOSED:
         return [door.name for name in world_names() for door in world(name).doorways]
     return [PARAMETERS[kind].example]
@@ -213,6 +235,9 @@ def _schedule(
     stays = random.random() < lasting
     if name.startswith(AT_ONCE):
         duration = 0.0
+    elif name.startswith(WRONG):
+        # Whoever answers once for each goal has to be asked while he is wrong.
+        at, duration = _FIRST_GOAL - _AHEAD, _AHEAD + duration
     elif name == MAP_WITHHELD:
         # It can only be there from the start; it must last until somebody asks for a plan.
         at, duration = 0.0, _FIRST_GOAL + duration

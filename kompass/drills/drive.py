@@ -115,6 +115,20 @@ class FaultResult(Model):
     recovered_after: float | None = None
 
 
+class RefusedFault(Model):
+    """A fault of the scenario that could not be switched on: the drive went on without it.
+
+    Attributes
+    ----------
+    reason
+        In words of who refused it.
+    """
+
+    name: str
+    at: float
+    reason: str
+
+
 class ActionResult(Model):
     """How one action of a firing ended."""
 
@@ -193,6 +207,8 @@ class DriveResult(Model):
     recovery
         The longest of the faults' recoveries [s]; None when nothing was disturbed, or not all of
         it recovered.
+    refused
+        Faults that did not come about.
     track
         The way that was driven: (time, x, y), thinned.
     """
@@ -204,6 +220,7 @@ class DriveResult(Model):
     recovery: float | None = None
     goals: tuple[GoalResult, ...] = ()
     faults: tuple[FaultResult, ...] = ()
+    refused: tuple[RefusedFault, ...] = ()
     firings: tuple[FiringResult, ...] = ()
     contacts: tuple[ContactResult, ...] = ()
     broken: tuple[BrokenInvariant, ...] = ()

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import astuple, dataclass
 from itertools import groupby
-from typing import Literal, TypeAlias, TypeVar
+from typing import Literal, TypeAlias, TypeVar, get_args
 
 # The names of kompass.components.planner.mission.GoalOutcome, in the order of their numbers.
 GOAL_OUTCOMES = (
@@ -210,6 +210,15 @@ class FaultEnded:
 
 
 @dataclass(frozen=True, slots=True)
+class FaultFailed:
+    """A fault could not be switched on, for this reason; nothing has broken."""
+
+    at: float
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
 class AlarmRaised:
     """An alarm was raised to the operators."""
 
@@ -256,56 +265,31 @@ class DriveEnded:
     at: float
 
 
+# In the order in which facts of one time are taken: of a pair that undo each other the one that is
+# worse for the robot comes last, and counts.
 Fact: TypeAlias = (
-    Motion
-    | GoalSent
-    | GoalEnded
-    | Contact
-    | StopPressed
-    | StopReleased
-    | Status
-    | ProcessEnded
+    FaultEnded
+    | FaultBegan
+    | FaultFailed
+    | SeesAgain
+    | WentBlind
     | ProcessStarted
+    | ProcessEnded
+    | Status
+    | AlarmCleared
+    | AlarmRaised
     | RuleFired
     | ActionDone
     | RunDone
-    | FaultBegan
-    | FaultEnded
-    | AlarmRaised
-    | AlarmCleared
-    | WentBlind
-    | SeesAgain
+    | StopReleased
+    | StopPressed
+    | Contact
+    | GoalEnded
+    | GoalSent
+    | Motion
     | DriveEnded
 )
-
-# Facts of one time, in the order in which they are taken: of a pair that undo each other the one
-# that is worse for the robot comes last, and counts.
-_ORDER: dict[type, int] = {
-    kind: place
-    for place, kind in enumerate(
-        (
-            FaultEnded,
-            FaultBegan,
-            SeesAgain,
-            WentBlind,
-            ProcessStarted,
-            ProcessEnded,
-            Status,
-            AlarmCleared,
-            AlarmRaised,
-            RuleFired,
-            ActionDone,
-            RunDone,
-            StopReleased,
-            StopPressed,
-            Contact,
-            GoalEnded,
-            GoalSent,
-            Motion,
-            DriveEnded,
-        )
-    )
-}
+_ORDER: dict[type, int] = {kind: place for place, kind in enumerate(get_args(Fact))}
 
 
 _F = TypeVar("_F", bound=Fact)

@@ -15,6 +15,7 @@ from kompass.drills.facts import (
     ActionDone,
     Contact,
     Fact,
+    FaultBegan,
     ProcessEnded,
     ProcessStarted,
     RuleFired,
@@ -33,6 +34,8 @@ USUAL_PERIOD = 0.15  # s between two messages of a sensor that is missed soon
 LOOK = 0.1  # s between two looks at the robot
 PATIENCE = 60.0  # s of standing after which a goal that is still under way has been forgotten
 RUN = 10.0  # s; runs that began later than this before the end may still be under way
+# Faults that put something where nothing was.
+SUDDEN = ("way_blocked", "boxed_in", "person_ahead", "person_crossing", "door_closed")
 SILENCE = 5.0  # s without a word of, or for, a component
 
 
@@ -71,8 +74,8 @@ def goals_end_with_a_reason(course: Course) -> Iterator[tuple[float, str]]:
             yield ended.at, f"{place} ended as {ended.outcome} without a reason"
 
 
-def firings_have_an_outcome(course: Course) -> Iterator[tuple[float, str]]:
-    """The end of every run is told, but for those that began in the last ``RUN`` seconds.
+def firings_have_an_outcome(course: Course, run: float = RUN) -> Iterator[tuple[float, str]]:
+    """The end of every run is told, but for those that began in the last ``run`` seconds.
 
     And for those that were under way when the monitor died: its journal says so.
     """
@@ -86,8 +89,8 @@ def firings_have_an_outcome(course: Course) -> Iterator[tuple[float, str]]:
     for fact in course.of(RuleFired):
         key = fact.epoch, fact.rule_id, fact.run
         until = min((at for at in deaths if at >= fact.at), default=math.inf)
-        lost = until - fact.at < RUN
-        if not fact.shadow and key not in ended and not lost and course.end - fact.at >= RUN:
+        lost = until - fact.at < run
+        if not fact.shadow and key not in ended and not lost and course.end - fact.at >= run:
             yield fact.at, f"what came of {fact.rule_id} was never told"
     for done in course.of_either(ActionDone, RunDone):
         if (done.epoch, done.rule_id, done.run) not in fired:
@@ -139,10 +142,16 @@ def stands_when_blind(course: Course) -> Iterator[tuple[float, str]]:
 
 
 def touches_nothing_blind(course: Course) -> Iterator[tuple[float, str]]:
-    """A robot that went blind drives into nothing; what comes to one that stands may touch it."""
+    """A robot that went blind drives into nothing; what comes to one that stands may touch it.
+
+    Nor does it count what came into its way after it had gone blind, as long as it comes to rest:
+    nobody can have seen it.
+    """
+    sudden = [fact.at for fact in course.of(FaultBegan) if fact.name.startswith(SUDDEN)]
     for blind, end in _blind(course):
         for contact in course.of(Contact):
-            if blind.at < contact.at < end:
+            unseen = any(blind.at <= at <= contact.at <= blind.at + HALT for at in sudden)
+            if blind.at < contact.at < end and not unseen:
                 # The look before the contact: the contact itself may have brought it to rest.
                 before = course.at(contact.at - LOOK)
                 if before is not None and moves(before):

@@ -17,6 +17,7 @@ from kompass.drills.drive import (
     GoalResult,
     MomentKind,
     Outcome,
+    RefusedFault,
 )
 from kompass.drills.facts import (
     HEALTHY,
@@ -27,6 +28,7 @@ from kompass.drills.facts import (
     Fact,
     FaultBegan,
     FaultEnded,
+    FaultFailed,
     GoalEnded,
     GoalSent,
     ProcessEnded,
@@ -78,6 +80,10 @@ def judge(scenario: Scenario, facts: Iterable[Fact]) -> DriveResult:
         recovery=max(known) if known and len(known) == len(recoveries) else None,
         goals=goals,
         faults=faults,
+        refused=tuple(
+            RefusedFault(name=one.name, at=_rounded(one.at), reason=one.reason)
+            for one in course.of(FaultFailed)
+        ),
         firings=tuple(_firings(course)),
         contacts=contacts,
         broken=broken_invariants(course.facts),
@@ -280,6 +286,8 @@ def _told(fact: Fact) -> tuple[MomentKind, str] | None:
             return "fault", f"{fact.name} began"
         case FaultEnded():
             return "fault end", f"{fact.name} ended"
+        case FaultFailed():
+            return "fault", f"{fact.name} did not begin: {fact.reason}"
         case RuleFired():
             shadow = " (in shadow)" if fact.shadow else ""
             return "firing", f"{fact.rule_id} fired{shadow}"

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import yaml
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
-from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from yaml.nodes import MappingNode, Node, ScalarNode
 
 from kompass.drills.scenario import Scenario, parent_model
+from kompass.yaml_lines import BadYaml, farthest, line_of, read_yaml
 
 SUFFIXES = (".yaml", ".yml")
 _LARGEST = 1_000_000  # bytes of a file; a scenario has some hundreds
@@ -135,7 +135,10 @@ def parse_scenario(text: str, where: str = "scenario") -> Scenario:
     BadScenario
         It is none.
     """
-    root, data = _load(text, where)
+    try:
+        root, data = read_yaml(text)
+    except BadYaml as error:
+        raise BadScenario([ScenarioProblem(error.at(where), "", "", str(error))]) from None
     if not isinstance(data, dict):
         problem = "this is no scenario; give a mapping with name, world and goals"
         raise BadScenario([ScenarioProblem(where, "", "", problem)])
@@ -159,46 +162,6 @@ def scenario_text(scenario: Scenario) -> str:
     return text
 
 
-def _load(text: str, where: str) -> tuple[Node | None, Any]:
-    try:
-        loader = yaml.SafeLoader(text)
-        try:
-            root = loader.get_single_node()
-            if root is None:
-                return None, None
-            for key in _doubles(root):
-                problem = f"'{key.value}' is given twice; keep one"
-                raise BadScenario([ScenarioProblem(_at(where, key), "", "", problem)])
-            return root, loader.construct_document(root)
-        finally:
-            loader.dispose()
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        place = f"{where}:{mark.line + 1}" if mark else where
-        problem = f"{error.problem or error}; correct it"
-        raise BadScenario([ScenarioProblem(place, "", "", problem)]) from None
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        if isinstance(error, BadScenario):
-            raise
-        problem = f"{' '.join(str(error).split())}; correct it"
-        raise BadScenario([ScenarioProblem(where, "", "", problem)]) from None
-
-
-def _doubles(node: Node) -> Iterator[ScalarNode]:
-    """Keys that are given twice; the second would silently win."""
-    if isinstance(node, MappingNode):
-        seen: set[str] = set()
-        for key, value in node.value:
-            if isinstance(key, ScalarNode):
-                if key.value in seen:
-                    yield key
-                seen.add(key.value)
-            yield from _doubles(value)
-    elif isinstance(node, SequenceNode):
-        for item in node.value:
-            yield from _doubles(item)
-
-
 def _problems(where: str, root: Node | None, error: ValidationError) -> list[ScenarioProblem]:
     found = error.errors(include_url=False)
     # A list whose items are all wrong is called too short besides.
@@ -213,11 +176,11 @@ def _problem(where: str, root: Node | None, item: ErrorDetails) -> ScenarioProbl
     context = item.get("ctx", {})
     if "field" in context:
         field = str(context["field"])
-        node = _node(root, tuple(field.replace("[", ".").replace("]", "").split(".")))
+        node = farthest(root, field.replace("[", ".").replace("]", "").split("."))
         value = _told(_plain(node))
     else:
         field = _field(steps)
-        node = _node(root, tuple(map(str, steps)))
+        node = farthest(root, map(str, steps))
         value = "" if kind == "missing" else _told(item["input"])
     if kind == "extra_forbidden":
         text = _unknown(steps)
@@ -261,23 +224,8 @@ def _plain(node: Node | None) -> Any:
     return None
 
 
-def _node(root: Node | None, steps: tuple[str, ...]) -> Node | None:
-    """The node at the end of a way, or the last that there is of it."""
-    at = root
-    for step in steps:
-        inner = None
-        if isinstance(at, MappingNode):
-            inner = next((pair[1] for pair in at.value if pair[0].value == step), None)
-        elif isinstance(at, SequenceNode) and step.isdigit() and int(step) < len(at.value):
-            inner = at.value[int(step)]
-        if inner is None:
-            return at
-        at = inner
-    return at
-
-
 def _at(where: str, node: Node | None) -> str:
-    return where if node is None else f"{where}:{node.start_mark.line + 1}"
+    return where if node is None else f"{where}:{line_of(node)}"
 
 
 def _bad(path: Path, text: str) -> BadScenario:

@@ -20,7 +20,7 @@ from kompass.launch.gates import feeders_of, halting
 from kompass.launch.host import give_life
 from kompass.launch.processes import process_name
 from kompass.launch.stack import Monitored, Stack
-from kompass.launch.virtual_faults import VirtualFaults
+from kompass.launch.virtual_faults import SIMULATOR, VirtualFaults
 from kompass.launch.virtual_program import DEAF, Ears, Main, Program
 from kompass.monitor.monitor import Monitor
 from kompass.monitor.process import NAME as MONITOR
@@ -51,7 +51,21 @@ DYING = 0.01  # s that a process takes to be gone, and its supervisor to learn o
 CALLBACK = 0.0003  # s that a callback takes in rclpy, with all that is done around it
 TOLD = 0.0005  # s after which a process reads what the supervisor tells it
 LEARNED = 0.001  # s after which the supervisor knows that a signal holds a process
-SIMULATOR, MAP_SERVER = "simulator", "map_server"
+MAP_SERVER = "map_server"
+
+
+def process_names(stack: Stack) -> tuple[str, ...]:
+    """What the processes of a stack in virtual time, and the nodes in them, are called.
+
+    Without the simulator, which is no part of the robot: it is the world that it drives in.
+    """
+    names = {MAP_SERVER, *(one.node_name for one in stack.components)}
+    names |= {process_name(group) for group in stack.groups}
+    if stack.monitored is not None:
+        names.add(MONITOR)
+    if halting(stack.components) is not None:
+        names.add(HALT_NODE)
+    return tuple(sorted(names))
 
 
 class VirtualStack:

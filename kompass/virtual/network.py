@@ -7,7 +7,7 @@ subscriptions, a service two of each, and an action is made of services and topi
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
@@ -116,10 +116,17 @@ class Endpoint:
 
 
 class Writer(Endpoint):
-    """Sends to the readers that it is matched with."""
+    """Sends to the readers that it is matched with.
+
+    Attributes
+    ----------
+    alter
+        What becomes of all that is sent; None for nothing.
+    """
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
+        self.alter: Callable[[Any], Any] | None = None
         self._kept: deque[Any] = deque(maxlen=self.qos.depth)
         self._keeps = self.qos.latched
         self.network.add(self)
@@ -128,6 +135,8 @@ class Writer(Endpoint):
         """Send to all."""
         if self.closed:
             return
+        if self.alter is not None:
+            data = self.alter(data)
         if self.network.ear is not None and self.kind == "topic":
             self.network.ear(self, data)
         if self._keeps:
@@ -380,6 +389,15 @@ class Network:
             self.scheduler.call_later(self.lease, run_out)
         else:
             run_out()
+
+    def writers_of(self, owner: Owner, nodes: Container[str]) -> list[Writer]:
+        """What some nodes of a process publish topics with."""
+        return [
+            each
+            for (kind, _), writers in self._writers.items()
+            for each in writers
+            if kind == "topic" and each.owner is owner and each.node.name in nodes
+        ]
 
     # -- what can be asked --------------------------------------------------------------------
 

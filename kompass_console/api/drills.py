@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from kompass.drills.draw import expand_faults
 from kompass.drills.report_html import report_html
 from kompass.rules.schema.table import Table
-from kompass.simulation.faults.fault_names import FAULTS, UnknownFault
+from kompass.simulation.faults.fault_names import FAULTS, MACHINE_FAULTS, UnknownFault
 from kompass.simulation.worlds.registry import world, world_names
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
 from kompass_console.api.monitor import asked, body_of, read_table, refusal, sentence
@@ -52,7 +52,10 @@ def drill_room(_: LoggedIn, console: CurrentConsole) -> DrillRoom:
         recipe=console.drills.recipe,
         own_world=console.drills.own_world,
         worlds=[DrillWorld(name=name, title=world(name).title) for name in world_names()],
-        faults=[DrillFault(name=name.partition(":")[0], text=FAULTS[name]) for name in FAULTS],
+        faults=[
+            DrillFault(name=name.partition(":")[0], text=text)
+            for name, text in (FAULTS | MACHINE_FAULTS).items()
+        ],
         most_drives=MOST_DRIVES,
         newest=console.drills.newest,
     )
@@ -168,7 +171,7 @@ def _unknown_name(options: DrillOptions) -> ConsoleError | None:
         known = ", ".join(world_names())
         return ConsoleError(422, f"There is no world {options.world!r}.", f"Choose one of {known}.")
     try:
-        expand_faults(options.faults)
+        expand_faults(options.faults, ())  # whose they are, only the recipe knows
     except UnknownFault as error:
         return ConsoleError(422, sentence(str(error)), "Choose other faults.")
     return None

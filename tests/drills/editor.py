@@ -182,6 +182,11 @@ class Editor:
         if answer.outcome == ApplyRules.Request.FAILED:
             self._found.append(f"a rollback failed: {answer.message}")
 
+    @property
+    def is_told(self) -> bool:
+        """Whether the monitor has said what is in force, if it was started again."""
+        return not self._came_back
+
     def finish(self) -> None:
         """The drive is over, and the monitor was started once more."""
         if self._came_back:

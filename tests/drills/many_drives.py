@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
+import signal
 import sys
 import time
+from collections import Counter
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass, field
 from multiprocessing import get_context
 
 from kompass.drills.runner.worker import ENVIRONMENT
 
 NICENESS = 10
-PRELOADED = ["tests.drills.random_drives"]
+# What takes time to import: our own, and what rclpy needs when a type of message is first used.
+PRELOADED = ["tests.drills.random_drives", "rosidl_generator_py", "rosidl_parser.parser"]
+PROGRESS = 10.0  # s between two lines of it
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,8 @@ class Driven:
 def make(seeds: Iterable[int], jobs: int, until: float = float("inf")) -> Iterator[Driven]:
     """Make the drives of some seeds, as they end.
 
+    Each has a process of its own, forked from one that has imported all that they need.
+
     Parameters
     ----------
     until
@@ -47,20 +54,23 @@ def make(seeds: Iterable[int], jobs: int, until: float = float("inf")) -> Iterat
     context.set_forkserver_preload(PRELOADED)
     waiting = iter(seeds)
     with ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=1) as pool:
-        under_way = {}
+        under_way: dict[Future[Driven], int] = {}
 
         def begin() -> None:
-            seed = next(waiting, None)
-            if seed is not None and time.monotonic() < until:
+            seed = next(waiting, None) if time.monotonic() < until else None
+            if seed is not None:
                 under_way[pool.submit(_make, seed, False)] = seed
 
         for _ in range(2 * jobs):
             begin()
-        while under_way:
-            done = next(as_completed(list(under_way)))
-            under_way.pop(done)
-            yield done.result()
-            begin()
+        try:
+            while under_way:
+                for done in wait(under_way, return_when=FIRST_COMPLETED).done:
+                    under_way.pop(done)
+                    begin()
+                    yield done.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 def _make(seed: int, loud: bool) -> Driven:
@@ -85,43 +95,109 @@ def _say(text: str) -> None:
 
 def again(seed: int) -> str:
     """The command that makes one drive again."""
-    return f"scripts/drills 1 --seed {seed} --log"
+    return f"scripts/drills 1 --from {seed} --log"
+
+
+@dataclass
+class Tally:
+    """How far a series of drives is, and what did not hold in it.
+
+    Attributes
+    ----------
+    first, count
+        The series.
+    """
+
+    first: int
+    count: int
+    done: set[int] = field(default_factory=set)
+    bad: dict[int, tuple[str, ...]] = field(default_factory=dict)
+
+    def take(self, driven: Driven) -> None:
+        """Add a drive that has ended."""
+        self.done.add(driven.seed)
+        if driven.findings:
+            self.bad[driven.seed] = driven.findings
+
+    @property
+    def next(self) -> int:
+        """The first of the series that has not ended."""
+        return next(
+            seed for seed in range(self.first, self.first + self.count + 1) if seed not in self.done
+        )
+
+    def progress(self, seconds: float) -> str:
+        """In a line."""
+        done = len(self.done)
+        left = seconds / done * (self.count - done) if done else 0.0
+        return f"{done} of {self.count} drives, {len(self.bad)} bad, {_minutes(left)} left"
+
+    def summary(self, seconds: float) -> Iterator[str]:
+        """In some lines: what did not hold, how often, and how to go on."""
+        done = len(self.done)
+        yield f"{done} drives in {_minutes(seconds)}: something did not hold in {len(self.bad)}"
+        kinds = Counter(kind for found in self.bad.values() for kind in {_kind(f) for f in found})
+        for kind, times in kinds.most_common():
+            seed = next(s for s, found in self.bad.items() if kind in map(_kind, found))
+            yield f"  {times} times: {kind} (first: {again(seed)})"
+        if done < self.count:
+            rest = self.first + self.count - self.next
+            yield f"  go on with: scripts/drills {rest} --from {self.next}"
+
+
+def _kind(finding: str) -> str:
+    """A finding without what differs from drive to drive: its first line without numbers."""
+    first = finding.partition("\n")[0]
+    name, of, _ = first.partition(" at ")
+    return name if of and name.isidentifier() else re.sub(r"-?\d[\d.]*(e-\d+)?", "#", first)[:100]
+
+
+def _minutes(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
 
 
 def run(arguments: list[str]) -> int:
-    """The command line; 1 where something did not hold."""
+    """The command line; 1 where something did not hold, 130 where it was interrupted."""
     parser = argparse.ArgumentParser(
         prog="scripts/drills",
         description="Drive our own stack through random faults and edits, in virtual time.",
+        epilog="Exit codes: 0 all held, 1 something did not, 130 interrupted.",
     )
     parser.add_argument("count", nargs="?", type=int, default=300, help="how many drives (300)")
-    parser.add_argument("--seed", type=int, default=0, help="of the first; the others follow")
+    parser.add_argument("--from", dest="first", type=int, default=0, help="seed of the first (0)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at a time")
     parser.add_argument("--seconds", type=float, default=float("inf"), help="begin none after")
     parser.add_argument("--log", action="store_true", help="print all that the nodes write")
     given = parser.parse_args(arguments)
-    seeds = range(given.seed, given.seed + given.count)
-    began, bad, count = time.monotonic(), 0, 0
+    if given.count < 1 or given.first < 0 or given.jobs < 1:
+        parser.error("give a count and --jobs of 1 or more, and --from 0 or more")
+    seeds = range(given.first, given.first + given.count)
+    began = time.monotonic()
+    told, tally = began, Tally(given.first, given.count)
     drives = (
         make(seeds, given.jobs, began + given.seconds)
         if not given.log
         else (_loud(seed) for seed in seeds)
     )
-    for driven in drives:
-        count += 1
-        if count % 50 == 0:
-            _say(f"{count} drives, {bad} bad")
-        if given.log:
-            _say(driven.drive)
-        if driven.findings:
-            bad += 1
-            _say(driven.drive)
+    interrupted = False
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # its processes end with it, too
+    try:
+        for driven in drives:
+            tally.take(driven)
+            if given.log or driven.findings:
+                _say(driven.drive)
             for finding in driven.findings:
                 _say(f"  {finding}")
-            _say(f"  again: {again(driven.seed)}")
-    took = time.monotonic() - began
-    _say(f"{count} drives in {took:.0f} s: something did not hold in {bad}")
-    return 1 if bad else 0
+            if driven.findings:
+                _say(f"  again: {again(driven.seed)}")
+            if time.monotonic() - told > PROGRESS:
+                told = time.monotonic()
+                _say(tally.progress(told - began))
+    except KeyboardInterrupt:
+        interrupted = True
+    for line in tally.summary(time.monotonic() - began):
+        _say(line)
+    return 130 if interrupted else 1 if tally.bad else 0
 
 
 def _loud(seed: int) -> Driven:

@@ -62,9 +62,7 @@ class Probes:
     def findings(self, facts: list[Fact], scenario: Scenario) -> list[str]:
         """Where a hold or a cooldown was not kept, by a monitor that lived and was not held."""
         found: list[str] = []
-        away = [
-            fault.at for fault in scenario.faults if fault.name in ("kill:monitor", "stop:monitor")
-        ]
+        away = [fault.at for fault in scenario.faults if fault.name.endswith(":monitor")]
         away += [
             fact.at
             for fact in facts

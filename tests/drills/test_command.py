@@ -81,6 +81,11 @@ def test_a_table_is_compared_with_another_drive_by_drive(tmp_path: Path) -> None
     [
         (["nowhere.py"], "there is no recipe nowhere.py"),
         ([GUARDED, "--faults", "flood"], "--faults: there is no fault 'flood'"),
+        (
+            [GUARDED, "--faults", "kill:plannr"],
+            "'plannr'; did you mean 'planner'?",
+        ),
+        ([GUARDED, "--faults", "hang:simulator"], "no process or node 'simulator'"),
         ([GUARDED, "--worlds", "mars"], "--worlds: world is 'mars', which does not exist"),
         ([GUARDED, "--rules", "none.json"], "--rules none.json: there is no such file"),
         ([GUARDED, "--require", "speed > 1"], "--require: "),
@@ -95,6 +100,23 @@ def test_what_is_wrong_is_told_before_anything_drives(
     assert done.returncode == 2
     (line,) = done.stderr.splitlines()
     assert said in line
+
+
+def test_a_scenario_of_a_process_that_the_recipe_does_not_have_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "one.yaml"
+    file.write_text(SCENARIO.replace("kill:mapper", "kill:maper"), encoding="utf-8")
+    done = drill(GUARDED, "--scenarios", file)
+    assert done.returncode == 2
+    assert "scenario mapper: fault 'kill:maper': the recipe has no process" in done.stderr
+
+
+def test_a_fault_that_did_not_begin_is_told(tmp_path: Path) -> None:
+    file = tmp_path / "one.yaml"
+    both = '{name: "kill:mapper", at: 6.0}, {name: "stop:mapper", at: 6.02}'
+    file.write_text(SCENARIO.replace('{name: "kill:mapper", at: 6.0}', both), encoding="utf-8")
+    done = drill(GUARDED, "--scenarios", file)
+    assert done.returncode == 0, done.stderr
+    assert "mapper: stop:mapper did not begin at 6.05 s: mapper is dead" in done.stdout
 
 
 def test_a_recipe_that_cannot_be_drilled_says_why(tmp_path: Path) -> None:

@@ -11,17 +11,19 @@ import numpy as np
 import pytest
 
 from kompass.algorithms.planning.planner import GlobalPlanner
-from kompass.drills.draw import DrawOptions, draw, expand_faults
+from kompass.drills.draw import DrawOptions, check_targets, draw, expand_faults
 from kompass.drills.scenario_file import parse_scenario, scenario_text
 from kompass.simulation.faults.fault_names import FAULTS, UnknownFault
 from kompass.simulation.worlds.rasterize import rasterize
 from kompass.simulation.worlds.registry import world, world_names
 
-ALL = DrawOptions(faults=expand_faults(["all"]))
-PROGRAM = """
+NODES = ("planner", "controller", "mapper", "drive_manager")
+ALL = DrawOptions(faults=expand_faults(["all"], NODES))
+PROGRAM = f"""
 from kompass.drills.draw import DrawOptions, draw, expand_faults
 from kompass.drills.scenario_file import scenario_text
-options = DrawOptions(faults=expand_faults(["all"]), faults_per_drive=2, goals=2, lasting=0.3)
+faults = expand_faults(["all"], {NODES})
+options = DrawOptions(faults=faults, faults_per_drive=2, goals=2, lasting=0.3)
 print("".join(scenario_text(draw(5, number, options)) for number in range(8)), end="")
 """
 
@@ -94,6 +96,8 @@ def test_the_robot_can_get_to_every_goal_and_a_fault_begins_on_the_way(
         if fault.name == "map_withheld":
             assert fault.at == 0.0
             assert ends > 2.0, "the map is still missing when the first plan is asked for"
+        elif fault.name.startswith("wrong:"):
+            assert fault.at < ways[0][0] < ends, "who answers once is asked while he is wrong"
         else:
             assert any(first < fault.at < last for first, last in ways)
         assert scenario.limit > ends + 30.0, "time is left to recover in"
@@ -142,16 +146,20 @@ def test_drives_without_faults_can_be_drawn() -> None:
 
 
 def test_all_faults_are_written_out_for_each_process() -> None:
-    everything = expand_faults(["all"], {"NAME": ["planner", "own"]})
+    everything = expand_faults(["all"], ["planner", "own"])
     plain = [name for name in FAULTS if ":" not in name]
     assert set(plain) <= set(everything)
     assert {"kill:planner", "kill:own", "stop:planner", "stop:own"} <= set(everything)
-    some = expand_faults(["kill", "kill:own", "way_blocked"], {"NAME": ["own"]})
+    some = expand_faults(["kill", "kill:own", "way_blocked"], ["own"])
     assert some == ("kill:own", "way_blocked")
-    both = expand_faults(["stop", "kill"], {"NAME": ["own"], "kill": ["planner"]})
-    assert both == ("stop:own", "kill:planner")
     with pytest.raises(UnknownFault, match="did you mean 'way_blocked'"):
-        expand_faults(["way_bloked"])
+        expand_faults(["way_bloked"], ())
+
+
+def test_a_fault_of_a_process_that_the_recipe_does_not_have_is_refused() -> None:
+    check_targets(["kill:planner", "hang:monitor", "scan_late:0.3"], ["planner", "monitor"])
+    with pytest.raises(UnknownFault, match="no process or node 'plannr'; did you mean 'planner'"):
+        check_targets(["wrong:plannr"], ["planner", "monitor"])
 
 
 def test_what_cannot_be_drawn_is_refused() -> None:

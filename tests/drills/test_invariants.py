@@ -11,6 +11,7 @@ from kompass.drills.facts import (
     Contact,
     DriveEnded,
     Fact,
+    FaultBegan,
     GoalEnded,
     Motion,
     ProcessEnded,
@@ -64,6 +65,9 @@ TURNS = Motion(10.0, 1.2, 1.0, 0.0, 0.0, -0.1)
         ("stands_when_blind", [*AT_REST, WentBlind(9.2, "scan", 0.2), CREEPS]),
         ("touches_nothing_blind",
          [*AT_REST, WentBlind(9.7, "scan"), CREEPS, Contact(10.1, "wall")]),
+        ("touches_nothing_blind",  # it stood there before the robot went blind
+         [*AT_REST, FaultBegan(9.6, "boxed_in"), WentBlind(9.7, "scan"), CREEPS,
+          Contact(10.1, "wall")]),
     ],
 )  # fmt: skip
 def test_what_breaks_an_invariant_is_found(invariant: str, facts: list[Fact]) -> None:
@@ -93,6 +97,8 @@ def test_what_breaks_an_invariant_is_found(invariant: str, facts: list[Fact]) ->
         [*AT_REST, WentBlind(5.0, "scan"), SeesAgain(9.0, "scan"), CREEPS],
         [*AT_REST, WentBlind(5.0, "scan"), SeesAgain(10.0, "scan"), CREEPS],
         [*AT_REST, Contact(5.0, "wall")],
+        [*AT_REST, WentBlind(9.7, "scan"), FaultBegan(9.72, "boxed_in"), CREEPS,
+         Contact(10.1, "wall")],
         [*AT_REST, WentBlind(9.4, "scan", 0.2), CREEPS],
         [*AT_REST, WentBlind(4.0, "scan"), Contact(5.0, "a person")],
         [*AT_REST, RuleFired(9.0, "a", 1), ProcessEnded(12.0, "monitor", ())],

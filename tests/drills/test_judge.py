@@ -19,6 +19,7 @@ from kompass.drills.facts import (
     Fact,
     FaultBegan,
     FaultEnded,
+    FaultFailed,
     GoalEnded,
     GoalSent,
     Motion,
@@ -348,3 +349,12 @@ def test_every_drive_has_one_outcome_that_fits_its_numbers(facts: list[Fact]) ->
     for before, after in zip(found.unwell, found.unwell[1:], strict=False):
         assert before.begin < before.end < after.begin
     assert DriveResult.model_validate_json(found.model_dump_json()) == found
+
+
+def test_a_fault_that_could_not_be_switched_on_is_told_and_disturbed_nothing() -> None:
+    made = scenario(faults=[("person_ahead", 5.0, 3.0)])
+    result = judge(made, [*arriving(), FaultFailed(5.0, "person_ahead", "there is no room")])
+    (refused,) = result.refused
+    assert (refused.name, refused.at, refused.reason) == ("person_ahead", 5.0, "there is no room")
+    assert (result.faults, result.disturbed) == ((), False)
+    assert "person_ahead did not begin: there is no room" in [one.text for one in result.moments]

@@ -22,6 +22,7 @@ from tests.support.patience import patient
 pytestmark = pytest.mark.ros
 
 RECIPE = Path(__file__).parents[2] / "recipes" / "03_events_and_actions.py"
+NODES = ("planner", "controller", "mapper", "drive_manager")
 AT, BOXED_IN, KILLED = 6.0, 8.0, 11.0  # s
 LATER = {"boxed_in": BOXED_IN, "kill:drive_manager": KILLED}
 STOP = OperatorAct(at=9.0, does="stop", by="ava", reason="a child on the floor")
@@ -156,11 +157,11 @@ def test_a_full_disk_takes_nothing_and_has_room_again_when_the_fault_ends(tmp_pa
 
 
 def test_all_faults_of_a_drill_are_those_of_the_robot_and_of_the_machine() -> None:
-    kinds = {name.partition(":")[0] for name in expand_faults(["all"])}
+    kinds = {name.partition(":")[0] for name in expand_faults(["all"], NODES)}
 
     assert {name.partition(":")[0] for name in MACHINE_FAULTS} <= kinds
     assert {"hang:planner", "starve:drive_manager", "network_late:0.1"} <= set(
-        expand_faults(["all"])
+        expand_faults(["all"], NODES)
     )
 
 
@@ -174,6 +175,6 @@ def test_the_robot_in_real_time_refuses_them_and_says_who_has_them() -> None:
 
 def test_an_amount_that_makes_no_sense_is_refused() -> None:
     with pytest.raises(UnknownFault, match=r"network_loss:1.5.*up to 1"):
-        expand_faults(["network_loss:1.5"])
+        expand_faults(["network_loss:1.5"], NODES)
     with pytest.raises(UnknownFault, match="needs DELAY"):
-        expand_faults(["network_late:"])
+        expand_faults(["network_late:"], NODES)

@@ -14,12 +14,16 @@ from tests.drills.test_runner import drive
 
 BUDGET = 60.0  # s
 MOST = 300
-# Drives that once went wrong, and what they found.
+# Drives that went wrong, and what they found; most of them in a product that was broken for it.
+# What is drawn in another way, from the same seed, finds something else.
 FOUND = {
-    2: "no edit was taken: whoever signs it had no key",
-    5: "drove on for 0.6 s without a scan",
-    12: "drove on for 0.6 s without odometry",
-    16: "drove on for 0.6 s without a scan",
+    1: "a goal was never answered, nor was it told what came of a rule",
+    2: "another revision was in force after the monitor's death; a swap forgot holds and cooldowns",
+    4: "a goal was sent to a planner that was dead",
+    6: "the robot moved after STOP",
+    10: "a fault of a process that was only just starting ended the simulator",
+    12: "the robot drove on for 0.6 s without a scan",
+    16: "the journal never said what came of the runs of a monitor that died",
 }
 POINT_NAVIGATION = RECIPES / "01_point_navigation.py"
 
@@ -30,17 +34,16 @@ def drills(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", FOUND)
-def test_what_must_hold_does_in_a_drive_that_once_went_wrong(seed: int) -> None:
-    done = drills("1", "--seed", str(seed))
-    assert done.returncode == 0, f"{FOUND[seed]}: {done.stdout}{done.stderr}"
+def test_what_must_hold_does_in_drives_that_once_went_wrong() -> None:
+    done = drills(str(max(FOUND) + 1), "--from", "0")
+    assert done.returncode == 0, f"{FOUND}: {done.stdout}{done.stderr}"
 
 
 @pytest.mark.slow
 def test_what_must_hold_does_in_as_many_random_drives_as_a_minute_has() -> None:
     # Other drives each day, and the same ones for all of it: a failure names its seed.
     first = 1000 * int(time.strftime("%Y%m%d"))
-    done = drills(str(MOST), "--seed", str(first), "--seconds", str(BUDGET))
+    done = drills(str(MOST), "--from", str(first), "--seconds", str(BUDGET))
     assert done.returncode == 0, f"{done.stdout}{done.stderr}"
 
 

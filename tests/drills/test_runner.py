@@ -7,12 +7,26 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from kompass.drills.facts import Motion, ProcessEnded, ProcessStarted, RuleFired
+from kompass.drills.facts import (
+    Motion,
+    ProcessEnded,
+    ProcessStarted,
+    RuleFired,
+    Status,
+    StopPressed,
+    in_order,
+)
+from kompass.drills.runner.observer import Observer
 from kompass.drills.runner.operator import NoPlanner
 from kompass.drills.runner.run import Observed, run_drive
 from kompass.drills.runner.worker import stack_of
 from kompass.drills.scenario import Goal, OperatorAct, Scenario, ScheduledFault, Start
 from kompass.rules.schema.table import Table
+from kompass.supervisor.news import ProcessNews
+from kompass.virtual.executor import VirtualExecutor
+from kompass.virtual.node import VirtualNode
+from kompass.virtual.process import World
+from kompass.virtual.scheduler import SECOND
 
 RECIPES = Path(__file__).parents[2] / "recipes"
 GUARDED = RECIPES / "03_events_and_actions.py"
@@ -116,6 +130,62 @@ def test_the_table_that_is_given_is_in_force_instead_of_the_recipes() -> None:
     none = drive(scenario(blocked), table=Table(rules=()))
     assert any(isinstance(fact, RuleFired) for fact in own.facts)
     assert not any(isinstance(fact, RuleFired) for fact in none.facts)
+
+
+def test_what_fires_while_the_stack_settles_counts_as_of_the_beginning() -> None:
+    heard = {"kind": "received", "signal": {"topic": "scan", "type": "sensor_msgs/msg/LaserScan"}}
+    rule = {
+        "id": "at-once",
+        "event": {"condition": heard, "cooldown": 3600.0},
+        "actions": [{"kind": "log", "text": "!"}],
+    }
+    result = drive(scenario(limit=3.0), table=Table.model_validate({"rules": [rule]})).result
+    (firing,) = result.firings
+    assert (firing.rule_id, firing.at, firing.ok) == ("at-once", 0.0, True)
+
+
+def test_what_was_seen_before_the_beginning_counts_as_of_then_in_its_order() -> None:
+    with World(1) as world:
+        node = VirtualNode(world.process("people"), "people")
+        executor = VirtualExecutor(node.process)
+        executor.add_node(node)
+        observer = Observer(node, ["mapper"])
+        observer.note(Status, "mapper", 1, "coming up")
+        observer.on_news(ProcessNews("mapper", ["mapper"], "dead", reason="killed"))
+        observer.note(StopPressed, "rule x")
+        observer.on_news(ProcessNews("mapper", ["mapper"], "active"))
+        observer.note(Status, "mapper", 0)
+        world.scheduler.run_for(SECOND)
+        observer.begin()
+    assert all(fact.at < 0.001 for fact in observer.facts)
+    kinds = [type(fact) for fact in in_order(observer.facts)]
+    assert kinds == [ProcessEnded, StopPressed, ProcessStarted, Status]
+
+
+def test_a_goal_that_is_due_while_the_planner_is_dead_is_sent_when_it_is_back() -> None:
+    faults = (ScheduledFault(name="kill:planner", at=1.9),)
+    goals = (Goal(x=0.7, y=-0.5, at=2.0),)
+    observed = drive(scenario(*faults, goals=goals, limit=60.0))
+    (back,) = (fact.at for fact in observed.facts if isinstance(fact, ProcessStarted))
+    (goal,) = observed.result.goals
+    assert back <= goal.sent < back + 2.0
+    assert goal.outcome == "arrived"
+
+
+def test_a_fault_that_is_refused_is_told_with_the_reason() -> None:
+    faults = (
+        ScheduledFault(name="kill:mapper", at=1.0),
+        ScheduledFault(name="stop:mapper", at=1.05),
+        ScheduledFault(name="hang:mapper", at=1.25),
+        ScheduledFault(name="wrong:monitor", at=1.0),
+    )
+    result = drive(scenario(*faults, limit=4.0)).result
+    assert [fault.name for fault in result.faults] == ["kill:mapper"]
+    assert result.broken == ()
+    reasons = {fault.name: fault.reason for fault in result.refused}
+    assert reasons["stop:mapper"].startswith("mapper is dead, and cannot be stopped")
+    assert reasons["hang:mapper"].startswith("mapper is starting, and cannot be hung up")
+    assert reasons["wrong:monitor"].startswith("monitor says nothing that others drive by")
 
 
 def test_every_recipe_drives() -> None:

@@ -44,7 +44,7 @@ operators:
 limit: 180
 """
 
-FAULTS = expand_faults(["all"])
+FAULTS = expand_faults(["all"], ("planner", "controller", "mapper", "drive_manager"))
 NAMES = st.text(st.characters(codec="utf-8"), min_size=1, max_size=20).filter(
     lambda text: text.isprintable() and text == text.strip() and bool(text)
 )

@@ -22,8 +22,7 @@ from kompass.simulation.faults.robot_faults import RobotFaults
 from kompass.simulation.physics.parts import NoReading
 from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.registry import world
-
-PERIOD = 0.02
+from tests.simulation.hall import PERIOD, drive
 
 
 @pytest.fixture
@@ -34,12 +33,6 @@ def robot() -> SimulatedRobot:
 @pytest.fixture
 def faults(robot: SimulatedRobot) -> RobotFaults:
     return RobotFaults(robot)
-
-
-def drive(robot: SimulatedRobot, seconds: float, v: float = 0.2, omega: float = 0.0) -> None:
-    for _ in range(round(seconds / PERIOD)):
-        robot.command(v, omega)
-        robot.step(PERIOD)
 
 
 def test_an_unplugged_lidar_says_nothing_until_it_is_plugged_in_again(

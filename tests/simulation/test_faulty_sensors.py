@@ -13,15 +13,8 @@ from kompass.simulation.sensors.lidar import RANGE_MAX, RANGE_MIN
 from kompass.simulation.worlds.registry import world
 from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
+from tests.simulation.hall import HALL, PERIOD, drive
 
-PERIOD = 0.02
-HALL = World(
-    name="hall",
-    title="An empty hall",
-    floor=((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)),
-    start=(0.0, 0.0, 0.0),
-    obstacles=(),
-)
 # A slab ahead, turned by 45 degrees: what it throws back comes from the left.
 CORNER = World(
     name="corner",
@@ -30,12 +23,6 @@ CORNER = World(
     start=(0.0, 0.0, 0.0),
     obstacles=(Box("slab", (1.0, 0.0), (0.6, 0.02), yaw=-math.pi / 4),),
 )
-
-
-def drive(robot: SimulatedRobot, seconds: float, v: float = 0.2, omega: float = 0.0) -> None:
-    for _ in range(round(seconds / PERIOD)):
-        robot.command(v, omega)
-        robot.step(PERIOD)
 
 
 def odometry_error(robot: SimulatedRobot) -> tuple[float, float]:

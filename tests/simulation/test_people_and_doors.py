@@ -14,15 +14,8 @@ from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.registry import world, world_names
 from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
+from tests.simulation.hall import HALL, PERIOD, drive
 
-PERIOD = 0.02
-HALL = World(
-    name="hall",
-    title="An empty hall",
-    floor=((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)),
-    start=(0.0, 0.0, 0.0),
-    obstacles=(),
-)
 CLOSET = World(
     name="closet",
     title="No room for a second one",
@@ -31,12 +24,6 @@ CLOSET = World(
     obstacles=(),
 )
 SEEDS = range(6)
-
-
-def drive(robot: SimulatedRobot, seconds: float, v: float = 0.2) -> None:
-    for _ in range(round(seconds / PERIOD)):
-        robot.command(v, 0.0)
-        robot.step(PERIOD)
 
 
 def bearings(robot: SimulatedRobot) -> list[int]:

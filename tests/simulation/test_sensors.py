@@ -15,15 +15,7 @@ from kompass.simulation.sensors.wheel_odometry import WheelOdometry
 from kompass.simulation.worlds.registry import world, world_names
 from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
-
-PERIOD = 0.02
-HALL = World(
-    name="hall",
-    title="A hall wider than the lidar sees",
-    floor=((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)),
-    start=(0.0, 0.0, 0.0),
-    obstacles=(),
-)
+from tests.simulation.hall import HALL, PERIOD
 
 
 def ray_lengths(place: World, pose: tuple[float, float, float]) -> NDArray[np.float64]:

@@ -6,6 +6,7 @@ import json
 import math
 from collections import deque
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -43,6 +44,7 @@ from kompass.supervisor.news import ProcessNews
 
 PERIOD = 0.1  # s between two looks at the robot
 BLIND = 0.5  # s without a message of a sensor
+BEFORE = 1e-6  # s between two facts of before the beginning, which keeps their order
 PAUSES = 5  # between its last messages, by which its rhythm is told
 _ANY = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 _ALL = QoSProfile(depth=100)
@@ -67,13 +69,15 @@ class Observer:
     Attributes
     ----------
     facts
-        What was observed so far; times are seconds since :meth:`begin`.
+        What was observed so far; times are seconds since :meth:`begin`. What was seen before counts
+        as of then.
     place
         Where the robot truly is, x and y [m]; None before the drive.
     """
 
     def __init__(self, node: Node, components: Iterable[str]) -> None:
         self.facts: list[Fact] = []
+        self._before: list[Fact] = []
         self.place: tuple[float, float] | None = None
         self._node = node
         self._began: float | None = None
@@ -104,8 +108,21 @@ class Observer:
         node.create_timer(PERIOD, self._look)
 
     def begin(self) -> None:
-        """Let the drive begin: from now on, facts count."""
+        """Let the drive begin: what was seen before counts as of now, in its order.
+
+        Of what components said of themselves while they came up, the last word of each counts.
+        """
         self._began = self._node.clock.monotonic()
+        last = {seen.component: seen for seen in self._before if isinstance(seen, Status)}
+        told = [
+            seen
+            for seen in self._before
+            if not isinstance(seen, Status) or last[seen.component] is seen
+        ]
+        self.facts += [
+            replace(seen, at=round(BEFORE * place, 6)) for place, seen in enumerate(told)
+        ]
+        self._before.clear()
 
     @property
     def has_begun(self) -> bool:
@@ -119,8 +136,10 @@ class Observer:
         return round(self._node.clock.monotonic() - self._began, 6)
 
     def note(self, kind: type[Any], *values: Any, at: float | None = None, **more: Any) -> None:
-        """Write a fact down, at a time or now; nothing before the beginning."""
-        if self._began is not None:
+        """Write a fact down, at a time or now; see :meth:`begin` for those of before it."""
+        if self._began is None:
+            self._before.append(kind(0.0, *values, **more))
+        else:
             self.facts.append(kind(self.now if at is None else at, *values, **more))
 
     def on_news(self, news: ProcessNews) -> None:

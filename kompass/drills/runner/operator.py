@@ -18,7 +18,7 @@ from kompass.bus.node import ActionClient, Node, Publisher
 from kompass.components.base.component import Component
 from kompass.components.base.convert import quaternion_msg
 from kompass.components.planner.mission import FREE_HEADING
-from kompass.drills.facts import GOAL_OUTCOMES, FaultBegan, GoalEnded, GoalSent
+from kompass.drills.facts import GOAL_OUTCOMES, FaultBegan, FaultFailed, GoalEnded, GoalSent
 from kompass.drills.runner.goal_watch import GoalWatch
 from kompass.drills.runner.observer import Observer
 from kompass.drills.scenario import Goal, OperatorAct, Scenario, ScheduledFault
@@ -28,6 +28,7 @@ from kompass.store.robot_key import known_keys
 
 PERIOD = 0.05  # s between two looks at what is to be done
 PATIENCE = 5.0  # s for which a planner that does not take goals is waited for
+FOUND = 0.5  # s after which everybody has found a planner that was started again
 TOLERANCE = 0.1  # m, where a goal says nothing of it
 
 
@@ -71,6 +72,7 @@ class Operator:
         self._sent = 0
         self._near = (0.0, 0.0, 0.0)  # of the goal under way: x, y, tolerance [m]
         self._under_way: int | None = None
+        self._planner_from = 0.0  # monotonic time from which on it takes goals
         self._asked_since: float | None = None
         self._way = _way(components)
         self._client: ActionClient | None = None
@@ -81,6 +83,7 @@ class Operator:
                 self._ends = GoalWatch(node, f"/{self._way.action}")
         self._publishers: dict[str, tuple[type[Any], Publisher]] = {}
         self._fault_client = node.create_client(SetFault, SET_FAULT)
+        self._switched: dict[Any, ScheduledFault] = {}  # by the answers that are on their way
         gates = [one.node_name for one in components if one.stops_robot]
         self._stops = [node.create_client(StopRobot, f"{name}/stop") for name in gates]
         self._releases = [
@@ -105,7 +108,7 @@ class Operator:
         while self._faults and self._faults[0].at <= now:
             self._break(self._faults.pop(0))
         while self._acts and self._acts[0].at <= now:
-            self._act(self._acts.pop(0))
+            self.act(self._acts.pop(0))
         if self._goals:
             goal = self._goals[0]
             due = self._under_way is None if goal.at is None else goal.at <= now
@@ -134,6 +137,8 @@ class Operator:
 
     def _taker(self, goal: Goal, topic: str) -> Callable[[], None] | None:
         """What sends a goal; None as long as nobody takes it."""
+        if self._node.clock.monotonic() < self._planner_from and not goal.topic:
+            return None
         if topic:
             publisher = self._publisher(topic)
             if publisher is not None and publisher[1].get_subscription_count():
@@ -218,21 +223,43 @@ class Operator:
         outcome = "error" if unsaid else GOAL_OUTCOMES[result.outcome]
         self._end(number, outcome, result.message)
 
-    def planner_died(self) -> None:
-        """Nobody will ever say how the goal under way ended."""
-        if self._under_way is not None:
+    def planner_changed(self, state: str) -> None:
+        """Take what the supervisor tells of the planner's process.
+
+        Of one that has died nobody will ever say how the goal under way ended, and until it is back
+        and found no other is sent: DDS believes in the dead for a while.
+        """
+        if state == "dead":
+            self._planner_from = math.inf
+        elif state == "active" and self._planner_from == math.inf:
+            self._planner_from = self._node.clock.monotonic() + FOUND
+        if state == "dead" and self._under_way is not None:
             self._end(self._under_way, "error", "the planner's process died")
 
     # -- all else -----------------------------------------------------------------------------
 
     def _break(self, fault: ScheduledFault) -> None:
         request = SetFault.Request(fault=fault.name, on=True, duration=fault.duration)
-        # What goes on for a while is told by the simulator; what is over at once, by nobody.
-        if fault.name.startswith(AT_ONCE):
-            self._observer.note(FaultBegan, fault.name)
-        self._fault_client.call_async(request)
+        asked = self._fault_client.call_async(request)
+        self._switched[asked] = fault
+        asked.add_done_callback(partial(self._on_switched, fault, self._observer.now))
 
-    def _act(self, act: OperatorAct) -> None:
+    def _on_switched(self, fault: ScheduledFault, at: float, answered: Any) -> None:
+        del self._switched[answered]
+        answer = answered.result()
+        if not answer.success:
+            self._observer.note(FaultFailed, fault.name, answer.message, at=at)
+        # What goes on for a while is told by the simulator; what is over at once, by nobody.
+        elif fault.name.startswith(AT_ONCE):
+            self._observer.note(FaultBegan, fault.name, at=at)
+
+    def finish(self) -> None:
+        """The drive is over: what was not answered by now is not."""
+        for fault in self._switched.values():
+            self._observer.note(FaultFailed, fault.name, "the simulator did not answer")
+
+    def act(self, act: OperatorAct) -> None:
+        """Press STOP or release it, now."""
         if act.does == "stop":
             for client in self._stops:
                 client.call_async(StopRobot.Request(operator_name=act.by, reason=act.reason))

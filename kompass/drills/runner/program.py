@@ -18,7 +18,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
-from kompass.drills.draw import DrawOptions, draw, expand_faults
+from kompass.drills.draw import DrawOptions, draw
 from kompass.drills.drive import DriveResult
 from kompass.drills.report_json import Report, TableName, make_report
 from kompass.drills.runner.lifeline import end_with
@@ -134,9 +134,10 @@ def drill(order: DrillOrder, progress: Callable[[int, int], None]) -> Report:
     recipe = Path(order.recipe)
     looked = look_at(recipe, order.proposed)
     look_at(recipe, order.in_force)
-    faults = expand_faults(order.faults, {"NAME": looked.nodes})
     options = DrawOptions(
-        worlds=order.worlds, faults=faults, faults_per_drive=order.faults_per_drive
+        worlds=order.worlds,
+        faults=looked.faults(order.faults),
+        faults_per_drive=order.faults_per_drive,
     )
     scenarios = [draw(order.seed, number, options) for number in range(order.drives)]
     # Both tables of a scenario one after the other, so that both are as far at any time.

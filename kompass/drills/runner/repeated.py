@@ -33,8 +33,8 @@ def difference(scenario: str, first: Sequence[str], second: Sequence[str]) -> st
 
 
 def _time(fact: str) -> str:
-    found = re.search(r"at=([0-9.]+)", fact)
-    return found[1] if found else "?"
+    found = re.search(r"at=([0-9.e-]+)", fact)
+    return f"{round(float(found[1]), 6):g}" if found else "?"
 
 
 def _short(fact: str) -> str:

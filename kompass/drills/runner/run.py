@@ -114,8 +114,8 @@ def _drive(
 
     def on_news(news: ProcessNews) -> None:
         observer.on_news(news)
-        if planner in news.nodes and news.state == "dead":
-            operator.planner_died()
+        if planner in news.nodes:
+            operator.planner_changed(news.state)
 
     robot.on_news = on_news
     with closing(robot):
@@ -133,6 +133,7 @@ def _drive(
         left = min(AFTERWARDS, scenario.limit - observer.now)
         if left > 0.0:
             scheduler.run_for(nanoseconds(left))
+        operator.finish()
         observer.note(DriveEnded)
         if recorded is not None:
             recorded.finish()

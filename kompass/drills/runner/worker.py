@@ -7,7 +7,7 @@ import random
 import runpy
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from kompass.drills.draw import check_targets, expand_faults
 from kompass.drills.runner.lifeline import ASKS, end_with
 from kompass.drills.runner.repeated import difference
 from kompass.drills.scenario import Scenario
@@ -228,6 +229,19 @@ class Looked:
     table: str  # of the recipe, as JSON
     planner: str
     nodes: tuple[str, ...]  # of its components
+    targets: tuple[str, ...]  # processes and nodes that something can happen to
+
+    def faults(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Names of faults as after ``--faults``, written out for this recipe.
+
+        Raises
+        ------
+        UnknownFault
+            There is no such fault, or nobody of that name that it could strike.
+        """
+        found = expand_faults(names, self.nodes)
+        check_targets(found, self.targets)
+        return found
 
 
 def look_at(recipe: Path, table: Table | None = None) -> Looked:
@@ -247,6 +261,7 @@ def look_at(recipe: Path, table: Table | None = None) -> Looked:
 
 def _look(recipe: Path, table: Table | None) -> Looked:
     from kompass.drills.runner.operator import planner_node
+    from kompass.launch.virtual_stack import process_names
     from kompass.monitor.tables.recipe_check import check_recipe
 
     with tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder, _silence():
@@ -258,4 +273,6 @@ def _look(recipe: Path, table: Table | None) -> Looked:
         check_recipe(table, stack.monitored.catalog)
     own = stack.monitored.rules.table
     nodes = tuple(component.node_name for component in stack.components)
-    return Looked(own.model_dump_json(), planner_node(stack.components), nodes)
+    return Looked(
+        *(own.model_dump_json(), planner_node(stack.components), nodes), process_names(stack)
+    )

@@ -48,12 +48,16 @@ MACHINE_FAULTS = {
     "hang:NAME": "a callback of a process does not return; it does when the fault ends",
     "flicker:NAME": "a process is stopped (SIGSTOP) and let go on, again and again",
     "disk_full": "no file can be written; what is in one already stays",
+    "wrong:NAME": "a component answers wrongly: its paths, commands, maps or numbers are not right",
     "network_late:DELAY": "every message takes so many seconds longer",
     "network_loss:SHARE": "this share of the messages is lost, where nobody sends them again",
 }
 MAP_WITHHELD = "map_withheld"
 AT_ONCE = "kill:"  # nothing is left of it that could end
-TARGETED = ("stop", "kill")  # followed by the name of a process or of a node in it
+# Followed by the name of a process or of a node in it; the first two, a robot in real time has too.
+SIGNALLED = ("stop", "kill")
+WRONG = "wrong:"
+TARGETED = (*SIGNALLED, "starve", "hang", "flicker", "wrong")
 DOOR_CLOSED = "door_closed"
 _ALL = {**FAULTS, **MACHINE_FAULTS}
 _MACHINE_KINDS = {name.partition(":")[0] for name in MACHINE_FAULTS}

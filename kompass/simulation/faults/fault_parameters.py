@@ -123,6 +123,7 @@ PARAMETERS: dict[str, FaultParameter] = {
     "starve": Process(),
     "hang": Process(),
     "flicker": Process(),
+    "wrong": Process(),
     "network_late": Amount("seconds", 10.0, "0.1"),
     "network_loss": Amount("a share of the messages", 1.0, "0.3"),
 }

@@ -12,7 +12,7 @@ from kompass_interfaces.msg import ProcessState, StackState
 from kompass.bus.node import Node
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation.faults.fault_manager import FaultRefused, NotYet
-from kompass.simulation.faults.fault_names import TARGETED
+from kompass.simulation.faults.fault_names import SIGNALLED
 
 TOPIC = "monitor/stack_state"
 _GONE = ("dead", "given up")
@@ -37,7 +37,7 @@ class ProcessFaults:
         node.create_subscription(StackState, TOPIC, self._on_stack_state, LATCHED_PROFILE)
 
     def knows(self, name: str) -> bool:
-        return name.partition(":")[0] in TARGETED
+        return name.partition(":")[0] in SIGNALLED
 
     def begin(self, name: str) -> bool:
         kind, _, target = name.partition(":")

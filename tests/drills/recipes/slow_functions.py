@@ -5,27 +5,12 @@ import os
 import threading
 from time import monotonic, sleep
 
-import numpy as np
 from sugar.msg import ComponentStatus
 
 from kompass.actions import Action, LogInfo
 from kompass.components import Controller, DriveManager, LocalMapper, Planner, PlannerConfig
-from kompass.robot import (
-    AngularCtrlLimits,
-    LinearCtrlLimits,
-    RobotConfig,
-    RobotGeometry,
-    RobotType,
-)
 from kompass.ros import Event, Launcher, Topic
-
-my_robot = RobotConfig(
-    model_type=RobotType.DIFFERENTIAL_DRIVE,
-    geometry_type=RobotGeometry.Type.CYLINDER,
-    geometry_params=np.array([0.1, 0.3]),
-    ctrl_vx_limits=LinearCtrlLimits(max_vel=0.22, max_acc=1.5, max_decel=2.5),
-    ctrl_omega_limits=AngularCtrlLimits(max_vel=1.5, max_acc=3.0, max_decel=3.0),
-)
+from tests.support.turtlebot import turtlebot
 
 planner = Planner(component_name="planner", config=PlannerConfig(goals_from_topics=True))
 planner.run_type = "ActionServer"
@@ -75,5 +60,5 @@ launcher.kompass(
     multi_processing=True,
 )
 launcher.inputs(location=Topic(name="/odometry/filtered", msg_type="Odometry"))
-launcher.robot = my_robot
+launcher.robot = turtlebot()
 launcher.bringup()

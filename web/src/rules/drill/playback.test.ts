@@ -40,6 +40,7 @@ const drive = (more: Partial<Drive> = {}): Drive => ({
       recovered_after: 4,
     },
   ],
+  refused: [],
   firings: [],
   contacts: [],
   broken: [],

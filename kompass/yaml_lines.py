@@ -1,0 +1,103 @@
+"""YAML read strictly, with the lines on which things stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import yaml
+from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+
+class BadYaml(ValueError):
+    """It cannot be read; the message says why, and what to do.
+
+    Attributes
+    ----------
+    line
+        On which; None where that is not known.
+    """
+
+    def __init__(self, text: str, line: int | None = None) -> None:
+        super().__init__(text)
+        self.line = line
+
+    def at(self, where: str) -> str:
+        """The place, to stand before the message: a file, with its line if that is known."""
+        return where if self.line is None else f"{where}:{self.line}"
+
+
+def read_yaml(text: str) -> tuple[Node | None, Any]:
+    """A text as a tree of nodes with their lines, and as data; None for an empty one.
+
+    Raises
+    ------
+    BadYaml
+        It is no YAML, or a key is given twice: the second would silently win.
+    """
+    try:
+        loader = yaml.SafeLoader(text)
+        try:
+            root: Node | None = loader.get_single_node()
+            if root is None:
+                return None, None
+            for key in _doubles(root):
+                raise BadYaml(f"'{key.value}' is given twice; keep one", line_of(key))
+            return root, loader.construct_document(root)
+        finally:
+            loader.dispose()
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = mark.line + 1 if mark else None
+        raise BadYaml(f"{error.problem or error}; correct it", line) from None
+    except BadYaml:
+        raise
+    # What a scalar looks like and is not, as the date 2026-13-01, is a ValueError of Python's.
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise BadYaml(f"{' '.join(str(error).split())}; correct it") from None
+
+
+def child(node: Node | None, step: str) -> Node | None:
+    """What a mapping has under a key, or a list at an index; None for nothing."""
+    if isinstance(node, MappingNode):
+        return next((value for key, value in node.value if is_scalar(key, step)), None)
+    if isinstance(node, SequenceNode) and step.isdigit() and int(step) < len(node.value):
+        found: Node = node.value[int(step)]
+        return found
+    return None
+
+
+def farthest(node: Node | None, steps: Iterable[str]) -> Node | None:
+    """What stands at the end of a way, or the last that there is of it."""
+    for step in steps:
+        inner = child(node, step)
+        if inner is None:
+            break
+        node = inner
+    return node
+
+
+def is_scalar(node: Node | None, value: str) -> bool:
+    """Whether a value stands there, as it is written."""
+    return isinstance(node, ScalarNode) and node.value == value
+
+
+def line_of(node: Node) -> int:
+    """The line on which it begins, from 1."""
+    line: int = node.start_mark.line
+    return line + 1
+
+
+def _doubles(node: Node) -> Iterator[ScalarNode]:
+    """Keys that are given twice."""
+    if isinstance(node, MappingNode):
+        seen: set[str] = set()
+        for key, value in node.value:
+            if isinstance(key, ScalarNode):
+                if key.value in seen:
+                    yield key
+                seen.add(key.value)
+            yield from _doubles(value)
+    elif isinstance(node, SequenceNode):
+        for item in node.value:
+            yield from _doubles(item)

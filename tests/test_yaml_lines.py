@@ -1,0 +1,50 @@
+"""YAML is read strictly, and whatever is wrong has its line."""
+
+from pathlib import Path
+
+import pytest
+
+from kompass.yaml_lines import BadYaml, child, farthest, line_of, read_yaml
+from kompass_console.cli_error import CliError
+from kompass_console.rules_cli.table_file import TableFile
+
+TEXT = """\
+rules:
+  - id: first
+    event:
+      hold: 2.0
+"""
+
+
+def test_what_stands_somewhere_has_its_line_or_that_of_the_last_there_is_of_the_way() -> None:
+    root, data = read_yaml(TEXT)
+    assert data["rules"][0]["event"] == {"hold": 2.0}
+    hold = farthest(root, ["rules", "0", "event", "hold"])
+    assert hold is not None
+    assert line_of(hold) == 4
+    event = farthest(root, ["rules", "0", "event", "cooldown", "x"])
+    assert event is child(child(child(root, "rules"), "0"), "event")
+    assert child(root, "roles") is None
+    assert read_yaml("") == (None, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said"),
+    [
+        ("a: 1\nb: 2\na: 3\n", 3, "'a' is given twice; keep one"),
+        ("a: [1\n", 2, "expected ',' or ']'"),
+        ("a: 2026-13-01\n", None, "month must be in 1..12; correct it"),
+    ],
+)
+def test_what_cannot_be_read_is_said_with_its_line(text: str, line: int | None, said: str) -> None:
+    with pytest.raises(BadYaml) as caught:
+        read_yaml(text)
+    assert said in str(caught.value)
+    assert caught.value.line == line
+
+
+def test_a_table_with_a_date_that_is_none_is_refused_in_a_sentence(tmp_path: Path) -> None:
+    file = tmp_path / "rules.yaml"
+    file.write_text("rules: 2026-13-01\n", encoding="utf-8")
+    with pytest.raises(CliError, match=r"rules.yaml: month must be in 1\.\.12; correct it"):
+        TableFile(file)
