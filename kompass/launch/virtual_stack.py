@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,7 @@ from kompass.rules.schema.table import Table
 from kompass.share import map_path
 from kompass.simulation.faults.fault_manager import FaultRefused
 from kompass.simulation.faults.fault_names import FaultOrder
+from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 from kompass.simulation.simulator import Simulator
 from kompass.simulation.worlds.world import World as Place
 from kompass.store import RuleStore
@@ -51,6 +53,28 @@ LEARNED = 0.001  # s after which the supervisor knows that a signal holds a proc
 SIMULATOR, MAP_SERVER = "simulator", "map_server"
 
 
+@dataclass(frozen=True)
+class Embedded:
+    """The embedded robot, and what the stack is told of where it is.
+
+    Attributes
+    ----------
+    kind
+        Which robot.
+    map_file
+        To be served; None for the map that comes with the world.
+    has_map
+        False when the stack gets no map at all.
+    """
+
+    kind: RobotModel = TURTLEBOT3
+    map_file: Path | None = None
+    has_map: bool = True
+
+
+USUAL = Embedded()
+
+
 class VirtualStack:
     """Runs a stack and the embedded robot in one virtual world.
 
@@ -71,6 +95,8 @@ class VirtualStack:
         Where the rules are kept, so that they can be edited; None when nothing can be stored.
     recording
         Given to each monitor; None for none.
+    embedded
+        The robot, and its map.
     """
 
     def __init__(
@@ -84,8 +110,10 @@ class VirtualStack:
         orders: Sequence[FaultOrder] = (),
         folder: Path | None = None,
         recording: FlightRecording | None = None,
+        embedded: Embedded = USUAL,
     ) -> None:
         self._world, self._stack, self._place, self._seed = world, stack, place, seed
+        self._embedded = embedded
         self._table, self._orders, self._folder = table, orders, folder
         self._recording = recording
         # Before any process, as the launcher does: whoever is to sign requests finds it.
@@ -327,11 +355,13 @@ class VirtualStack:
     def _simulate(self, process: VirtualProcess) -> None:
         node = VirtualNode(process, SIMULATOR)
         executor = VirtualExecutor(process)
-        Simulator(node, self._place, self._seed, self._orders, self._faults)
+        Simulator(*(node, self._place, self._seed, self._orders, self._faults), self._embedded.kind)
         executor.add_node(node)
 
     def _serve_map(self, process: VirtualProcess) -> None:
-        config = MapServerConfig(map_file_path=str(map_path(self._place.name)))
+        given = self._embedded
+        file = str(given.map_file or map_path(self._place.name)) if given.has_map else None
+        config = MapServerConfig(map_file_path=file)
         server = MapServer(MAP_SERVER, config=config)
         self._alive(process, server, DesiredState({MAP_SERVER: True}))
 
