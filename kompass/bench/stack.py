@@ -56,7 +56,7 @@ def bring_up(robot: RobotModel, follower: str) -> None:
     follower
         Algorithm of the controller.
     """
-    planner = Planner(component_name="planner", config=PlannerConfig())
+    planner = Planner(component_name="planner", config=PlannerConfig(use_sensor=True))
     planner.run_type = "ActionServer"
     controller = Controller(component_name="controller")
     controller.algorithm = ControllersID(follower)
