@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kompass.algorithms.geometry import transform_points
 from kompass.algorithms.grid import FREE, OCCUPIED, Grid
@@ -33,7 +33,7 @@ scans = st.lists(
 )
 
 
-def look(model: WorldModel, ranges: object, pose: Pose = HERE, now: float = 0.0) -> Change:
+def look(model: WorldModel, ranges: ArrayLike, pose: Pose = HERE, now: float = 0.0) -> Change:
     return model.see(np.asarray(ranges, dtype=float), 0.0, STEP, 0.1, 5.0, pose, now)
 
 
@@ -43,7 +43,7 @@ def ends(ranges: NDArray[np.float64], pose: Pose, farthest: float = 5.0) -> NDAr
     return transform_points(pose, np.stack([r * np.cos(angle), r * np.sin(angle)], axis=1))
 
 
-def occupied(model: WorldModel, points: object, now: float = 0.0) -> NDArray[np.bool_]:
+def occupied(model: WorldModel, points: ArrayLike, now: float = 0.0) -> NDArray[np.bool_]:
     grid = model.grid(now)
     cols, rows = grid.world_to_cell(points).T
     return np.asarray(grid.cells[rows, cols] == OCCUPIED)

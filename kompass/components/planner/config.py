@@ -90,7 +90,11 @@ class PlannerConfig(ComponentConfig):
         description="rad; for goals with a heading that state no tolerance",
     )
     clearance: float = Field(
-        default=0.1, ge=0, le=10, description="m between footprint and obstacle along the path"
+        default=0.1,
+        ge=0,
+        le=10,
+        description="m between footprint and obstacle along the path; less with use_sensor, where "
+        "there is no other way",
     )
     unknown_is_obstacle: bool = True
     use_sensor: bool = Field(

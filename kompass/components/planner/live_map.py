@@ -11,7 +11,7 @@ from kompass.algorithms.grid import Grid
 from kompass.algorithms.mapping.world_model import TooFar, WorldModel, pose_at
 
 # Without a map: how far beside robot and goal a way is looked for; further when there is none [m].
-MARGINS = (2.5, 5.0, 10.0, 20.0)
+MARGINS = (2.5, 5.0, 10.0)
 AT_LEAST = 0.2  # s between two plans
 RENEW = 5.0  # s after which what was forgotten is found out
 

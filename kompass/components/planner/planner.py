@@ -1,6 +1,7 @@
 """The global planner: goals in, checked paths out, and every goal comes to an end."""
 
 import math
+from contextlib import suppress
 from functools import partial
 from typing import Any, ClassVar
 
@@ -42,6 +43,8 @@ BETTER = 0.1  # share of the way that another path must save to take the place o
 ALGORITHM_FAILURES: tuple[Reason, ...] = ("start_blocked", "no_path", "unreachable")
 # May come of a model that does not reach far enough.
 WIDER: tuple[Reason, ...] = ("no_path", "unreachable", "start_blocked", "too_close")
+# Of the clearance: what is asked for first, and what else when that leaves no way.
+NARROWER = (0.5, 0.0)
 START_SLACK = 1.5  # cells that a robot may stand nearer to what was seen than its radius
 # May pass by itself or by somebody's recovery; worth waiting for.
 MAY_PASS: tuple[Reason, ...] = ("no_map", "no_pose", "start_blocked", "no_path")
@@ -53,7 +56,8 @@ class Planner(Component):
     With ``use_sensor`` it plans around what ``sensor_data`` has shown as well, and without a map
     on that alone: what was never seen counts as free. Twice a second, and as soon as the path has
     lost half of its clearance, it looks for another, while the robot drives on; a path that still
-    holds stays, unless another is a tenth shorter.
+    holds stays, unless another is a tenth shorter. Where the clearance leaves no way it takes one
+    with half of it, or one that the body just fits through.
 
     As ``ActionServer`` it serves ``<node>/plan_path``; as ``Timed`` or ``Event`` it takes goals
     from ``goal_point``. ``<node>/check_goal`` answers without moving anything.
@@ -104,6 +108,7 @@ class Planner(Component):
     def init_variables(self) -> None:
         self._planner: GlobalPlanner | None = None
         self._live: LiveMap | None = None
+        self._kept = self.config.clearance  # by the path that is driven [m]
         self._mission: Mission | None = None
         self._handle: ServerGoalHandle | None = None
         self._ended: Future | None = None
@@ -190,8 +195,8 @@ class Planner(Component):
         mission = self._mission
         if mission is None or mission.path is None:
             return
-        robot, clearance = self.config.described_robot.radius, self.config.clearance
-        if live.threatens(mission.ahead(pose), robot + clearance / 2):
+        near = self.config.described_robot.radius + self._kept / 2
+        if live.threatens(mission.ahead(pose), near):
             self._replan(now)
 
     def _on_map(self, message: Any) -> None:
@@ -205,11 +210,13 @@ class Planner(Component):
         else:
             self._planner = self._planner_on(grid)
 
-    def _planner_on(self, grid: Grid, start_slack: float = 0.0) -> GlobalPlanner:
+    def _planner_on(
+        self, grid: Grid, start_slack: float = 0.0, share: float = 1.0
+    ) -> GlobalPlanner:
         return GlobalPlanner(
             grid,
             robot_radius=self.config.described_robot.radius,
-            clearance=self.config.clearance,
+            clearance=share * self.config.clearance,
             unknown_is_obstacle=self.config.unknown_is_obstacle,
             points_per_meter=self.config.points_per_meter,
             planner_id=usable_planner(self.config.chosen_planner),
@@ -349,6 +356,11 @@ class Planner(Component):
             return
         self.health.set_healthy()
         mission.planned(plan.poses, now)
+        self._drive(plan)
+
+    def _drive(self, plan: Plan) -> None:
+        beside = plan.min_clearance - self.config.described_robot.radius
+        self._kept = min(self.config.clearance, max(0.0, beside))
         self.publish("plan", self._path_msg(plan.poses))
 
     def _fail(self, mission: Mission, failure: PlanningFailure, now: float) -> None:
@@ -384,24 +396,34 @@ class Planner(Component):
         finally:
             live.planned(now)
         self.health.set_healthy()
-        holds = not planner.blocked(ahead, self.config.clearance / 2)
+        holds = not planner.blocked(ahead, self._kept / 2)
         holds &= not mission.strayed(pose, STRAYED)
         if holds and plan.length > (1.0 - BETTER) * mission.distance_left(pose):
             return
         mission.replanned(plan.poses, pose)
-        self.publish("plan", self._path_msg(plan.poses))
+        self._drive(plan)
 
     def _find(self, mission: Mission) -> Plan:
         x, y, yaw = mission.goal
         heading = yaw if mission.tolerance.heading_matters else None
+        planner, pose = self._ready(mission.goal)
         try:
-            planner, pose = self._ready(mission.goal)
             return planner.plan(pose, (x, y, heading))
         except PlanningFailure as failure:
+            if self._live is None or failure.reason not in WIDER:
+                raise
+            for share in NARROWER:
+                narrower = self._planner_on(planner.grid, self._start_slack, share)
+                with suppress(PlanningFailure):  # that of the full clearance is told
+                    return narrower.plan(pose, (x, y, heading))
             # The way round may lead further away than was thought of so far.
-            if self._live is None or failure.reason not in WIDER or not self._live.widen():
+            if not self._live.widen():
                 raise
         return self._find(mission)
+
+    @property
+    def _start_slack(self) -> float:
+        return 0.0 if self._live is None else START_SLACK * self._live.model.resolution
 
     def _ready(self, goal: Pose2D | None = None) -> tuple[GlobalPlanner, Pose2D]:
         if self._live is None and self._planner is None:
@@ -414,7 +436,7 @@ class Planner(Component):
             grid = self._live.grid(pose, goal, now)
             if grid is not None or self._planner is None:
                 self._planner = self._planner_on(
-                    grid or self._live.model.grid(now), START_SLACK * self._live.model.resolution
+                    grid or self._live.model.grid(now), self._start_slack
                 )
         assert self._planner is not None
         return self._planner, pose
