@@ -45,6 +45,12 @@ def bench_nav(
     jobs: Annotated[
         int | None, typer.Option(min=1, max=256, help="Drives at a time; else one per processor.")
     ] = None,
+    real: Annotated[
+        bool,
+        typer.Option(
+            "--real", help="Processes of its own, over DDS, in real time; one drive at a time."
+        ),
+    ] = False,
     json_file: Annotated[
         Path | None, typer.Option("--json", help="Write a line of JSON per drive to this file.")
     ] = None,
@@ -52,8 +58,9 @@ def bench_nav(
         Path | None, typer.Option("--report", help="Write a page to look at (HTML) to this file.")
     ] = None,
 ) -> None:
-    """Drive through worlds in virtual time, and say what became of it by BARN's metric."""
+    """Drive through worlds of BARN, and say what became of it by BARN's metric."""
     from kompass.bench.drive import MapKnown, means
+    from kompass.bench.real import make_real_drives
     from kompass.bench.report import report_html
     from kompass.bench.runner import BenchOrder, make_bench_drives
     from kompass.bench.score import THERE
@@ -89,9 +96,16 @@ def bench_nav(
         for world in chosen
         for number in range(seed, seed + seeds)
     ]
+    if real and jobs not in (None, 1):
+        raise CliError(
+            BAD_INPUT, f"--jobs {jobs}: with --real there is one drive at a time; leave it out"
+        )
     made: dict[int, BenchDrive] = {}
     try:
-        drives = make_bench_drives(orders, jobs or os.cpu_count() or 1)
+        if real:
+            drives = make_real_drives(orders)
+        else:
+            drives = make_bench_drives(orders, jobs or os.cpu_count() or 1)
         for index, drive in with_progress(drives, len(orders)):
             made[index] = drive
             typer.echo(drive.model_dump_json(exclude={"track"}))

@@ -7,7 +7,6 @@ import random
 import tempfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import as_completed
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +20,7 @@ from kompass.drills.runner.run import Observed, run_drive
 from kompass.drills.runner.worker import NICENESS, DriveFailed, silence, stack_by, worker_pool
 from kompass.drills.scenario import LONGEST, Goal, Scenario
 from kompass.launch.virtual_stack import Embedded
+from kompass.rules.schema.model import Model
 from kompass.simulation.physics.robot_model import robot_model
 from kompass.simulation.worlds.rasterize import rasterize
 from kompass.simulation.worlds.registry import add_world
@@ -29,8 +29,7 @@ GOAL_TOLERANCE = 0.1  # m
 RESOLUTION = 0.05  # m, of the map that is given
 
 
-@dataclass(frozen=True)
-class BenchOrder:
+class BenchOrder(Model):
     """One drive to be made.
 
     Attributes

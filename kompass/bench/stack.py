@@ -17,6 +17,7 @@ from kompass.robot import (
 )
 from kompass.simulation.physics.robot_model import RobotModel
 
+COMPONENTS = ("planner", "controller", "mapper", "drive_manager")
 # What a robot is driven with: top speed, acceleration, braking, of driving and of turning.
 _LIMITS: dict[str, tuple[LinearCtrlLimits, AngularCtrlLimits]] = {
     "turtlebot3": (
@@ -56,12 +57,12 @@ def bring_up(robot: RobotModel, follower: str) -> None:
     follower
         Algorithm of the controller.
     """
-    planner = Planner(component_name="planner", config=PlannerConfig(use_sensor=True))
+    planner = Planner(component_name=COMPONENTS[0], config=PlannerConfig(use_sensor=True))
     planner.run_type = "ActionServer"
-    controller = Controller(component_name="controller")
+    controller = Controller(component_name=COMPONENTS[1])
     controller.algorithm = ControllersID(follower)
-    mapper = LocalMapper(component_name="mapper")
-    driver = DriveManager(component_name="drive_manager")
+    mapper = LocalMapper(component_name=COMPONENTS[2])
+    driver = DriveManager(component_name=COMPONENTS[3])
     driver.outputs(robot_command=Topic(name="/cmd_vel", msg_type="TwistStamped"))
     launcher = Launcher()
     launcher.kompass(components=[planner, controller, mapper, driver], multi_processing=True)

@@ -75,6 +75,10 @@ def test_the_map_is_told_when_it_is_to_be(tmp_path: Path) -> None:
             ["--follower", "DVZ"],
             "--follower DVZ: there is no such thing; choose one of Stanley, PurePursuit, DWA",
         ),
+        (
+            ["--real", "--jobs", "2"],
+            "--jobs 2: with --real there is one drive at a time; leave it out",
+        ),
         (["--map", "some"], "--map some: there is no such thing; choose one of known, walls, none"),
         (["--json", "nowhere/x.jsonl"], "--json nowhere/x.jsonl: there is no folder nowhere; make"),
     ],
