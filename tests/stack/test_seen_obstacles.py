@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from automatika_ros_sugar.srv import ChangeParameter
 from kompass_interfaces.srv import SetFault
+from nav_msgs.msg import Path as PathMsg
 
 from tests.support.stack import RECIPE
 from tests.support.virtual_robot import VirtualRobot
@@ -66,3 +67,17 @@ def test_it_can_be_told_to_look_while_it_drives() -> None:
         ended = blind.result(handle, timeout=60)
         assert ended.status == SUCCEEDED, ended.result.message
         assert blind.contacts == 0
+
+
+def test_a_path_that_holds_is_kept(robot: VirtualRobot) -> None:
+    plans: list[int] = []
+    latched = robot.node.create_subscription(
+        PathMsg, "/plan", lambda message: plans.append(len(message.poses)), 10
+    )
+    assert latched is not None
+    ended = robot.result(robot.send_goal(0.5, 0.5))
+    assert ended.status == SUCCEEDED
+    # One path on which it drives, one that clears it at the end; and hardly any between them.
+    assert 2 <= len(plans) <= 5
+    assert all(plans[:-1])
+    assert not plans[-1]

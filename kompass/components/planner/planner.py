@@ -1,7 +1,6 @@
 """The global planner: goals in, checked paths out, and every goal comes to an end."""
 
 import math
-from contextlib import suppress
 from functools import partial
 from typing import Any, ClassVar
 
@@ -412,13 +411,16 @@ class Planner(Component):
         except PlanningFailure as failure:
             if self._live is None or failure.reason not in WIDER:
                 raise
-            for share in NARROWER:
-                narrower = self._planner_on(planner.grid, self._start_slack, share)
-                with suppress(PlanningFailure):  # that of the full clearance is told
-                    return narrower.plan(pose, (x, y, heading))
-            # The way round may lead further away than was thought of so far.
-            if not self._live.widen():
-                raise
+            told = failure
+        for share in NARROWER:
+            narrower = self._planner_on(planner.grid, self._start_slack, share)
+            try:
+                return narrower.plan(pose, (x, y, heading))
+            except PlanningFailure as failure:
+                told = failure
+        # The way round may lead further away than was thought of so far.
+        if not self._live.widen():
+            raise told
         return self._find(mission)
 
     @property
