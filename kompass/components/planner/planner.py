@@ -36,6 +36,7 @@ from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 PROGRESS_RATE = 10.0  # Hz, only while a goal is pursued
 FEEDBACK_EVERY = 2  # turns of the progress timer
 REPLAN_EVERY = 5  # of these turns: twice a second
+RETRY = 1.0  # s from finding no way to looking again
 STRAYED = 0.5  # m
 BETTER = 0.1  # share of the way that another path must save to take the place of a good one
 # The algorithm was given all it needs and has no answer. A goal in a wall is not that.
@@ -107,6 +108,7 @@ class Planner(Component):
     def init_variables(self) -> None:
         self._planner: GlobalPlanner | None = None
         self._live: LiveMap | None = None
+        self._failed = -math.inf  # when it found no way
         self._kept = self.config.clearance  # by the path that is driven [m]
         self._mission: Mission | None = None
         self._handle: ServerGoalHandle | None = None
@@ -209,13 +211,11 @@ class Planner(Component):
         else:
             self._planner = self._planner_on(grid)
 
-    def _planner_on(
-        self, grid: Grid, start_slack: float = 0.0, share: float = 1.0
-    ) -> GlobalPlanner:
+    def _planner_on(self, grid: Grid, start_slack: float = 0.0) -> GlobalPlanner:
         return GlobalPlanner(
             grid,
             robot_radius=self.config.described_robot.radius,
-            clearance=share * self.config.clearance,
+            clearance=self.config.clearance,
             unknown_is_obstacle=self.config.unknown_is_obstacle,
             points_per_meter=self.config.points_per_meter,
             planner_id=usable_planner(self.config.chosen_planner),
@@ -364,6 +364,7 @@ class Planner(Component):
 
     def _fail(self, mission: Mission, failure: PlanningFailure, now: float) -> None:
         """There is no way: stand, and wait for one as long as patience lasts."""
+        self._failed = now
         self._judge(failure)
         over = mission.unplanned(now)
         self.publish("plan", self._path_msg(np.empty((0, 3))))
@@ -378,7 +379,8 @@ class Planner(Component):
         if mission is None or live is None or pose is None:
             return
         if mission.path is None:
-            self._plan(now)
+            if now - self._failed >= RETRY:
+                self._plan(now)
             return
         ahead = mission.ahead(pose)
         if not live.is_worth_a_plan(now) and not mission.strayed(pose, STRAYED):
@@ -386,7 +388,9 @@ class Planner(Component):
         planner = None
         try:
             planner, _ = self._ready(mission.goal)
-            plan = self._find(mission)
+            holds = not (planner.blocked(ahead, self._kept / 2) or mission.strayed(pose, STRAYED))
+            # Only a way with all of the clearance is better than one that holds.
+            plan = self._find(mission, narrow=not holds)
         except PlanningFailure as failure:
             # A path that the body still fits through is better than none.
             if planner is None or planner.blocked(ahead):
@@ -395,26 +399,24 @@ class Planner(Component):
         finally:
             live.planned(now)
         self.health.set_healthy()
-        holds = not planner.blocked(ahead, self._kept / 2)
-        holds &= not mission.strayed(pose, STRAYED)
         if holds and plan.length > (1.0 - BETTER) * mission.distance_left(pose):
             return
         mission.replanned(plan.poses, pose)
         self._drive(plan)
 
-    def _find(self, mission: Mission) -> Plan:
+    def _find(self, mission: Mission, *, narrow: bool = True) -> Plan:
         x, y, yaw = mission.goal
         heading = yaw if mission.tolerance.heading_matters else None
         planner, pose = self._ready(mission.goal)
         try:
             return planner.plan(pose, (x, y, heading))
         except PlanningFailure as failure:
-            if self._live is None or failure.reason not in WIDER:
+            if self._live is None or failure.reason not in WIDER or not narrow:
                 raise
             told = failure
         for share in NARROWER:
-            narrower = self._planner_on(planner.grid, self._start_slack, share)
             try:
+                narrower = planner.with_clearance(share * self.config.clearance)
                 return narrower.plan(pose, (x, y, heading))
             except PlanningFailure as failure:
                 told = failure
@@ -430,9 +432,7 @@ class Planner(Component):
     def _ready(self, goal: Pose2D | None = None) -> tuple[GlobalPlanner, Pose2D]:
         if self._live is None and self._planner is None:
             raise PlanningFailure("no_map", "There is no map yet.")
-        pose = self._location.pose()
-        if pose is None or self.input("location").age() > self.config.location_timeout:
-            raise PlanningFailure("no_pose", "The robot does not know where it is.")
+        pose = self._pose()
         if self._live is not None:
             now = self.clock.monotonic()
             grid = self._live.grid(pose, goal, now)
@@ -442,6 +442,12 @@ class Planner(Component):
                 )
         assert self._planner is not None
         return self._planner, pose
+
+    def _pose(self) -> Pose2D:
+        pose = self._location.pose()
+        if pose is None or self.input("location").age() > self.config.location_timeout:
+            raise PlanningFailure("no_pose", "The robot does not know where it is.")
+        return pose
 
     def _judge(self, failure: PlanningFailure) -> None:
         if failure.reason == "no_map":
@@ -462,18 +468,23 @@ class Planner(Component):
             self._judge_inputs()
             return
         if mission.path is None:
-            self._plan(now)
+            if self._live is None or now - self._failed >= RETRY:
+                self._plan(now)
             return
+        if self._live is not None:
+            return  # it looks more often than this
         pose = self._location.pose()
         if pose is None or self._planner is None:
             return
-        ahead = mission.ahead(pose)
-        if self._live is None and (self._planner.blocked(ahead) or mission.strayed(pose, STRAYED)):
+        if self._planner.blocked(mission.ahead(pose)) or mission.strayed(pose, STRAYED):
             self._plan(now)
 
     def _judge_inputs(self) -> None:
         try:
-            self._ready()
+            if self._live is None:
+                self._ready()
+            else:
+                self._pose()  # a planner for what is seen is only made for a goal
         except PlanningFailure as failure:
             self._judge(failure)
         else:
