@@ -1,4 +1,4 @@
-"""The command line: ``kompass-console run | demo | attach | rules | drill | audit``."""
+"""The command line: ``kompass-console run | demo | attach | rules | drill | bench-nav | audit``."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ import typer
 
 from kompass.simulation.faults.fault_names import FAULTS
 from kompass_console.audit_cli import app as audit
+from kompass_console.bench_cli import EXIT_CODES as BENCH_EXIT_CODES
+from kompass_console.bench_cli import bench_nav
 from kompass_console.cli_error import CliError
 from kompass_console.domain import (
     Network,
@@ -48,6 +50,7 @@ app = typer.Typer(
 app.add_typer(rules)
 app.add_typer(audit)
 app.add_typer(drill)
+app.command("bench-nav", epilog=BENCH_EXIT_CODES)(bench_nav)
 
 Host = Annotated[
     str, typer.Option(help="Address to listen on. Others than loopback are seen by the network.")
@@ -107,6 +110,16 @@ Fault = Annotated[
     ),
 ]
 
+Robot = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME",
+        help="Which embedded robot (turtlebot3 if not named, or jackal); the recipe must describe "
+        "it.",
+        show_default=False,
+    ),
+]
+
 DataDir = Annotated[
     Path | None,
     typer.Option(
@@ -135,6 +148,7 @@ SingleProcess = Annotated[
 def run(
     recipe: Annotated[Path, typer.Argument(help="A Python file that calls launcher.bringup().")],
     sim: Sim = None,
+    robot: Robot = None,
     fault: Fault = None,
     host: Host = "127.0.0.1",
     port: Port = 8642,
@@ -164,10 +178,10 @@ def run(
         os.environ["KOMPASS_MULTI_PROCESSING"] = "0"
     from kompass_console.stack import ConsoleListener, Door, run_recipe
 
-    robot = _prepare(name, sim, data_dir, safe_mode=safe_mode, no_record=no_record)
+    called = _prepare(name, sim, data_dir, safe_mode=safe_mode, no_record=no_record)
     door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit)
-    console = ConsoleListener(host, port, not no_browser, robot, token, ros, door)
-    run_recipe(recipe, console, sim, fault or [])
+    console = ConsoleListener(host, port, not no_browser, called, token, ros, door)
+    run_recipe(recipe, console, sim, fault or [], robot)
 
 
 @app.command()

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from kompass_console.cli_error import CliError
+from kompass_console.progress import with_progress
 
 if TYPE_CHECKING:
     from kompass.drills.draw import DrawOptions
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from kompass.rules.schema.table import Table
 
 BAD_INPUT, FAILED, NOT_REPEATABLE = 2, 1, 4
-PROGRESS_PERIOD = 2.0  # s between two lines of progress where there is no terminal
 EXIT_CODES = """
 Exit codes: 0 the drill was made and all that --require asks for is met, 1 something of that is
 not met, 2 something in the command is wrong, 3 a drive could not be made, 4 the recipe is not the
@@ -306,27 +304,12 @@ def _make(
     # Both tables of a scenario one after the other: a drill that is ended early compares, too.
     orders = [Order(recipe, scenario, table) for scenario in scenarios for table in tables]
     made: dict[int, DriveResult] = {}
-    for index, text in _with_progress(make_drives(orders, jobs, differs), len(orders)):
+    for index, text in with_progress(make_drives(orders, jobs, differs), len(orders)):
         made[index] = DriveResult.model_validate_json(text)
     step = len(tables)
     first = [made[index] for index in range(0, len(orders), step)]
     second = [made[index] for index in range(1, len(orders), step)] if compared else []
     return first, second
-
-
-def _with_progress(drives: Iterator[tuple[int, str]], total: int) -> Iterator[tuple[int, str]]:
-    """Say how far it is: in one line of a terminal, or a line now and then."""
-    terminal = sys.stderr.isatty()
-    told, begun = time.monotonic(), time.monotonic()
-    for done, drive in enumerate(drives, 1):
-        now = time.monotonic()
-        if terminal or now - told >= PROGRESS_PERIOD or done == total:
-            told = now
-            left = (now - begun) / done * (total - done)
-            text = f"{done} of {total} drives" + (f", {left:.0f} s left" if done < total else "")
-            end = "\n" if not terminal or done == total else ""
-            typer.echo(f"\r{text}  {end}" if terminal else text, err=True, nl=not terminal)
-        yield drive
 
 
 def _tell(report: Report) -> int:

@@ -250,11 +250,16 @@ def _has_screen() -> bool:
 
 
 def run_recipe(
-    recipe: Path, console: ConsoleListener, sim: str | None, faults: Sequence[str] = ()
+    recipe: Path,
+    console: ConsoleListener,
+    sim: str | None,
+    faults: Sequence[str] = (),
+    robot: str | None = None,
 ) -> None:
     """Run a recipe with the console beside it, until Ctrl-C.
 
-    ``faults`` are those of the embedded robot (:mod:`kompass.simulation.faults.fault_names`).
+    ``faults`` are those of the embedded robot (:mod:`kompass.simulation.faults.fault_names`), which
+    is the one called ``robot`` (:mod:`kompass.simulation.physics.robot_model`).
 
     Raises
     ------
@@ -262,7 +267,9 @@ def run_recipe(
         When it cannot run, with the reason in one line.
     """
     if sim is not None:
-        _add_robot(sim, faults)
+        _add_robot(sim, faults, robot)
+    elif robot is not None:
+        raise CliError(2, f"--robot {robot} is for the embedded robot; add --sim")
     elif faults:
         raise CliError(2, f"--fault {faults[0]} is for the embedded robot; add --sim")
     try:
@@ -300,16 +307,22 @@ def _where(recipe: Path, error: Exception) -> str:
     return f"{recipe}{line}: {type(error).__name__}: {' '.join(text.split())}"
 
 
-def _add_robot(world_name: str, faults: Sequence[str]) -> None:
+def _add_robot(world_name: str, faults: Sequence[str], robot: str | None) -> None:
     """The embedded robot and its map, as processes beside the recipe's."""
     from kompass.share import map_path
     from kompass.simulation.faults.fault_names import UnknownFault, parse_faults, withholds_map
+    from kompass.simulation.physics.robot_model import robot_model, robot_names
     from kompass.simulation.worlds.registry import world, world_names
 
     if world_name not in world_names():
         raise CliError(
             2, f"--sim {world_name}: there is no such world; known are {', '.join(world_names())}"
         )
+    if robot is not None and robot not in robot_names():
+        raise CliError(
+            2, f"--robot {robot}: there is no such robot; known are {', '.join(robot_names())}"
+        )
+    kind = robot_model(robot or robot_names()[0])
     try:
         orders = parse_faults(faults, world(world_name))
     except UnknownFault as error:
@@ -320,7 +333,7 @@ def _add_robot(world_name: str, faults: Sequence[str]) -> None:
         from kompass.simulation.node import run_simulator
 
         report("active simulator")
-        run_simulator(world_name, faults=faults)
+        run_simulator(world(world_name), faults=faults, kind=kind)
 
     def serve_map(report: Report) -> None:
         from kompass.components import MapServer, MapServerConfig

@@ -41,6 +41,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("simulation",),
         ("launch",),
         ("drills",),
+        ("bench",),
         ("actions", "event", "launcher"),
         ("events", "ros"),
         ("compat",),
@@ -54,7 +55,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     ),
     "kompass.components": (("base", "topics_keys"), ("controller", "drive", "mapping", "planner")),
     "kompass_console": (
-        ("audit", "cli_error", "recordings", "schema"),
+        ("audit", "cli_error", "progress", "recordings", "schema"),
         ("domain", "drills"),
         ("settings",),
         ("link", "scene"),
@@ -62,7 +63,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("api",),
         ("openapi", "server"),
         ("audit_cli", "rules_cli", "stack"),
-        ("drill_cli",),
+        ("bench_cli", "drill_cli"),
         ("cli",),
     ),
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ from kompass.rules.schema.table import Table
 from kompass.share import map_path
 from kompass.simulation.faults.fault_manager import FaultRefused
 from kompass.simulation.faults.fault_names import FaultOrder
+from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 from kompass.simulation.simulator import Simulator
 from kompass.simulation.worlds.world import World as Place
 from kompass.store import RuleStore
@@ -68,6 +70,28 @@ def process_names(stack: Stack) -> tuple[str, ...]:
     return tuple(sorted(names))
 
 
+@dataclass(frozen=True)
+class Embedded:
+    """The embedded robot, and what the stack is told of where it is.
+
+    Attributes
+    ----------
+    kind
+        Which robot.
+    map_file
+        To be served; None for the map that comes with the world.
+    has_map
+        False when the stack gets no map at all.
+    """
+
+    kind: RobotModel = TURTLEBOT3
+    map_file: Path | None = None
+    has_map: bool = True
+
+
+USUAL = Embedded()
+
+
 class VirtualStack:
     """Runs a stack and the embedded robot in one virtual world.
 
@@ -88,6 +112,8 @@ class VirtualStack:
         Where the rules are kept, so that they can be edited; None when nothing can be stored.
     recording
         Given to each monitor; None for none.
+    embedded
+        The robot, and its map.
     """
 
     def __init__(
@@ -101,8 +127,10 @@ class VirtualStack:
         orders: Sequence[FaultOrder] = (),
         folder: Path | None = None,
         recording: FlightRecording | None = None,
+        embedded: Embedded = USUAL,
     ) -> None:
         self._world, self._stack, self._place, self._seed = world, stack, place, seed
+        self._embedded = embedded
         self._table, self._orders, self._folder = table, orders, folder
         self._recording = recording
         # Before any process, as the launcher does: whoever is to sign requests finds it.
@@ -359,13 +387,22 @@ class VirtualStack:
     def _simulate(self, process: VirtualProcess, _: Life) -> Ears:
         node = VirtualNode(process, SIMULATOR)
         executor = VirtualExecutor(process)
-        recorded = self._world.network.ear is not None
-        Simulator(node, self._place, self._seed, self._orders, self._faults, always=recorded)
+        Simulator(
+            node,
+            self._place,
+            self._seed,
+            self._orders,
+            self._faults,
+            kind=self._embedded.kind,
+            always=self._world.network.ear is not None,
+        )
         executor.add_node(node)
         return DEAF
 
     def _serve_map(self, process: VirtualProcess, _: Life) -> Ears:
-        config = MapServerConfig(map_file_path=str(map_path(self._place.name)))
+        given = self._embedded
+        file = str(given.map_file or map_path(self._place.name)) if given.has_map else None
+        config = MapServerConfig(map_file_path=file)
         server = MapServer(MAP_SERVER, config=config)
         self._alive(process, server, DesiredState({MAP_SERVER: True}))
         return DEAF

@@ -6,6 +6,7 @@ import argparse
 
 from kompass.simulation.faults.fault_names import UnknownFault, help_text, parse_faults
 from kompass.simulation.node import run_simulator
+from kompass.simulation.physics.robot_model import robot_model, robot_names
 from kompass.simulation.worlds.registry import world, world_names
 
 
@@ -16,6 +17,7 @@ def main() -> None:
     )
     names = world_names()
     parser.add_argument("world", nargs="?", default=names[0], choices=names)
+    parser.add_argument("--robot", default=robot_names()[0], choices=robot_names())
     parser.add_argument("--seed", type=int, default=0, help="of noise and calibration errors")
     parser.add_argument("--node-name", default="simulator")
     parser.add_argument(
@@ -33,7 +35,11 @@ def main() -> None:
     except UnknownFault as error:
         parser.error(f"--fault: {error}")
     run_simulator(
-        options.world, seed=options.seed, node_name=options.node_name, faults=options.fault
+        world(options.world),
+        seed=options.seed,
+        node_name=options.node_name,
+        faults=options.fault,
+        kind=robot_model(options.robot),
     )
 
 

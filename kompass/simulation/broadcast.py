@@ -17,7 +17,6 @@ from kompass.algorithms.geometry import compose, inverse
 from kompass.bus.node import Node, Publisher
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation import messages
-from kompass.simulation.physics.mjcf import IMU_HEIGHT, LIDAR_HEIGHT
 from kompass.simulation.physics.parts import NoReading
 from kompass.simulation.robot import SimulatedRobot
 
@@ -99,7 +98,9 @@ class Broadcast:
         with suppress(NoReading):
             ranges = self._robot.scan()
             stamp = _stamp(now, self._robot.scan_age)
-            self._scan.publish(messages.laser_scan(ranges, stamp, LIDAR, period))
+            self._scan.publish(
+                messages.laser_scan(ranges, stamp, LIDAR, period, self._robot.kind.lidar)
+            )
 
     def rate(self, rate: float) -> None:
         """Simulated seconds per real second."""
@@ -120,8 +121,8 @@ class Broadcast:
         stamp = self._clock.now().to_msg()
         origin = (0.0, 0.0, 0.0)
         sensors = (
-            messages.transform(BASE, LIDAR, LIDAR_HEIGHT),
-            messages.transform(BASE, IMU, IMU_HEIGHT),
+            messages.transform(BASE, LIDAR, self._robot.kind.lidar.height),
+            messages.transform(BASE, IMU, self._robot.kind.imu_height),
         )
         self._tf_static.publish(
             TFMessage(transforms=[messages.fill_transform(one, origin, stamp) for one in sensors])

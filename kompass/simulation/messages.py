@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import array
-import math
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -14,7 +13,8 @@ from sensor_msgs.msg import Imu, LaserScan
 
 from kompass.algorithms.geometry import quaternion_from_yaw
 from kompass.simulation.physics.motion import BodyMotion, Matrix3
-from kompass.simulation.sensors import imu, lidar
+from kompass.simulation.physics.robot_model import LidarModel
+from kompass.simulation.sensors import imu
 
 # Where the covariances of x, y and yaw stand among those of (x, y, z, roll, pitch, yaw).
 _PLANAR = np.array([0, 1, 5, 6, 7, 11, 30, 31, 35])
@@ -75,18 +75,20 @@ def fill_transform(
     return message
 
 
-def laser_scan(ranges: NDArray[np.float32], stamp: Time, frame: str, period: float) -> LaserScan:
+def laser_scan(
+    ranges: NDArray[np.float32], stamp: Time, frame: str, period: float, lidar: LidarModel
+) -> LaserScan:
     """``ranges`` (N,) as sensor_msgs/LaserScan, ``period`` seconds after the one before."""
     message = LaserScan()
     message.header.stamp = stamp
     message.header.frame_id = frame
-    message.angle_increment = math.tau / len(ranges)
-    message.angle_min = 0.0
-    message.angle_max = math.tau - message.angle_increment
+    message.angle_increment = lidar.increment
+    message.angle_min = lidar.first
+    message.angle_max = lidar.first + (lidar.rays - 1) * lidar.increment
     message.time_increment = 0.0  # all rays are cast at the stamp
     message.scan_time = period
-    message.range_min = lidar.RANGE_MIN
-    message.range_max = lidar.RANGE_MAX
+    message.range_min = lidar.range_min
+    message.range_max = lidar.range_max
     message.ranges = array.array("f", ranges.tobytes())
     return message
 

@@ -9,16 +9,18 @@ from contextlib import ExitStack, contextmanager
 from types import FrameType
 
 from kompass.simulation.faults.fault_names import parse_faults
-from kompass.simulation.worlds.registry import world
+from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
+from kompass.simulation.worlds.world import World
 
 
 def run_simulator(
-    world_name: str,
+    place: World,
     *,
     seed: int = 0,
     node_name: str = "simulator",
     stop: Callable[[], bool] | None = None,
     faults: Sequence[str] = (),
+    kind: RobotModel = TURTLEBOT3,
 ) -> None:
     """Run the robot until SIGTERM, SIGINT, or until ``stop`` returns true.
 
@@ -28,8 +30,8 @@ def run_simulator(
 
     Parameters
     ----------
-    world_name
-        One of ``kompass.simulation.worlds.registry.world_names()``.
+    place
+        Where the robot is.
     seed
         Of the sensors' noise and of the base's calibration.
     node_name
@@ -40,12 +42,14 @@ def run_simulator(
         To begin by themselves, each as ``NAME`` or ``NAME:SECONDS[:DURATION]`` after the start; see
         ``kompass.simulation.faults.fault_names``. More come from ``/simulator/set_fault``.
 
+    kind
+        Which of the embedded robots it is.
+
     Raises
     ------
     ValueError
-        There is no such world, or no such fault in it.
+        There is no such fault in this world.
     """
-    place = world(world_name)
     orders = parse_faults(faults, place)
     # Imported here, so that the process that forks this one stays small and without threads.
     import rclpy
@@ -62,7 +66,7 @@ def run_simulator(
     executor = TaskExecutor(context)
     try:
         with _signals() as told_to_stop, ExitStack() as undo:
-            simulator = Simulator(node, place, seed, orders, ProcessFaults(node))
+            simulator = Simulator(node, place, seed, orders, ProcessFaults(node), kind)
             undo.callback(simulator.close)
             executor.add_node(node)
             while not (told_to_stop() or (stop is not None and stop())):

@@ -24,6 +24,7 @@ from kompass.simulation.physics.mjcf import (
 from kompass.simulation.physics.motion import BodyMotion
 from kompass.simulation.physics.parts import Odometer, PoseSource, RangeFinder, WheelDrive
 from kompass.simulation.physics.person import Person
+from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 from kompass.simulation.sensors.bumper import Bumper
 from kompass.simulation.sensors.imu import Imu, ImuReading
 from kompass.simulation.sensors.lidar import Lidar
@@ -52,11 +53,15 @@ class SimulatedRobot:
         Where the robot is.
     seed
         Of all noise and of the base's calibration errors.
+    kind
+        Which of the embedded robots it is.
 
     Attributes
     ----------
     world
         Where the robot is.
+    kind
+        Which robot it is.
     drive, lidar, imu_sensor, wheels, localizer, bumper
         Its parts, which may be exchanged for objects that behave otherwise.
     slip
@@ -64,19 +69,19 @@ class SimulatedRobot:
         encoders count it; the drive has to leave it out.
     """
 
-    def __init__(self, world: World, seed: int = 0) -> None:
-        self.world = world
+    def __init__(self, world: World, seed: int = 0, kind: RobotModel = TURTLEBOT3) -> None:
+        self.world, self.kind = world, kind
         self._seed = seed
-        self._model = mujoco.MjModel.from_xml_string(model_text(world))
+        self._model = mujoco.MjModel.from_xml_string(model_text(world, kind))
         self._data = mujoco.MjData(self._model)
         lidar, imu, wheels, localizer = (
             np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(4)
         )
-        self.drive: WheelDrive = DifferentialDrive()
-        self._lidar = Lidar(self._model, self._data, lidar)
+        self.drive: WheelDrive = DifferentialDrive(kind)
+        self._lidar = Lidar(self._model, self._data, lidar, kind.lidar)
         self.lidar: RangeFinder = self._lidar
         self.imu_sensor = Imu(self._model, self._data, imu)
-        self.wheels: Odometer = WheelOdometry(wheels)
+        self.wheels: Odometer = WheelOdometry(wheels, kind)
         self.localizer: PoseSource = Localizer(localizer, SAMPLE_PERIOD)
         self.bumper = Bumper()
         self.slip = (0.0, 0.0)
@@ -219,7 +224,7 @@ class SimulatedRobot:
                     self._walk()
 
     def scan(self) -> NDArray[np.float32]:
-        """Lidar ranges (360,) in metres from straight ahead anticlockwise; +inf = no return.
+        """Lidar ranges (rays,) in metres, anticlockwise; +inf = no return.
 
         Raises
         ------
@@ -270,7 +275,7 @@ class SimulatedRobot:
     def _walk(self) -> None:
         x, y, _ = self.truth().pose
         for person in self._people.values():
-            person.advance((x, y), SAMPLE_PERIOD)
+            person.advance((x, y), SAMPLE_PERIOD, self.kind.radius)
             self._put(person.name, (*person.position, 0.0))
 
     def _touches_person(self) -> bool:

@@ -12,6 +12,7 @@ from kompass.simulation.faults.fault_manager import FaultKind
 from kompass.simulation.faults.fault_names import FaultOrder
 from kompass.simulation.faults.fault_service import FaultService
 from kompass.simulation.pacer import Pacer
+from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.world import World
 
@@ -37,6 +38,8 @@ class Simulator:
         Faults to begin by themselves.
     processes
         The faults of the stack's processes.
+    kind
+        Which of the embedded robots it is.
     always
         Whether it sends also what nobody has subscribed to.
 
@@ -53,10 +56,11 @@ class Simulator:
         seed: int,
         orders: Sequence[FaultOrder],
         processes: FaultKind,
+        kind: RobotModel = TURTLEBOT3,
         *,
         always: bool = False,
     ) -> None:
-        self.robot = SimulatedRobot(place, seed)
+        self.robot = SimulatedRobot(place, seed, kind)
         self._node = node
         self._broadcast = Broadcast(node, self.robot, always=always)
         self._commands = CommandInput(node, self.robot.command)
@@ -65,7 +69,7 @@ class Simulator:
         self._pacer = Pacer(PERIOD, node.clock.monotonic())
         self._ticks = 0
         node.create_timer(PERIOD, self._tick)
-        node.get_logger().info(f"robot in {place.name!r}: {place.title}")
+        node.get_logger().info(f"robot in {place.name!r}: {place.title} ({kind.name})")
 
     def close(self) -> None:
         """End all faults, so that none outlasts the robot."""

@@ -342,3 +342,28 @@ def test_however_few_poses_the_chords_between_them_cut_no_corner(points_per_mete
     legs = plan.poses[:, :2]
     assert planner.field.segments_clear(legs[:-1], legs[1:], planner.required).all()
     assert np.hypot(*np.diff(legs, axis=0).T).max() <= 1.0 / points_per_meter + 1e-9
+
+
+def test_another_clearance_gives_what_a_planner_made_with_it_gives() -> None:
+    wide = GlobalPlanner(walls(), robot_radius=0.1, clearance=0.4)
+    narrow = GlobalPlanner(walls(), robot_radius=0.1, clearance=0.05)
+    ends = (np.array([1.0, 1.0, 0.0]), (9.0, 9.0, None))
+    changed = wide.with_clearance(0.05).plan(*ends)
+    np.testing.assert_array_equal(changed.poses, narrow.plan(*ends).poses)
+    assert changed.min_clearance < wide.required
+    assert wide.plan(*ends).min_clearance >= wide.required - 0.01, "the first is as it was"
+
+
+def test_a_robot_a_little_too_near_to_what_it_sees_is_led_out_when_that_is_allowed() -> None:
+    grid = empty(4.0, 0.05)
+    grid.cells[40, 42] = 100
+    beside = (2.02, 2.025, 0.0)  # 0.08 m from the cell's edge
+    strict = GlobalPlanner(grid, robot_radius=0.1, clearance=0.1)
+    assert fails(strict, beside, (0.5, 2.0)).reason == "start_blocked"
+    lenient = GlobalPlanner(grid, robot_radius=0.1, clearance=0.1, start_slack=0.075)
+    plan = lenient.plan(beside, (0.5, 2.0, None))
+    assert plan.min_clearance == pytest.approx(0.08, abs=0.02)
+    inside = (2.09, 2.025, 0.0)
+    assert fails(lenient, inside, (0.5, 2.0)).reason == "start_blocked"
+    with pytest.raises(ValueError, match=r"start_slack: -1 m; give 0 or more"):
+        GlobalPlanner(grid, robot_radius=0.1, start_slack=-1)

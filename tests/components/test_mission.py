@@ -101,3 +101,24 @@ def test_patience_without_a_path_counts_from_the_first_failure() -> None:
 def test_a_robot_far_from_its_path_has_strayed() -> None:
     assert mission().strayed((1.0, 0.6, 0.0), limit=0.5)
     assert not mission().strayed((1.0, 0.4, 0.0), limit=0.5)
+
+
+def test_another_path_is_no_progress_by_itself() -> None:
+    made = mission()
+    pose = (0.5, 0.0, 0.0)
+    detour = np.array([[0.5, 0.0, 0.0], [0.5, 3.0, 0.0], [2.0, 3.0, 0.0], [2.0, 0.0, 0.0]])
+    assert not made.stuck(pose, now=1.0)
+    for second in range(2, 11):  # it stands, and its paths take turns
+        made.replanned(detour if second % 2 else STRAIGHT, pose)
+        assert not made.stuck(pose, now=float(second))
+    assert made.stuck(pose, now=11.5)
+
+
+def test_driving_along_another_path_is_progress_though_it_is_longer() -> None:
+    made = mission()
+    assert not made.stuck((0.5, 0.0, 0.0), now=1.0)
+    ways = np.linspace(0.0, 3.0, 31)
+    out = np.stack([np.full(31, 0.5), ways, np.zeros(31)], axis=1)
+    made.replanned(np.concatenate([out, [[2.0, 3.0, 0.0], [2.0, 0.0, 0.0]]]), (0.5, 0.0, 0.0))
+    for second in range(1, 30):  # away from the goal, at 0.1 m/s
+        assert not made.stuck((0.5, 0.1 * second, 0.0), now=1.0 + second)

@@ -16,6 +16,7 @@ import pytest
 import typer.main
 import yaml
 
+from kompass.bench.barn_file import read_barn
 from kompass.components import Controller, DriveManager, LocalMapper, MapServer, Planner
 from kompass.components.base.config_file import read_config_file
 from kompass.drills.scenario_file import BadScenario, parse_scenario, scenario_text
@@ -168,7 +169,7 @@ def robot() -> list[Any]:
 
 
 def is_rules(block: Block) -> bool:
-    other = block.option("settings") or block.option("scenario")
+    other = block.option("settings") or block.option("scenario") or block.option("worlds")
     return other is None and "refused" not in block.note.split()
 
 
@@ -230,6 +231,16 @@ def scenario_blocks(option: str) -> list[Block]:
 def test_every_scenario_is_read_and_written_back(block: Block) -> None:
     scenario = parse_scenario(block.text, block.where)
     assert parse_scenario(scenario_text(scenario)) == scenario
+
+
+@pytest.mark.parametrize(
+    "block", [block for block in all_blocks("json") if block.option("worlds")], ids=ids
+)
+def test_every_file_of_worlds_is_read(block: Block, tmp_path: Path) -> None:
+    file = tmp_path / "worlds.json"
+    file.write_text(block.text, encoding="utf-8")
+    read = read_barn(file)
+    assert read.worlds[0].place(read.start, read.goal).obstacles
 
 
 @pytest.mark.parametrize("block", scenario_blocks("refused"), ids=ids)

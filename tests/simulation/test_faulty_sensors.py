@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 
 from kompass.simulation.faults.robot_faults import SLIP, RobotFaults
 from kompass.simulation.physics.parts import NoReading
+from kompass.simulation.physics.robot_model import TURTLEBOT3
 from kompass.simulation.robot import SimulatedRobot
-from kompass.simulation.sensors.lidar import RANGE_MAX, RANGE_MIN
 from kompass.simulation.worlds.registry import world
 from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
 from tests.simulation.hall import HALL, PERIOD, drive
+
+LIDAR = TURTLEBOT3.lidar
 
 # A slab ahead, turned by 45 degrees: what it throws back comes from the left.
 CORNER = World(
@@ -119,8 +121,8 @@ def test_noise_scatters_what_is_seen_and_stays_within_what_a_lidar_can_say() -> 
     faults.begin("scan_noise:1")
     wild = np.array([robot.scan() for _ in range(30)])
     finite = wild[np.isfinite(wild)]
-    assert finite.min() > RANGE_MIN
-    assert finite.max() <= RANGE_MAX
+    assert finite.min() > LIDAR.range_min
+    assert finite.max() <= LIDAR.range_max
     faults.end("scan_noise:1")
     faults.end("scan_noise:0.05")
     assert robot.scan()[seen].std() == pytest.approx(quiet[0, seen].std(), rel=0.05)

@@ -118,11 +118,12 @@ def environment() -> dict[str, str]:
 FORK = """
 import os, sys, threading
 from kompass.simulation.node import run_simulator
+from kompass.simulation.worlds.registry import world
 assert threading.active_count() == len(os.listdir("/proc/self/task")) == 1
 assert "mujoco" not in sys.modules and "rclpy" not in sys.modules
 child = os.fork()
 if child == 0:
-    run_simulator("hexagon", seed=1, node_name="robot_under_test")
+    run_simulator(world("hexagon"), seed=1, node_name="robot_under_test")
     os._exit(0)
 print(child, flush=True)
 _, status = os.waitpid(child, 0)

@@ -7,15 +7,17 @@ import pytest
 from numpy.typing import NDArray
 
 from kompass.simulation.physics.motion import BodyMotion
+from kompass.simulation.physics.robot_model import TURTLEBOT3
 from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.sensors.bumper import Bumper
-from kompass.simulation.sensors.lidar import NOISE, RANGE_MAX, RANGE_MIN
 from kompass.simulation.sensors.localizer import HEADING_ERROR, POSITION_ERROR, Localizer
 from kompass.simulation.sensors.wheel_odometry import WheelOdometry
 from kompass.simulation.worlds.registry import world, world_names
 from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
 from tests.simulation.hall import HALL, PERIOD
+
+LIDAR = TURTLEBOT3.lidar
 
 
 def ray_lengths(place: World, pose: tuple[float, float, float]) -> NDArray[np.float64]:
@@ -62,19 +64,19 @@ def test_scan_matches_the_geometry_in_every_direction(name: str) -> None:
         beside = [ray_lengths(place, (x_now, y_now, yaw_now + turn)) for turn in (-3e-4, 3e-4)]
         certain = np.all(np.abs(np.minimum(beside, 9.0) - np.minimum(expected, 9.0)) < 0.1, axis=0)
         assert certain.sum() > 350
-        within = certain & (expected < RANGE_MAX - 5 * NOISE)
+        within = certain & (expected < LIDAR.range_max - 5 * LIDAR.noise)
         assert within.sum() > 60
         error = scans[:, within] - expected[within]
-        assert np.abs(error).max() < 5.5 * NOISE
-        assert error.std() == pytest.approx(NOISE, rel=0.05)
-        beyond = certain & (expected > RANGE_MAX + 5 * NOISE)
+        assert np.abs(error).max() < 5.5 * LIDAR.noise
+        assert error.std() == pytest.approx(LIDAR.noise, rel=0.05)
+        beyond = certain & (expected > LIDAR.range_max + 5 * LIDAR.noise)
         assert np.all(np.isposinf(scans[:, beyond]))
 
 
 def test_what_touches_the_robot_is_seen_and_not_taken_for_free_space() -> None:
     robot = SimulatedRobot(world("hexagon"))
     robot.place((-1.1 - 0.15 - 0.101, 0.0, 0.0))
-    assert RANGE_MIN < robot.scan()[0] < RANGE_MIN + 0.005
+    assert LIDAR.range_min < robot.scan()[0] < LIDAR.range_min + 0.005
 
 
 def test_lidar_sees_neither_the_floor_nor_the_robot() -> None:

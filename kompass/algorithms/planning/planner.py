@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
 
@@ -51,6 +52,9 @@ class GlobalPlanner:
         For OMPL [s]. When it runs out a search over the grid's cells takes its place.
     seed
         For OMPL; the same input and seed give the same path.
+    start_slack
+        A robot that stands closer to something than its radius, by so much at most, is led out as
+        from within the clearance [m]: cells of what was seen are not exact.
 
     Raises
     ------
@@ -69,6 +73,7 @@ class GlobalPlanner:
         planner_id: str = "RRTConnect",
         timeout: float = 1.0,
         seed: int = 1,
+        start_slack: float = 0.0,
     ) -> None:
         for name, value, least in (
             ("robot_radius", robot_radius, 0.0),
@@ -79,6 +84,8 @@ class GlobalPlanner:
                 raise ValueError(f"{name}: {value}; give a finite number above {least}")
         if not (math.isfinite(clearance) and clearance >= 0):
             raise ValueError(f"clearance: {clearance} m; give 0 or more")
+        if not (math.isfinite(start_slack) and start_slack >= 0):
+            raise ValueError(f"start_slack: {start_slack} m; give 0 or more")
         self.grid = grid
         self.robot_radius = robot_radius
         self.required = robot_radius + clearance
@@ -88,6 +95,14 @@ class GlobalPlanner:
         self._planner = resolve_planner(planner_id)
         self._timeout = timeout
         self._seed = seed
+        self._start_slack = start_slack
+
+    def with_clearance(self, clearance: float) -> GlobalPlanner:
+        """The same planner with another ``clearance`` [m], for much less than a new one."""
+        other = copy.copy(self)
+        other.required = self.robot_radius + clearance
+        other._free = FreeSpace(self.field, other.required)
+        return other
 
     def check(self, start: ArrayLike, goal: ArrayLike) -> None:
         """Whether a plan from ``start`` (x, y, yaw) to ``goal`` (x, y) exists, without searching.
@@ -130,12 +145,18 @@ class GlobalPlanner:
             points = self._leave(here, points)
         return self._to_plan(points, goal[2])
 
-    def blocked(self, poses: ArrayLike) -> bool:
-        """Whether the robot's body would touch an obstacle on its way along poses (N, ≥ 2)."""
+    def blocked(self, poses: ArrayLike, clearance: float = 0.0) -> bool:
+        """Whether the body would come nearer than ``clearance`` [m] to an obstacle along poses.
+
+        Parameters
+        ----------
+        poses
+            (N, ≥ 2), N ≥ 1.
+        """
         points = np.atleast_2d(np.asarray(poses, dtype=np.float64))[:, :2]
         if len(points) == 1:
             points = np.concatenate([points, points])
-        clear = self.field.segments_clear(points[:-1], points[1:], self.robot_radius)
+        clear = self.field.segments_clear(points[:-1], points[1:], self.robot_radius + clearance)
         return not bool(clear.all())
 
     def _ends(self, start: ArrayLike, goal: ArrayLike) -> tuple[int, int]:
@@ -172,7 +193,7 @@ class GlobalPlanner:
                 "start_blocked", f"The robot at ({x:.2f}, {y:.2f}) is outside the map."
             )
         clearance = self.field.at_xy(x, y)
-        if clearance <= self.robot_radius:
+        if clearance <= max(0.0, self.robot_radius - self._start_slack):
             raise PlanningFailure(
                 "start_blocked",
                 f"The robot at ({x:.2f}, {y:.2f}) is {clearance:.2f} m from an obstacle on the "

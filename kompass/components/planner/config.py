@@ -90,9 +90,22 @@ class PlannerConfig(ComponentConfig):
         description="rad; for goals with a heading that state no tolerance",
     )
     clearance: float = Field(
-        default=0.1, ge=0, le=10, description="m between footprint and obstacle along the path"
+        default=0.1,
+        ge=0,
+        le=10,
+        description="m between footprint and obstacle along the path; less with use_sensor, where "
+        "there is no other way",
     )
     unknown_is_obstacle: bool = True
+    use_sensor: bool = Field(
+        default=False, description="plan around what sensor_data shows, too; a map is not needed"
+    )
+    obstacle_memory: float = Field(
+        default=120.0,
+        gt=0,
+        le=86400,
+        description="s; what was seen is forgotten after so long out of sight",
+    )
     planner_id: str = Field(default="RRTConnect", description="geometric planner of OMPL")
     planning_timeout: float = Field(default=1.0, gt=0, le=60, description="s")
     patience: float = Field(

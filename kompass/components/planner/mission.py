@@ -77,6 +77,12 @@ class Mission:
         self._no_plan_since = None
         self._best, self._best_at = math.inf, now
 
+    def replanned(self, path: NDArray[np.float64], pose: Pose2D) -> None:
+        """A better path (N, 3) was found, on the way at ``pose``: it is no progress by itself."""
+        before = self.distance_left(pose)
+        self.path = path
+        self._best += self.distance_left(pose) - before
+
     def unplanned(self, now: float) -> bool:
         """No path was found; True when patience is over."""
         self.path = None
@@ -88,6 +94,12 @@ class Mission:
         """Distance [m] and heading error [rad] between a pose and the goal."""
         distance = math.hypot(self.goal[0] - pose[0], self.goal[1] - pose[1])
         return distance, abs(float(wrap_angle(self.goal[2] - pose[2])))
+
+    def ahead(self, pose: Pose2D) -> NDArray[np.float64]:
+        """What is left of the path (M, 3) from the place nearest to ``pose``; there must be one."""
+        assert self.path is not None
+        away = np.hypot(self.path[:, 0] - pose[0], self.path[:, 1] - pose[1])
+        return self.path[int(np.argmin(away)) :]
 
     def distance_left(self, pose: Pose2D) -> float:
         """Length of the path still ahead [m]; the straight distance while there is none."""

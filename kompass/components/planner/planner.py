@@ -1,6 +1,7 @@
 """The global planner: goals in, checked paths out, and every goal comes to an end."""
 
 import math
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,9 +16,11 @@ from rclpy.task import Future
 from std_msgs.msg import Bool
 
 from kompass.algorithms.geometry import Pose2D
+from kompass.algorithms.grid import Grid
 from kompass.algorithms.planning.failure import PlanningFailure, Reason, code_of
-from kompass.algorithms.planning.planner import GlobalPlanner
+from kompass.algorithms.planning.planner import GlobalPlanner, Plan
 from kompass.algorithms.safety.standstill import Standstill
+from kompass.algorithms.transforms import TransformError
 from kompass.components.base.actions import component_action
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
@@ -25,21 +28,36 @@ from kompass.components.base.convert import grid_of, path_msg, pose_of, quaterni
 from kompass.components.base.location_source import LocationSource
 from kompass.components.planner.config import PlannerConfig, usable_planner
 from kompass.components.planner.goal_check import check_goal
+from kompass.components.planner.live_map import LiveMap
 from kompass.components.planner.mission import FREE_HEADING, GoalOutcome, Mission, Tolerance
 from kompass.printable import printable
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 
 PROGRESS_RATE = 10.0  # Hz, only while a goal is pursued
 FEEDBACK_EVERY = 2  # turns of the progress timer
+REPLAN_EVERY = 5  # of these turns: twice a second
+RETRY = 1.0  # s from finding no way to looking again
 STRAYED = 0.5  # m
+BETTER = 0.1  # share of the way that another path must save to take the place of a good one
 # The algorithm was given all it needs and has no answer. A goal in a wall is not that.
 ALGORITHM_FAILURES: tuple[Reason, ...] = ("start_blocked", "no_path", "unreachable")
+# May come of a model that does not reach far enough.
+WIDER: tuple[Reason, ...] = ("no_path", "unreachable", "start_blocked", "too_close")
+# Of the clearance: what is asked for first, and what else when that leaves no way.
+NARROWER = (0.5, 0.0)
+START_SLACK = 1.5  # cells that a robot may stand nearer to what was seen than its radius
 # May pass by itself or by somebody's recovery; worth waiting for.
 MAY_PASS: tuple[Reason, ...] = ("no_map", "no_pose", "start_blocked", "no_path")
 
 
 class Planner(Component):
     """Plans on the map, replans when the map closes the way, and says how each goal ended.
+
+    With ``use_sensor`` it plans around what ``sensor_data`` has shown as well, and without a map
+    on that alone: what was never seen counts as free. Twice a second, and as soon as the path has
+    lost half of its clearance, it looks for another, while the robot drives on; a path that still
+    holds stays, unless another is a tenth shorter. Where the clearance leaves no way it takes one
+    with half of it, or one that the body just fits through.
 
     As ``ActionServer`` it serves ``<node>/plan_path``; as ``Timed`` or ``Event`` it takes goals
     from ``goal_point``. ``<node>/check_goal`` answers without moving anything.
@@ -58,6 +76,7 @@ class Planner(Component):
         "map": AllowedTopics(["OccupancyGrid"]),
         "goal_point": AllowedTopics(["PoseStamped", "PointStamped", "Odometry"], 1, 2),
         "location": AllowedTopics(["Odometry", "PoseStamped", "Pose"]),
+        "sensor_data": AllowedTopics(["LaserScan"]),
     }
     allowed_outputs: ClassVar = {
         "plan": AllowedTopics(["Path"]),
@@ -67,6 +86,7 @@ class Planner(Component):
         "map": [Topic(name="/map", msg_type="OccupancyGrid")],
         "goal_point": [Topic(name="/goal", msg_type="PointStamped")],
         "location": [Topic(name="/odom", msg_type="Odometry")],
+        "sensor_data": [Topic(name="/scan", msg_type="LaserScan")],
     }
     default_outputs: ClassVar = {
         "plan": [Topic(name="/plan", msg_type="Path")],
@@ -87,6 +107,9 @@ class Planner(Component):
 
     def init_variables(self) -> None:
         self._planner: GlobalPlanner | None = None
+        self._live: LiveMap | None = None
+        self._failed = -math.inf  # when it found no way
+        self._kept = self.config.clearance  # by the path that is driven [m]
         self._mission: Mission | None = None
         self._handle: ServerGoalHandle | None = None
         self._ended: Future | None = None
@@ -116,8 +139,12 @@ class Planner(Component):
             )
             self._client = self.node.create_action_client(PlanPath, self.main_action_name)
 
+    def wants_input(self, key: str) -> bool:
+        return key != "sensor_data" or self.config.use_sensor
+
     def custom_on_activate(self) -> None:
         self._location = LocationSource(self)
+        self._watch()
         self.input("map").on_message = self._on_map
         self.input("location").on_message = self._on_location
         if not self._serves_action or self.config.goals_from_topics:
@@ -133,9 +160,45 @@ class Planner(Component):
     # -- inputs -------------------------------------------------------------------------------
 
     def on_config_changed(self, names: set[str]) -> None:
+        if self.is_active and {"use_sensor", "obstacle_memory"} & names:
+            self._watch()
         message = self.input("map").message
         if message is not None:
             self._on_map(message)
+
+    def _watch(self) -> None:
+        """Begin to listen to the sensor, or end it, as it is set."""
+        source = self.input("sensor_data")
+        if not self.config.use_sensor:
+            self._live = None
+            source.close(self.node)
+            return
+        self._live = LiveMap(self.config.obstacle_memory)
+        source.on_message = self._on_scan
+        source.open(self.node)
+
+    def _on_scan(self, scan: Any) -> None:
+        if self._live is not None:
+            self._live.wait_with(scan)
+
+    def _take_scan_in(self) -> None:
+        """Once it is known where the robot was when it was made."""
+        live, pose = self._live, self._location.pose()
+        if live is None or pose is None:
+            return
+        now = self.clock.monotonic()
+        stamped = getattr(self.input("location").message, "header", None)
+        try:
+            live.locate(pose, stamped, self._location.of_sensor, now)
+        except (TransformError, ValueError) as error:
+            self.warn(f"/{self._topics_in['sensor_data'][0].name}: {error}")
+            return
+        mission = self._mission
+        if mission is None or mission.path is None:
+            return
+        near = self.config.described_robot.radius + self._kept / 2
+        if live.threatens(mission.ahead(pose), near):
+            self._replan(now)
 
     def _on_map(self, message: Any) -> None:
         try:
@@ -143,7 +206,13 @@ class Planner(Component):
         except ValueError as error:
             self.health.set_fail_system(topics=["/map"], message=str(error))
             return
-        self._planner = GlobalPlanner(
+        if self._live is not None:
+            self._live.set_map(grid)
+        else:
+            self._planner = self._planner_on(grid)
+
+    def _planner_on(self, grid: Grid, start_slack: float = 0.0) -> GlobalPlanner:
+        return GlobalPlanner(
             grid,
             robot_radius=self.config.described_robot.radius,
             clearance=self.config.clearance,
@@ -151,10 +220,12 @@ class Planner(Component):
             points_per_meter=self.config.points_per_meter,
             planner_id=usable_planner(self.config.chosen_planner),
             timeout=self.config.chosen_timeout,
+            start_slack=start_slack,
         )
 
     def _on_location(self, _message: Any) -> None:
         self._standstill.update(self._location.speed(), self.clock.monotonic())
+        self._take_scan_in()
 
     def _on_drive_state(self, state: DriveState) -> None:
         self._stopped = f"{state.stopped_by} pressed STOP" if state.stopped else ""
@@ -280,31 +351,103 @@ class Planner(Component):
         try:
             plan = self._find(mission)
         except PlanningFailure as failure:
-            self._judge(failure)
-            over = mission.unplanned(now)
-            self.publish("plan", self._path_msg(np.empty((0, 3))))
-            # On the way, even a goal that is now out of reach may come back: a door, a person.
-            if over or not (mission.under_way or failure.reason in MAY_PASS):
-                outcome = GoalOutcome.BLOCKED if mission.under_way else GoalOutcome.REFUSED
-                self._end(outcome, failure.message)
+            self._fail(mission, failure, now)
             return
         self.health.set_healthy()
         mission.planned(plan.poses, now)
+        self._drive(plan)
+
+    def _drive(self, plan: Plan) -> None:
+        beside = plan.min_clearance - self.config.described_robot.radius
+        self._kept = min(self.config.clearance, max(0.0, beside))
         self.publish("plan", self._path_msg(plan.poses))
 
-    def _find(self, mission: Mission) -> Any:
-        planner, pose = self._ready()
+    def _fail(self, mission: Mission, failure: PlanningFailure, now: float) -> None:
+        """There is no way: stand, and wait for one as long as patience lasts."""
+        self._failed = now
+        self._judge(failure)
+        over = mission.unplanned(now)
+        self.publish("plan", self._path_msg(np.empty((0, 3))))
+        # On the way, even a goal that is now out of reach may come back: a door, a person.
+        if over or not (mission.under_way or failure.reason in MAY_PASS):
+            outcome = GoalOutcome.BLOCKED if mission.under_way else GoalOutcome.REFUSED
+            self._end(outcome, failure.message)
+
+    def _replan(self, now: float) -> None:
+        """Look for a better path than the one that is driven."""
+        mission, live, pose = self._mission, self._live, self._location.pose()
+        if mission is None or live is None or pose is None:
+            return
+        if mission.path is None:
+            if now - self._failed >= RETRY:
+                self._plan(now)
+            return
+        ahead = mission.ahead(pose)
+        if not live.is_worth_a_plan(now) and not mission.strayed(pose, STRAYED):
+            return
+        planner = None
+        try:
+            planner, _ = self._ready(mission.goal)
+            holds = not (planner.blocked(ahead, self._kept / 2) or mission.strayed(pose, STRAYED))
+            # Only a way with all of the clearance is better than one that holds.
+            plan = self._find(mission, narrow=not holds)
+        except PlanningFailure as failure:
+            # A path that the body still fits through is better than none.
+            if planner is None or planner.blocked(ahead):
+                self._fail(mission, failure, now)
+            return
+        finally:
+            live.planned(now)
+        self.health.set_healthy()
+        if holds and plan.length > (1.0 - BETTER) * mission.distance_left(pose):
+            return
+        mission.replanned(plan.poses, pose)
+        self._drive(plan)
+
+    def _find(self, mission: Mission, *, narrow: bool = True) -> Plan:
         x, y, yaw = mission.goal
         heading = yaw if mission.tolerance.heading_matters else None
-        return planner.plan(pose, (x, y, heading))
+        planner, pose = self._ready(mission.goal)
+        try:
+            return planner.plan(pose, (x, y, heading))
+        except PlanningFailure as failure:
+            if self._live is None or failure.reason not in WIDER or not narrow:
+                raise
+            told = failure
+        for share in NARROWER:
+            try:
+                narrower = planner.with_clearance(share * self.config.clearance)
+                return narrower.plan(pose, (x, y, heading))
+            except PlanningFailure as failure:
+                told = failure
+        # The way round may lead further away than was thought of so far.
+        if not self._live.widen():
+            raise told
+        return self._find(mission)
 
-    def _ready(self) -> tuple[GlobalPlanner, Pose2D]:
-        if self._planner is None:
+    @property
+    def _start_slack(self) -> float:
+        return 0.0 if self._live is None else START_SLACK * self._live.model.resolution
+
+    def _ready(self, goal: Pose2D | None = None) -> tuple[GlobalPlanner, Pose2D]:
+        if self._live is None and self._planner is None:
             raise PlanningFailure("no_map", "There is no map yet.")
+        pose = self._pose()
+        if self._live is not None:
+            now = self.clock.monotonic()
+            grid = self._live.grid(pose, goal, now)
+            if grid is not None or self._planner is None:
+                self._planner = self._planner_on(
+                    grid or self._live.model.grid(now), self._start_slack
+                )
+        assert self._planner is not None
+        return self._planner, pose
+
+    def _pose(self) -> Pose2D:
         pose = self._location.pose()
         if pose is None or self.input("location").age() > self.config.location_timeout:
             raise PlanningFailure("no_pose", "The robot does not know where it is.")
-        return self._planner, pose
+        return pose
 
     def _judge(self, failure: PlanningFailure) -> None:
         if failure.reason == "no_map":
@@ -325,18 +468,23 @@ class Planner(Component):
             self._judge_inputs()
             return
         if mission.path is None:
-            self._plan(now)
+            if self._live is None or now - self._failed >= RETRY:
+                self._plan(now)
             return
+        if self._live is not None:
+            return  # it looks more often than this
         pose = self._location.pose()
         if pose is None or self._planner is None:
             return
-        ahead = mission.path[int(np.argmin(np.hypot(*(mission.path[:, :2] - pose[:2]).T))) :]
-        if self._planner.blocked(ahead) or mission.strayed(pose, STRAYED):
+        if self._planner.blocked(mission.ahead(pose)) or mission.strayed(pose, STRAYED):
             self._plan(now)
 
     def _judge_inputs(self) -> None:
         try:
-            self._ready()
+            if self._live is None:
+                self._ready()
+            else:
+                self._pose()  # a planner for what is seen is only made for a goal
         except PlanningFailure as failure:
             self._judge(failure)
         else:
@@ -364,6 +512,8 @@ class Planner(Component):
             self._end(GoalOutcome.STUCK, text)
             return
         self._turn += 1
+        if self._live is not None and self._turn % REPLAN_EVERY == 0:
+            self._replan(now)
         if self._handle is not None and self._turn % FEEDBACK_EVERY == 0:
             self._handle.publish_feedback(self._feedback(mission, pose))
 
@@ -384,9 +534,8 @@ class Planner(Component):
             response.reason = code_of("no_pose")
             response.message = "The planner is not active; start it first."
             return response
-        return check_goal(
-            self._ready, self.config.described_robot, self._path_msg, request, response
-        )
+        ready = partial(self._ready, pose_of(request.goal))
+        return check_goal(ready, self.config.described_robot, self._path_msg, request, response)
 
     def _path_msg(self, poses: Any) -> Path:
         return path_msg(poses, self.frames.world, self.node.get_clock().now().to_msg())

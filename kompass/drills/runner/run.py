@@ -15,7 +15,7 @@ from kompass.drills.runner.operator import Operator, planner_node
 from kompass.drills.runner.recording import DriveRecording
 from kompass.drills.scenario import Scenario
 from kompass.launch.stack import Stack
-from kompass.launch.virtual_stack import VirtualStack
+from kompass.launch.virtual_stack import USUAL, Embedded, VirtualStack
 from kompass.recorder.topics import standard_topics
 from kompass.rules.schema.table import Table
 from kompass.simulation.worlds.registry import world
@@ -48,7 +48,11 @@ class Observed:
 
 
 def run_drive(
-    stack: Stack, scenario: Scenario, table: Table | None = None, recording: Path | None = None
+    stack: Stack,
+    scenario: Scenario,
+    table: Table | None = None,
+    recording: Path | None = None,
+    embedded: Embedded = USUAL,
 ) -> Observed:
     """Let one drive happen.
 
@@ -63,6 +67,8 @@ def run_drive(
     recording
         File to write the drive to, as the flight recorder does; nothing when left out. The drive
         goes the same way.
+    embedded
+        The robot, and its map.
 
     Raises
     ------
@@ -84,7 +90,7 @@ def run_drive(
             recorded = DriveRecording(recording, virtual.scheduler, topics, node.resolve_topic_name)
             virtual.network.ear = recorded.sent
         try:
-            return _drive(virtual, node, stack, scenario, table, recorded)
+            return _drive(virtual, node, stack, scenario, table, recorded, embedded)
         finally:
             if recorded is not None:
                 recorded.abandon()
@@ -97,6 +103,7 @@ def _drive(
     scenario: Scenario,
     table: Table | None,
     recorded: DriveRecording | None,
+    embedded: Embedded,
 ) -> Observed:
     process, components = node.process, stack.components
     place = world(scenario.world)
@@ -105,7 +112,11 @@ def _drive(
     names = [component.node_name for component in components]
     planner = planner_node(components)
     robot = VirtualStack(
-        *(virtual, stack, place), seed=scenario.seed, table=table, recording=recorded
+        *(virtual, stack, place),
+        seed=scenario.seed,
+        table=table,
+        recording=recorded,
+        embedded=embedded,
     )
     executor = VirtualExecutor(process)
     executor.add_node(node)

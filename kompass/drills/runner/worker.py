@@ -116,7 +116,7 @@ def make_drives(
     DriveFailed
         When one cannot be made; the others are not waited for.
     """
-    with _pool(jobs) as pool:
+    with worker_pool(jobs) as pool:
         twice = differs is not None and bool(orders)
         futures = {
             pool.submit(_make, order, facts=twice and not index): index
@@ -147,8 +147,11 @@ def make_drives(
             pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _pool(jobs: int) -> ProcessPoolExecutor:
-    """So many processes at a time, a new one for each call, which all end with this one."""
+def worker_pool(jobs: int) -> ProcessPoolExecutor:
+    """So many processes at a time, a new one for each call, which all end with this one.
+
+    Those who drive in them keep to what the module's ENVIRONMENT and NICENESS say.
+    """
     # Taken over by the process that all others are forked from.
     os.environ |= ENVIRONMENT | {ASKS: str(os.getpid())}
     context = get_context("forkserver")
@@ -176,7 +179,7 @@ def _make(order: Order, *, facts: bool) -> _Made:
     np.random.seed(order.scenario.seed % 2**32)  # noqa: NPY002 - what a recipe may use
     with (
         tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder,
-        _silence(),
+        silence(),
         action_clients_on_any_node(),
     ):
         os.environ["KOMPASS_DATA_DIR"] = folder
@@ -193,25 +196,36 @@ def stack_of(recipe: Path) -> Stack:
     ValueError
         When it does not do so once.
     """
+    sys.argv = [str(recipe)]
+    sys.path.insert(0, str(recipe.resolve().parent))
+    return stack_by(lambda: runpy.run_path(str(recipe), run_name="__main__"), recipe.name)
+
+
+def stack_by(run: Callable[[], object], name: str) -> Stack:
+    """What is brought up by calling ``run``, which is called ``name``.
+
+    Raises
+    ------
+    ValueError
+        When it does not do so once.
+    """
     from kompass.launch.stack import stacks_go_to
     from kompass.virtual.waiting import in_virtual_time
 
-    sys.argv = [str(recipe)]
-    sys.path.insert(0, str(recipe.resolve().parent))
     stacks: list[Stack] = []
     # What it imports of the module time goes by virtual time where its functions wait.
     with stacks_go_to(stacks.append), in_virtual_time():
-        runpy.run_path(str(recipe), run_name="__main__")
+        run()
     if len(stacks) != 1:
         raise ValueError(
-            f"{recipe.name} calls launcher.bringup() {len(stacks)} times; a drill needs a recipe "
+            f"{name} calls launcher.bringup() {len(stacks)} times; a drill needs a recipe "
             "that calls it once"
         )
     return stacks[0]
 
 
 @contextmanager
-def _silence() -> Iterator[None]:
+def silence() -> Iterator[None]:
     """What a recipe prints is no part of a drill's output."""
     kept = sys.stdout
     with Path(os.devnull).open("w") as nowhere:
@@ -252,7 +266,7 @@ def look_at(recipe: Path, table: Table | None = None) -> Looked:
     DriveFailed
         When it cannot be drilled, or the table is not for it.
     """
-    with _pool(1) as pool:
+    with worker_pool(1) as pool:
         try:
             return pool.submit(_look, recipe, table).result()
         except Exception as error:
@@ -264,7 +278,7 @@ def _look(recipe: Path, table: Table | None) -> Looked:
     from kompass.launch.virtual_stack import process_names
     from kompass.monitor.tables.recipe_check import check_recipe
 
-    with tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder, _silence():
+    with tempfile.TemporaryDirectory(prefix="kompass-drill-") as folder, silence():
         os.environ["KOMPASS_DATA_DIR"] = folder
         stack = stack_of(recipe)
     if stack.monitored is None:

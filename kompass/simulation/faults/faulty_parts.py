@@ -23,7 +23,7 @@ from kompass.simulation.physics.parts import (
     RangeFinder,
     WheelDrive,
 )
-from kompass.simulation.sensors.lidar import RANGE_MAX, SATURATED
+from kompass.simulation.physics.robot_model import LidarModel
 
 _ROUNDING = 1e-6  # s; times of readings are sums of many periods
 
@@ -84,10 +84,19 @@ class NoisyLidar:
         Standard deviation, metres.
     random
         Source of the noise.
+    kind
+        Of the lidar behind.
     """
 
-    def __init__(self, sound: RangeFinder, deviation: float, random: np.random.Generator) -> None:
+    def __init__(
+        self,
+        sound: RangeFinder,
+        deviation: float,
+        random: np.random.Generator,
+        kind: LidarModel,
+    ) -> None:
         self.sound = sound
+        self._kind = kind
         self._deviation = deviation
         self._random = random
 
@@ -98,9 +107,9 @@ class NoisyLidar:
     def scan(self) -> NDArray[np.float32]:
         sound = self.sound.scan()
         ranges = np.maximum(
-            sound + self._random.normal(0.0, self._deviation, len(sound)), SATURATED
+            sound + self._random.normal(0.0, self._deviation, len(sound)), self._kind.saturated
         )
-        ranges[ranges > RANGE_MAX] = np.inf
+        ranges[ranges > self._kind.range_max] = np.inf
         return ranges.astype(np.float32)
 
 

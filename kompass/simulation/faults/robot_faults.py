@@ -12,7 +12,7 @@ from kompass.simulation.faults import faulty_parts as faulty
 from kompass.simulation.faults.fault_manager import NotYet
 from kompass.simulation.faults.fault_names import DOOR_CLOSED, check_place
 from kompass.simulation.physics import person
-from kompass.simulation.physics.barriers import ACROSS, BODY_RADIUS, BOX
+from kompass.simulation.physics.barriers import Barriers
 from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.shapes import Box
 
@@ -47,7 +47,7 @@ def _scan_rate_halved(robot: SimulatedRobot, _: str, __: np.random.Generator) ->
 
 
 def _scan_noise(robot: SimulatedRobot, metres: str, random: np.random.Generator) -> _Parts:
-    return {"lidar": faulty.NoisyLidar(robot.lidar, float(metres), random)}
+    return {"lidar": faulty.NoisyLidar(robot.lidar, float(metres), random, robot.kind.lidar)}
 
 
 def _scan_late(robot: SimulatedRobot, delay: str, _: np.random.Generator) -> _Parts:
@@ -115,7 +115,7 @@ _PARTS: dict[str, _Break] = {
     "wheel_blocked": _wheel_blocked,
     "wheel_slip": _wheel_slip,
 }
-_WALLS = {"way_blocked": ACROSS, "boxed_in": BOX}
+_WALLS = ("way_blocked", "boxed_in")
 _SURFACES = ("glass", "mirrors")
 # Who comes, how the way is found, and whether it ends with the person's being through.
 _PEOPLE = {
@@ -139,6 +139,8 @@ class RobotFaults:
 
     def __init__(self, robot: SimulatedRobot) -> None:
         self._robot = robot
+        walls = Barriers(robot.kind.radius)
+        self._walls = {"way_blocked": walls.across, "boxed_in": walls.box}
         self._sound = {slot: getattr(robot, slot) for slot in _SLOTS}
         self._active: dict[str, _Parts] = {}
         self._begun: dict[str, int] = {}
@@ -172,7 +174,7 @@ class RobotFaults:
         if kind in _PARTS:
             parts = _PARTS[kind](self._robot, argument, random)
         elif kind in _WALLS:
-            self._robot.put_up(_WALLS[kind])
+            self._robot.put_up(self._walls[kind])
         elif kind in _SURFACES:
             self._surfaces[name] = self._some_solids(float(argument), random)
         elif kind in _PEOPLE:
@@ -192,7 +194,7 @@ class RobotFaults:
         kind, _, argument = name.partition(":")
         self._surfaces.pop(name, None)
         if kind in _WALLS:
-            self._robot.take_down(_WALLS[kind])
+            self._robot.take_down(self._walls[kind])
         elif kind in _PEOPLE:
             self._robot.send_away(self._people.pop(kind))
         elif kind == DOOR_CLOSED:
@@ -252,7 +254,7 @@ class RobotFaults:
         check_place(name, self._robot.world)
         door = self._door(doorway)
         place = np.array([self._robot.truth().pose[:2]])
-        if float(door.distance(place)[0]) < BODY_RADIUS + _DOOR_CLEARANCE:
+        if float(door.distance(place)[0]) < self._robot.kind.radius + _DOOR_CLEARANCE:
             raise NotYet(f"{name}: the robot stands in the doorway; have it drive on")
         self._robot.close_door(door)
 

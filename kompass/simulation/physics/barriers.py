@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-BODY_RADIUS = 0.10  # m, of the robot's shell
 _BOX_GAP = 0.05  # m between the shell and each wall of the box
 # Far enough that a robot at full speed comes to rest before the wall, near enough to be in its way.
 _ACROSS_GAP = 0.15
@@ -20,8 +19,8 @@ class Barrier:
     ----------
     name
         Of its body in the physics.
-    gap
-        Between it and the robot's shell, metres.
+    away
+        From the robot's axis to its near face, metres.
     direction
         In which it stands from the robot, radians anticlockwise from ahead.
     length
@@ -29,7 +28,7 @@ class Barrier:
     """
 
     name: str
-    gap: float
+    away: float
     direction: float
     length: float
     thickness: float = _THICKNESS
@@ -38,15 +37,36 @@ class Barrier:
     def place(self, pose: tuple[float, float, float]) -> tuple[float, float, float]:
         """Where it stands (x, y, yaw of its normal) when put up beside a robot at ``pose``."""
         x, y, yaw = pose
-        away = BODY_RADIUS + self.gap + self.thickness / 2
+        away = self.away + self.thickness / 2
         turned = yaw + self.direction
         return x + away * math.cos(turned), y + away * math.sin(turned), turned
 
 
-_BOX_SIDE = 2 * (BODY_RADIUS + _BOX_GAP + _THICKNESS)
-BOX = tuple(
-    Barrier(f"barrier_{name}", _BOX_GAP, index * math.pi / 2, _BOX_SIDE)
-    for index, name in enumerate(("ahead", "left", "behind", "right"))
-)
-ACROSS = (Barrier("barrier_across", _ACROSS_GAP, 0.0, 0.5),)
-BARRIERS = (*BOX, *ACROSS)
+class Barriers:
+    """The walls for one robot.
+
+    Parameters
+    ----------
+    radius
+        Of the circle around its shell [m].
+
+    Attributes
+    ----------
+    box
+        Four walls close around it.
+    across
+        One in its way.
+    """
+
+    def __init__(self, radius: float) -> None:
+        side = 2 * (radius + _BOX_GAP + _THICKNESS)
+        self.box = tuple(
+            Barrier(f"barrier_{name}", radius + _BOX_GAP, index * math.pi / 2, side)
+            for index, name in enumerate(("ahead", "left", "behind", "right"))
+        )
+        self.across = (Barrier("barrier_across", radius + _ACROSS_GAP, 0.0, 0.3 + 2 * radius),)
+
+    @property
+    def all(self) -> tuple[Barrier, ...]:
+        """All that may ever stand."""
+        return (*self.box, *self.across)

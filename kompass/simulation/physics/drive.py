@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 
-from kompass.simulation.physics.mjcf import WHEEL_RADIUS, WHEEL_SEPARATION
+from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 
-MAX_SPEED = 0.3  # m/s
-MAX_TURN_RATE = 1.9  # rad/s
 COMMAND_TIMEOUT = 0.5  # s without a command that stop the wheels
 
 
 class DifferentialDrive:
     """Keeps the last command for ``COMMAND_TIMEOUT`` and no longer."""
 
-    def __init__(self) -> None:
+    def __init__(self, robot: RobotModel = TURTLEBOT3) -> None:
+        self._robot = robot
         self._command = (0.0, 0.0)
         self._commanded_at = -math.inf
 
@@ -32,9 +31,10 @@ class DifferentialDrive:
         for name, value in (("v", v), ("omega", omega)):
             if not math.isfinite(value):
                 raise ValueError(f"command {name} is {value!r}; send a finite number")
+        fastest, quickest = self._robot.max_speed, self._robot.max_turn_rate
         self._command = (
-            max(-MAX_SPEED, min(MAX_SPEED, v)),
-            max(-MAX_TURN_RATE, min(MAX_TURN_RATE, omega)),
+            max(-fastest, min(fastest, v)),
+            max(-quickest, min(quickest, omega)),
         )
         self._commanded_at = now
 
@@ -43,5 +43,6 @@ class DifferentialDrive:
         if now - self._commanded_at >= COMMAND_TIMEOUT:
             return 0.0, 0.0
         v, omega = self._command
-        difference = omega * WHEEL_SEPARATION / 2
-        return (v - difference) / WHEEL_RADIUS, (v + difference) / WHEEL_RADIUS
+        radius = self._robot.wheel_radius
+        difference = omega * self._robot.wheel_separation / 2
+        return (v - difference) / radius, (v + difference) / radius

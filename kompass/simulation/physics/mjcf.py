@@ -1,8 +1,7 @@
 """The robot and its world as MuJoCo's model text (MJCF).
 
-The robot is a differential drive of the TurtleBot3's proportions. ``base_link`` lies on the floor
-midway between the wheels, x forward. What touches what is decided by collision bits, so that the
-shell alone meets walls and pillars while wheels and casters alone meet the floor.
+What touches what is decided by collision bits, so that the robot's shell alone meets walls and
+pillars while its wheels and casters alone meet the floor.
 """
 
 from __future__ import annotations
@@ -10,27 +9,11 @@ from __future__ import annotations
 import math
 from xml.sax.saxutils import quoteattr
 
-from kompass.simulation.physics.barriers import BARRIERS, BODY_RADIUS, Barrier
+from kompass.simulation.physics.barriers import Barrier, Barriers
 from kompass.simulation.physics.person import HEIGHT, PEOPLE, RADIUS
+from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 from kompass.simulation.worlds.shapes import Box, Shape
 from kompass.simulation.worlds.world import World
-
-BODY_HEIGHT = 0.20
-BODY_MASS = 0.94  # kg, without the wheels
-WHEEL_RADIUS = 0.033
-WHEEL_SEPARATION = 0.16
-WHEEL_MASS = 0.03
-LIDAR_HEIGHT = 0.17  # above the floor, on the robot's axis
-IMU_HEIGHT = 0.07
-
-# The motors reach 0.3 m/s in about 0.15 s: 2 x 0.04 N·m / 0.033 m drive 1 kg with 2.4 m/s².
-# That shifts the weight by less than the centre of mass lies behind the axle, so it never nods.
-WHEEL_TORQUE = 0.04
-WHEEL_GAIN = 0.05  # N·m per rad/s of speed error
-_MASS_CENTER = (-0.02, 0.0, 0.06)
-_CASTER_OFFSET = 0.075
-_CASTER_RADIUS = 0.012
-_FRONT_CASTER_GAP = 0.001  # the front caster only catches a nod
 
 TIMESTEP = 0.002  # s
 
@@ -51,12 +34,12 @@ def door_body(name: str) -> str:
     return f"door {name}"
 
 
-def model_text(world: World) -> str:
+def model_text(world: World, robot: RobotModel = TURTLEBOT3) -> str:
     """MJCF of ``world`` with the robot at its start pose."""
     solids = "\n".join(_solid(shape) for shape in world.solids)
     movable = "\n".join(
         [
-            *map(_barrier, BARRIERS),
+            *map(_barrier, Barriers(robot.radius).all),
             *(
                 _movable(door_body(door.name), _box(door.size, door.height), door.height)
                 for door in world.doorways
@@ -89,13 +72,13 @@ def model_text(world: World) -> str:
           group="{FLOOR_GROUP}" condim="1" friction="0"/>
     {solids}
     {movable}
-    {_robot(world.start)}
+    {_robot(robot, world.start)}
   </worldbody>
   <actuator>
-    <velocity name="left" joint="left" kv="{WHEEL_GAIN}"
-              forcerange="-{WHEEL_TORQUE} {WHEEL_TORQUE}"/>
-    <velocity name="right" joint="right" kv="{WHEEL_GAIN}"
-              forcerange="-{WHEEL_TORQUE} {WHEEL_TORQUE}"/>
+    <velocity name="left" joint="left" kv="{robot.wheel_gain}"
+              forcerange="-{robot.wheel_torque} {robot.wheel_torque}"/>
+    <velocity name="right" joint="right" kv="{robot.wheel_gain}"
+              forcerange="-{robot.wheel_torque} {robot.wheel_torque}"/>
   </actuator>
   <sensor>
     <touch name="shell" site="shell"/>
@@ -139,44 +122,62 @@ def _cylinder(radius: float, height: float) -> str:
     return f'type="cylinder" size="{radius} {height / 2}"'
 
 
-def _robot(start: tuple[float, float, float]) -> str:
+def _robot(robot: RobotModel, start: tuple[float, float, float]) -> str:
     x, y, yaw = start
-    across = BODY_MASS * (3 * BODY_RADIUS**2 + BODY_HEIGHT**2) / 12
-    upright = BODY_MASS * BODY_RADIUS**2 / 2
-    com_x, com_y, com_z = _MASS_CENTER
-    half = (BODY_HEIGHT - 0.01) / 2  # the shell ends 1 cm above the floor
+    com_x, com_y, com_z = robot.mass_center
+    caster, offset = robot.caster_radius, robot.caster_offset
+    half = (robot.body_height - 0.01) / 2  # the shell ends 1 cm above the floor
     middle = 0.01 + half
     return f"""
     <body name="base_link" pos="{x} {y} 0" quat="{math.cos(yaw / 2)} 0 0 {math.sin(yaw / 2)}">
       <freejoint name="base"/>
-      <inertial pos="{com_x} {com_y} {com_z}" mass="{BODY_MASS}"
-                diaginertia="{across} {across} {upright}"/>
-      <geom name="rear_caster" class="rolling" type="sphere" size="{_CASTER_RADIUS}" condim="1"
-            friction="0" pos="-{_CASTER_OFFSET} 0 {_CASTER_RADIUS}"/>
-      <geom name="front_caster" class="rolling" type="sphere" size="{_CASTER_RADIUS}" condim="1"
-            friction="0" pos="{_CASTER_OFFSET} 0 {_CASTER_RADIUS + _FRONT_CASTER_GAP}"/>
-      <site name="lidar" pos="0 0 {LIDAR_HEIGHT}"/>
-      <site name="imu" pos="0 0 {IMU_HEIGHT}"/>
+      <inertial pos="{com_x} {com_y} {com_z}" mass="{robot.body_mass}"
+                diaginertia="{_inertia(robot)}"/>
+      <geom name="rear_caster" class="rolling" type="sphere" size="{caster}" condim="1"
+            friction="0" pos="-{offset} 0 {caster}"/>
+      <geom name="front_caster" class="rolling" type="sphere" size="{caster}" condim="1"
+            friction="0" pos="{offset} 0 {caster + robot.front_caster_gap}"/>
+      <site name="lidar" pos="0 0 {robot.lidar.height}"/>
+      <site name="imu" pos="0 0 {robot.imu_height}"/>
       <body name="shell">
-        <geom name="shell" type="cylinder" size="{BODY_RADIUS} {half}" pos="0 0 {middle}" mass="0"
+        <geom name="shell" {_shell(robot, half)} pos="0 0 {middle}" mass="0"
               contype="0" conaffinity="{_SOLID_BIT}" group="{ROBOT_GROUP}" friction="0.4"/>
-        <site name="shell" type="cylinder" size="{1.5 * BODY_RADIUS} {1.5 * half}"
+        <site name="shell" {_shell(robot, half, 1.5)}
               pos="0 0 {middle}"/>
       </body>
-      {_wheel("left", WHEEL_SEPARATION / 2)}
-      {_wheel("right", -WHEEL_SEPARATION / 2)}
+      {_wheel(robot, "left", robot.wheel_separation / 2)}
+      {_wheel(robot, "right", -robot.wheel_separation / 2)}
     </body>"""
 
 
-def _wheel(name: str, y: float) -> str:
+def _shell(robot: RobotModel, half: float, times: float = 1) -> str:
+    if robot.box is None:
+        return f'type="cylinder" size="{times * robot.radius} {times * half}"'
+    length, width = robot.box
+    return f'type="box" size="{times * length / 2} {times * width / 2} {times * half}"'
+
+
+def _inertia(robot: RobotModel) -> str:
+    """About the three axes of the body [kg m²], of one that is solid throughout."""
+    mass, height = robot.body_mass, robot.body_height
+    if robot.box is None:
+        across = mass * (3 * robot.radius**2 + height**2) / 12
+        return f"{across} {across} {mass * robot.radius**2 / 2}"
+    length, width = robot.box
+    sides = (width, height), (length, height), (length, width)
+    return " ".join(str(mass * (a**2 + b**2) / 12) for a, b in sides)
+
+
+def _wheel(robot: RobotModel, name: str, y: float) -> str:
     # An ellipsoid touches the floor in one point, so turning on the spot does not scrub a line
     # of contact and the effective wheel separation is the nominal one.
-    spin = WHEEL_MASS * WHEEL_RADIUS**2 / 2
-    tumble = WHEEL_MASS * WHEEL_RADIUS**2 / 4
+    radius, mass = robot.wheel_radius, robot.wheel_mass
+    spin = mass * radius**2 / 2
+    tumble = mass * radius**2 / 4
     return f"""
-      <body name="{name}_wheel" pos="0 {y} {WHEEL_RADIUS}">
+      <body name="{name}_wheel" pos="0 {y} {radius}">
         <joint name="{name}" type="hinge" axis="0 1 0" damping="0.0001" armature="0.0001"/>
-        <inertial pos="0 0 0" mass="{WHEEL_MASS}" diaginertia="{tumble} {spin} {tumble}"/>
+        <inertial pos="0 0 0" mass="{mass}" diaginertia="{tumble} {spin} {tumble}"/>
         <geom name="{name}_wheel" class="rolling" type="ellipsoid" condim="3" friction="0.9"
-              size="{WHEEL_RADIUS} 0.009 {WHEEL_RADIUS}"/>
+              size="{radius} {robot.wheel_edge} {radius}"/>
       </body>"""

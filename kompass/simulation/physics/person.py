@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kompass.simulation.physics.barriers import BODY_RADIUS
 from kompass.simulation.worlds.world import World
 
 RADIUS = 0.20  # m
@@ -69,8 +68,8 @@ class Person:
         self._passes = passes
         self._waited = 0.0
 
-    def advance(self, robot: Point, dt: float) -> None:
-        """Walk for ``dt`` seconds, with the robot's middle at ``robot`` (x, y)."""
+    def advance(self, robot: Point, dt: float, radius: float) -> None:
+        """Walk for ``dt`` seconds, with a robot of ``radius`` [m] at ``robot`` (x, y)."""
         x, y = self.position
         left = math.dist(self.position, self._goal)
         if left == 0.0:
@@ -79,7 +78,7 @@ class Person:
         share = min(1.0, SPEED * dt / left)
         ahead = (x + share * (self._goal[0] - x), y + share * (self._goal[1] - y))
         near = math.dist(ahead, robot)
-        if near < RADIUS + BODY_RADIUS + KEPT_CLEAR and near < math.dist(self.position, robot):
+        if near < RADIUS + radius + KEPT_CLEAR and near < math.dist(self.position, robot):
             self._waited += dt
             if self._passes and self._waited >= PATIENCE:
                 self._waited = 0.0

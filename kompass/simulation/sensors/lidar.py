@@ -1,29 +1,17 @@
-"""A 360-ray planar lidar like the LDS-01."""
+"""A planar lidar."""
 
 from __future__ import annotations
-
-import math
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from kompass.simulation.physics.mjcf import SOLID_GROUP
-
-RAYS = 360
-RANGE_MIN = 0.12  # m
-RANGE_MAX = 3.5
-NOISE = 0.005  # standard deviation of one range, m
-
-# Reported for anything closer than the sensor can measure. It lies just inside the valid
-# interval, so that no reader mistakes an obstacle that touches the robot for free space.
-SATURATED = RANGE_MIN + 0.001
+from kompass.simulation.physics.robot_model import LidarModel
 
 
 class Lidar:
     """Casts its rays against the solids of the physics, all at one instant.
-
-    Ray k looks along k·2π/360 from the robot's x axis, anticlockwise.
 
     Attributes
     ----------
@@ -34,25 +22,31 @@ class Lidar:
     age = 0.0
 
     def __init__(
-        self, model: mujoco.MjModel, data: mujoco.MjData, random: np.random.Generator
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        random: np.random.Generator,
+        kind: LidarModel,
     ) -> None:
+        self._kind = kind
         self._model = model
         self._data = data
         self._random = random
         self._site = model.site("lidar").id
-        angles = np.arange(RAYS) * (math.tau / RAYS)
-        self._rays = np.stack([np.cos(angles), np.sin(angles), np.zeros(RAYS)], axis=1)
+        angles, rays = kind.angles, kind.rays
+        self._rays = np.stack([np.cos(angles), np.sin(angles), np.zeros(rays)], axis=1)
         self._groups = np.zeros(6, dtype=np.uint8)
         self._groups[SOLID_GROUP] = 1
         self.mirrors: tuple[int, ...] = ()
-        self._hit = np.empty(RAYS, dtype=np.int32)
-        self._distance = np.empty(RAYS)
+        self._hit = np.empty(rays, dtype=np.int32)
+        self._distance = np.empty(rays)
 
     def scan(self) -> NDArray[np.float32]:
-        """Ranges (360,) in metres; +inf where nothing is within reach."""
+        """Ranges (rays,) in metres; +inf where nothing is within reach."""
+        kind, count = self._kind, self._kind.rays
         rotation = self._data.site_xmat[self._site].reshape(3, 3)
         rays = self._rays @ rotation.T
-        normals = np.empty(3 * RAYS) if self.mirrors else None
+        normals = np.empty(3 * count) if self.mirrors else None
         mujoco.mj_multiRay(
             self._model,
             self._data,
@@ -64,18 +58,18 @@ class Lidar:
             self._hit,
             self._distance,
             normals,
-            RAYS,
-            RANGE_MAX,
+            count,
+            kind.range_max,
         )
         if normals is not None:
-            self._reflect(rays, normals.reshape(RAYS, 3))
-        ranges = self._distance + self._random.normal(0.0, NOISE, RAYS)
-        ranges = np.maximum(ranges, SATURATED)
-        ranges[(self._hit < 0) | (ranges > RANGE_MAX)] = np.inf
+            self._reflect(rays, normals.reshape(count, 3))
+        ranges = self._distance + self._random.normal(0.0, kind.noise, count)
+        ranges = np.maximum(ranges, kind.saturated)
+        ranges[(self._hit < 0) | (ranges > kind.range_max)] = np.inf
         return ranges.astype(np.float32)
 
     def _reflect(self, rays: NDArray[np.float64], normals: NDArray[np.float64]) -> None:
-        """Let the rays (360, 3) that met a mirror go on, once, to what they meet behind it."""
+        """Let the rays (N, 3) that met a mirror go on, once, to what they meet behind it."""
         origin = self._data.site_xpos[self._site]
         for ray in np.flatnonzero(np.isin(self._hit, self.mirrors)):
             normal = normals[ray]

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from kompass.simulation.physics.mjcf import WHEEL_RADIUS, WHEEL_SEPARATION
 from kompass.simulation.physics.motion import BodyMotion
+from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 
 TICKS_PER_TURN = 4096
 
@@ -30,13 +30,12 @@ class WheelOdometry:
     the way each has rolled.
     """
 
-    def __init__(self, random: np.random.Generator) -> None:
-        radius = WHEEL_RADIUS * (1.0 + RADIUS_ERROR * random.standard_normal(2))
+    def __init__(self, random: np.random.Generator, robot: RobotModel = TURTLEBOT3) -> None:
+        radius = robot.wheel_radius * (1.0 + RADIUS_ERROR * random.standard_normal(2))
         left, right = np.broadcast_to(radius * math.tau / TICKS_PER_TURN, 2).tolist()
         self._travel_per_tick: tuple[float, float] = left, right
-        self._separation = float(
-            WHEEL_SEPARATION * (1 + SEPARATION_ERROR * random.standard_normal())
-        )
+        calibrated = 1.0 + SEPARATION_ERROR * random.standard_normal()
+        self._separation = float(robot.wheel_separation * calibrated)
         self._ticks: tuple[int, int] | None = None
         self._pose = (0.0, 0.0, 0.0)
         self._twist = (0.0, 0.0, 0.0)

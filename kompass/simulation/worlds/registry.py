@@ -15,6 +15,11 @@ def world_names() -> tuple[str, ...]:
     return tuple(_WORLDS)
 
 
+def add_world(place: World) -> None:
+    """Let ``place`` be known by its name, in this process; it takes the place of one so named."""
+    _WORLDS[place.name] = place
+
+
 def world(name: str) -> World:
     """The world called ``name``.
 

@@ -1,0 +1,134 @@
+"""What the planner plans on: the map, if there is one, and what the sensor has seen."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kompass.algorithms.geometry import Pose2D, compose
+from kompass.algorithms.grid import Grid
+from kompass.algorithms.mapping.world_model import TooFar, WorldModel, pose_at
+
+# Without a map: how far beside robot and goal a way is looked for; further when there is none [m].
+MARGINS = (2.5, 5.0, 10.0)
+AT_LEAST = 0.2  # s between two plans
+RENEW = 5.0  # s after which what was forgotten is found out
+
+
+class LiveMap:
+    """Takes scans in at the pose that they were made at, and knows when a new plan is worth it.
+
+    Parameters
+    ----------
+    memory
+        Seconds after which what nobody looks at is forgotten.
+    """
+
+    def __init__(self, memory: float) -> None:
+        self.model = WorldModel(memory=memory)
+        self._scan: Any = None
+        self._before: tuple[float, Pose2D] | None = None
+        self._margin = 0
+        self._changed = True  # since the last grid
+        self._made = self._tried = -np.inf
+        self._freed = self._threatened = False  # since the last plan
+        self._marked: NDArray[np.float64] = np.empty((0, 2))
+
+    def set_map(self, grid: Grid) -> None:
+        """Take a map; what was seen stays."""
+        self.model.set_map(grid)
+        self._changed = self._freed = True
+
+    def wait_with(self, scan: Any) -> None:
+        """Keep a scan until it is known where the robot was."""
+        self._scan = scan
+
+    def locate(
+        self, pose: Pose2D, header: Any, mounted: Callable[[str], Pose2D], now: float
+    ) -> None:
+        """Take a location; with it the scan that waits, if it was made before.
+
+        Parameters
+        ----------
+        header
+            Of the location; None when it has none, and then it is as new as can be.
+        mounted
+            Where the sensor of a frame is on the robot.
+
+        Raises
+        ------
+        TransformError
+            That is not known.
+        ValueError
+            It is no scan, or too far from where the model began.
+        """
+        self._marked = np.empty((0, 2))
+        scan, before = self._scan, self._before
+        made = None if scan is None else _seconds(scan.header)
+        stamp = _seconds(header) if header is not None else made
+        if stamp is not None:
+            self._before = (stamp, pose)
+        if scan is None or made is None or stamp is None or stamp < made:
+            return
+        self._scan = None
+        there = pose if before is None else pose_at(made, before, (stamp, pose))
+        x, y, yaw = (float(value) for value in compose(there, mounted(scan.header.frame_id)))
+        change = self.model.see(
+            np.asarray(scan.ranges, dtype=np.float64),
+            scan.angle_min,
+            scan.angle_increment,
+            scan.range_min,
+            scan.range_max,
+            (x, y, yaw),
+            now,
+        )
+        self._marked = change.marked
+        self._freed |= change.cleared > 0
+        self._changed |= change.cleared > 0 or len(change.marked) > 0
+
+    def threatens(self, path: NDArray[np.float64], near: float) -> bool:
+        """Whether what the last scan has marked is nearer to a path (N, 3) than ``near`` [m]."""
+        if not len(self._marked) or not len(path):
+            return False
+        # The nearest edge of a cell is up to half a cell from its middle.
+        away = np.hypot(*(self._marked[:, None] - path[None, :, :2]).transpose(2, 0, 1)).min()
+        if away < near + self.model.resolution / 2:
+            self._threatened = True
+            return True
+        return False
+
+    def is_worth_a_plan(self, now: float) -> bool:
+        """Whether the path may have lost its clearance, or something has gone out of the way."""
+        return (self._threatened or self._freed) and now - self._tried >= AT_LEAST
+
+    def planned(self, now: float) -> None:
+        """A plan was made, or tried."""
+        self._tried = now
+        self._threatened = self._freed = False
+
+    def widen(self) -> bool:
+        """Look further beside robot and goal from now on; False where there is no further."""
+        if self.model.has_map or self._margin + 1 >= len(MARGINS):
+            return False
+        self._margin += 1
+        return True
+
+    def grid(self, pose: Pose2D, goal: Pose2D | None, now: float) -> Grid | None:
+        """The grid to plan on; None when it is as it was."""
+        places = [pose[:2]] if goal is None else [pose[:2], goal[:2]]
+        before = self.model.shape
+        try:
+            self.model.include(places, MARGINS[self._margin])
+        except TooFar:
+            # The planner says that the goal is outside of what it can look at.
+            self.model.include(places[:1], MARGINS[0])
+        same = before == self.model.shape and not self._changed
+        if same and now - self._made < RENEW:
+            return None
+        self._changed, self._made = False, now
+        return self.model.grid(now)
+
+
+def _seconds(header: Any) -> float:
+    return float(header.stamp.sec + 1e-9 * header.stamp.nanosec)

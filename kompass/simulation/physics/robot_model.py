@@ -1,0 +1,212 @@
+"""The embedded robots: what their bodies, wheels and lidars are like."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class LidarModel:
+    """A planar lidar on the robot's axis.
+
+    Attributes
+    ----------
+    rays
+        How many a scan has; ray k looks along ``first + k * increment``.
+    first, increment
+        Radians anticlockwise from the robot's x axis.
+    range_min, range_max
+        Between them it measures [m].
+    noise
+        Standard deviation of one range [m].
+    height
+        Above the floor [m].
+    """
+
+    rays: int
+    first: float
+    increment: float
+    range_min: float
+    range_max: float
+    noise: float
+    height: float
+
+    @property
+    def saturated(self) -> float:
+        """Reported for anything closer than it can measure [m].
+
+        It lies just inside the valid interval, so that no reader mistakes an obstacle that touches
+        the robot for free space.
+        """
+        return self.range_min + 0.001
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """In which the rays look [rad], (rays,)."""
+        return self.first + np.arange(self.rays, dtype=np.float64) * self.increment
+
+
+@dataclass(frozen=True)
+class RobotModel:
+    """A differential drive on two wheels and two casters.
+
+    ``base_link`` lies on the floor midway between the wheels, x forward.
+
+    Attributes
+    ----------
+    name
+        What ``--robot NAME`` calls it.
+    title
+        One line for people.
+    radius
+        Of a round body; of a box, of the circle around it [m].
+    box
+        (length, width) of a body that is a box [m]; None for a round one.
+    body_height
+        Of its top above the floor [m].
+    body_mass
+        Without the wheels [kg].
+    mass_center
+        Of the body, from ``base_link`` [m]. It lies behind the axle by more than the motors shift
+        the weight, so that the robot never nods.
+    wheel_radius, wheel_separation, wheel_mass
+        [m], [m], [kg]
+    wheel_edge
+        Half axis of the wheels' ellipsoids across [m].
+    wheel_torque
+        Most of each motor [N·m].
+    wheel_gain
+        Of the motors' speed control [N·m per rad/s].
+    caster_offset, caster_radius
+        Of the casters before and behind the axle [m].
+    front_caster_gap
+        Of the front one above the floor [m]: it only catches a nod.
+    imu_height
+        Above the floor [m].
+    max_speed, max_turn_rate
+        To which commands are cut [m/s], [rad/s].
+    lidar
+        On top.
+    """
+
+    name: str
+    title: str
+    radius: float
+    box: tuple[float, float] | None
+    body_height: float
+    body_mass: float
+    mass_center: tuple[float, float, float]
+    wheel_radius: float
+    wheel_separation: float
+    wheel_mass: float
+    wheel_edge: float
+    wheel_torque: float
+    wheel_gain: float
+    caster_offset: float
+    caster_radius: float
+    front_caster_gap: float
+    imu_height: float
+    max_speed: float
+    max_turn_rate: float
+    lidar: LidarModel
+
+    def gap(self, pose: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Distance between the body and points [m]; negative for points inside of it.
+
+        Parameters
+        ----------
+        pose
+            (N, 3) poses (x, y, yaw) in the map.
+        points
+            (M, 2) in the map.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            (N, M).
+        """
+        away = points[None, :, :] - pose[:, None, :2]
+        if self.box is None:
+            return np.asarray(np.hypot(away[..., 0], away[..., 1]) - self.radius)
+        cos, sin = np.cos(pose[:, 2, None]), np.sin(pose[:, 2, None])
+        ahead = np.abs(cos * away[..., 0] + sin * away[..., 1]) - self.box[0] / 2
+        aside = np.abs(cos * away[..., 1] - sin * away[..., 0]) - self.box[1] / 2
+        outside = np.hypot(np.maximum(ahead, 0.0), np.maximum(aside, 0.0))
+        return np.asarray(outside + np.minimum(np.maximum(ahead, aside), 0.0))
+
+
+TURTLEBOT3 = RobotModel(
+    name="turtlebot3",
+    title="TurtleBot3-sized: round, 0.10 m in radius, 0.3 m/s, a lidar all around to 3.5 m",
+    radius=0.10,
+    box=None,
+    body_height=0.20,
+    body_mass=0.94,
+    mass_center=(-0.02, 0.0, 0.06),
+    wheel_radius=0.033,
+    wheel_separation=0.16,
+    wheel_mass=0.03,
+    wheel_edge=0.009,
+    # 0.3 m/s in about 0.15 s: 2 x 0.04 N·m / 0.033 m drive 1 kg with 2.4 m/s².
+    wheel_torque=0.04,
+    wheel_gain=0.05,
+    caster_offset=0.075,
+    caster_radius=0.012,
+    front_caster_gap=0.001,
+    imu_height=0.07,
+    max_speed=0.3,
+    max_turn_rate=1.9,
+    # Like the LDS-01.
+    lidar=LidarModel(360, 0.0, math.tau / 360, 0.12, 3.5, 0.005, 0.17),
+)
+
+_JACKAL_BOX = (0.508, 0.430)
+JACKAL = RobotModel(
+    name="jackal",
+    title="Jackal-sized: a box of 0.508 x 0.430 m, 2 m/s, a lidar of 270 degrees to 10 m",
+    radius=math.hypot(*_JACKAL_BOX) / 2,
+    box=_JACKAL_BOX,
+    body_height=0.25,
+    body_mass=16.0,
+    mass_center=(-0.04, 0.0, 0.06),
+    wheel_radius=0.098,
+    wheel_separation=0.376,
+    wheel_mass=0.4,
+    wheel_edge=0.03,
+    # 17 kg with 4 m/s²: 2 x 3.4 N·m / 0.098 m.
+    wheel_torque=3.4,
+    wheel_gain=3.0,
+    caster_offset=0.20,
+    caster_radius=0.03,
+    front_caster_gap=0.0,
+    imu_height=0.07,
+    max_speed=2.0,
+    max_turn_rate=4.0,
+    lidar=LidarModel(541, -math.radians(135.0), math.radians(0.5), 0.10, 10.0, 0.005, 0.30),
+)
+
+_ROBOTS = {model.name: model for model in (TURTLEBOT3, JACKAL)}
+
+
+def robot_names() -> tuple[str, ...]:
+    """The names that :func:`robot_model` knows, the default first."""
+    return tuple(_ROBOTS)
+
+
+def robot_model(name: str) -> RobotModel:
+    """The embedded robot called ``name``.
+
+    Raises
+    ------
+    ValueError
+        There is none; the message lists those there are.
+    """
+    found = _ROBOTS.get(name)
+    if found is None:
+        known = ", ".join(robot_names())
+        raise ValueError(f"robot is {name!r}, which does not exist; choose one of: {known}")
+    return found

@@ -1,0 +1,119 @@
+"""``kompass-console bench-nav``, as somebody types it."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kompass.bench.barn_file import BadWorlds, read_barn
+from tests.bench.worlds import world_file
+
+
+def bench(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [str(Path(sys.executable).with_name("kompass-console")), "bench-nav"]
+    return subprocess.run(
+        [*command, *map(str, arguments)], capture_output=True, text=True, timeout=200, check=False
+    )
+
+
+@pytest.mark.slow
+def test_it_drives_through_what_it_was_not_told_of_and_says_why_it_gave_up(tmp_path: Path) -> None:
+    lines, page = tmp_path / "found.jsonl", tmp_path / "found.html"
+    follower = ("--follower", "pure_pursuit")
+    worlds = ("--worlds", world_file(tmp_path), *follower, "--json", lines, "--report", page)
+    done = bench(*worlds)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1].startswith("1 of 2 arrived in ")
+    assert "2 of 2 drives" in done.stderr
+    first, second, means = map(json.loads, lines.read_text(encoding="utf-8").splitlines())
+    assert (first["world"], first["outcome"], first["contacts"]) == ("barn_1", "arrived", 0)
+    assert 0.0 < first["clearance"] < 0.5
+    assert first["end_distance"] < 0.1
+    assert first["score"] == pytest.approx(min(0.5, 2.68 / 0.22 / first["time"]), abs=1e-3), (
+        "by BARN's metric"
+    )
+    assert (second["world"], second["outcome"], second["score"]) == ("barn_4", "gave_up", 0.0)
+    assert "No way leads" in second["reason"]
+    assert second["end_distance"] > 1.0
+    assert (means["drives"], means["arrived"], means["touched"]) == (2, 1, 0)
+    text = page.read_text(encoding="utf-8")
+    assert text.count("<svg") == 1, "a picture of the drive that failed"
+    assert "barn_4, seed 0" in text
+    # The same again, byte for byte.
+    once = lines.read_text(encoding="utf-8").splitlines()[0]
+    assert bench(*worlds, "--only", "1").returncode == 0
+    assert lines.read_text(encoding="utf-8").splitlines()[0] == once
+
+
+@pytest.mark.slow
+def test_the_map_is_told_when_it_is_to_be(tmp_path: Path) -> None:
+    worlds = ("--worlds", world_file(tmp_path), "--only", "4", "--map", "known")
+    done = bench(*worlds, "--robot", "jackal")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout.splitlines()[0])
+    # Who has the map knows at once that there is no way.
+    assert (found["outcome"], found["robot"]) == ("gave_up", "jackal")
+    assert found["driven"] < 0.05
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--only", "1,7"], "--only 7: .*worlds.json has no such world; it has 2, from 1 to 4"),
+        (["--only", "one"], "--only one: that is no index; give numbers with commas, as 0,6,12"),
+        (
+            ["--robot", "husky"],
+            "--robot husky: there is no such thing; choose one of turtlebot3, jackal",
+        ),
+        (
+            ["--follower", "DVZ"],
+            "--follower DVZ: there is no such thing; choose one of Stanley, PurePursuit, DWA",
+        ),
+        (
+            ["--real", "--jobs", "2"],
+            "--jobs 2: with --real there is one drive at a time; leave it out",
+        ),
+        (["--map", "some"], "--map some: there is no such thing; choose one of known, walls, none"),
+        (["--json", "nowhere/x.jsonl"], "--json nowhere/x.jsonl: there is no folder nowhere; make"),
+    ],
+)
+def test_what_is_asked_for_wrongly_is_told_in_a_line(
+    tmp_path: Path, arguments: list[str], said: str
+) -> None:
+    done = bench("--worlds", world_file(tmp_path), *arguments)
+    assert done.returncode == 2, done.stdout
+    assert len(done.stderr.splitlines()) == 1
+
+    assert re.search(said, done.stderr), done.stderr
+
+
+def test_a_file_that_is_not_there_is_told_in_a_line(tmp_path: Path) -> None:
+    done = bench("--worlds", tmp_path / "none.json")
+    assert done.returncode == 2
+    assert done.stderr.endswith(
+        "none.json: No such file or directory; give a file of BARN worlds (JSON)\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"goal": [2.4]}, r"worlds.json: goal.1"),
+        ({"start": [0.0, 0.0, "east"]}, r'start.2 = "east": .*valid number'),
+        ({"worlds": []}, r"worlds = \[\]: .*at least 1 item"),
+        ({"boxes": [[0, 0, 1, 1]]}, r"boxes = .*at most 0 items"),
+    ],
+)
+def test_a_file_that_is_not_as_it_must_be_is_refused_by_field_and_value(
+    tmp_path: Path, changes: dict[str, Any], said: str
+) -> None:
+
+    with pytest.raises(BadWorlds) as refused:
+        read_barn(world_file(tmp_path, **changes))
+    assert re.search(said, str(refused.value)), refused.value

@@ -1,0 +1,99 @@
+"""Each embedded robot has the body, the speed and the lidar that its model says."""
+
+import math
+
+import numpy as np
+import pytest
+
+from kompass.simulation.physics.robot_model import JACKAL, TURTLEBOT3, RobotModel, robot_model
+from kompass.simulation.robot import SimulatedRobot
+from kompass.simulation.worlds.shapes import Box
+from kompass.simulation.worlds.world import World
+
+PERIOD = 0.02
+LONG = World(
+    name="long",
+    title="A long hall with a wall at its end",
+    floor=((-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)),
+    start=(0.0, 0.0, 0.0),
+    obstacles=(Box("end", (6.0, 0.0), (0.2, 4.0)),),
+)
+
+
+def drive(robot: SimulatedRobot, v: float, omega: float, seconds: float) -> None:
+    for _ in range(round(seconds / PERIOD)):
+        robot.command(v, omega)
+        robot.step(PERIOD)
+
+
+@pytest.mark.parametrize("model", [TURTLEBOT3, JACKAL], ids=lambda model: model.name)
+def test_it_reaches_its_top_speed_and_no_more(model: RobotModel) -> None:
+    robot = SimulatedRobot(LONG, kind=model)
+    drive(robot, 100.0, 0.0, 1.2)
+    x, y, yaw = robot.truth().pose
+    assert robot.truth().twist[0] == pytest.approx(model.max_speed, rel=0.03)
+    assert (y, yaw) == pytest.approx((0.0, 0.0), abs=0.02)
+    # It is level: a robot that nods sees floor and ceiling.
+    assert x > 0.5 * model.max_speed
+
+
+@pytest.mark.parametrize("model", [TURTLEBOT3, JACKAL], ids=lambda model: model.name)
+def test_it_turns_as_it_is_told_and_stands_when_nobody_tells_it(model: RobotModel) -> None:
+    robot = SimulatedRobot(LONG, kind=model)
+    drive(robot, 0.0, 1.0, 1.0)
+    assert robot.truth().pose[2] == pytest.approx(1.0, rel=0.15)
+    robot.step(2.0)
+    assert robot.truth().twist == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)
+
+
+def test_a_jackal_brakes_from_full_speed_within_a_metre() -> None:
+    robot = SimulatedRobot(LONG, kind=JACKAL)
+    drive(robot, 2.0, 0.0, 1.2)
+    at = robot.truth().pose[0]
+    drive(robot, 0.0, 0.0, 1.5)
+    assert robot.truth().pose[0] - at < 1.0
+    assert robot.contacts == 0
+
+
+def test_a_box_touches_a_wall_with_its_front_and_not_before() -> None:
+    # The wall's face is at x = 5.9.
+    robot = SimulatedRobot(LONG, kind=JACKAL)
+    robot.place((5.5, 0.0, 0.0))
+    while robot.contacts == 0:
+        drive(robot, 0.2, 0.0, PERIOD)
+        assert robot.time < 3.0
+    assert robot.truth().pose[0] == pytest.approx(5.9 - 0.254, abs=0.01)
+
+
+def test_a_box_fits_sideways_where_its_corner_does_not() -> None:
+    robot = SimulatedRobot(LONG, kind=JACKAL)
+    robot.place((5.9 - 0.24, 0.0, math.pi / 2))
+    robot.step(0.5)
+    assert robot.contacts == 0
+    drive(robot, 0.0, 1.0, 1.0)
+    assert robot.contacts >= 1
+
+
+def test_the_jackal_sees_270_degrees_to_10_m() -> None:
+    robot = SimulatedRobot(LONG, kind=JACKAL)
+    ranges = robot.scan()
+    angles = JACKAL.lidar.angles
+    assert len(ranges) == len(angles) == 541
+    assert (math.degrees(angles[0]), math.degrees(angles[-1])) == pytest.approx((-135.0, 135.0))
+    ahead = np.abs(angles) < math.radians(15.0)
+    assert ranges[ahead] == pytest.approx(5.9 / np.cos(angles[ahead]), abs=0.03)
+    assert np.isinf(ranges[np.abs(angles) > math.radians(30.0)]).all()
+
+
+def test_gaps_are_those_of_the_body() -> None:
+    pose = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, math.pi / 2]])
+    points = np.array([[1.0, 0.0], [0.0, 1.0], [0.1, 0.1]])
+    assert TURTLEBOT3.gap(pose, points[:2]) == pytest.approx(0.9)
+    gaps = JACKAL.gap(pose, points)
+    assert gaps[:, :2] == pytest.approx(np.array([[0.746, 0.785], [0.785, 0.746]]))
+    assert (gaps[:, 2] < 0.0).all()
+
+
+def test_a_robot_that_there_is_not_is_refused_with_those_that_there_are() -> None:
+    with pytest.raises(ValueError, match=r"robot is 'husky'.* choose one of: turtlebot3, jackal"):
+        robot_model("husky")
