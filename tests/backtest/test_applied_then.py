@@ -130,6 +130,7 @@ def test_applied_in_reality_and_back_tested_from_then_fires_the_same(
         if monitor is recorded and len(kept) > 1:
             monitor.apply(other)
         play(monitor, second[len(second) // 2 :])
+    real.pass_time(real.now_ns)  # what is due at the very moment of the end
     stretch: list[LoggedEvent] = [resumed, *recorded.log[begun:]]
 
     report = backtest(new, stretch, stretch, before=before)
