@@ -576,7 +576,6 @@ class Component:
             self._close()
             raise
         self._intend(True)
-        self._say_while_inactive()
         self.publish_status()
 
     def on_deactivate(self) -> None:
@@ -589,7 +588,6 @@ class Component:
             self._close()
             self._intend(False)
             self.health.set_inactive()
-            self._say_while_inactive()
             self.publish_status()
 
     def _intend(self, active: bool) -> None:
@@ -651,12 +649,18 @@ class Component:
         self._inputs.close(self.node)
 
     def _say_while_inactive(self) -> None:
-        """Repeat the status at its rate while no main loop does; so that silence means a defect."""
+        """Repeat the status at its rate while no main loop does; so that silence means a defect.
+
+        The timer stays while the component is active, for a timer that ends is a danger: what of
+        it has been queued for the executor already takes the executor with it.
+        """
         if self._idle is not None:
             self.node.destroy_timer(self._idle)
-        period = 1.0 / self.config.status_rate
-        say = self.publish_status
-        self._idle = None if self.is_active else self.node.create_timer(period, say)
+        self._idle = self.node.create_timer(1.0 / self.config.status_rate, self._say_inactive)
+
+    def _say_inactive(self) -> None:
+        if not self.is_active:
+            self.publish_status()
 
     def _give_back(self) -> None:
         self._outputs.destroy()
