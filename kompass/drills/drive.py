@@ -27,6 +27,7 @@ MomentKind: TypeAlias = Literal[
     "stop",
     "release",
     "death",
+    "hang",
     "restart",
     "status",
     "alarm",

@@ -136,6 +136,7 @@ class ProcessEnded:
     process: str
     components: tuple[str, ...] = ()
     reason: str = ""
+    hangs: bool = False  # it lives, and may go on
 
 
 @dataclass(frozen=True, slots=True)

@@ -297,6 +297,8 @@ def _told(fact: Fact) -> tuple[MomentKind, str] | None:
             return "stop", f"STOP by {fact.by}"
         case StopReleased():
             return "release", f"STOP released by {fact.by}"
+        case ProcessEnded(hangs=True):
+            return "hang", f"{fact.process} hangs: {fact.reason}"
         case ProcessEnded():
             return "death", f"{fact.process} died: {fact.reason}" if fact.reason else (
                 f"{fact.process} died"

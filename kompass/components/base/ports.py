@@ -113,12 +113,17 @@ class Input:
         """Seconds since the newest message came; infinite before the first."""
         return float("inf") if self.received is None else self._clock.monotonic() - self.received
 
+    @property
+    def comes_late(self) -> bool:
+        """Whether its age is more of its way than of the time since it came."""
+        return self.lateness.late > self.silence()
+
     def too_old(self, limit: float) -> str:
         """Why there is nothing that is no older than ``limit`` [s]; empty when there is."""
         if self.age() <= limit:
             return ""
         topic = f"/{self.topic.name}"
-        if self.silence() > limit:
+        if not self.comes_late:
             return f"nothing on {topic}"
         return f"what is on {topic} is too old: {self.lateness.told}"
 

@@ -484,9 +484,9 @@ class DriveManager(Component):
 
     def _missing(self, source: Input, what: str, timeout: float) -> str:
         """Why an input is of no use, for people."""
-        if source.silence() > timeout:
-            return f"no {what} {_for(source.silence())}"
         if source.age() > timeout:
+            if not source.comes_late:
+                return f"no {what} {_for(source.silence())}"
             return f"the {what} is too old: {source.lateness.told}"
         if self._repeats.is_frozen:
             return f"the {what} stays the same to the last bit while the robot moves: it is frozen"

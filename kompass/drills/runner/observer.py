@@ -146,7 +146,8 @@ class Observer:
         """Take what the supervisor tells of a process."""
         if news.state in ("dead", "stuck"):
             self._silent.update(news.nodes)
-            self.note(ProcessEnded, news.name, tuple(news.nodes), news.reason)
+            hangs = news.state == "stuck"
+            self.note(ProcessEnded, news.name, tuple(news.nodes), news.reason, hangs=hangs)
         elif news.state == "active" and self._silent & set(news.nodes):
             self._silent.difference_update(news.nodes)
             self.note(ProcessStarted, news.name)
