@@ -160,9 +160,10 @@ def test_a_change_of_the_loop_rate_changes_the_loop(run_on_dds: Run) -> None:
     mapper = LocalMapper()
     alive = run_on_dds(mapper)
     assert set_one(alive, "loop_rate", "50").success
-    # Beside the loop there is the timer that exchanges the challenge, once a minute.
+    # Beside the loop there are a timer that exchanges the challenge, once a minute, and one that
+    # repeats the status of a component that is not active.
     node: Any = mapper.node
-    assert sorted(round(1e9 / timer.timer_period_ns) for timer in node.timers) == [0, 50]
+    assert sorted(round(1e9 / timer.timer_period_ns) for timer in node.timers) == [0, 5, 50]
 
 
 def test_a_file_reconfigures_a_running_component(run: Run, tmp_path: Path) -> None:
