@@ -172,6 +172,15 @@ def test_a_goal_that_is_due_while_the_planner_is_dead_is_sent_when_it_is_back() 
     assert goal.outcome == "arrived"
 
 
+def test_goals_that_a_held_planner_never_took_over_end_with_its_death() -> None:
+    faults = (ScheduledFault(name="stop:planner", at=1.5),)
+    goals = (Goal(x=0.7, y=-0.5, at=1.0), Goal(x=-0.7, y=-0.5, at=2.0))
+    results = drive(scenario(*faults, goals=goals, limit=8.0)).result.goals
+    assert [(goal.outcome, goal.message) for goal in results] == [
+        ("error", "the planner's process died")
+    ] * 2
+
+
 def test_a_fault_that_is_refused_is_told_with_the_reason() -> None:
     faults = (
         ScheduledFault(name="kill:mapper", at=1.0),

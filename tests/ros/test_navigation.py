@@ -19,6 +19,8 @@ REFUSED, STOPPED = 1, 3
 def test_a_clicked_point_from_another_process_moves_the_robot_there(robot: Robot) -> None:
     robot.click(0.55, -0.5)
     wait_until(lambda: robot.distance_to(0.55, -0.5) < 0.10, 30, "arrival at the clicked point")
+    # The next test begins with a robot that stands.
+    wait_until(lambda: robot.newest["/drive_state"].standstill, 10, "a measured standstill")
     assert robot.contacts == 0
 
 

@@ -72,6 +72,7 @@ class Operator:
         self._sent = 0
         self._near = (0.0, 0.0, 0.0)  # of the goal under way: x, y, tolerance [m]
         self._under_way: int | None = None
+        self._unanswered: set[int] = set()  # those that were taken over are answered later
         self._planner_from = 0.0  # monotonic time from which on it takes goals
         self._asked_since: float | None = None
         self._way = _way(components)
@@ -189,9 +190,11 @@ class Operator:
         tolerance = goal.tolerance or TOLERANCE
         self._observer.note(GoalSent, number, goal.x, goal.y, tolerance)
         self._under_way = number
+        self._unanswered.add(number)
         return number
 
     def _end(self, number: int, outcome: str, message: str) -> None:
+        self._unanswered.discard(number)
         self._observer.note(GoalEnded, number, outcome, message)
         if self._under_way == number:
             self._under_way = None
@@ -226,15 +229,17 @@ class Operator:
     def planner_changed(self, state: str) -> None:
         """Take what the supervisor tells of the planner's process.
 
-        Of one that has died nobody will ever say how the goal under way ended, and until it is back
-        and found no other is sent: DDS believes in the dead for a while.
+        Of one that has died nobody will ever say how its goals ended, neither the one under way nor
+        those that this one was to take over. Until it is back and found no other is sent: DDS
+        believes in the dead for a while.
         """
         if state == "dead":
             self._planner_from = math.inf
         elif state == "active" and self._planner_from == math.inf:
             self._planner_from = self._node.clock.monotonic() + FOUND
-        if state == "dead" and self._under_way is not None:
-            self._end(self._under_way, "error", "the planner's process died")
+        if state == "dead":
+            for number in sorted(self._unanswered):
+                self._end(number, "error", "the planner's process died")
 
     # -- all else -----------------------------------------------------------------------------
 
