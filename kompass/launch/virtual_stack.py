@@ -254,7 +254,12 @@ class VirtualStack:
 
     def _assess(self, program: Program) -> None:
         process, life = program.process, program.life
-        if process is None or life is None or not life.active:
+        if process is None or life is None:
+            return
+        if not life.active:
+            assessed = self._oversight.assess_start(life, self._now)
+            if assessed.kill:
+                self._kill(program, assessed.kill)
             return
         # The thread that shows life of the process as such is held by a signal and nothing else.
         silent = 0.0 if life.stopped is None else self._now - life.stopped

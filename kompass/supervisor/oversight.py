@@ -14,6 +14,9 @@ from kompass.supervisor.news import ProcessCondition, ProcessNews
 from kompass.supervisor.restarts import Restarts
 
 
+_HELD = "the process was stopped by a signal while it came up"
+
+
 class StartupError(RuntimeError):
     """A process could not start; the message is meant for the terminal."""
 
@@ -208,6 +211,34 @@ class Oversight:
             assert life.stuck_since is not None, "what is lost is stuck"
             kill = f"it was stuck for {now - life.stuck_since:.0f} s"
         return Assessed(changes, kill)
+
+    def assess_start(self, life: Life, now: float) -> Assessed:
+        """Look at a process that does not work yet, and tell when a signal holds it.
+
+        No heartbeats are expected of it, and how long it takes to come up is nobody's business
+        here. But one that is held comes up never: in a life after the first it is to be killed, as
+        one that works would be.
+
+        Parameters
+        ----------
+        life
+            Of the process.
+        now
+            Monotonic time [s].
+        """
+        held = 0.0 if life.stopped is None else now - life.stopped
+        is_told = held >= self._limits.stopped
+        if is_told and not life.told_stopped:
+            for member in life.members:
+                self._tell_member(life, member, "stuck", _HELD, stopped=True)
+        elif life.told_stopped and life.stopped is None:
+            self.tell(life, "starting")
+        life.told_stopped = is_told or (life.told_stopped and life.stopped is not None)
+        killed, kill = self._limits.killed, ""
+        if killed is not None and self._restarts.ever_died(life.name):
+            over = held - self._limits.stopped >= killed
+            kill = f"it was held by a signal for {held:.0f} s while it came up" if over else ""
+        return Assessed((), kill)
 
     def bury(self, life: Life, reason: str) -> None:
         """Tell of a death; ``reason`` is what is known of it where nobody has willed it."""

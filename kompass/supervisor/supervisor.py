@@ -176,6 +176,9 @@ class Supervisor:
     def _assess(self, child: Child, now: float) -> None:
         life, heartbeat = child.life, child.spec.heartbeat
         if not life.active:
+            assessed = self._oversight.assess_start(life, now)
+            if assessed.kill:
+                self._kill(child, assessed.kill)
             return
         silent = now - heartbeat.last_sent()
         lags: dict[str, float | None] = {}

@@ -22,11 +22,15 @@ def test_nothing_is_overdue_sooner_than_a_busy_machine_may_be_late() -> None:
     assert heard(0.02 * n for n in range(20)).patience(3, 0.5) == SHORTEST
 
 
-def test_the_timeout_counts_where_it_is_shorter_or_there_is_no_rhythm_yet() -> None:
+def test_the_timeout_counts_where_it_is_shorter() -> None:
     assert heard(0.2 * n for n in range(10)).patience(3, 0.5) == 0.5
     assert heard(0.1 * n for n in range(10)).patience(3, 0.2) == 0.2
-    assert heard((0.0, 0.1, 0.2)).patience(3, 0.5) == 0.5
-    assert Rhythm().patience(3, 0.5) == 0.5
+
+
+def test_of_whom_no_rhythm_is_known_the_least_is_believed() -> None:
+    assert Rhythm().patience(3, 0.5) == SHORTEST
+    assert heard((0.0, 0.2, 0.4)).patience(3, 0.5) == SHORTEST
+    assert Rhythm().patience(3, 0.2) == 0.2
 
 
 def test_messages_that_came_late_and_then_at_once_change_no_rhythm() -> None:

@@ -82,6 +82,24 @@ def test_that_a_signal_holds_it_is_told_at_once_and_once() -> None:
     ]
 
 
+def test_one_that_is_held_before_it_works_is_told_of_and_killed_only_in_a_later_life() -> None:
+    for died_before in (False, True):
+        listener, one = Listener(), life()
+        if died_before:
+            listener.oversight.after_death(life(), 0.5, failed=True)
+        one.active, one.stopped = False, 1.0
+
+        kills = [listener.oversight.assess_start(one, now).kill for now in (1.1, 1.3, 4.2, 4.3)]
+        one.stopped = None
+        listener.oversight.assess_start(one, 4.4)
+
+        assert [(news.state, news.stopped) for news in listener.heard] == [
+            ("stuck", True),
+            ("starting", False),
+        ]
+        assert [bool(kill) for kill in kills] == [False, False, False, died_before]
+
+
 def test_a_death_is_told_with_the_will_behind_it_and_again_when_it_is_given_up() -> None:
     listener, one = Listener(), life()
     one.killed = "a restart was asked for"

@@ -90,6 +90,14 @@ PROGRAM = """
             send_heartbeat("node_a")
             time.sleep(0.05)
 
+    def beats_once(report):
+        # Its later lives do not get so far.
+        mark = said.name + "_lived"
+        if os.path.exists(mark):
+            time.sleep(600)
+        open(mark, "w").close()
+        beats(report)
+
     def never(report):
         raise ValueError("cannot start")
 
@@ -453,6 +461,25 @@ def test_a_process_that_stays_stuck_is_killed_and_started_again(
     wait_until(lambda: program.told("a")[-1] == "active" and "dead" in program.told("a"), 6, "life")
     assert program.pid_of("a") != first
     assert "a is killed: it was stuck" in program.text()
+
+
+def test_one_that_a_signal_holds_while_it_starts_again_is_told_of_and_killed(
+    tmp_path: Path, programs: list[Program]
+) -> None:
+    specs = LISTENED.replace("beats", "beats_once")
+    program = Program(tmp_path, specs, name="ear", options=LIMITED.format("killed=1.5"))
+    programs.append(program)
+    wait_until(lambda: "active" in program.told("a"), 10, "a living process")
+    os.kill(program.pid_of("a"), signal.SIGKILL)
+    wait_until(lambda: program.told("a")[-2:] == ["dead", "starting"], 5, "a second life")
+    second = program.pid_of("a")
+    os.kill(second, signal.SIGSTOP)
+    wait_until(lambda: program.told("a")[-1] == "stuck", 5, "word of it")
+    os.kill(second, signal.SIGCONT)
+    wait_until(lambda: program.told("a")[-1] == "starting", 5, "word that it goes on")
+    os.kill(second, signal.SIGSTOP)
+    wait_until(lambda: program.told("a")[-3:] == ["stuck", "dead", "starting"], 10, "a third life")
+    assert "a is killed: it was held by a signal" in program.text()
 
 
 def test_a_busy_executor_is_shown_and_left_alone(tmp_path: Path, programs: list[Program]) -> None:

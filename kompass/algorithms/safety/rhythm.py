@@ -29,8 +29,11 @@ class Rhythm:
         missed
             How many in a row may be left out.
         longest
-            What it is at most, and where there is no rhythm yet [s].
+            What it is at most [s].
+
+        Where there is no rhythm yet, it is as short as can be: one who has just begun to listen
+        must not drive on for longest by the only message that there was.
         """
         if len(self._pauses) < KNOWN:
-            return longest
+            return min(longest, SHORTEST)
         return min(longest, max(SHORTEST, missed * median(self._pauses)))
