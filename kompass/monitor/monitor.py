@@ -8,6 +8,7 @@ from functools import partial
 from builtin_interfaces.msg import Time
 
 from kompass.access.gatekeeper import Gatekeeper
+from kompass.bus.clock import Clock
 from kompass.bus.node import Executor, Node
 from kompass.channel.channels import Channels
 from kompass.components.base.component import Component
@@ -169,7 +170,7 @@ class Monitor:
             explanations.explain,
             explanations.firings,
             graph.view,
-            recording.save if recording else None,
+            partial(_save, recording, main, node.clock) if recording else None,
         )
         gatekeeper = Gatekeeper(node)
         self._services = Services(
@@ -228,6 +229,13 @@ class Monitor:
         self._runner.close()
         if self._recording is not None:
             self._recording.close()
+
+
+def _save(
+    recording: FlightRecording, main: MainThread, clock: Clock, seconds: float, name: str
+) -> str:
+    """Keep the last seconds up to now; no step of the engine is cut in two."""
+    return recording.save(seconds, name, main.call(clock.monotonic_ns))
 
 
 def _recipe_key(rules: Table, components: Iterable[str]) -> str:

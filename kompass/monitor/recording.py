@@ -50,7 +50,7 @@ class FlightRecording(Protocol):
     def fired(self, entry: FiringRecord) -> None:
         """Take note of an entry of the journal; must not wait."""
 
-    def save(self, seconds: float, name: str) -> str:
+    def save(self, seconds: float, name: str, until_ns: int) -> str:
         """Keep the last seconds under a name, and return the path of the file.
 
         Called on a worker, which may wait. What it raises has a sentence for a person.
@@ -61,6 +61,9 @@ class FlightRecording(Protocol):
             0 for all there is.
         name
             Empty for one that is made of the time.
+        until_ns
+            Where it ends: monotonic time between two steps of the engine [ns]. What came later may
+            be there without what the engine made of it.
         """
 
     def close(self) -> None:

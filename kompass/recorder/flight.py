@@ -66,8 +66,8 @@ class FlightRecorder:
             if self._store is not None:
                 self._store.keep_recording(entry.number, keep.path)
 
-    def save(self, seconds: float, name: str) -> str:
-        """Keep the last seconds (0: all there is) under a name; the path of the file.
+    def save(self, seconds: float, name: str, until_ns: int) -> str:
+        """Keep the last seconds (0: all there is) up to a moment under a name; the file's path.
 
         Raises
         ------
@@ -89,8 +89,10 @@ class FlightRecorder:
         name = name or time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
         path = saved_path(self._recordings, name)
         self._queue.wait_for_disk(SETTLE)
+        end = until_ns + self._queue.offset_ns
+        start = end - int(seconds * 1e9) if seconds else 0
         job = {"kind": "save", "recordings": str(self._recordings), "path": str(path)}
-        with Worker(**job, seconds=seconds) as worker:
+        with Worker(**job, start=start, end=end) as worker:
             return str(worker.answer())
 
     def close(self) -> None:

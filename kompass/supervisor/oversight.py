@@ -13,7 +13,6 @@ from kompass.supervisor.liveness import Condition, LivenessLimits, Observation, 
 from kompass.supervisor.news import ProcessCondition, ProcessNews
 from kompass.supervisor.restarts import Restarts
 
-
 _HELD = "the process was stopped by a signal while it came up"
 
 

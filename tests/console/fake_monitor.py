@@ -157,7 +157,7 @@ class NoFiles:
     def fired(self, entry: FiringRecord) -> None:
         """Nothing is kept."""
 
-    def save(self, seconds: float, name: str) -> str:
+    def save(self, seconds: float, name: str, until_ns: int) -> str:
         if name == "taken":
             raise FileExistsError("there is a recording 'taken' already")
         return f"/recordings/{name}.mcap"

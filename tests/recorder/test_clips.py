@@ -166,7 +166,7 @@ def test_with_recording_switched_off_there_is_no_process_and_saving_says_why(
     assert flight.event_log is None
     flight.fired(entry("firing", "critical"))
     with pytest.raises(NotRecording, match="--no-record"):
-        flight.save(10.0, "")
+        flight.save(10.0, "", 0)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -177,10 +177,26 @@ def test_a_robot_with_no_place_to_record_drives_all_the_same(
     assert "nothing is recorded: there is no home folder" in caplog.text
 
 
+def test_what_came_after_the_moment_of_asking_is_not_kept(tmp_path: Path) -> None:
+    queue = ShmQueue()
+    asked = 40 * NS
+    rotating = RotatingRecording(rotation_folder(tmp_path), {"life": "1"}, lambda: START)
+    stream = message_stream("/scan", "sensor_msgs/msg/LaserScan", "tap", "scan")
+    for second in range(60):
+        rotating.write(stream, queue.offset_ns + second * NS, b"x")
+    rotating.close()
+
+    kept = FlightRecorder(tmp_path, queue, None).save(10.0, "asked", asked)
+
+    with Recording([Path(kept)]) as recording:
+        assert recording.start_time == queue.offset_ns + asked - 10 * NS
+        assert asked - NS <= recording.end_time - queue.offset_ns <= asked
+
+
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf")])
 def test_a_length_that_is_none_is_refused(tmp_path: Path, seconds: float) -> None:
     with pytest.raises(ValueError, match="is no length of time"):
-        FlightRecorder(tmp_path, ShmQueue(), None).save(seconds, "x")
+        FlightRecorder(tmp_path, ShmQueue(), None).save(seconds, "x", 0)
 
 
 def test_what_a_killed_process_left_half_written_goes(tmp_path: Path) -> None:

@@ -137,7 +137,7 @@ class DriveRecording:
     def fired(self, entry: FiringRecord) -> None:
         """All of the drive is kept."""
 
-    def save(self, seconds: float, name: str) -> str:
+    def save(self, seconds: float, name: str, until_ns: int) -> str:
         """Keep nothing apart.
 
         Raises

@@ -14,7 +14,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Self
@@ -144,9 +143,8 @@ def _backtest(
     return {"report": done.report.model_dump_json(), "remark": done.remark}
 
 
-def _save(_: Callable[..., None], recordings: str, path: str, seconds: float) -> str:
-    start = time.time_ns() - int(seconds * 1e9) if seconds else 0
-    return str(save_clip(Path(recordings), Path(path), start))
+def _save(_: Callable[..., None], recordings: str, path: str, start: int, end: int) -> str:
+    return str(save_clip(Path(recordings), Path(path), start, end))
 
 
 _JOBS: dict[str, Callable[..., Any]] = {"backtest": _backtest, "save": _save}
