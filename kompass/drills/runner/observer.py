@@ -84,6 +84,7 @@ class Observer:
         self._silent: set[str] = set()
         self._stopped = False
         self._releasing = ""
+        self._release_answered = False
         self._epoch = ""
         self._faults: list[str] = []
         self._alarms: dict[str, str] = {}
@@ -185,6 +186,8 @@ class Observer:
 
     def _on_drive_state(self, state: DriveState) -> None:
         if state.stopped and not self._stopped:
+            if self._release_answered:
+                self._releasing = ""  # it was for an earlier STOP, or for none
             self.note(StopPressed, state.stopped_by, state.reason)
         elif self._stopped and not state.stopped:
             by = self._releasing or "nobody"
@@ -193,8 +196,17 @@ class Observer:
         self._stopped = state.stopped
 
     def releasing(self, by: str) -> None:
-        """A person asks for the release of STOP (empty: in vain); who else lets it go is none."""
-        self._releasing = by if self._stopped else ""
+        """A person asks for the release of STOP; who else lets it go is none.
+
+        It may be asked for before STOP has been heard of: requests have a way, too.
+        """
+        self._releasing, self._release_answered = by, False
+
+    def release_answered(self, *, released: bool) -> None:
+        """A request for the release was carried out, or refused."""
+        self._release_answered = True
+        if not released:
+            self._releasing = ""
 
     def _on_faults(self, message: String) -> None:
         faults = json.loads(message.data)

@@ -276,8 +276,7 @@ class Operator:
             asked.add_done_callback(self._on_release)
 
     def _on_release(self, answered: Any) -> None:
-        if not answered.result().success:
-            self._observer.releasing("")
+        self._observer.release_answered(released=answered.result().success)
 
 
 @dataclass(frozen=True)
