@@ -24,7 +24,7 @@ _MESSAGES = (30.0, 200)  # a second, and at once: a page says ten; a console tha
 _LONGEST = 500  # characters of one message
 SILENT = 0.25  # s without a page's word after which its hand counts as away
 _LOOK = 0.05  # s between two looks at that
-_GIVEN_UP = 3.0  # s of silence; the drive manager waits no longer, either
+_GIVEN_UP = 5.0  # s of silence; the drive manager waits no longer, either
 _SETTLES = 2.0  # s in which the drive manager has said who drives
 
 _LOST = "The wheel was lost: {why}. Take it again."

@@ -121,7 +121,7 @@ class WheelLink:
         Raises
         ------
         NoAnswer
-            When the drive manager does not answer; it frees the wheel by itself after 3 s.
+            When the drive manager does not answer; it frees the wheel by itself after 5 s.
         """
         request = TakeWheel.Request(
             what=TakeWheel.Request.GIVE, operator_name=operator, session=hold.session

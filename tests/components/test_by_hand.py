@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import pytest
 from automatika_ros_sugar.srv import ExecuteMethod
@@ -12,56 +11,13 @@ from kompass_interfaces.msg import DriveState, HandCommand
 from kompass_interfaces.srv import ReleaseStop, StopRobot, TakeWheel
 
 from kompass.components import DriveManager
-from kompass.rclpy_ext.topic import SENSOR
-from kompass.signing.session_key import SessionKey
-from kompass.store.robot_key import robot_key
 from tests.components.alive import LATCHED, Alive
 from tests.components.toy_robot import ToyRobot
+from tests.support.hand import PERIOD, Hand
 
 Run = Callable[..., Alive]
 Ask = TakeWheel.Request
-PERIOD = 0.1  # s, as a page renews its command
 DEAD_MAN = 0.25  # s, the promise
-
-
-class Hand:
-    """Somebody at a page: holds the stick at ``vx`` and ``omega`` while ``sends``."""
-
-    def __init__(self, alive: Alive, name: str) -> None:
-        self._alive, self.name, self.session = alive, name, f"{name}'s session"
-        self.vx = self.vy = self.omega = 0.0
-        self.sends = True
-        self.sent: list[tuple[float, HandCommand]] = []
-        self.key: SessionKey | None = None
-        self._publisher = alive.publisher(
-            HandCommand, f"/{alive.component.node_name}/hand", SENSOR.to_ros()
-        )
-        alive.node.create_timer(PERIOD, self._tick)
-
-    def ask(self, what: int = Ask.TAKE) -> TakeWheel.Response:
-        request = Ask(what=what, operator_name=self.name, session=self.session)
-        return self._alive.call(TakeWheel, "take_wheel", request)
-
-    def take(self, what: int = Ask.TAKE) -> None:
-        answer = self.ask(what)
-        assert answer.success, answer.message
-        self.key = SessionKey(robot_key(), self.session, answer.seed)
-
-    def publish(self, command: HandCommand) -> None:
-        self._publisher.publish(command)
-
-    def command(self, **more: Any) -> HandCommand:
-        now = self._alive.clock.monotonic()
-        fields = {"session": self.session, "sequence": len(self.sent) + 1, "sent": now}
-        twist = {"vx": self.vx, "vy": self.vy, "omega": self.omega}
-        command = HandCommand(**(fields | twist | more))
-        return command if self.key is None else self.key.sign(command)
-
-    def _tick(self) -> None:
-        if self.sends and self.key is not None:
-            command = self.command()
-            self.sent.append((self._alive.clock.monotonic(), command))
-            self.publish(command)
 
 
 class Scene:
@@ -103,8 +59,12 @@ class Scene:
         self.wait(self.moves, "motion")
         return hand
 
+    def hand(self, name: str) -> Hand:
+        """Somebody who has a stick, and not the wheel."""
+        return Hand(self.alive, name, self.alive.component.node_name, "take_wheel")
+
     def at_wheel(self, name: str = "ava") -> Hand:
-        hand = Hand(self.alive, name)
+        hand = self.hand(name)
         hand.take()
         self.alive.rest(2 * PERIOD)  # it is seen that nothing is held
         return hand
@@ -146,13 +106,13 @@ def test_a_hand_that_falls_silent_has_the_robot_told_to_stand_in_time(scene: Sce
 def test_a_wheel_of_which_nothing_is_heard_is_free_again(scene: Scene) -> None:
     hand = scene.driven()
     hand.sends = False
-    scene.wait(lambda: not scene.state.driven_by, "a free wheel", 5.0)
+    scene.wait(lambda: not scene.state.driven_by, "a free wheel", 10.0)
     hand.sends = True  # it comes back with the stick still held
     assert scene.stands()
 
 
 def test_two_never_drive_at_once_and_the_wheel_can_be_taken_over(scene: Scene) -> None:
-    ava, ben = scene.driven(), Hand(scene.alive, "ben")
+    ava, ben = scene.driven(), scene.hand("ben")
     refused = ben.ask()
     assert not refused.success
     assert "ava drives by hand" in refused.message

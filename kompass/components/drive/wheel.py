@@ -13,11 +13,12 @@ from kompass.components.drive.command_queue import STILL, Twist2D
 
 DEAD_MAN = 0.25  # s without a command after which the robot has been told to stand
 LOOK = 0.02  # s between two looks at whether that is so
-SILENT = DEAD_MAN - LOOK  # s after which a look that comes late still keeps the promise
+WAY = 0.02  # s that a command may take from the hand, and the zero twist to the wheels
+SILENT = DEAD_MAN - LOOK - WAY  # s without a command that are too many
 # s of silence after which what is held must be let go first. A shorter one is a hiccup of the
 # network, and the hand is known to have been there before and after it.
 INTERRUPTED = 1.0
-LAPSE = 3.0  # s of silence after which nobody drives any more
+LAPSE = 5.0  # s of silence after which nobody drives any more
 
 # Why a command is not obeyed.
 NOT_AT_THE_WHEEL = "it is not of who has the wheel"

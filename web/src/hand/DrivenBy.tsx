@@ -8,6 +8,7 @@ export function DrivenBy({ place }: { place: "bar" | "line" }) {
   const { drive } = useStop();
   const { yours } = useHand();
   if (drive === null || drive.driven_by === "") return null;
+  if (yours && place === "line") return null; // the strip above it says so
   return (
     <span className={classes.driven} data-place={place} data-testid={`driven-by-${place}`}>
       {drivenText(drive.driven_by, yours)}
