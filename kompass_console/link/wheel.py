@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import secrets
 import time
 from typing import Any
@@ -18,6 +19,7 @@ from kompass_console.link.graph.services import ServicePool
 from kompass_console.schema.plain import plain
 
 TIMEOUT = 1.5  # s in which the drive manager answers, a second proof included
+FOUND_WITHIN = 1.5  # s in which one shows up of a stack that has just come
 
 _HAND = "hand"  # topic beside the service
 
@@ -101,6 +103,9 @@ class WheelLink:
         WheelRefused
             When it does not give the wheel.
         """
+        deadline = time.monotonic() + FOUND_WITHIN
+        while not self._publishers and time.monotonic() < deadline:
+            await asyncio.sleep(0.05)
         service = min(self._publishers, default=None)
         if service is None:
             raise NoAnswer("no drive manager that can be driven by hand is there")

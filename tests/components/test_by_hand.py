@@ -66,7 +66,7 @@ class Scene:
     def at_wheel(self, name: str = "ava") -> Hand:
         hand = self.hand(name)
         hand.take()
-        self.alive.rest(2 * PERIOD)  # it is seen that nothing is held
+        self.alive.rest(4 * PERIOD)  # it is seen that nothing is held
         return hand
 
     def press_stop(self) -> None:
@@ -137,6 +137,7 @@ def test_after_stop_a_person_releases_it_and_the_hand_lets_go_before_it_moves(
     assert scene.state.limited_by == "let go first"
     hand.vx = 0.0
     scene.wait(lambda: scene.state.limited_by == "", "that it was let go")
+    scene.alive.rest(3 * PERIOD)
     hand.vx = 0.2
     scene.wait(scene.moves, "motion")
 

@@ -50,9 +50,9 @@ def wheel() -> Wheel:
 
 @pytest.fixture
 def ava(wheel: Wheel) -> Driver:
-    """At the wheel since 10.0, with nothing in the hand."""
-    driver = Driver(wheel, 10.0)
-    assert driver.drive(10.0, STILL) == ""
+    """At the wheel since 9.9, with nothing in the hand."""
+    driver = Driver(wheel, 9.9)
+    assert driver.drive(9.9, STILL) == driver.drive(10.0, STILL) == ""
     return driver
 
 
@@ -85,9 +85,19 @@ def test_who_takes_the_wheel_with_the_stick_in_the_hand_lets_go_first(wheel: Whe
     assert wheel.wanted(10.02) == STILL
     assert wheel.is_kept_back(10.02)
     ava.drive(10.1, STILL)
-    ava.drive(10.2)
-    assert wheel.wanted(10.22) == AHEAD
-    assert not wheel.is_kept_back(10.22)
+    ava.drive(10.2, STILL)
+    ava.drive(10.3)
+    assert wheel.wanted(10.32) == AHEAD
+    assert not wheel.is_kept_back(10.32)
+
+
+def test_what_somebody_else_says_once_for_a_hand_he_does_not_hear_is_no_letting_go(
+    wheel: Wheel, ava: Driver
+) -> None:
+    ava.drive(10.1)
+    ava.drive(10.1 + 2 * INTERRUPTED, STILL)  # the console, when it wakes up
+    ava.drive(10.2 + 2 * INTERRUPTED)  # and a hand that has held the stick all the time
+    assert wheel.wanted(10.22 + 2 * INTERRUPTED) == STILL
 
 
 def test_what_was_held_through_a_stop_is_let_go_first(wheel: Wheel, ava: Driver) -> None:
@@ -97,8 +107,9 @@ def test_what_was_held_through_a_stop_is_let_go_first(wheel: Wheel, ava: Driver)
         ava.drive(10.0 + 0.1 * tick)
         assert wheel.wanted(10.02 + 0.1 * tick) == STILL
     ava.drive(10.8, STILL)
-    ava.drive(10.9)
-    assert wheel.wanted(10.92) == AHEAD
+    ava.drive(10.9, STILL)
+    ava.drive(11.0)
+    assert wheel.wanted(11.02) == AHEAD
 
 
 def test_a_short_interruption_is_driven_through_and_after_a_long_one_is_let_go_first(

@@ -29,11 +29,17 @@ def robot(stack: Stack) -> Iterator[Driver]:
 def page(stack: Stack, robot: Driver) -> Iterator[HandPage]:
     """A page at the wheel of a robot that turns on the spot, where there is always room."""
     with HandPage(stack.url) as opened:
-        wait_until(lambda: not robot.newest["/drive_state"].driven_by, 10, "a free wheel")
+        wait_until(lambda: is_free(robot), 15, "a free wheel")
         opened.take()
         opened.hold(omega=0.8)
         wait_until(lambda: turning(robot) > 0.3, 10, "motion")
         yield opened
+
+
+def is_free(robot: Driver) -> bool:
+    """Whether nobody has the wheel."""
+    state = robot.newest.get("/drive_state")
+    return state is not None and not state.driven_by
 
 
 def turning(robot: Driver) -> float:
@@ -78,4 +84,4 @@ def test_it_stands_when_the_console_is_killed_and_nobody_has_the_wheel_then(
 ) -> None:
     os.kill(stack.pid_of("console"), signal.SIGKILL)
     stands(robot)
-    wait_until(lambda: not robot.newest["/drive_state"].driven_by, 15, "a free wheel")
+    wait_until(lambda: is_free(robot), 15, "a free wheel")

@@ -56,12 +56,13 @@ def test_a_drive_manager_that_wakes_up_does_not_drive_by_what_lay_in_its_socket(
 ) -> None:
     ava = Hand(robot, "ava")
     ava.take()
-    robot.rest(0.3)
+    robot.rest(0.5)
     ava.vx = 0.15
     robot.wait_until(lambda: robot.speed > 0.1, 5, "motion by hand")
     robot.stack.stop("drive_manager")
-    robot.rest(0.8)
+    robot.rest(0.5)
     ava.sends = False
+    robot.rest(0.3)
     robot.stack.go_on("drive_manager")
     robot.wait_until(lambda: robot.speed < 0.01, 3, "a standstill")
     assert farthest(robot, 2.0) < 0.01
@@ -70,7 +71,7 @@ def test_a_drive_manager_that_wakes_up_does_not_drive_by_what_lay_in_its_socket(
 def test_another_drive_manager_starts_with_nobody_at_the_wheel(robot: VirtualRobot) -> None:
     ava = Hand(robot, "ava")
     ava.take()
-    robot.rest(0.3)
+    robot.rest(0.5)
     ava.vx = 0.15
     robot.wait_until(lambda: robot.speed > 0.1, 5, "motion by hand")
     robot.stack.kill("drive_manager")

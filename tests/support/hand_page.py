@@ -56,14 +56,14 @@ class HandPage:
 
     def take(self) -> None:
         """Take the wheel, and show that nothing is held."""
-        self._say("take")
 
         def yours() -> bool:
+            self._say("take")
             return bool(json.loads(self._socket.recv(timeout=patient(5.0)))["yours"])
 
         wait_until(yours, 10, "the wheel")
         self.hold()
-        time.sleep(3 * PERIOD)
+        time.sleep(5 * PERIOD)
 
     def hold(self, **twist: float) -> None:
         """Hold the stick so, until told otherwise."""

@@ -18,6 +18,9 @@ SILENT = DEAD_MAN - LOOK - WAY  # s without a command that are too many
 # s of silence after which what is held must be let go first. A shorter one is a hiccup of the
 # network, and the hand is known to have been there before and after it.
 INTERRUPTED = 1.0
+# Commands of nothing in a row that are a hand which has let go. The first may be the console's, for
+# a hand that it does not hear.
+RESTS = 2
 LAPSE = 5.0  # s of silence after which nobody drives any more
 
 # Why a command is not obeyed.
@@ -54,6 +57,7 @@ class _Hold:
     delay: Delay = field(default_factory=Delay)
     twist: Twist2D = STILL
     asks: bool = False  # for a motion, obeyed or not
+    rests: int = 0  # commands of nothing in a row
     let_go_first: bool = True  # whoever takes the wheel with the stick in the hand lets go first
 
 
@@ -94,7 +98,7 @@ class Wheel:
     def let_go(self) -> None:
         """What is held now must be let go before it moves the robot again."""
         if self._hold is not None:
-            self._hold.twist, self._hold.let_go_first = STILL, True
+            self._hold.twist, self._hold.let_go_first, self._hold.rests = STILL, True, 0
 
     def hear(self, command: Command, now: float) -> str:
         """Take a command in; why it is not obeyed, and nothing when it is."""
@@ -113,10 +117,11 @@ class Wheel:
         if delay >= SILENT:
             return LATE
         if now - hold.renewed >= INTERRUPTED:
-            hold.let_go_first = True
+            hold.let_go_first, hold.rests = True, 0
         hold.renewed = now - delay
         hold.asks = any(twist)
-        if not hold.asks:
+        hold.rests = 0 if hold.asks else hold.rests + 1
+        if hold.rests >= RESTS:
             hold.let_go_first = False
         hold.twist = STILL if hold.let_go_first else twist
         return ""
