@@ -73,7 +73,6 @@ def cut(stack: Stack, robot: Listener, number: signal.Signals | None, pause: flo
         robot.told.clear()
         if number is None:
             page.fall_silent()
-            time.sleep(0.001)
             moment = page.last
         else:
             moment = time.monotonic()

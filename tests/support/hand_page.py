@@ -40,6 +40,7 @@ class HandPage:
         )
         self._twist: dict[str, float] = {}
         self._speaks = threading.Event()
+        self._speaking = threading.Lock()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._renew)
         self.last = 0.0  # when it said something last; monotonic s
@@ -72,11 +73,14 @@ class HandPage:
 
     def fall_silent(self) -> None:
         """Say nothing any more, and keep the connection."""
-        self._speaks.clear()
+        with self._speaking:
+            self._speaks.clear()
 
     def _renew(self) -> None:
         while not self._ended.wait(PERIOD):
-            if self._speaks.is_set():
+            with self._speaking:
+                if not self._speaks.is_set():
+                    continue
                 try:
                     self._say("drive", t=time.monotonic(), **self._twist)
                 except ConnectionClosed:
