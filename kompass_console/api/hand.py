@@ -103,7 +103,7 @@ class HandPage:
         self._heard = now - delay
         twist = (request.vx, request.vy, request.omega)
         self._moves = any(twist)
-        self._hold.drive(*twist)
+        self._hold.drive(*twist, age=delay)
 
     async def _take(self, *, over: bool) -> None:
         deed = "take over the wheel" if over else "take the wheel"

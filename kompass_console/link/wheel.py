@@ -49,13 +49,19 @@ class Hold:
         self._key, self._publisher = key, publisher
         self._sequence = 0
 
-    def drive(self, vx: float, vy: float, omega: float) -> None:
-        """Ask for a twist from now on, for as long as it is renewed [m/s, m/s, rad/s]."""
+    def drive(self, vx: float, vy: float, omega: float, age: float = 0.0) -> None:
+        """Ask for a twist from now on, for as long as it is renewed [m/s, m/s, rad/s].
+
+        Parameters
+        ----------
+        age
+            How old the word of the hand is [s]: the drive manager counts from when it was said.
+        """
         self._sequence += 1
         command = HandCommand(
             session=self.session,
             sequence=self._sequence,
-            sent=time.monotonic(),
+            sent=time.monotonic() - age,
             vx=vx,
             vy=vy,
             omega=omega,
