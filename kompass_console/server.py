@@ -35,6 +35,7 @@ from kompass_console.web.connections import (
     GatedWebSocket,
 )
 from kompass_console.web.console import Console
+from kompass_console.web.hands import Hands
 from kompass_console.web.open_sockets import OpenSockets
 from kompass_console.web.rules_feed import RulesFeed
 from kompass_console.web.session_records import SessionRecords
@@ -112,6 +113,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
             link=link,
             checker=GoalChecker(link, world),
             sockets=OpenSockets(auth, settings.limits),
+            hands=Hands(),
             views=views,
             scene=scene,
             feed=feed,

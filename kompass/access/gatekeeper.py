@@ -11,6 +11,7 @@ from kompass.bus.node import Node
 from kompass.printable import printable
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.signing.proof import LIFE, Verifier
+from kompass.signing.session_key import SessionKey
 from kompass.store.robot_key import robot_key
 
 CHALLENGE = "challenge"  # the topic of a node where its challenges are
@@ -23,6 +24,10 @@ _REMEDY = (
 STALE = (
     "the request is refused: its proof is too old, or from before the node was started anew; "
     "try again"
+)
+UNSIGNED_HAND = (
+    "the request is refused: nobody drives by hand without the robot's key, whatever --ros-control "
+    "says; use kompass-console as the user who runs the robot, or give it the key with --robot-key"
 )
 _FAULTS = {
     "stale": STALE,
@@ -59,7 +64,8 @@ class Gatekeeper:
     def __init__(self, node: Node) -> None:
         self._node, self._clock = node, node.clock
         self._control = ros_control()
-        self._verifier = Verifier(robot_key(), self._clock.monotonic())
+        self._key = robot_key()
+        self._verifier = Verifier(self._key, self._clock.monotonic())
         self._publisher = node.create_publisher(
             String, f"{node.get_name()}/{CHALLENGE}", LATCHED.to_ros()
         )
@@ -122,6 +128,10 @@ class Gatekeeper:
             f"{what} only where it is"
         )
         raise self._refuse(service, who, f"{text}; {_REMEDY.format(mode=mode)}")
+
+    def session_key(self, session: str, seed: str) -> SessionKey:
+        """The key of a session that was agreed upon in a request that was let in."""
+        return SessionKey(self._key, session, seed)
 
     def _refuse(self, service: str, who: str, why: str) -> NotAdmitted:
         self._refused += 1

@@ -58,6 +58,12 @@ class Signer:
         """Whether anything was heard of the server: before that, nothing is asked. Any thread."""
         return self._heard
 
+    @property
+    def key(self) -> RobotKey | None:
+        """The key that the server has, if it is among ours and was heard of. Any thread."""
+        known = self._known
+        return None if known is None else known.key
+
     def sign(self, service: str, request: Any) -> Any:
         """Give a request its proof, and return it. Any thread.
 

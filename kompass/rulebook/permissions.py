@@ -32,6 +32,7 @@ RELEASE_TYPE = "kompass_interfaces/srv/ReleaseStop"
 # The wheels are reached through the drive manager's gate and by no other way.
 MOTION_TYPES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 DRIVE_MANAGER = "drive_manager"
+HAND = "hand"  # topic of a drive manager, for people only
 MONITOR = "monitor"
 # What the gate hears and says beside the topics of its inputs and outputs; and what every node of
 # the robot believes.
@@ -129,7 +130,8 @@ class Permissions:
         )
         gates = [spec for name, spec in components.items() if name in self.gates]
         chain = [spec.hears | spec.speaks for spec in gates] or [_USUAL]
-        self._chain = frozenset.union(_OF_THE_GATE, *chain)
+        hands = frozenset(f"{gate}/{HAND}" for gate in self.gates)
+        self._chain = frozenset.union(_OF_THE_GATE, hands, *chain)
         others = {name: spec for name, spec in components.items() if name not in self.gates}
         self._heard = frozenset[str]().union(*(spec.hears for spec in others.values()))
         self._spoken = {topic: name for name, spec in others.items() for topic in spec.speaks}

@@ -20,6 +20,7 @@ from kompass_console.api import (
     backtests,
     drills,
     goals,
+    hand,
     insight,
     live,
     page,
@@ -34,6 +35,7 @@ from kompass_console.api.access import LoggedIn
 from kompass_console.api.audited import AuditRequests
 from kompass_console.link.state import build_state
 from kompass_console.schema.drill_models import DrillRequest
+from kompass_console.schema.hand_models import HandAnswer, HandRequest
 from kompass_console.schema.models import ErrorAnswer, ErrorDetail, Ping, StateMessage
 from kompass_console.schema.rule_models import (
     ApplyRequest,
@@ -51,6 +53,8 @@ from kompass_console.web.web_guard import WebGuard
 _BESIDE_ROUTES: tuple[type[BaseModel], ...] = (
     StateMessage,
     Ping,
+    HandRequest,
+    HandAnswer,
     RulesLive,
     ProbeRequest,
     ProbeReading,
@@ -99,6 +103,7 @@ def create_app(console: Console | None) -> FastAPI:
         scene.views,
         goals.router,
         stop.router,
+        hand.router,
         live.router,
         probe.router,
         rules.router,

@@ -138,4 +138,10 @@ def _refusal(console: Console, checked: Checked) -> ConsoleError | None:
     drive = console.link.drive.info()
     if drive is not None and drive.stopped:
         return ConsoleError(409, STOPPED, "Release STOP when the way is clear, then send it again.")
+    if drive is not None and drive.driven_by:
+        return ConsoleError(
+            409,
+            f"{drive.driven_by} drives by hand.",
+            "Send the goal again when the wheel has been given up.",
+        )
     return None

@@ -27,7 +27,7 @@ FOUND_WITHIN = 1.5  # s in which a service shows up of a stack that has just com
 # have to be signed anew. Nobody is in danger meanwhile.
 RELEASE_TIMEOUT = 3.0  # s
 
-_Said = tuple[bool, bool, str, str, str, float]
+_Said = tuple[bool, bool, str, str, str, str, str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ class DriveLink:
         if said is None:
             return None
         age = said.age()
-        stopped, standstill, stopped_by, reason, limited_by, speed_factor = said.value
+        stopped, standstill, stopped_by, reason, limited_by, driven_by, _, speed_factor = said.value
         return DriveInfo(
             available=age < AVAILABLE_WITHIN,
             stopped=stopped,
@@ -69,9 +69,16 @@ class DriveLink:
             stopped_by=stopped_by,
             reason=reason,
             limited_by=limited_by,
+            driven_by=driven_by,
             speed_factor=speed_factor,
             age=age,
         )
+
+    @property
+    def hand_session(self) -> str:
+        """The word with which the wheel was taken, as it was last heard; empty when it is free."""
+        said = self._said.get()
+        return "" if said is None else said.value[6]
 
     async def stop(self, operator: str, reason: str) -> DriveAnswer:
         """Latch STOP in every drive manager; accepted when all have said so.
@@ -115,5 +122,7 @@ def _said_of(message: Any) -> _Said:
         plain(message.stopped_by, LONGEST_LABEL),
         plain(message.reason),
         plain(message.limited_by),
+        plain(message.driven_by, LONGEST_LABEL),
+        plain(message.hand_session, LONGEST_LABEL),
         float(message.speed_factor),
     )

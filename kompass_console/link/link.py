@@ -29,6 +29,7 @@ from kompass_console.link.rules.monitor import MonitorLink
 from kompass_console.link.rules.topic_watch import TopicWatch
 from kompass_console.link.rules.watch import RulesWatch
 from kompass_console.link.streams import Streams
+from kompass_console.link.wheel import WheelLink
 from kompass_console.schema.plain import plain
 from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
@@ -99,6 +100,7 @@ class RosLink:
         self.components = Components(self._node, changed)
         self.inputs = Inputs(self._node)
         self.drive = DriveLink(self._node, changed)
+        self.wheel = WheelLink(self._node)
         self.goals = Goals(self._node, world, changed)
         self.rules = RulesWatch(changed, rules_said)
         self.monitor = MonitorLink(self._node, self.rules.follow)
@@ -183,6 +185,7 @@ class RosLink:
         self.components.refresh(published, self.processes.of)
         self.inputs.refresh(self.components.names)
         self.drive.refresh(published, services)
+        self.wheel.refresh(services)
         self.goals.refresh(published, services)
         self._checks.refresh(services)
         self.processes.refresh(published)

@@ -33,15 +33,33 @@ html[data-mantine-color-scheme="dark"] canvas[data-engine] {{ background: {FLOOR
 # ever has, and a dropped scene would stay frozen. fixedDpr: it lowers its resolution for good
 # when a frame is slow, and text and walls blur; sharp pixels up to twice the CSS size are kept.
 # Keys pressed while the scene has the focus (Space is STOP) belong to the page around it, and
-# viser's own shortcuts (a command palette) are kept from it.
+# viser's own shortcuts (a command palette) are kept from it. While the page drives by hand, the
+# keys that drive are told by their place, down and up, and move no camera; who leaves the frame
+# with one of them held has let go.
 _SCRIPT = """
 Document.prototype.hasFocus = function () { return true; };
 (function () {
   var query = new URLSearchParams(location.search);
   query.set("fixedDpr", String(Math.min(window.devicePixelRatio || 1, 2)));
   history.replaceState(null, "", "?" + query.toString());
+  var drives = /^(Key[WASDQE]|Arrow(Up|Down|Left|Right))$/;
+  function hand(event, down) {
+    if (!drives.test(event.code) || parent.document.documentElement.dataset.hand === undefined)
+      return false;
+    event.stopImmediatePropagation();
+    event.preventDefault();
+    if (!event.repeat)
+      parent.postMessage({ kompass: "hand", code: event.code, down: down }, location.origin);
+    return true;
+  }
+  window.addEventListener("keyup", function (event) { hand(event, false); }, true);
+  window.addEventListener("blur", function () {
+    parent.postMessage({ kompass: "left" }, location.origin);
+  });
   window.addEventListener("keydown", function (event) {
     var chord = event.ctrlKey || event.metaKey || event.altKey;
+    if (chord) parent.postMessage({ kompass: "left" }, location.origin);
+    else if (hand(event, true)) return;
     var stop = event.key === " " || event.code === "Space";
     if (chord) event.stopImmediatePropagation();
     if (!event.repeat && (stop || !chord))

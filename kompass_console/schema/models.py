@@ -251,7 +251,10 @@ class ComponentInfo(BaseModel):
 
 
 class DriveInfo(BaseModel):
-    """The last gate before the wheels: STOP, measured standstill, and what limits the speed."""
+    """The last gate before the wheels: STOP, measured standstill, and what limits the speed.
+
+    `driven_by` is who drives by hand, and empty when nobody does.
+    """
 
     available: bool
     stopped: bool
@@ -259,6 +262,7 @@ class DriveInfo(BaseModel):
     stopped_by: str
     reason: str
     limited_by: str
+    driven_by: str
     speed_factor: float
     age: float
 

@@ -13,6 +13,7 @@ from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 from kompass_console.web.audit import AuditTrail
 from kompass_console.web.auth import Authenticator, LoginLimiter
+from kompass_console.web.hands import Hands
 from kompass_console.web.open_sockets import OpenSockets
 from kompass_console.web.rules_feed import RulesFeed
 from kompass_console.web.state_feed import StateFeed
@@ -34,6 +35,7 @@ class Console:
     link: RosLink
     checker: GoalChecker
     sockets: OpenSockets
+    hands: Hands
     views: ViewRegistry
     scene: Scene
     feed: StateFeed

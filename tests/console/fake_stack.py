@@ -25,8 +25,8 @@ from geometry_msgs.msg import (
     TransformStamped,
 )
 from kompass_interfaces.action import PlanPath
-from kompass_interfaces.msg import DriveState
-from kompass_interfaces.srv import CheckGoal, ReleaseStop, StopRobot
+from kompass_interfaces.msg import DriveState, HandCommand
+from kompass_interfaces.srv import CheckGoal, ReleaseStop, StopRobot, TakeWheel
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
@@ -39,6 +39,7 @@ from tf2_msgs.msg import TFMessage
 
 from kompass.access.gatekeeper import Gatekeeper, NotAdmitted
 from kompass.rclpy_ext.node import PlainNode
+from kompass.signing.session_key import SessionKey
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -98,6 +99,8 @@ class FakeStack:
         self.x, self.y, self.yaw, self.v = -0.75, -0.6, 0.4, 0.0
         self.stopped_by = ""
         self.reason = ""
+        self.driven_by = self.hand_session = ""
+        self.hand_key: SessionKey | None = None
         self.stopped = threading.Event()
         self.ending = threading.Event()
         self.slow_checks = slow_checks
@@ -132,6 +135,8 @@ class FakeStack:
             self.gatekeeper = Gatekeeper(self.gate)
             node.create_service(StopRobot, "/drive_manager/stop", self.stop)
             node.create_service(ReleaseStop, "/drive_manager/release_stop", self.release)
+            node.create_service(TakeWheel, "/drive_manager/take_wheel", self.take_wheel)
+            node.create_subscription(HandCommand, "/drive_manager/hand", self.by_hand, SENSOR)
         else:
             self.drive = None
         if planner:
@@ -237,6 +242,7 @@ class FakeStack:
         )
         state.stopped_by, state.reason = self.stopped_by, self.reason
         state.limited_by = "stop" if self.stopped.is_set() else ""
+        state.driven_by, state.hand_session = self.driven_by, self.hand_session
         self.drive.publish(state)
 
     def stop(self, request: StopRobot.Request, response: StopRobot.Response) -> object:
@@ -259,6 +265,34 @@ class FakeStack:
         self.say_drive()
         response.success, response.message = True, "released"
         return response
+
+    def take_wheel(self, request: TakeWheel.Request, response: TakeWheel.Response) -> object:
+        try:
+            self.gatekeeper.admit("drive_manager/take_wheel", request)
+        except NotAdmitted as error:
+            response.message = str(error)
+            return response
+        mine = request.session == self.hand_session
+        if request.what == TakeWheel.Request.GIVE:
+            if mine:
+                self.driven_by = self.hand_session = ""
+        elif self.driven_by and not mine and request.what != TakeWheel.Request.TAKE_OVER:
+            response.message = f"{self.driven_by} drives by hand"
+            return response
+        else:
+            self.driven_by, self.hand_session = request.operator_name, request.session
+            response.seed = "seed"
+            self.hand_key = self.gatekeeper.session_key(request.session, response.seed)
+            response.max_vx, response.max_omega = 0.4, 2.0
+        self.say_drive()
+        response.success = True
+        return response
+
+    def by_hand(self, command: HandCommand) -> None:
+        """Obeys for ever, as no drive manager may: so what others do about it can be seen."""
+        if command.session == self.hand_session and self.hand_key is not None:
+            assert self.hand_key.has_signed(command)
+            self.v = command.vx
 
     def path_to(self, x: float, y: float) -> Path:
         path = Path()

@@ -101,6 +101,10 @@ ATTACKS = {
         "parameters": {"robot": {"geometry_params": [0.01, 0.1]}},
     },
     "release the STOP": call("drive_manager/release_stop", "kompass_interfaces/srv/ReleaseStop"),
+    "take the wheel": call(
+        "drive_manager/take_wheel", "kompass_interfaces/srv/TakeWheel", operator_name="ava"
+    ),
+    "turn the wheel": publish("drive_manager/hand", "kompass_interfaces/msg/HandCommand"),
 }
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from hypothesis import strategies as st
 from kompass_interfaces.action import BacktestRules
+from kompass_interfaces.msg import HandCommand
 from kompass_interfaces.srv import (
     ApplyRules,
     CheckGoal,
@@ -22,12 +23,14 @@ from kompass_interfaces.srv import (
     RollbackRules,
     SaveRecording,
     SignedCall,
+    TakeWheel,
 )
 from rclpy.serialization import deserialize_message, serialize_message
 
 from kompass.signing.canonical import canonical_bytes
 from kompass.signing.key import NoKey, RobotKey
 from kompass.signing.proof import LIFE, Verifier, announce, make_proof, read_challenge
+from kompass.signing.session_key import SessionKey
 from tests.support.properties import property_test
 
 KEY, OTHER_KEY = RobotKey.new(), RobotKey.new()
@@ -35,6 +38,7 @@ SERVICE = "/monitor/apply_rules"
 KINDS = [
     *(ApplyRules.Request, RollbackRules.Request, ConfirmRules.Request, ResetRule.Request),
     *(ReleaseStop.Request, SaveRecording.Request, GetHistory.Request, SignedCall.Request),
+    TakeWheel.Request,
     *(BacktestRules.Goal, CheckGoal.Request, GetCmdList.Request),
 ]
 TEXTS = st.text(st.characters(blacklist_characters="\0", blacklist_categories=["Cs"]), max_size=20)
@@ -235,3 +239,36 @@ def test_every_service_of_ours_carries_a_proof_or_has_a_reason_to_carry_none() -
     kinds = {name: kind for name, kind in vars(module).items() if hasattr(kind, "Request")}
     unproved = {name for name, kind in kinds.items() if not hasattr(kind.Request, "proof")}
     assert unproved == set(WITHOUT_PROOF)
+
+
+# -- messages of a session -------------------------------------------------------------------
+
+
+def hand(**fields: Any) -> HandCommand:
+    given = {"session": "s", "sequence": 1, "sent": 2.5, "vx": 0.1, "vy": 0.0, "omega": -0.3}
+    return HandCommand(**(given | fields))
+
+
+def test_a_message_of_a_session_is_believed_as_it_was_sent_and_in_no_other_way() -> None:
+    key = SessionKey(KEY, "session", "seed")
+    sent = over_the_wire(key.sign(hand()))
+    assert SessionKey(KEY, "session", "seed").has_signed(sent)
+    for name, value in (("sequence", 2), ("sent", 2.6), ("vx", 0.2), ("session", "t")):
+        changed = copy.deepcopy(sent)
+        setattr(changed, name, value)
+        assert not key.has_signed(changed), name
+    for proof in ("", sent.proof[:-1], "é"):
+        assert not key.has_signed(hand(proof=proof))
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        SessionKey(OTHER_KEY, "session", "seed"),
+        SessionKey(KEY, "another", "seed"),
+        SessionKey(KEY, "session", "another"),
+        SessionKey(KEY, "sessions", "eed"),
+    ],
+)
+def test_a_session_does_not_believe_what_another_has_signed(other: SessionKey) -> None:
+    assert not SessionKey(KEY, "session", "seed").has_signed(other.sign(hand()))

@@ -43,6 +43,19 @@ export function isInMenu(target: EventTarget | null): boolean {
   return target instanceof Element && target.closest(MENU) !== null;
 }
 
+/** A key of the scene's frame that drives by hand, or null for any other message. */
+export function forwardedHand(
+  event: MessageEvent<unknown>,
+): { code: string; down: boolean } | "left" | null {
+  if (event.origin !== location.origin) return null;
+  const data = event.data;
+  if (typeof data !== "object" || data === null) return null;
+  const { kompass, code, down } = data as Record<string, unknown>;
+  if (kompass === "left") return "left";
+  if (kompass !== "hand" || typeof code !== "string" || typeof down !== "boolean") return null;
+  return { code, down };
+}
+
 /** The key that the scene's frame passed on, or null for any other message. */
 export function forwardedKey(event: MessageEvent<unknown>): string | null {
   if (event.origin !== location.origin) return null;

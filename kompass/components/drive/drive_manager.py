@@ -1,6 +1,7 @@
 """The drive manager: the last gate before the wheels, and short motions that free the robot."""
 
 import math
+import secrets
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, ClassVar
@@ -8,14 +9,14 @@ from typing import Any, ClassVar
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point32, PolygonStamped, Twist, TwistStamped
-from kompass_interfaces.msg import DriveState, TwistArray
-from kompass_interfaces.srv import ReleaseStop, StopRobot
+from kompass_interfaces.msg import DriveState, HandCommand, TwistArray
+from kompass_interfaces.srv import ReleaseStop, StopRobot, TakeWheel
 from numpy.typing import NDArray
 from rclpy.duration import Duration
 from rclpy.task import Future
 from std_msgs.msg import Bool
 
-from kompass.access.gatekeeper import NotAdmitted
+from kompass.access.gatekeeper import UNSIGNED_HAND, NotAdmitted
 from kompass.algorithms.mapping.scan_points import scan_to_points
 from kompass.algorithms.safety.frozen_scan import FrozenScan
 from kompass.algorithms.safety.rhythm import Rhythm
@@ -35,9 +36,10 @@ from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
 from kompass.components.drive.publisher_watch import PublisherWatch, WatchedTopic
 from kompass.components.drive.stop_file import StopFile, StopKeeper, stop_path
 from kompass.components.drive.stop_latch import StopLatch
+from kompass.components.drive.wheel import LAPSE, LOOK, Wheel
 from kompass.printable import printable
 from kompass.rclpy_ext.deferred_service import create_deferred_service
-from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
+from kompass.rclpy_ext.topic import LATCHED, SENSOR, AllowedTopics, Topic
 from kompass.robot import RobotType
 from kompass.store.errors import StoreUnwritable
 from kompass.store.paths import robot_folder
@@ -45,6 +47,8 @@ from kompass.store.paths import robot_folder
 EMERGENCY_PERIOD = 0.5  # s between repetitions of an unchanged emergency flag
 STATE_PERIOD = 0.2  # s
 RELEASE_STOP = "release_stop"  # name of the service
+TAKE_WHEEL, HAND = "take_wheel", "hand"  # names of the service, and of the topic of commands
+IGNORED_PERIOD = 5.0  # s between two lines on commands of a hand that were not obeyed
 SHARE_OF_TOP_SPEED = 0.5
 MARGIN = 0.03  # m to stay outside the critical zone, so that the way out does not end in it
 USEFUL = 0.05  # m; a shorter way frees nothing
@@ -71,6 +75,9 @@ class DriveManager(Component):
     Its actions are motions for rules: measured by odometry, bounded in time, within the limits.
     While one runs, commands of others are ignored. STOP ends it, and refuses the next one. The
     stop zone counts as for any motion: what leads away from an obstacle is allowed.
+
+    A person who has taken the wheel drives by hand, through the same gate: no other command counts
+    meanwhile, and no motion of rules begins. Without a command for 0.25 s the robot stands.
     """
 
     config: DriveManagerConfig
@@ -125,6 +132,9 @@ class DriveManager(Component):
         self._held_since: float | None = None
         self._manoeuvre: Manoeuvre | None = None
         self._ended: Future | None = None
+        self._wheel = Wheel()
+        self._is_cut = False  # and the wheels have been told
+        self._ignored, self._ignored_told = 0, -float("inf")
 
     def _gate_limits(self) -> GateLimits:
         config, robot = self.config, self.config.described_robot
@@ -156,6 +166,8 @@ class DriveManager(Component):
         create_deferred_service(
             self.node, ReleaseStop, f"{name}/{RELEASE_STOP}", self._on_release, _not_released
         )
+        self.node.create_service(TakeWheel, f"{name}/{TAKE_WHEEL}", self._on_wheel)
+        self.node.create_subscription(HandCommand, f"{name}/{HAND}", self._on_hand, SENSOR.to_ros())
         self._restore_stop()
 
     def custom_on_activate(self) -> None:
@@ -171,8 +183,11 @@ class DriveManager(Component):
             Point32(x=float(x), y=float(y)) for x, y in self.config.described_robot.footprint
         ]
         self._footprint_publisher.publish(footprint)
+        self._hand_look = self.create_timer(LOOK, self._look_at_hand)
+        self._hand_look.cancel()
 
     def custom_on_deactivate(self) -> None:
+        self._give_wheel("the drive manager was deactivated")
         self._finish("the drive manager was deactivated")
         # The robot halts with the gate: this may be the last word that the wheels get.
         self._send_halt()
@@ -189,7 +204,7 @@ class DriveManager(Component):
         # Commands that were under way when it was lost come in after its loss is told.
         self._deaf_until = self.clock.monotonic() + LATE
         self._queue.clear()
-        if not self._busy:  # a motion of our own needs nobody
+        if not (self._busy or self._wheel.driver):  # who moves by itself or by hand needs nobody
             self._send_halt()
             self.node.get_logger().warning(f"halted: {reason}")
 
@@ -200,6 +215,7 @@ class DriveManager(Component):
     ) -> StopRobot.Response:
         operator = printable(request.operator_name, LONGEST_NAME) or "somebody"
         self._latch.set(operator, request.reason, self.clock.wall())
+        self._wheel.let_go()
         self._halt()
         self._keep_stop()
         self._publish_state(self.clock.monotonic(), "stop", 0.0)
@@ -232,6 +248,7 @@ class DriveManager(Component):
             response.message += f", but it may come up stopped when it is started anew: {problem}"
         # Commands from before the release are not carried out after it.
         self._queue.clear()
+        self._wheel.let_go()
         self._latch.release()
         self._publish_state(self.clock.monotonic(), "", 1.0)
         by = operator if verified else f"{operator} (unverified)"
@@ -296,16 +313,124 @@ class DriveManager(Component):
             self._gate.halted()
         self._send(STILL)
 
+    # -- by hand ------------------------------------------------------------------------------
+
+    def _on_wheel(
+        self, request: TakeWheel.Request, response: TakeWheel.Response
+    ) -> TakeWheel.Response:
+        operator = printable(request.operator_name, LONGEST_NAME) or "somebody"
+        try:
+            service = f"{self.node_name}/{TAKE_WHEEL}"
+            if not self._gatekeeper.admit(service, request, who=operator):
+                # Commands are signed with a key that is made of the robot's.
+                raise NotAdmitted(UNSIGNED_HAND)
+        except NotAdmitted as error:
+            response.message = str(error)
+            return response
+        wheel = self._wheel
+        if request.what == TakeWheel.Request.GIVE:
+            response.success = True
+            response.message = "the wheel is free"
+            if request.session != wheel.session:
+                response.message = "somebody else has the wheel" if wheel.driver else "it was free"
+            elif wheel.driver:
+                self._give_wheel("given up")
+            return response
+        problem = self._not_taken(request)
+        if problem:
+            response.message = problem
+            return response
+        seed, session = secrets.token_hex(16), request.session
+        before = wheel.driver
+        signed = self._gatekeeper.session_key(session, seed).has_signed
+        wheel.take(operator, session, signed, self.clock.monotonic())
+        self._finish(f"{operator} took the wheel")
+        self._halt()
+        self._hand_look.reset()
+        self._publish_wheel()
+        over = f" over from {before}" if before else ""
+        self.node.get_logger().warning(f"{operator} took the wheel{over}")
+        limits = velocity_limits(self.config.described_robot)
+        response.success, response.seed = True, seed
+        response.max_vx, response.max_omega = limits.vx.max_vel, limits.omega.max_vel
+        response.max_vy = limits.vy.max_vel if self._slides else 0.0
+        return response
+
+    def _not_taken(self, request: TakeWheel.Request) -> str:
+        """Why somebody does not get the wheel; empty when he does."""
+        if not self.is_active:
+            return "the drive manager is not active; start it first"
+        if not request.session:
+            return "session = '': name a random word, of which the key of the commands is made"
+        holder = self._wheel.driver
+        others = holder and request.session != self._wheel.session
+        if others and request.what != TakeWheel.Request.TAKE_OVER:
+            return f"{holder} drives by hand; ask for the wheel, or have an engineer take it over"
+        return ""
+
+    @property
+    def _slides(self) -> bool:
+        """Whether the robot can go sideways."""
+        return bool(self.config.described_robot.model_type is RobotType.OMNI)
+
+    def _give_wheel(self, why: str) -> None:
+        """Nobody drives by hand any more; the robot stands."""
+        driver = self._wheel.driver
+        if not driver:
+            return
+        self._wheel.give()
+        self._hand_look.cancel()
+        # What somebody commanded while the wheel was held may still be under way.
+        self._deaf_until = self.clock.monotonic() + LATE
+        self._halt()
+        self._publish_wheel()
+        self.node.get_logger().warning(f"{driver} does not drive by hand any more: {why}")
+
+    def _publish_wheel(self) -> None:
+        self._publish_state(
+            self.clock.monotonic(), self._state.limited_by, self._state.speed_factor
+        )
+
+    def _on_hand(self, command: HandCommand) -> None:
+        now = self.clock.monotonic()
+        problem = self._wheel.hear(command, now)
+        if not problem:
+            return
+        self._ignored += 1
+        if now - self._ignored_told >= IGNORED_PERIOD:
+            more = f" (and {self._ignored - 1} before it)" if self._ignored > 1 else ""
+            self.node.get_logger().warning(f"a command by hand is not obeyed: {problem}{more}")
+            self._ignored, self._ignored_told = 0, now
+
+    def _look_at_hand(self) -> None:
+        """More often than the loop turns: what the hand does not renew ends in time."""
+        now = self.clock.monotonic()
+        if self._wheel.has_lapsed(now):
+            self._give_wheel(f"nothing was heard for {LAPSE:g} s")
+        elif self._wheel.is_cut(now) and not self._is_cut:
+            self._send_halt()
+        self._is_cut = self._wheel.is_cut(now)
+
+    def _by_hand(self, now: float) -> Twist2D | None:
+        wanted = self._wheel.wanted(now)
+        return wanted if wanted is None or self._slides else (wanted[0], 0.0, wanted[2])
+
     # -- inputs -------------------------------------------------------------------------------
 
+    @property
+    def _is_deaf(self) -> bool:
+        """Whether commands of others do not count now."""
+        by_itself = self._busy or self._wheel.driver
+        return bool(by_itself) or self.clock.monotonic() < self._deaf_until
+
     def _on_command(self, message: Twist) -> None:
-        if self._busy or self.clock.monotonic() < self._deaf_until:
+        if self._is_deaf:
             return
         command = (message.linear.x, message.linear.y, message.angular.z)
         self._queue.put([command], 0.0, self.clock.monotonic())
 
     def _on_commands(self, message: TwistArray) -> None:
-        if not self._busy and self.clock.monotonic() >= self._deaf_until:
+        if not self._is_deaf:
             self._queue.put_array(message, self.clock.monotonic())
 
     def _watched_topics(self) -> list[WatchedTopic]:
@@ -386,6 +511,7 @@ class DriveManager(Component):
         self._tell_of_clocks()
         if self._latch.is_set:
             self._queue.clear()
+            self._wheel.let_go()
         scan, odometry = self.input("sensor_data"), self.input("location")
         if self._overdue(scan, self._scans, self.config.scan_timeout):
             obstacles = None
@@ -393,7 +519,7 @@ class DriveManager(Component):
             odometry_age = math.inf
         given = GateInput(
             wanted=wanted,
-            command_stale=self._queue.is_stale(now),
+            command_stale=self._queue.is_stale(now) or self._wheel.is_cut(now),
             obstacles=obstacles,
             odometry_age=odometry_age,
             stopped=self._latch.is_set,
@@ -405,10 +531,15 @@ class DriveManager(Component):
             self._send(self._worth_sending(verdict.twist))
         self._publish_emergency(now, verdict.emergency)
         self._judge_manoeuvre(verdict.factor, verdict.limited_by)
-        self._publish_state(now, verdict.limited_by, verdict.factor)
+        if not verdict.limited_by and self._wheel.is_kept_back(now):
+            self._publish_state(now, "let go first", 0.0)
+        else:
+            self._publish_state(now, verdict.limited_by, verdict.factor)
 
     def _wanted(self, now: float) -> Twist2D | None:
-        """The twist asked for at this moment, by others or by the motion under way."""
+        """The twist asked for at this moment, by hand, by others or by the motion under way."""
+        if self._wheel.driver:
+            return self._by_hand(now)
         if not self._busy:
             return self._queue.current(now)
         if self._manoeuvre is None:
@@ -510,6 +641,8 @@ class DriveManager(Component):
             reason=self._latch.account if self._latch.is_set else "",
             speed_factor=round(factor, 2),
             limited_by=limited_by,
+            driven_by=self._wheel.driver,
+            hand_session=self._wheel.session,
         )
         state.header.frame_id = self.frames.robot_base
         state.header.stamp = self._state.header.stamp
@@ -597,6 +730,8 @@ class DriveManager(Component):
                     return True
                 if self._latch.is_set:
                     return self.fails("STOP is pressed")
+                if self._wheel.driver:
+                    return self.fails(f"{self._wheel.driver} drives by hand")
             needed = self.config.critical_zone_distance + MARGIN + USEFUL
             turn = open_turn(points, radius, abs(max_rotation), needed) if max_rotation else None
             if turn is None:
@@ -610,6 +745,10 @@ class DriveManager(Component):
         if self._latch.is_set:
             operator = self._latch.operator
             raise ActionRefused(f"{name}: {operator} pressed STOP; a person must release it")
+        driver = self._wheel.driver
+        if driver:
+            told = f"{driver} drives by hand; the wheel must be given up first"
+            raise ActionRefused(f"{name}: {told}")
         if self._busy:
             raise ActionRefused(f"{name}: {self._busy} is still under way")
         self._busy = name
@@ -617,7 +756,10 @@ class DriveManager(Component):
             yield
         finally:
             self._busy, self._manoeuvre = "", None
-            self._halt()
+            if self._wheel.driver:  # who has the wheel is not to be interrupted
+                self._queue.clear()
+            else:
+                self._halt()
 
     async def _go(self, distance: float) -> bool:
         limits = velocity_limits(self.config.described_robot).vx

@@ -114,7 +114,7 @@ class Planner(Component):
         self._handle: ServerGoalHandle | None = None
         self._ended: Future | None = None
         self._turn = 0
-        self._stopped = self._because = ""
+        self._stopped = self._driven = self._because = ""
         self._standstill = Standstill()
 
     @property
@@ -233,6 +233,9 @@ class Planner(Component):
         self._because = f"; the drive manager holds the robot back: {held}" if held else ""
         if self._stopped:
             self._end(GoalOutcome.STOPPED, f"Stopped: {self._stopped}.")
+        self._driven = f"{state.driven_by} drives by hand" if state.driven_by else ""
+        if self._driven:
+            self._end(GoalOutcome.PREEMPTED, f"Driven by hand: {state.driven_by} took the wheel.")
 
     def _on_goal_message(self, message: Any) -> None:
         """A goal on a topic: pursued here, or sent to our own action, where all can follow it."""
@@ -322,6 +325,10 @@ class Planner(Component):
             self._end(
                 GoalOutcome.STOPPED, f"{self._stopped}; a person must release it before a new goal."
             )
+            return
+        if self._driven:
+            told = f"{self._driven}; the wheel must be given up before a new goal."
+            self._end(GoalOutcome.REFUSED, told)
             return
         self._plan(self.clock.monotonic())
         if self._mission is not None:

@@ -11,6 +11,7 @@ from rclpy.node import Node
 from kompass.access.signer import Signer
 from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass.signing.canonical import PROOF
+from kompass.signing.key import RobotKey
 from kompass.store.robot_key import known_keys
 from kompass_console.link.graph.discovery import Graph, of_type
 
@@ -70,6 +71,11 @@ class ServicePool:
         else:
             answer = Reply.of_service(client, name, request, timeout)
         return await answer.answer()
+
+    def key_of(self, name: str) -> RobotKey | None:
+        """The key that the node of a service has, if it is among ours and was heard of."""
+        signer = self._signers.get(name)
+        return None if signer is None else signer.key
 
     def _fit_signers(self, names: Collection[str]) -> None:
         """Hear the challenges of the nodes that offer these services, and of no others."""

@@ -50,6 +50,11 @@ export class JsonSocket<Message> {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
 
+  /** Bytes that the browser has been given and has not sent. */
+  get waiting(): number {
+    return this.socket?.bufferedAmount ?? 0;
+  }
+
   private connect(): void {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     const socket = new WebSocket(`${scheme}://${location.host}${this.path}`);

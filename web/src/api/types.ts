@@ -23,6 +23,10 @@ export type GoalPick = Schemas["GestureCheck"];
 /** A goal in the map frame: metres, and radians counter-clockwise from +x. */
 export type GoalPoint = Schemas["GoalRequest"];
 
+/** What is said on the socket of the hand. */
+export type HandRequest = Sent<Schemas["HandRequest"]>;
+export type HandAnswer = Sent<Schemas["HandAnswer"]>;
+
 export type AuditLog = Sent<Schemas["AuditPage"]>;
 export type AuditLine = AuditLog["lines"][number];
 

@@ -5,6 +5,8 @@ import { GoalCard } from "../goal/GoalCard";
 import { GoalHint } from "../goal/GoalHint";
 import { GoalOverlay } from "../goal/GoalOverlay";
 import { type GoalTool, useGoalTool } from "../goal/useGoalTool";
+import { HandProvider, useHand } from "../hand/HandContext";
+import { HandPanel } from "../hand/HandPanel";
 import { useKeys } from "../keys";
 import { AlarmsBand } from "../rules/bands/AlarmsBand";
 import { ProbationBand } from "../rules/bands/ProbationBand";
@@ -39,7 +41,9 @@ export function ConsolePage({ onRefused }: { onRefused: () => void }) {
       <StopProvider>
         <RulesNavProvider>
           <RulesProvider>
-            <Workplace />
+            <HandProvider>
+              <Workplace />
+            </HandProvider>
           </RulesProvider>
         </RulesNavProvider>
       </StopProvider>
@@ -68,6 +72,7 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
   const rules = useNav();
   const stage = useStage();
   const plays = stage.shown !== null;
+  const hand = useHand();
   const [layersOpen, setLayersOpen] = useState(false);
   const [helpOpen, setHelpOpen] = useState(false);
   const narrow = useMediaQuery("(max-width: 1100px)", false, { getInitialValueInEffect: false });
@@ -75,6 +80,11 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
   useEffect(() => {
     if (plays && goal.active) goal.toggle();
   }, [plays, goal.active, goal.toggle]);
+  // Nobody drives what is not seen: a drill in the robot's place, or rules in that of the page.
+  const unseen = plays || (phone && rules.open);
+  useEffect(() => {
+    if (unseen) hand.close();
+  }, [unseen, hand.close]);
 
   useKeys(({ key, onControl, inMenu }) => {
     switch (key.toLowerCase()) {
@@ -83,6 +93,11 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
         return true;
       case "f":
         if (view !== null && !plays) change({ follow: !view.follow });
+        return true;
+      case "d":
+        // At the wheel it is a turn to the right.
+        if (hand.yours) return false;
+        if (session.role !== "viewer" && !unseen) hand.toggle();
         return true;
       case "t":
         if (view !== null) change({ top: !view.top });
@@ -104,8 +119,13 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
         return true;
       case "escape":
         if (inMenu || layersOpen) return false;
+        if (hand.yours) {
+          hand.give();
+          return true;
+        }
         if (goal.back()) return true;
         if (helpOpen) setHelpOpen(false);
+        else if (hand.open) hand.close();
         else if (plays) stage.leave();
         else if (rules.open) {
           if (!rules.back()) rules.close();
@@ -132,6 +152,7 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
           helpOpen={helpOpen}
           onHelp={() => setHelpOpen(!helpOpen)}
         />
+        <HandPanel />
         <StatusLine />
         {narrow ? <BottomPanel phone={phone} /> : <SidePanel />}
       </div>

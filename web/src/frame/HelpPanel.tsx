@@ -7,6 +7,7 @@ const KEYS: [string, string][] = [
   ["G", "Goal tool on or off"],
   ["Enter", "Go, when the goal card shows it"],
   ["Esc", "Drop the goal, then leave the tool"],
+  ["D", "Drive by hand: the panel; with the wheel W A S D or the arrows, Esc gives it up"],
   ["F", "Follow the robot"],
   ["T", "Top view"],
   ["L", "Layers"],
@@ -19,6 +20,7 @@ const GESTURES: [string, string][] = [
   ["Press, drag, release", "A point with the heading of the drag"],
   ["Drag the scene", "Turn; right button or two fingers move it"],
   ["Wheel or pinch", "Nearer and farther"],
+  ["Hold the stick", "Drive; the robot stands when you let go"],
   ["Hold the release", "One second, or hold Enter on it"],
 ];
 

@@ -1,5 +1,6 @@
 import type { Pose } from "../api/types";
 import { ageText, degreesText, signed } from "../format";
+import { DrivenBy } from "../hand/DrivenBy";
 import { POSE_DEADLINE_S } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
 import classes from "./StatusLine.module.css";
@@ -18,6 +19,7 @@ export function StatusLine() {
         <span className={classes.extra}>scan {ageText(scan.age + elapsed)}</span>
       )}
       <span className={classes.gap} />
+      <DrivenBy place="line" />
       {state !== null && (
         <span className={classes.extra}>
           {state.viewers === 1 ? "only you watch" : `${state.viewers} pages watch`}

@@ -5,9 +5,11 @@ import {
   IconHelpCircle,
   IconMapPin,
   IconSquareArrowDown,
+  IconSteeringWheel,
 } from "@tabler/icons-react";
 import type { ReactNode } from "react";
 import type { GoalTool } from "../goal/useGoalTool";
+import { useHand } from "../hand/HandContext";
 import { OPENERS, useNav } from "../rules/context/RulesNav";
 import { LayersMenu } from "../scene/LayersMenu";
 import { useStage } from "../scene/StageContext";
@@ -28,6 +30,7 @@ export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }
   const { session } = useSession();
   const { view, change } = scene;
   const rules = useNav();
+  const hand = useHand();
   const viewer = session.role === "viewer";
   const plays = useStage().shown !== null;
   const later = "Go back to the robot first";
@@ -47,6 +50,15 @@ export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }
         disabled={viewer || view === null || plays}
         onClick={goal.toggle}
         icon={<IconMapPin size={22} aria-hidden />}
+      />
+      <Tool
+        testId="hand-tool"
+        label="Drive"
+        hint={viewer ? "Viewers watch; an operator drives" : plays ? later : "Drive by hand (D)"}
+        on={hand.open}
+        disabled={viewer || plays}
+        onClick={hand.toggle}
+        icon={<IconSteeringWheel size={22} aria-hidden />}
       />
       <LayersMenu scene={scene} open={layersOpen} onOpen={onLayers} className={classes.tool} />
       <Tool

@@ -7,6 +7,7 @@ import {
   IconSunMoon,
   IconUser,
 } from "@tabler/icons-react";
+import { DrivenBy } from "../hand/DrivenBy";
 import { RevisionBadge } from "../rules/bands/RevisionBadge";
 import { useSession } from "../session/SessionContext";
 import { overall } from "../state/overall";
@@ -55,6 +56,7 @@ function OverallState() {
           {wasStopped ? "Was stopped" : stop.phase === "stopped" ? "Stopped" : "Stopping"}
         </span>
       )}
+      <DrivenBy place="bar" />
     </span>
   );
 }

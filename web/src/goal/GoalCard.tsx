@@ -18,6 +18,8 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
   const { drive } = useStop();
   const { anchor, check, error, phase } = draft;
   const stopped = drive?.stopped === true;
+  const drivenBy = drive?.driven_by ?? "";
+  const held = stopped || drivenBy !== "";
   const ready = phase !== "checking" && check?.ok === true && error === null;
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: its size follows what it says
@@ -29,7 +31,7 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
     const middle = { x: box.left + box.width / 2, y: box.top + box.height / 3 };
     const { x, y } = placeCard(anchor?.at ?? middle, size, box, anchor?.side);
     setPlace({ x: x - box.left, y: y - box.top });
-  }, [anchor, phase, check, error, stopped]);
+  }, [anchor, phase, check, error, held]);
 
   useLayoutEffect(() => {
     if (ready && place !== null) goButton.current?.focus({ preventScroll: true });
@@ -50,7 +52,13 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
             <Loader size="xs" /> Checking…
           </p>
         ) : (
-          <Answer check={check} draft={draft} goal={state?.goal ?? null} stopped={stopped} />
+          <Answer
+            check={check}
+            draft={draft}
+            goal={state?.goal ?? null}
+            stopped={stopped}
+            drivenBy={drivenBy}
+          />
         )}
       </div>
       <div className={classes.actions}>
@@ -60,7 +68,7 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
             size="md"
             onClick={tool.go}
             loading={phase === "sending"}
-            disabled={stopped}
+            disabled={held}
             data-testid="goal-go"
           >
             Go
@@ -73,7 +81,7 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
             px="xs"
             onClick={tool.goNearest}
             loading={phase === "sending"}
-            disabled={stopped}
+            disabled={held}
             data-testid="goal-nearest"
           >
             Go to the nearest reachable point
@@ -92,9 +100,10 @@ interface AnswerProps {
   draft: Draft;
   goal: Goal | null;
   stopped: boolean;
+  drivenBy: string;
 }
 
-function Answer({ check, draft, goal, stopped }: AnswerProps) {
+function Answer({ check, draft, goal, stopped, drivenBy }: AnswerProps) {
   const { error } = draft;
   const gap =
     check?.nearest && !check.ok
@@ -123,6 +132,9 @@ function Answer({ check, draft, goal, stopped }: AnswerProps) {
         </p>
       )}
       {stopped && <p className={classes.note}>The robot is stopped: release the stop first.</p>}
+      {!stopped && drivenBy !== "" && (
+        <p className={classes.note}>{drivenBy} drives by hand: the wheel must be given up first.</p>
+      )}
       {check?.ok && isUnderWay(goal) && !stopped && (
         <p className={classes.note}>Replaces the goal that the robot is driving to.</p>
       )}

@@ -35,6 +35,7 @@ const drive: Drive = {
   stopped_by: "",
   reason: "",
   limited_by: "",
+  driven_by: "",
   speed_factor: 1,
   age: 0,
 };

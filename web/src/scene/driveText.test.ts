@@ -9,6 +9,7 @@ const drive: Drive = {
   stopped_by: "ava",
   reason: "",
   limited_by: "stop",
+  driven_by: "",
   speed_factor: 0,
   age: 3,
 };

@@ -65,6 +65,7 @@ test("a stopped robot has no faults, but is not called well", () => {
     stopped_by: "ava",
     reason: "",
     limited_by: "stop",
+    driven_by: "",
     speed_factor: 0,
     age: 0,
   };

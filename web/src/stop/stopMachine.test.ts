@@ -15,6 +15,7 @@ const free: Drive = {
   stopped_by: "",
   reason: "",
   limited_by: "",
+  driven_by: "",
   speed_factor: 1,
   age: 0,
 };

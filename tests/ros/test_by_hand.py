@@ -1,0 +1,87 @@
+"""A robot that is driven by hand stands when the hand is not heard, whatever hangs or dies."""
+
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import closing
+
+import pytest
+
+from tests.support.driver import Driver
+from tests.support.hand_page import HandPage
+from tests.support.processes import held, wait_until
+from tests.support.stack import Stack
+
+pytestmark = pytest.mark.ros
+
+STAYS = 1.5  # s for which it is watched
+STANDING = 0.01  # m; ground truth is some of them behind
+
+
+@pytest.fixture
+def robot(stack: Stack) -> Iterator[Driver]:
+    with closing(Driver(stack.domain)) as client:
+        client.ready()
+        yield client
+
+
+@pytest.fixture
+def page(stack: Stack, robot: Driver) -> Iterator[HandPage]:
+    """A page at the wheel of a robot that turns on the spot, where there is always room."""
+    with HandPage(stack.url) as opened:
+        wait_until(lambda: is_free(robot), 15, "a free wheel")
+        opened.take()
+        opened.hold(omega=0.8)
+        wait_until(lambda: turning(robot) > 0.3, 10, "motion")
+        yield opened
+
+
+def is_free(robot: Driver) -> bool:
+    """Whether nobody has the wheel."""
+    state = robot.newest.get("/drive_state")
+    return state is not None and not state.driven_by
+
+
+def turning(robot: Driver) -> float:
+    """How fast it really turns [rad/s]."""
+    return abs(robot.newest["/simulator/ground_truth"].twist.twist.angular.z)
+
+
+def stands(robot: Driver) -> None:
+    """It comes to a standstill, and stays there."""
+    wait_until(robot.halts, 5, "a zero twist")
+    wait_until(lambda: turning(robot) < STANDING, 5, "a standstill")
+    yaw = robot.truth[2]
+    assert max(abs(at[2] - yaw) for at in robot.watch(STAYS)) < 0.02
+    assert robot.halts()
+
+
+def test_it_stands_when_the_page_says_nothing_any_more(robot: Driver, page: HandPage) -> None:
+    page.fall_silent()
+    stands(robot)
+
+
+def test_it_stands_while_a_signal_holds_the_console_and_does_not_catch_up_after_it(
+    stack: Stack, robot: Driver, page: HandPage
+) -> None:
+    with held(stack.pid_of("console")):
+        stands(robot)  # and the page goes on
+        page.fall_silent()
+    stands(robot)
+
+
+def test_it_does_not_catch_up_after_a_signal_has_held_the_drive_manager(
+    stack: Stack, robot: Driver, page: HandPage
+) -> None:
+    with held(stack.pid_of("drive_manager")):
+        stands(robot)
+        page.fall_silent()
+    stands(robot)
+
+
+def test_it_stands_when_the_console_is_killed_and_nobody_has_the_wheel_then(
+    stack: Stack, robot: Driver, page: HandPage
+) -> None:
+    os.kill(stack.pid_of("console"), signal.SIGKILL)
+    stands(robot)
+    wait_until(lambda: is_free(robot), 15, "a free wheel")
