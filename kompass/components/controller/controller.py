@@ -197,7 +197,9 @@ class Controller(Component):
             scan.range_max,
             self._location.of_sensor(scan.header.frame_id),
         )
-        pose = self._location.pose()
+        stamp = scan.header.stamp
+        # At 2 m/s and while it turns the robot is elsewhere when the next location comes.
+        pose = self._location.pose_at(stamp.sec + 1e-9 * stamp.nanosec)
         if pose is None:
             raise LookupError("the robot does not know where it is")
         return transform_points(pose, points)
