@@ -402,7 +402,10 @@ class MPPI(PathFollower[MPPIParams]):
         seconds = seconds * np.array([0.5, 1.0], dtype=np.float32)
         yaw = seconds * omega[:, None]
         way = seconds * v[:, None]
-        return self._room(field, way * np.cos(yaw / 2), way * np.sin(yaw / 2), yaw).min(axis=1)
+        out: Singles = self._room(field, way * np.cos(yaw / 2), way * np.sin(yaw / 2), yaw).min(
+            axis=1
+        )
+        return out
 
     def _room(self, field: _Field, x: Singles, y: Singles, yaw: Singles) -> Singles:
         """Distance between the body at poses of any shape and the nearest obstacle [m]."""

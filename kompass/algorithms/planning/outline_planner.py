@@ -25,9 +25,9 @@ from kompass.algorithms.planning.planner import GlobalPlanner, Plan
 from kompass.algorithms.planning.shorten import path_length, resample, spread
 
 _TRIES = 6  # searches, each round what the one before had overlooked
-_CANDIDATES = 48  # places along a way between which straight connections are tried
+_CANDIDATES = 40  # places along a way between which straight connections are tried
 _LONGEST = 4.0  # m of such a connection
-_LOOK = 0.1  # m between two looks along one
+_LOOK = 0.15  # m between two looks along one
 _SWEEPS = 30  # of the elastic band
 _SPACING = 0.1  # m between its nodes
 _TURN = 0.15  # rad between two looks at a body that turns
@@ -152,14 +152,24 @@ class OutlinePlanner(GlobalPlanner):
 
     def _room(self, poses: Floats) -> Floats:
         """Distance (N,) between body and obstacles at poses (N, 3) [m], at most too small."""
-        centres, radius = self._body.discs
+        middle = self.field.at(poses[:, :2])
+        # In the open its circle says enough.
+        out = middle - self._body.radius
+        near = out < self._outline.ample
+        out[near] = np.minimum(
+            self._beside(poses[near])[0].min(axis=1) - self._body.discs[1],
+            middle[near] - self._body.inscribed_radius,
+        )
+        return out
+
+    def _beside(self, poses: Floats) -> tuple[Floats, Floats]:
+        """The discs of the body at poses (N, 3): distances (N, K) and places (N, K, 2) [m]."""
+        centres, _ = self._body.discs
         cos, sin = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
         x = poses[:, 0, None] + cos * centres[:, 0] - sin * centres[:, 1]
         y = poses[:, 1, None] + sin * centres[:, 0] + cos * centres[:, 1]
-        at = self.field.at(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(x.shape)
-        within = self.field.at(poses[:, :2]) - self._body.inscribed_radius
-        out: Floats = np.minimum(at.min(axis=1) - radius, within)
-        return out
+        places = np.stack([x, y], axis=2)
+        return self.field.at(places.reshape(-1, 2)).reshape(x.shape), places
 
     def _overlaps(self, poses: Floats, least: float | None = None) -> Floats:
         """Places (N, 2) on the way over poses where the body keeps less than it must."""
@@ -224,27 +234,23 @@ class OutlinePlanner(GlobalPlanner):
         n = len(band)
         if n < 3:
             return way
-        centres, radius = self._body.discs
+        radius = self._body.discs[1]
         wanted = self._clearance + 0.05
         for _ in range(_SWEEPS):
             ahead = band[2:] - band[:-2]
             yaw = np.arctan2(ahead[:, 1], ahead[:, 0])
-            cos, sin = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
             middle = band[1:-1]
-            x = middle[:, 0, None] + cos * centres[:, 0] - sin * centres[:, 1]
-            y = middle[:, 1, None] + sin * centres[:, 0] + cos * centres[:, 1]
-            at = self.field.at(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(x.shape)
-            worst = np.argmin(at, axis=1)
-            rows = np.arange(len(middle))
-            lack = np.clip(wanted - (at[rows, worst] - radius), 0.0, 0.1)
-            touched = np.stack([x[rows, worst], y[rows, worst]], axis=1)
             move = 0.5 * ((band[:-2] + band[2:]) / 2.0 - middle)
-            pushed = lack > 0.0
-            if pushed.any():
-                push = self.field.gradient(touched[pushed]) * lack[pushed, None]
+            near = np.flatnonzero(self.field.at(middle) < self._body.radius + wanted)
+            if near.size:
+                at, places = self._beside(np.column_stack([middle[near], yaw[near]]))
+                worst = np.argmin(at, axis=1)
+                rows = np.arange(len(near))
+                lack = np.clip(wanted - (at[rows, worst] - radius), 0.0, 0.1)
+                push = self.field.gradient(places[rows, worst]) * lack[:, None]
                 # Across the way only: along it a push moves nothing but the nodes.
-                across = np.column_stack([-sin[pushed, 0], cos[pushed, 0]])
-                move[pushed] += 0.4 * (push * across).sum(axis=1)[:, None] * across
+                across = np.column_stack([-np.sin(yaw[near]), np.cos(yaw[near])])
+                move[near] += 0.4 * (push * across).sum(axis=1)[:, None] * across
             band[1:-1] = middle + move
         return band
 

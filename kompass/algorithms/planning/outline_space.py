@@ -46,6 +46,7 @@ class OutlineSpace(FreeSpace):
         self.field = field
         self.required = footprint.inscribed_radius + least
         self._clearance = clearance
+        self.ample = clearance + _AMPLE  # room from which on more makes no way seem shorter [m]
         rows, cols = field.grid.height, field.grid.width
         ids = np.arange(rows * cols, dtype=np.int32).reshape(rows, cols)
         rooms = self._rooms(footprint)
@@ -71,7 +72,7 @@ class OutlineSpace(FreeSpace):
     def dearer(self, room: Floats) -> Floats:
         """By how many times a way seems longer than it is, where the body has ``room`` [m]."""
         narrow = np.clip(1.0 - room / max(self._clearance, 1e-6), 0.0, 1.0)
-        near = np.clip(1.0 - room / (self._clearance + _AMPLE), 0.0, 1.0)
+        near = np.clip(1.0 - room / self.ample, 0.0, 1.0)
         out: Floats = 1.0 + _NARROW * narrow * narrow + _NEAR * near * near
         return out
 
