@@ -77,6 +77,11 @@ class Footprint:
         cross = self.corners[:, 0] * side[:, 1] - self.corners[:, 1] * side[:, 0]
         return float((cross / np.hypot(side[:, 0], side[:, 1])).min())
 
+    @property
+    def is_round(self) -> bool:
+        """Whether the circle around it is the body, all but a few percent."""
+        return self.radius <= self.inscribed_radius * (1.0 + _ROUND)
+
     @cached_property
     def discs(self) -> tuple[Floats, float]:
         """Centres (N, 2) and the radius [m] of equal discs that cover the body's outline.
@@ -85,7 +90,7 @@ class Footprint:
         along its shorter side, and those at its border have a disc each, which sticks out by a
         fifth of a tile. What touches the body from outside touches a disc.
         """
-        if self.radius <= self.inscribed_radius * (1.0 + _ROUND):
+        if self.is_round:
             return np.zeros((1, 2)), self.radius
         low, high = self.corners.min(axis=0), self.corners.max(axis=0)
         size = high - low

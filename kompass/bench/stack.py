@@ -61,6 +61,7 @@ def bring_up(robot: RobotModel, follower: str) -> None:
     planner.run_type = "ActionServer"
     controller = Controller(component_name=COMPONENTS[1])
     controller.algorithm = ControllersID(follower)
+    controller.direct_sensor = True  # the cells of the local map are coarse for the gaps of BARN
     mapper = LocalMapper(component_name=COMPONENTS[2])
     driver = DriveManager(component_name=COMPONENTS[3])
     driver.outputs(robot_command=Topic(name="/cmd_vel", msg_type="TwistStamped"))

@@ -8,6 +8,7 @@ from kompass.algorithms.following.follower import NoCommand
 from kompass.algorithms.following.mppi import MPPI, MPPIParams
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats, inverse, transform_points
+from kompass.algorithms.mapping.moving import seen_from
 
 from .worlds import PATHS, STRAIGHT, Run, distance_to_polyline, drive
 
@@ -135,6 +136,40 @@ def test_a_robot_too_close_to_something_may_leave_it() -> None:
     other = small()
     other.set_path(STRAIGHT)
     assert other.step((1, 0, 0), 0.0, 0.0, 0.1, -behind).command.vx <= 0.02
+
+
+@pytest.mark.parametrize(("begin", "speed"), [(-1.4, 0.6), (-1.0, 0.4), (-2.2, 1.0)])
+def test_whoever_crosses_is_let_pass_and_not_touched_while_it_moves(
+    begin: float, speed: float
+) -> None:
+    body, person = Footprint.circle(0.105), 0.2
+    follower = small()
+    follower.set_path(STRAIGHT[:30])
+    pose, v, omega = (0.0, 0.0, 0.0), 0.0, 0.0
+    for step in range(400):
+        # He walks over its way, 0.6 m ahead of where it sets out, and is gone.
+        here = (0.6, begin + speed * 0.1 * step)
+        movers = np.array([[*here, 0.0, speed, person]])
+        done = follower.step(
+            pose,
+            v,
+            omega,
+            0.1,
+            transform_points(inverse(pose), posts(here, radius=person)),
+            seen_from(pose, movers),
+        )
+        v, omega = done.command.vx, done.command.omega
+        yaw = pose[2] + 0.05 * omega
+        pose = (
+            pose[0] + 0.1 * v * math.cos(yaw),
+            pose[1] + 0.1 * v * math.sin(yaw),
+            yaw + 0.05 * omega,
+        )
+        apart = math.hypot(pose[0] - here[0], pose[1] - here[1]) - body.radius - person
+        assert apart > 0.0 or v <= 0.02
+        if done.phase == "arrived":
+            break
+    assert done.phase == "arrived"
 
 
 def test_the_same_inputs_give_the_same_commands() -> None:

@@ -1,4 +1,5 @@
 import math
+import time
 from collections import deque
 from typing import TypedDict
 
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 from kompass.algorithms.distance_field import DistanceField
 from kompass.algorithms.grid import Grid
 from kompass.algorithms.planning import planner as planner_module
+from kompass.algorithms.planning import sampling
 from kompass.algorithms.planning.failure import PlanningFailure, Reason
 from kompass.algorithms.planning.planner import GlobalPlanner
 from kompass.algorithms.planning.sampling import planner_names
@@ -297,6 +299,37 @@ def test_a_reachable_goal_is_planned_even_when_sampling_finds_nothing(
     monkeypatch.setattr(planner_module, "search", lambda *_args, **_options: None)
     plan = among_walls.plan((5, 1, 0), (5, 9, None))
     assert among_walls.field.at(plan.poses[:, :2]).min() >= 0.2 - 1e-4
+
+
+@pytest.mark.parametrize("name", ["RRTConnect", "RRTstar"])
+def test_a_busy_machine_finds_the_same_path_as_an_idle_one(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def way() -> np.ndarray | None:
+        return sampling.search(
+            field,
+            0.2,
+            (5, 1),
+            (5, 9),
+            bounds=(np.array([0.3, 0.3]), np.array([9.7, 9.7])),
+            planner=name,
+            timeout=0.05,
+            seed=1,
+        )
+
+    field = DistanceField(walls())
+    idle = way()
+    clear = field.segment_clear
+
+    def slowly(*motion: float) -> bool:
+        time.sleep(0.0002)
+        return clear(*motion)
+
+    monkeypatch.setattr(field, "segment_clear", slowly)
+    starved = way()
+    assert (idle is None) == (starved is None)
+    if idle is not None and starved is not None:
+        np.testing.assert_array_equal(idle, starved)
 
 
 @pytest.mark.parametrize("name", ["KPIECE1", "ompl.geometric.RRT", "BFMT"])

@@ -127,7 +127,7 @@ def test_points_that_are_no_numbers_are_no_obstacles_but_such_commands_are_error
 )
 def test_a_zone_out_of_range_is_refused_by_name(field: str, options: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=field):
-        StopZone(**{"robot_radius": 0.1, **options})
+        StopZone(**{"robot_radius": 0.1, **options})  # type: ignore[arg-type]
 
 
 LIMITS = VelocityLimits(vx=Limits(0.22, 1.0, 2.0), omega=Limits(1.5, 3.0, 4.0))

@@ -108,7 +108,7 @@ class DWA(PathFollower[DWAParams]):
     config
         See :class:`DWAParams`.
     footprint
-        The robot's body; the circle around it is what counts.
+        The robot's body.
     limits
         ``max_v``, ``max_omega``, ``acc``, ``decel``, ``omega_acc``, as of every follower.
     """
@@ -121,6 +121,7 @@ class DWA(PathFollower[DWAParams]):
     ) -> None:
         super().__init__(config, footprint=footprint, **limits)
         self.robot_radius = footprint.radius
+        self._body = footprint
         steps = max(2, round(self.config.prediction_time / self.config.time_step))
         self._times = self.config.time_step * np.arange(1, steps + 1, dtype=np.float64)
         reach = self._linear.max_vel * self.config.prediction_time + self.robot_radius
@@ -162,7 +163,12 @@ class DWA(PathFollower[DWAParams]):
         y = (chord * np.sin(half_turn)[:, None]).reshape(shape)
 
         obstacles, path = self._fields(situation)
-        distance, from_path = self._look_up((obstacles, path), x, y)
+        if self._body.is_round:
+            distance, from_path = self._look_up((obstacles, path), x, y)
+        else:
+            (from_path,) = self._look_up((path,), x, y)
+            yaw = np.repeat(omega[:, None] * self._times, len(v), axis=0)
+            distance = self._beside(obstacles, x, y, yaw)
         travelled = np.broadcast_to(along, (len(omega), *along.shape[1:])).reshape(shape)
         v, omega = np.tile(v, len(omega)), np.repeat(omega, len(v))
         # As in the original, what counts is that the robot can stop before it hits something: a
@@ -195,7 +201,8 @@ class DWA(PathFollower[DWAParams]):
     ) -> NDArray[np.bool_]:
         """Which rollouts (N, T) keep their distance; for a robot too close, which ones leave."""
         required = self.robot_radius + self.config.clearance
-        here = float(obstacles[self._half, self._half])
+        origin = np.zeros(1)
+        here = float(self._beside(obstacles, origin, origin, origin)[0])
         if here >= required:
             keeps: NDArray[np.bool_] = np.all((distance >= required) | ~counts, axis=1)
             return keeps
@@ -211,9 +218,8 @@ class DWA(PathFollower[DWAParams]):
         # or the robot would turn here and there between two judgements.
         first = max(self.config.min_speed * float(self._times[0]), 0.001)
         ahead = np.append(first, np.linspace(0.05, _OPEN_AHEAD, 6))
-        (distance,) = self._look_up(
-            (obstacles,), np.cos(directions)[:, None] * ahead, np.sin(directions)[:, None] * ahead
-        )
+        yaw = np.broadcast_to(directions[:, None], (len(directions), len(ahead)))
+        distance = self._beside(obstacles, np.cos(yaw) * ahead, np.sin(yaw) * ahead, yaw)
         counts = np.ones(distance.shape, dtype=bool)
         travelled = np.broadcast_to(ahead, distance.shape)
         is_open = self._admissible(obstacles, distance, travelled, counts)
@@ -231,6 +237,22 @@ class DWA(PathFollower[DWAParams]):
         rate = stopping_speed(abs(turn), 0.5 * self._angular.max_decel, 1.5 * situation.dt)
         rate = min(self._angular.max_vel, max(rate, self.config.min_turn_rate))
         return math.copysign(rate, turn)
+
+    def _beside(self, obstacles: Floats, x: Floats, y: Floats, yaw: Floats) -> Floats:
+        """Distance of obstacles from the body at poses of any shape, and its radius on top [m].
+
+        So much that of a round body it is the distance from its centre.
+        """
+        if self._body.is_round:
+            (distance,) = self._look_up((obstacles,), x, y)
+            return distance
+        centres, radius = self._body.discs
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        nearest = np.full(x.shape, np.inf)
+        for px, py in centres.tolist():
+            (away,) = self._look_up((obstacles,), x + px * cos - py * sin, y + px * sin + py * cos)
+            np.minimum(nearest, away, out=nearest)
+        return nearest + (self.robot_radius - radius)
 
     def _look_up(self, fields: Sequence[Floats], x: Floats, y: Floats) -> list[Floats]:
         """Each field's values at base-frame places of any shape, interpolated between cells."""

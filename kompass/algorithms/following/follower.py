@@ -111,6 +111,8 @@ class Situation:
         Control period [s].
     obstacles
         Points (N, 2) in the base frame [m]; none for a follower that does not need them.
+    movers
+        (M, 5) in the base frame: x, y [m], velocity over the floor [m/s], radius [m].
     """
 
     x: float
@@ -124,6 +126,7 @@ class Situation:
     allowed_speed: float
     dt: float
     obstacles: Floats
+    movers: Floats
 
 
 P = TypeVar("P", bound=FollowerParams)
@@ -151,6 +154,8 @@ class PathFollower(ABC, Generic[P]):
     params_class: ClassVar[type[FollowerParams]]
     # Whether :meth:`step` is to be given the obstacles around the robot.
     needs_obstacles: ClassVar[bool] = False
+    # … and what of them moves.
+    looks_ahead_in_time: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -215,7 +220,13 @@ class PathFollower(ABC, Generic[P]):
         self._last = Command()
 
     def step(
-        self, pose: ArrayLike, v: float, omega: float, dt: float, obstacles: ArrayLike = ()
+        self,
+        pose: ArrayLike,
+        v: float,
+        omega: float,
+        dt: float,
+        obstacles: ArrayLike = (),
+        movers: ArrayLike = (),
     ) -> FollowStep:
         """The command for the next ``dt`` [s].
 
@@ -229,6 +240,9 @@ class PathFollower(ABC, Generic[P]):
             Control period [s].
         obstacles
             Points (N, 2) in the base frame [m], for a follower that needs them.
+        movers
+            (M, 5) in the base frame, what of that moves: x, y [m], velocity over the floor in x
+            and y [m/s], radius [m]; for a follower that looks ahead in time.
 
         Raises
         ------
@@ -265,7 +279,8 @@ class PathFollower(ABC, Generic[P]):
                 self._phase = "arrived"
         else:
             points = np.asarray(obstacles, dtype=np.float64).reshape(-1, 2)
-            command = self._move(x, y, yaw, speed, turn_rate, distance, dt, points)
+            moving = np.asarray(movers, dtype=np.float64).reshape(-1, 5)
+            command = self._move(x, y, yaw, speed, turn_rate, distance, dt, points, moving)
         self._last = command
         return FollowStep(
             command=command,
@@ -314,6 +329,7 @@ class PathFollower(ABC, Generic[P]):
         distance: float,
         dt: float,
         obstacles: Floats,
+        movers: Floats,
     ) -> Command:
         tracker, params = self._tracker, self.config
         assert tracker is not None
@@ -342,7 +358,8 @@ class PathFollower(ABC, Generic[P]):
 
         allowed = self._allowed_speed(tracker, bearing, distance if homing else None, dt)
         situation = Situation(
-            *(x, y, yaw, speed, turn_rate, tracker, homing, off_course, allowed, dt, obstacles)
+            *(x, y, yaw, speed, turn_rate, tracker, homing, off_course, allowed, dt, obstacles),
+            movers,
         )
         vx, omega = self._drive(situation)
         return Command(

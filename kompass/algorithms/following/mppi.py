@@ -30,6 +30,7 @@ from kompass.algorithms.following.limits import stopping_speed
 from kompass.algorithms.following.path_tracker import PathTracker
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats, inverse, transform_points, wrap_angle
+from kompass.algorithms.mapping.moving import predicted
 
 Singles: TypeAlias = NDArray[np.float32]
 
@@ -48,6 +49,15 @@ _PATH_CELLS = 40
 _MOST_PATH_POINTS = 80
 _PATH_SPACING = 0.05  # m between two points of it, if they are not too many
 _TURNED_BACK = 2.0  # rad
+# So far a command alone must be free, beyond the drive manager's critical zone [m].
+_HELD = 0.07
+# So fast it passes obstacles however near [m/s], and faster by 1 m/s for so much room [s]; what
+# is faster costs more, per m/s, than it gains in way.
+_SLOW, _BESIDE, _HASTE = 0.4, 0.15, 12.0
+# Kept from what moves, and liked to be kept beyond that [m]; who drives slower stands [m/s].
+_PERSONAL, _SHY, _STANDS = 0.12, 0.5, 0.02
+# Within this of it points are taken as those of what moves [m].
+_ITS_OWN = 0.15
 # Of single precision [m].
 _ROUNDING = 1e-5
 
@@ -73,6 +83,8 @@ class MPPIParams(FollowerParams):
         Standard deviation of velocities tried, as a share of the largest.
     turn_noise
         The same of turning rates.
+    delay
+        From a command to the motion [s].
     clearance
         What plans keep between the body and obstacles [m].
     resolution
@@ -100,12 +112,14 @@ class MPPIParams(FollowerParams):
         "temperature": (0.001, 100.0),
         "speed_noise": (0.001, 2.0),
         "turn_noise": (0.001, 2.0),
+        "delay": (0.0, 1.0),
         "clearance": (0.0, 10.0),
         "resolution": (0.005, 1.0),
         "obstacle_range": (0.001, 10.0),
     }
 
     turn_in_place_angle: float = math.pi
+    lateral_acceleration: float = 2.5
     prediction_time: float = 2.0
     time_step: float = 0.1
     least_reach: float = 1.0
@@ -113,6 +127,7 @@ class MPPIParams(FollowerParams):
     temperature: float = 0.15
     speed_noise: float = 0.3
     turn_noise: float = 0.35
+    delay: float = 0.1
     clearance: float = 0.03
     resolution: float = 0.04
     path_weight: float = 5.0
@@ -156,6 +171,7 @@ class MPPI(PathFollower[MPPIParams]):
 
     params_class = MPPIParams
     needs_obstacles = True
+    looks_ahead_in_time = True
 
     def __init__(
         self,
@@ -219,6 +235,7 @@ class MPPI(PathFollower[MPPIParams]):
     def _drive(self, situation: Situation) -> tuple[float, float]:
         border = self._half * self.config.resolution
         near = situation.obstacles[(np.abs(situation.obstacles) < border).all(axis=1)]
+        near = _standing(near, situation.movers)
         field = _Nearest(self.config.resolution, self._half, near).distance
         origin = np.zeros(1, dtype=np.float32)
         here = self._room(field, origin, origin, origin)[0]
@@ -304,7 +321,10 @@ class MPPI(PathFollower[MPPIParams]):
         bend = angular.max_acc * step
         for index in range(plans.shape[1]):
             speed = np.clip(v[:, index], speed - slower, speed + faster)
-            rate = np.clip(omega[:, index], rate - bend, rate + bend)
+            # Whoever wants to turn tightly slows down first: a wheel that slips turns nothing.
+            tightest = self.config.lateral_acceleration / np.maximum(speed, 1e-3)
+            wanted = np.clip(omega[:, index], -tightest, tightest)
+            rate = np.clip(wanted, rate - bend, rate + bend)
             v[:, index], omega[:, index] = speed, rate
         out: Singles = np.stack([v, omega], axis=2)
         return out
@@ -313,17 +333,27 @@ class MPPI(PathFollower[MPPIParams]):
         """What each plan (N, steps, 2) costs (N,); _CONTACT and more for those with a contact."""
         params, step = self.config, self._step_time
         v, omega = plans[:, :, 0], plans[:, :, 1]
-        yaw = np.cumsum(omega, axis=1) * step
+        # Where the robot will be when it takes the plan up, which it does not until then.
+        begin = np.float32(params.delay * situation.turn_rate)
+        ahead = np.float32(params.delay * max(situation.speed, 0.0))
+        yaw = begin + np.cumsum(omega, axis=1) * step
         middle = yaw - 0.5 * step * omega
-        x = np.cumsum(v * np.cos(middle), axis=1) * step
-        y = np.cumsum(v * np.sin(middle), axis=1) * step
+        x = ahead * np.cos(begin / 2) + np.cumsum(v * np.cos(middle), axis=1) * step
+        y = ahead * np.sin(begin / 2) + np.cumsum(v * np.sin(middle), axis=1) * step
 
         room = self._room(field, x, y, yaw) - params.clearance
         nearness = np.clip(1.0 - room / params.obstacle_range, 0.0, 1.0)
+        # The faster, the farther off what is planned comes out.
+        hasty = np.maximum(v - (_SLOW + np.maximum(room, 0.0) / _BESIDE), 0.0).mean(axis=1)
         # A robot that stands too close already may go wherever it comes no closer.
         travelled = np.cumsum(v, axis=1) * step
         needed = np.minimum(0.0, here - params.clearance + 0.1 * travelled)
         contact = (room < needed - _ROUNDING).any(axis=1)
+        if len(situation.movers):
+            close, meets = self._people(situation, x, y, v)
+            nearness = np.maximum(nearness, close)
+            contact |= meets
+        contact |= self._held(plans, field) < min(0.0, here) - _ROUNDING
 
         off, along, course = self._along(situation, x, y)
         facing = np.abs(wrap_angle(yaw[:, -1] - course))
@@ -335,9 +365,47 @@ class MPPI(PathFollower[MPPIParams]):
             + params.heading_weight * facing
             + params.obstacle_weight * (nearness * nearness).mean(axis=1)
             + params.smoothness_weight * change
+            + _HASTE * hasty
             + _CONTACT * contact
         )
         return cost
+
+    def _people(
+        self, situation: Situation, x: Singles, y: Singles, v: Singles
+    ) -> tuple[Singles, NDArray[np.bool_]]:
+        """Nearness (N, steps) of what moves, 0 … 1, and which plans (N,) drive into it.
+
+        Whoever stands is walked round, so a plan that stands when somebody comes is a good one.
+        """
+        movers = situation.movers
+        times = self.config.delay + self._step_time * np.arange(1, x.shape[1] + 1)
+        at_x, at_y = (each.astype(np.float32) for each in predicted(movers, times))
+        nearness = np.zeros_like(x)
+        meets = np.zeros(len(x), dtype=bool)
+        for index, radius in enumerate(movers[:, 4].tolist()):
+            kept = np.float32(radius + self._body.radius + _PERSONAL)
+            room = np.hypot(x - at_x[index], y - at_y[index]) - kept
+            now = float(np.hypot(*movers[index, :2]) - kept)
+            nearness = np.maximum(nearness, np.clip(1.0 - room / _SHY, 0.0, 1.0))
+            meets |= ((room < min(0.0, now)) & (v > _STANDS)).any(axis=1)
+        return nearness, meets
+
+    def _held(self, plans: Singles, field: _Field) -> Singles:
+        """Room left (N,) where each plan's first twist leads within the gate's reach [m].
+
+        What looks at single commands, as the drive manager does, cannot know of the turn that a
+        plan has in mind: a command that would lead too close by itself would not be carried out.
+        """
+        v, omega = plans[:, 0, 0], plans[:, 0, 1]
+        fastest = v + np.abs(omega) * np.float32(self._body.radius)
+        seconds = np.minimum(np.float32(_HELD) / np.maximum(fastest, 1e-3), 1.0)[:, None]
+        seconds = seconds * np.array([0.5, 1.0], dtype=np.float32)
+        yaw = seconds * omega[:, None]
+        way = seconds * v[:, None]
+        out: Singles = self._room(field, way * np.cos(yaw / 2), way * np.sin(yaw / 2), yaw).min(
+            axis=1
+        )
+        return out
 
     def _room(self, field: _Field, x: Singles, y: Singles, yaw: Singles) -> Singles:
         """Distance between the body at poses of any shape and the nearest obstacle [m]."""
@@ -383,6 +451,13 @@ class MPPI(PathFollower[MPPIParams]):
         until = int(np.argmax(back)) if back.any() else count
         until = max(until, 2)
         return path[:until], at[until - 1] - at[:until], course[:until]
+
+
+def _standing(points: Floats, movers: Floats) -> Floats:
+    """Points (N, 2) that belong to nothing that moves."""
+    for x, y, _, _, radius in movers.tolist():
+        points = points[np.hypot(points[:, 0] - x, points[:, 1] - y) > radius + _ITS_OWN]
+    return points
 
 
 class _Field:

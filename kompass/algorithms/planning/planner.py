@@ -23,11 +23,24 @@ _ESCAPE = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A path in the map's frame: poses (N, 3) as (x, y, yaw), N ≥ 2, first one at the start."""
+    """A path in the map's frame.
+
+    Attributes
+    ----------
+    poses
+        (N, 3) as (x, y, yaw), N ≥ 2, the first one at the start.
+    length
+        [m]
+    min_clearance
+        Least distance from an obstacle to where the robot's centre goes [m].
+    room
+        … to its body [m].
+    """
 
     poses: Floats
     length: float
     min_clearance: float
+    room: float
 
 
 class GlobalPlanner:
@@ -49,7 +62,8 @@ class GlobalPlanner:
     planner_id
         An OMPL geometric planner, ``"RRTConnect"`` or ``"ompl.geometric.RRTConnect"``.
     timeout
-        For OMPL [s]. When it runs out a search over the grid's cells takes its place.
+        For OMPL [s], counted in checks (:data:`sampling.CHECKS_PER_SECOND`). When it runs out a
+        search over the grid's cells takes its place.
     seed
         For OMPL; the same input and seed give the same path.
     start_slack
@@ -90,7 +104,7 @@ class GlobalPlanner:
         self.robot_radius = robot_radius
         self.required = robot_radius + clearance
         self.field = DistanceField(grid, unknown_is_obstacle)
-        self._free = FreeSpace(self.field, self.required)
+        self._free = self._space()
         self._spacing = 1.0 / points_per_meter
         self._planner = resolve_planner(planner_id)
         self._timeout = timeout
@@ -101,8 +115,12 @@ class GlobalPlanner:
         """The same planner with another ``clearance`` [m], for much less than a new one."""
         other = copy.copy(self)
         other.required = self.robot_radius + clearance
-        other._free = FreeSpace(self.field, other.required)
+        other._free = other._space()
         return other
+
+    def cost(self, poses: ArrayLike) -> float:
+        """What a path (N, ≥ 2) costs by the measure of the search: its length [m]."""
+        return path_length(np.atleast_2d(np.asarray(poses, dtype=np.float64))[:, :2])
 
     def check(self, start: ArrayLike, goal: ArrayLike) -> None:
         """Whether a plan from ``start`` (x, y, yaw) to ``goal`` (x, y) exists, without searching.
@@ -131,8 +149,12 @@ class GlobalPlanner:
         here = np.array([x, y])
         if float(np.hypot(*(end - here))) < 1e-6:
             heading = yaw if goal[2] is None else float(goal[2])
+            beside = self.field.at_xy(x, y)
             return Plan(
-                np.array([[x, y, yaw], [end[0], end[1], heading]]), 0.0, self.field.at_xy(x, y)
+                np.array([[x, y, yaw], [end[0], end[1], heading]]),
+                length=0.0,
+                min_clearance=beside,
+                room=beside - self.robot_radius,
             )
 
         origin = here
@@ -158,6 +180,10 @@ class GlobalPlanner:
             points = np.concatenate([points, points])
         clear = self.field.segments_clear(points[:-1], points[1:], self.robot_radius + clearance)
         return not bool(clear.all())
+
+    def _space(self) -> FreeSpace:
+        """Where the robot may be."""
+        return FreeSpace(self.field, self.required)
 
     def _ends(self, start: ArrayLike, goal: ArrayLike) -> tuple[int, int]:
         """The cells through which start and goal enter the graph; raises if there are none."""
@@ -295,8 +321,10 @@ class GlobalPlanner:
         headings = np.arctan2(delta[:, 1], delta[:, 0])
         yaw = np.append(headings, headings[-1] if goal_yaw is None else float(goal_yaw))
         dense = spread(points, self.grid.resolution / 2.0)
+        beside = float(self.field.at(dense).min())
         return Plan(
             poses=np.column_stack([points, yaw]),
             length=path_length(points),
-            min_clearance=float(self.field.at(dense).min()),
+            min_clearance=beside,
+            room=beside - self.robot_radius,
         )

@@ -14,6 +14,9 @@ from ompl import base, geometric, util
 from kompass.algorithms.distance_field import DistanceField
 from kompass.algorithms.geometry import Floats
 
+# What a core of 2020 makes in a second [1/s]: the unit in which a search is given its time.
+CHECKS_PER_SECOND = 50_000
+
 
 def planner_names() -> list[str]:
     """The geometric planners of the installed OMPL, by class name."""
@@ -41,17 +44,34 @@ def resolve_planner(planner_id: str) -> str:
     raise ValueError(f"planner_id: {planner_id!r} is not in this OMPL; {hint} {', '.join(known)}")
 
 
+class _Budget:
+    """Checks that a search may still make; asking whether it is over counts as one, too."""
+
+    def __init__(self, timeout: float) -> None:
+        self._left = max(1, round(timeout * CHECKS_PER_SECOND))
+
+    def spend(self) -> None:
+        self._left -= 1
+
+    def is_over(self) -> bool:
+        # Some planners go round without a check.
+        self._left -= 1
+        return self._left < 0
+
+
 class _ClearMotion(base.MotionValidator):  # type: ignore[misc]
     """Straight motions that keep the clearance all along, checked by stepping over open space."""
 
-    def __init__(self, space: Any, field: DistanceField, required: float) -> None:
+    def __init__(self, space: Any, field: DistanceField, required: float, budget: _Budget) -> None:
         super().__init__(space)
         self._clear = field.segment_clear
         self._required = required
+        self._spend = budget.spend
 
     def checkMotion(self, start: Any, end: Any, *_last_valid: Any) -> bool:
         # OMPL's second form also asks for the last valid state; planners that use it start from
         # "none", which is what leaving it alone means: they keep whole motions only.
+        self._spend()
         return self._clear(start[0], start[1], end[0], end[1], self._required)
 
 
@@ -68,8 +88,9 @@ def search(
 ) -> Floats | None:
     """An exact solution as a polyline (N, 2) in the world, or None within ``timeout`` [s].
 
-    Approximate solutions, which end somewhere else, are no solutions. The same input and seed
-    give the same polyline, unless the planner is one that optimises until its time is up.
+    Approximate solutions, which end somewhere else, are no solutions. The time is counted in
+    checks and not by the clock, so that the same input and seed give the same polyline on a busy
+    machine and on an idle one, planners included that optimise until their time is up.
     """
     start, goal = np.asarray(start, dtype=np.float64), np.asarray(goal, dtype=np.float64)
     level = util.getLogLevel()
@@ -88,16 +109,22 @@ def search(
         space.setBounds(box)
         setup = geometric.SimpleSetup(space)
         information = setup.getSpaceInformation()
-        at_xy = field.at_xy
-        setup.setStateValidityChecker(lambda state: at_xy(state[0], state[1]) >= required)
-        validator = _ClearMotion(information, field, required)
+        budget = _Budget(timeout)
+        at_xy, spend = field.at_xy, budget.spend
+
+        def is_clear(state: Any) -> bool:
+            spend()
+            return at_xy(state[0], state[1]) >= required
+
+        setup.setStateValidityChecker(is_clear)
+        validator = _ClearMotion(information, field, required, budget)
         information.setMotionValidator(validator)
         first, last = space.allocState(), space.allocState()
         for axis in range(2):
             first[axis], last[axis] = float(start[axis]), float(goal[axis])
         setup.setStartAndGoalStates(first, last)
         setup.setPlanner(getattr(geometric, planner)(information))
-        setup.solve(timeout)
+        setup.solve(base.PlannerTerminationCondition(budget.is_over))
         if not setup.haveExactSolutionPath():
             return None
         states = setup.getSolutionPath().getStates()

@@ -14,6 +14,8 @@ from kompass.components.base.ports import Input
 from kompass.rclpy_ext.topic import LATCHED, QoSConfig
 from kompass.robot import RobotFrames
 
+LONGEST_STEP = 0.2  # s over which a speed tells where the robot was, or will be
+
 
 class TransformListener:
     """Listens to static transforms always; to moving ones only once somebody asks for them.
@@ -111,6 +113,32 @@ class LocationSource:
             self._component.warn(f"location is in '{frame}': {error}")
             return None
         x, y, yaw = compose(to_world, pose)
+        return float(x), float(y), float(yaw)
+
+    def pose_at(self, stamp: float) -> Pose2D | None:
+        """As :meth:`pose`, moved on or back by the robot's speed to when something was measured.
+
+        Parameters
+        ----------
+        stamp
+            Of what was measured [s]; one that is 0, or more than ``LONGEST_STEP`` away from that of
+            the location, tells nothing.
+        """
+        pose = self.pose()
+        header = getattr(self._component.input("location").message, "header", None)
+        if pose is None or header is None:
+            return pose
+        step = stamp - (header.stamp.sec + 1e-9 * header.stamp.nanosec)
+        if stamp == 0.0 or abs(step) > LONGEST_STEP:
+            return pose
+        vx, vy, omega = self.speed()
+        if not all(map(math.isfinite, (vx, vy, omega))):
+            return pose
+        # Half of the turn before the way, and half of it after: a good chord of the arc.
+        half = 0.5 * omega * step
+        cos, sin = math.cos(half), math.sin(half)
+        moved = (step * (cos * vx - sin * vy), step * (sin * vx + cos * vy), 2.0 * half)
+        x, y, yaw = compose(pose, moved)
         return float(x), float(y), float(yaw)
 
     def speed(self) -> tuple[float, float, float]:

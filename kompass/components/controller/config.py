@@ -59,7 +59,8 @@ class ControllerConfig(ComponentConfig):
     )
     use_direct_sensor: bool = Field(
         default=False,
-        description="DWA and MPPI take obstacles from the scan itself instead of the local map",
+        description="DWA and MPPI take obstacles from the scan itself instead of the local map; "
+        "MPPI then tells what moves",
     )
     sensor_timeout: float = Field(
         default=0.5, gt=0, le=60, description="s; an older scan or local map stops the robot"

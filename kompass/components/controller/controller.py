@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from kompass.algorithms.following.command import Command, FollowStep
 from kompass.algorithms.following.follower import NoCommand, PathFollower
-from kompass.algorithms.geometry import Pose2D, inverse, transform_points
+from kompass.algorithms.geometry import Pose2D, compose, inverse, transform_points
+from kompass.algorithms.mapping.moving import MovingObstacles, seen_from
 from kompass.algorithms.mapping.scan_points import scan_to_points
 from kompass.components.base.actions import component_action
 from kompass.components.base.component import Component
@@ -128,6 +129,7 @@ class Controller(Component):
         self._incoming_since = 0.0
         self._has_path = False
         self._progress = Progress()
+        self._moving = MovingObstacles()
         self._obstacles: ObstacleSource | None = None
 
     def wants_input(self, key: str) -> bool:
@@ -189,17 +191,24 @@ class Controller(Component):
         self._has_path = True
 
     def _place_scan(self, scan: Any) -> NDArray[np.float64]:
-        points = scan_to_points(
+        measured = (
             np.asarray(scan.ranges, dtype=np.float64),
             scan.angle_min,
             scan.angle_increment,
             scan.range_min,
             scan.range_max,
-            self._location.of_sensor(scan.header.frame_id),
         )
-        pose = self._location.pose()
+        mounted = self._location.of_sensor(scan.header.frame_id)
+        points = scan_to_points(*measured, mounted)
+        stamp = scan.header.stamp.sec + 1e-9 * scan.header.stamp.nanosec
+        # At 2 m/s and while it turns the robot is elsewhere when the next location comes.
+        pose = self._location.pose_at(stamp)
         if pose is None:
             raise LookupError("the robot does not know where it is")
+        if self._follower.looks_ahead_in_time:
+            x, y, yaw = (float(value) for value in compose(pose, mounted))
+            now = self.clock.monotonic()
+            self._moving.see(*measured, (x, y, yaw), now)
         return transform_points(pose, points)
 
     def _place_map(self, message: Any) -> NDArray[np.float64]:
@@ -234,7 +243,8 @@ class Controller(Component):
         period = 1.0 / self.config.loop_rate
         try:
             points = transform_points(inverse(pose), seen)
-            step = self._follower.step(pose, vx, omega, period, points)
+            moving = seen_from(pose, self._moving.at(self.clock.monotonic()))
+            step = self._follower.step(pose, vx, omega, period, points, moving)
         except NoCommand as error:
             self.health.set_fail_algorithm([self.config.algorithm.value], str(error))
             self._halt()

@@ -149,8 +149,8 @@ DWAConfig: Any = _section(
 MPPIConfig: Any = _section(
     ControllersID.MPPI,
     MPPI,
-    # It turns by plans under which obstacles are looked at.
-    defaults={"clearance": CLEARANCE, "turn_in_place_angle": math.pi},
+    # It turns by plans under which obstacles are looked at, and passes gaps that just fit.
+    defaults={"clearance": 0.03, "turn_in_place_angle": math.pi},
 )
 SECTIONS = {
     ControllersID.STANLEY: StanleyConfig,

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kompass.algorithms.following.command import Command
+from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.safety.stop_zone import StopZone
 from kompass.algorithms.safety.velocity_limiter import VelocityLimiter, VelocityLimits
 from kompass.components.drive.command_queue import STILL, Twist2D
-from kompass.components.drive.manoeuvre import free_way
 
 # A share of the wanted speed that counts as none: the ramp of the zone is only ever approached.
 BLOCKED_BELOW = 0.05
@@ -41,6 +41,8 @@ class GateLimits:
         Whether obstacles count at all.
     needs_scan
         Whether the robot stands still while it sees nothing.
+    footprint
+        The body, where it is not round.
     """
 
     velocity: VelocityLimits
@@ -51,6 +53,7 @@ class GateLimits:
     period: float
     safety_stop: bool = True
     needs_scan: bool = True
+    footprint: Footprint | None = None
 
 
 @dataclass(frozen=True)
@@ -125,6 +128,8 @@ class DriveGate:
             limits.critical_distance,
             limits.slowdown_distance,
             max_decel=limits.velocity.vx.max_decel,
+            footprint=limits.footprint,
+            max_turn_decel=limits.velocity.omega.max_decel,
         )
         self._limiter = VelocityLimiter(limits.velocity)
 
@@ -143,9 +148,12 @@ class DriveGate:
         wanted = given.wanted
         factor, limited_by = self._allowed(given)
         blocked = limited_by == "obstacle" and factor == 0.0
-        # A round body that turns on the spot meets nothing: what is blocked is the way, and the
-        # turn that is part of the command leads out of it.
-        turn = wanted[2] if wanted and blocked and abs(wanted[2]) >= TURNING else 0.0
+        turn = wanted[2] if wanted and blocked else 0.0
+        if turn and given.obstacles is not None:
+            # What is blocked is the way, and the turn that is part of the command leads out of it:
+            # a round body that turns on the spot meets nothing, another one may.
+            turn *= self._zone.factor(given.obstacles, 0.0, 0.0, turn)
+        turn = turn if abs(turn) >= TURNING else 0.0
         twist = STILL if given.stopped else self._twist(wanted, factor, turn, now)
         if twist is not None:
             self._sent = twist
@@ -196,5 +204,4 @@ class DriveGate:
         limits = self._limits
         if obstacles is None or self._direction is None or not limits.safety_stop:
             return False
-        way = free_way(obstacles, limits.radius, self._direction)
-        return way <= limits.critical_distance
+        return self._zone.way(obstacles, self._direction) <= limits.critical_distance

@@ -17,6 +17,7 @@ from rclpy.task import Future
 from std_msgs.msg import Bool
 
 from kompass.access.gatekeeper import UNSIGNED_HAND, NotAdmitted
+from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.mapping.scan_points import scan_to_points
 from kompass.algorithms.safety.frozen_scan import FrozenScan
 from kompass.algorithms.safety.rhythm import Rhythm
@@ -141,6 +142,7 @@ class DriveManager(Component):
         return GateLimits(
             velocity=velocity_limits(robot),
             radius=robot.radius,
+            footprint=Footprint(robot.footprint),
             critical_distance=config.critical_zone_distance,
             slowdown_distance=config.slowdown_zone_distance,
             odometry_timeout=config.odometry_timeout,

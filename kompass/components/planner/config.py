@@ -106,8 +106,13 @@ class PlannerConfig(ComponentConfig):
         le=86400,
         description="s; what was seen is forgotten after so long out of sight",
     )
-    planner_id: str = Field(default="RRTConnect", description="geometric planner of OMPL")
-    planning_timeout: float = Field(default=1.0, gt=0, le=60, description="s")
+    planner_id: str = Field(
+        default="RRTConnect",
+        description="geometric planner of OMPL, for a round robot; for others cells are searched",
+    )
+    planning_timeout: float = Field(
+        default=1.0, gt=0, le=60, description="s, counted in checks: 50,000 to the second"
+    )
     patience: float = Field(
         default=15.0,
         gt=0,

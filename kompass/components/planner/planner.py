@@ -15,9 +15,11 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 from std_msgs.msg import Bool
 
+from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Pose2D
 from kompass.algorithms.grid import Grid
 from kompass.algorithms.planning.failure import PlanningFailure, Reason, code_of
+from kompass.algorithms.planning.outline_planner import OutlinePlanner
 from kompass.algorithms.planning.planner import GlobalPlanner, Plan
 from kompass.algorithms.safety.standstill import Standstill
 from kompass.algorithms.transforms import TransformError
@@ -212,9 +214,21 @@ class Planner(Component):
             self._planner = self._planner_on(grid)
 
     def _planner_on(self, grid: Grid, start_slack: float = 0.0) -> GlobalPlanner:
+        robot = self.config.described_robot
+        body = Footprint(robot.footprint)
+        if not body.is_round:
+            return OutlinePlanner(
+                grid,
+                footprint=body,
+                clearance=self.config.clearance,
+                least=None if self._live is None else 0.0,
+                unknown_is_obstacle=self.config.unknown_is_obstacle,
+                points_per_meter=self.config.points_per_meter,
+                start_slack=start_slack,
+            )
         return GlobalPlanner(
             grid,
-            robot_radius=self.config.described_robot.radius,
+            robot_radius=robot.radius,
             clearance=self.config.clearance,
             unknown_is_obstacle=self.config.unknown_is_obstacle,
             points_per_meter=self.config.points_per_meter,
@@ -365,8 +379,7 @@ class Planner(Component):
         self._drive(plan)
 
     def _drive(self, plan: Plan) -> None:
-        beside = plan.min_clearance - self.config.described_robot.radius
-        self._kept = min(self.config.clearance, max(0.0, beside))
+        self._kept = min(self.config.clearance, max(0.0, plan.room))
         self.publish("plan", self._path_msg(plan.poses))
 
     def _fail(self, mission: Mission, failure: PlanningFailure, now: float) -> None:
@@ -406,7 +419,7 @@ class Planner(Component):
         finally:
             live.planned(now)
         self.health.set_healthy()
-        if holds and plan.length > (1.0 - BETTER) * mission.distance_left(pose):
+        if holds and planner.cost(plan.poses) > (1.0 - BETTER) * planner.cost(ahead):
             return
         mission.replanned(plan.poses, pose)
         self._drive(plan)
@@ -421,7 +434,8 @@ class Planner(Component):
             if self._live is None or failure.reason not in WIDER or not narrow:
                 raise
             told = failure
-        for share in NARROWER:
+        # A planner that weighs narrow ways against long ones has looked at them all.
+        for share in () if isinstance(planner, OutlinePlanner) else NARROWER:
             try:
                 narrower = planner.with_clearance(share * self.config.clearance)
                 return narrower.plan(pose, (x, y, heading))
