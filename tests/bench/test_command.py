@@ -6,6 +6,8 @@ import json
 import re
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +15,19 @@ import pytest
 
 from kompass.bench.barn_file import BadWorlds, read_barn
 from tests.bench.worlds import world_file
+from tests.support.commands import Commands, Done
+
+Bench = Callable[..., Done]
 
 
-def bench(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+@pytest.fixture(scope="module")
+def bench() -> Iterator[Bench]:
+    """In a process that all of them share: its start takes longer than most drives."""
+    with closing(Commands()) as commands:
+        yield lambda *arguments: commands.run("bench-nav", *arguments, timeout=80)
+
+
+def bench_of_its_own(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     command = [str(Path(sys.executable).with_name("kompass-console")), "bench-nav"]
     return subprocess.run(
         [*command, *map(str, arguments)], capture_output=True, text=True, timeout=200, check=False
@@ -23,11 +35,13 @@ def bench(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.slow
-def test_it_drives_through_what_it_was_not_told_of_and_says_why_it_gave_up(tmp_path: Path) -> None:
+def test_it_drives_through_what_it_was_not_told_of_and_says_why_it_gave_up(
+    bench: Bench, tmp_path: Path
+) -> None:
     lines, page = tmp_path / "found.jsonl", tmp_path / "found.html"
     follower = ("--follower", "pure_pursuit")
     worlds = ("--worlds", world_file(tmp_path), *follower, "--json", lines, "--report", page)
-    done = bench(*worlds)
+    done = bench_of_its_own(*worlds)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1].startswith("1 of 2 arrived in ")
     assert "2 of 2 drives" in done.stderr
@@ -52,7 +66,7 @@ def test_it_drives_through_what_it_was_not_told_of_and_says_why_it_gave_up(tmp_p
 
 
 @pytest.mark.slow
-def test_the_map_is_told_when_it_is_to_be(tmp_path: Path) -> None:
+def test_the_map_is_told_when_it_is_to_be(bench: Bench, tmp_path: Path) -> None:
     worlds = ("--worlds", world_file(tmp_path), "--only", "4", "--map", "known")
     done = bench(*worlds, "--robot", "jackal")
     assert done.returncode == 0, done.stderr
@@ -84,7 +98,7 @@ def test_the_map_is_told_when_it_is_to_be(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_asked_for_wrongly_is_told_in_a_line(
-    tmp_path: Path, arguments: list[str], said: str
+    bench: Bench, tmp_path: Path, arguments: list[str], said: str
 ) -> None:
     done = bench("--worlds", world_file(tmp_path), *arguments)
     assert done.returncode == 2, done.stdout
@@ -93,7 +107,7 @@ def test_what_is_asked_for_wrongly_is_told_in_a_line(
     assert re.search(said, done.stderr), done.stderr
 
 
-def test_a_file_that_is_not_there_is_told_in_a_line(tmp_path: Path) -> None:
+def test_a_file_that_is_not_there_is_told_in_a_line(bench: Bench, tmp_path: Path) -> None:
     done = bench("--worlds", tmp_path / "none.json")
     assert done.returncode == 2
     assert done.stderr.endswith(

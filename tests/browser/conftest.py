@@ -1,6 +1,8 @@
-"""A stack and a browser for a module of tests; a page of its own for each test."""
+"""A stack and a browser for a module of tests; pages of its own for each test, or one for all."""
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,7 +14,7 @@ from tests.support.robot import Robot
 from tests.support.running import robot, stack
 from tests.support.stack import TOKEN, Stack
 
-__all__ = ["browser", "new_page", "page", "robot", "stack"]
+__all__ = ["browser", "drawn", "new_page", "page", "robot", "stack"]
 
 OpenPage = Callable[..., ConsolePage]
 
@@ -27,10 +29,8 @@ def browser() -> Iterator[Browser]:
         yield running
 
 
-@pytest.fixture
-def new_page(
-    request: pytest.FixtureRequest, stack: Stack, robot: Robot, browser: Browser
-) -> Iterator[OpenPage]:
+@contextmanager
+def opening(name: str, stack: Stack, robot: Robot, browser: Browser) -> Iterator[OpenPage]:
     """Makes pages, each as a browser that was never here; every one is pictured at the end."""
     made: list[ConsolePage] = []
 
@@ -41,19 +41,44 @@ def new_page(
         return made[-1]
 
     yield make
-    if robot.newest["/drive_state"].stopped:  # by a test that failed half-way
-        robot.release()
+    release_if_stopped(robot)
     wrong: list[str] = []
     for number, page in enumerate(made):
-        page.keep(f"{request.node.name}-{number}" if number else request.node.name)
+        page.keep(f"{name}-{number}" if number else name)
         wrong += page.errors + page.policy_violations()
         page.page.context.close()
     assert not wrong, "the page's script failed, or tried what its content policy refuses"
 
 
+def release_if_stopped(robot: Robot) -> None:
+    """Of a test that failed half-way."""
+    if robot.newest["/drive_state"].stopped:
+        robot.release()
+
+
 @pytest.fixture
-def page(new_page: OpenPage) -> ConsolePage:
-    """An operator's page with its scene drawn."""
-    opened = new_page()
-    opened.open(TOKEN)
-    return opened
+def new_page(
+    request: pytest.FixtureRequest, stack: Stack, robot: Robot, browser: Browser
+) -> Iterator[OpenPage]:
+    """Makes pages for one test."""
+    with opening(request.node.name, stack, robot, browser) as make:
+        yield make
+
+
+@pytest.fixture(scope="module")
+def drawn(
+    request: pytest.FixtureRequest, stack: Stack, robot: Robot, browser: Browser
+) -> Iterator[ConsolePage]:
+    """An operator's page with its scene drawn: one for a module, for that takes a while."""
+    with opening(Path(request.node.name).stem, stack, robot, browser) as make:
+        opened = make()
+        opened.open(TOKEN)
+        yield opened
+
+
+@pytest.fixture
+def page(request: pytest.FixtureRequest, drawn: ConsolePage, robot: Robot) -> Iterator[ConsolePage]:
+    """The page of the module, as the test before has left it."""
+    yield drawn
+    drawn.keep(request.node.name)
+    release_if_stopped(robot)

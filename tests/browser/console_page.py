@@ -69,9 +69,22 @@ class ConsolePage:
 
     def open(self, token: str) -> None:
         """Follow the printed link, as far as the scene being drawn and the robot being known."""
+        self._follow(token)
+        self.await_scene()
+
+    def open_flat(self, token: str) -> None:
+        """Follow the printed link as far as the robot being known, on a page without its scene."""
+        self.leave_scene_out()
+        self._follow(token)
+
+    def leave_scene_out(self) -> None:
+        """Have nothing in the scene's frame: to draw it takes the processor longer than most
+        tests take for all else."""
+        self.page.route("**/scene/**", lambda route: route.fulfill(body=""))
+
+    def _follow(self, token: str) -> None:
         self.page.goto(f"{self.origin}/#token={token}")
         expect(self.get("pose")).to_contain_text("m/s", timeout=FIRST_PICTURE * 1000)
-        self.await_scene()
 
     def await_scene(self) -> Floor:
         """Wait until the camera has come to rest; the floor as it is seen then."""

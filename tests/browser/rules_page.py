@@ -18,12 +18,8 @@ class RulesPage:
 
     @classmethod
     def opened(cls, page: ConsolePage, token: str, button: str = "rules") -> RulesPage:
-        """Follow the printed link and open the rules with a button.
-
-        The scene is left out: to draw it, the processor would need all that the tests have.
-        """
-        page.page.route("**/scene/**", lambda route: route.fulfill(body=""))
-        page.page.goto(f"{page.origin}/#token={token}")
+        """Follow the printed link, without the scene, and open the rules with a button."""
+        page.open_flat(token)
         return cls.of(page, button)
 
     @classmethod

@@ -16,7 +16,9 @@ from tests.support.stack import TOKEN, Stack
 pytestmark = pytest.mark.browser
 
 
-def test_the_printed_link_logs_in_and_its_token_leaves_the_address_bar(page: ConsolePage) -> None:
+def test_the_printed_link_logs_in_and_its_token_leaves_the_address_bar(new_page: OpenPage) -> None:
+    page = new_page()
+    page.open_flat(TOKEN)
     assert page.page.url == f"{page.origin}/"
     assert TOKEN not in page.page.evaluate("() => JSON.stringify(history.state) + location.href")
     page.page.reload()
@@ -25,6 +27,7 @@ def test_the_printed_link_logs_in_and_its_token_leaves_the_address_bar(page: Con
 
 def test_a_wrong_token_is_told_in_a_sentence_and_a_right_one_lets_in(new_page: OpenPage) -> None:
     page = new_page()
+    page.leave_scene_out()
     page.page.goto(f"{page.origin}/#token=not-the-token-at-all")
     expect(page.page.get_by_role("status")).to_contain_text("This token is not one of this")
     assert "not-the-token" not in page.page.url
@@ -37,49 +40,13 @@ def test_a_wrong_token_is_told_in_a_sentence_and_a_right_one_lets_in(new_page: O
     expect(page.get("scene-frame")).to_be_visible()
 
 
-def test_the_map_is_drawn_where_it_is_and_the_robots_pose_is_told(
-    page: ConsolePage, robot: Robot
-) -> None:
-    floor = page.await_scene()
-    picture = page.picture().astype(int)
-
-    def brightness(x: float, y: float) -> int:
-        across, down = page.pixel(floor, x, y)
-        return int(picture[round(down), round(across)].mean())
-
-    pillars = [(1.1 * i, 1.1 * j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-    between = [(1.1 * i + 0.55, 1.1 * j + 0.55) for i in (-1, 0) for j in (-1, 0)]
-    walls = [(0.0, 2.42), (0.0, -2.42)]
-    assert max(brightness(*at) for at in pillars + walls) < 160
-    assert min(brightness(*at) for at in between) > 240
-
-    x, y, yaw = robot.truth
-    shown = re.findall(r"[-−+]?\d+\.?\d*", page.get("pose").inner_text())
-    told = [float(number.replace("−", "-")) for number in shown]
-    assert told[:2] == pytest.approx([x, y], abs=0.05)
-    assert told[2] == pytest.approx(yaw * 57.3, abs=3)
-
-
-def test_no_request_leaves_the_machine(page: ConsolePage) -> None:
-    for tool in ("follow", "top-view", "help", "theme-toggle", "theme-toggle"):
-        page.get(tool).click()
-    page.get("layers").click()
-    page.get("layer-scan").click()
-    page.page.keyboard.press("Escape")
-    page.pick((500, 400))
-    expect(page.get("goal-card")).to_be_visible()
-    allowed = (page.origin, page.origin.replace("http", "ws"), f"blob:{page.origin}", "data:")
-    assert len(page.requests) > 8
-    assert not [url for url in page.requests if not url.startswith(allowed)]
-
-
 def test_a_viewer_watches_and_may_stop_but_neither_drive_nor_release(
     new_page: OpenPage, stack: Stack, robot: Robot
 ) -> None:
     found = re.search(r"To watch:\s+\S+#token=(\S+)", stack.output)
     assert found
     page = new_page()
-    page.open(found[1])
+    page.open_flat(found[1])
     expect(page.get("goal-tool")).to_be_disabled()
     expect(page.get("goal-tool")).to_have_attribute("title", re.compile("operator"))
     page.page.keyboard.press("g")
@@ -152,6 +119,29 @@ def _expect_inside(element: Locator, width: int, height: int) -> None:
     assert box["y"] + box["height"] <= height
 
 
+def test_the_map_is_drawn_where_it_is_and_the_robots_pose_is_told(
+    page: ConsolePage, robot: Robot
+) -> None:
+    floor = page.await_scene()
+    picture = page.picture().astype(int)
+
+    def brightness(x: float, y: float) -> int:
+        across, down = page.pixel(floor, x, y)
+        return int(picture[round(down), round(across)].mean())
+
+    pillars = [(1.1 * i, 1.1 * j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    between = [(1.1 * i + 0.55, 1.1 * j + 0.55) for i in (-1, 0) for j in (-1, 0)]
+    walls = [(0.0, 2.42), (0.0, -2.42)]
+    assert max(brightness(*at) for at in pillars + walls) < 160
+    assert min(brightness(*at) for at in between) > 240
+
+    x, y, yaw = robot.truth
+    shown = re.findall(r"[-−+]?\d+\.?\d*", page.get("pose").inner_text())
+    told = [float(number.replace("−", "-")) for number in shown]
+    assert told[:2] == pytest.approx([x, y], abs=0.05)
+    assert told[2] == pytest.approx(yaw * 57.3, abs=3)
+
+
 def test_a_dead_console_freezes_the_view_visibly_and_comes_back_by_itself(
     page: ConsolePage, stack: Stack
 ) -> None:
@@ -175,3 +165,16 @@ def test_a_dead_console_freezes_the_view_visibly_and_comes_back_by_itself(
     floor = page.await_scene()
     across, down = page.pixel(floor, 0.0, 0.0)
     assert page.picture()[round(down), round(across)].mean() < 160
+
+
+def test_no_request_leaves_the_machine(page: ConsolePage) -> None:
+    for tool in ("follow", "top-view", "help", "theme-toggle", "theme-toggle"):
+        page.get(tool).click()
+    page.get("layers").click()
+    page.get("layer-scan").click()
+    page.page.keyboard.press("Escape")
+    page.pick((500, 400))
+    expect(page.get("goal-card")).to_be_visible()
+    allowed = (page.origin, page.origin.replace("http", "ws"), f"blob:{page.origin}", "data:")
+    assert len(page.requests) > 8
+    assert not [url for url in page.requests if not url.startswith(allowed)]

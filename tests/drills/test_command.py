@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from kompass.drills.report_json import read_report
 from tests.drills.test_runner import WITHOUT_PLANNER
+from tests.support.commands import Commands, Done
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
@@ -24,16 +27,26 @@ faults: [{name: "kill:mapper", at: 6.0}]
 """
 
 
-def drill(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+Drill = Callable[..., Done]
+
+
+def drill_of_its_own(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     command = [str(Path(sys.executable).with_name("kompass-console")), "drill"]
     return subprocess.run(
         [*command, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False
     )
 
 
+@pytest.fixture(scope="module")
+def drill() -> Iterator[Drill]:
+    """In a process that all of them share: its start takes longer than most drives."""
+    with closing(Commands()) as commands:
+        yield lambda *arguments: commands.run("drill", *arguments)
+
+
 def test_it_says_what_became_of_the_drives_and_writes_it_down(tmp_path: Path) -> None:
     found, page = tmp_path / "drill.json", tmp_path / "drill.html"
-    done = drill(
+    done = drill_of_its_own(
         *(GUARDED, "--seeds", "2", "--faults", "kill:mapper", "--json", found, "--report", page),
         *("--require", "recovered >= 0.9, contacts == 0"),
     )
@@ -45,24 +58,24 @@ def test_it_says_what_became_of_the_drives_and_writes_it_down(tmp_path: Path) ->
     assert "Recovers in 2 of 2" in page.read_text(encoding="utf-8")
 
 
-def test_two_runs_of_one_seed_write_the_same_bytes(tmp_path: Path) -> None:
+def test_two_runs_of_one_seed_write_the_same_bytes(drill: Drill, tmp_path: Path) -> None:
     written = []
-    for jobs in ("1", "2"):
+    for jobs, run in (("1", drill), ("2", drill_of_its_own)):
         file = tmp_path / f"{jobs}.json"
-        done = drill(GUARDED, "--seeds", "2", "--faults", "all", "--jobs", jobs, "--json", file)
+        done = run(GUARDED, "--seeds", "2", "--faults", "all", "--jobs", jobs, "--json", file)
         assert done.returncode == 0, done.stderr
         written.append(file.read_bytes())
     assert written[0] == written[1]
 
 
-def test_what_is_required_and_not_met_ends_with_1(tmp_path: Path) -> None:
+def test_what_is_required_and_not_met_ends_with_1(drill: Drill, tmp_path: Path) -> None:
     (tmp_path / "one.yaml").write_text(SCENARIO, encoding="utf-8")
     done = drill(GUARDED, "--scenarios", tmp_path, "--require", "recovered == 0")
     assert done.returncode == 1
     assert "recovered == 0: not met" in done.stdout
 
 
-def test_a_table_is_compared_with_another_drive_by_drive(tmp_path: Path) -> None:
+def test_a_table_is_compared_with_another_drive_by_drive(drill: Drill, tmp_path: Path) -> None:
     scenario = SCENARIO.replace(
         '{name: "kill:mapper", at: 6.0}', "{name: boxed_in, at: 6, duration: 40}"
     )
@@ -94,7 +107,7 @@ def test_a_table_is_compared_with_another_drive_by_drive(tmp_path: Path) -> None
     ],
 )
 def test_what_is_wrong_is_told_before_anything_drives(
-    arguments: list[str | Path], said: str
+    drill: Drill, arguments: list[str | Path], said: str
 ) -> None:
     done = drill(*arguments)
     assert done.returncode == 2
@@ -102,7 +115,9 @@ def test_what_is_wrong_is_told_before_anything_drives(
     assert said in line
 
 
-def test_a_scenario_of_a_process_that_the_recipe_does_not_have_is_refused(tmp_path: Path) -> None:
+def test_a_scenario_of_a_process_that_the_recipe_does_not_have_is_refused(
+    drill: Drill, tmp_path: Path
+) -> None:
     file = tmp_path / "one.yaml"
     file.write_text(SCENARIO.replace("kill:mapper", "kill:maper"), encoding="utf-8")
     done = drill(GUARDED, "--scenarios", file)
@@ -110,7 +125,7 @@ def test_a_scenario_of_a_process_that_the_recipe_does_not_have_is_refused(tmp_pa
     assert "scenario mapper: fault 'kill:maper': the recipe has no process" in done.stderr
 
 
-def test_a_fault_that_did_not_begin_is_told(tmp_path: Path) -> None:
+def test_a_fault_that_did_not_begin_is_told(drill: Drill, tmp_path: Path) -> None:
     file = tmp_path / "one.yaml"
     both = '{name: "kill:mapper", at: 6.0}, {name: "stop:mapper", at: 6.02}'
     file.write_text(SCENARIO.replace('{name: "kill:mapper", at: 6.0}', both), encoding="utf-8")
@@ -119,7 +134,7 @@ def test_a_fault_that_did_not_begin_is_told(tmp_path: Path) -> None:
     assert "mapper: stop:mapper did not begin at 6.05 s: mapper is dead" in done.stdout
 
 
-def test_a_recipe_that_cannot_be_drilled_says_why(tmp_path: Path) -> None:
+def test_a_recipe_that_cannot_be_drilled_says_why(drill: Drill, tmp_path: Path) -> None:
     recipe = tmp_path / "halting.py"
     recipe.write_text(WITHOUT_PLANNER, encoding="utf-8")
     done = drill(recipe, "--seeds", "1")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,6 +24,7 @@ from kompass.recorder.replay.backtest import NoRecording, backtest_files
 from kompass.recorder.replay.explain import explain_recorded
 from kompass.recorder.streams import EVENTS, read_event
 from tests.recorder.test_foxglove import read_by_foxglove
+from tests.support.commands import Commands, Done
 
 pytestmark = pytest.mark.slow
 
@@ -213,15 +216,24 @@ def test_what_is_missing_in_a_recording_is_told(made: Made, tmp_path: Path) -> N
         scenario_of(empty, "empty", None, None)
 
 
-def cli(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+Cli = Callable[..., Done]
+
+
+@pytest.fixture(scope="module")
+def cli() -> Iterator[Cli]:
     """``kompass-console drill …``."""
+    with closing(Commands()) as commands:
+        yield lambda *arguments: commands.run("drill", *arguments)
+
+
+def whimsical(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """``kompass-console drill …``, of a recipe that has whims."""
     command = [str(Path(sys.executable).with_name("kompass-console")), "drill", *arguments]
-    return subprocess.run(
-        command, capture_output=True, text=True, check=False, env={**os.environ, **environment}
-    )
+    environment = {**os.environ, "WHIMS": "1"}
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
 
 
-def test_the_command_line_replays_a_drive_by_its_name(made: Made, tmp_path: Path) -> None:
+def test_the_command_line_replays_a_drive_by_its_name(made: Made, cli: Cli, tmp_path: Path) -> None:
     scenario, output = tmp_path / "there.yaml", tmp_path / "there.mcap"
     scenario.write_text(scenario_text(SCENARIO))
     options = ("--recipe", str(RECIPE), "--scenario", str(scenario), "-o", str(output))
@@ -243,10 +255,9 @@ def test_a_recipe_that_is_not_the_same_twice_is_told_of_and_named(tmp_path: Path
     page = tmp_path / "report.html"
     short = SCENARIO.model_copy(update={"faults": (), "operators": (), "limit": 5.0})
     scenario.write_text(scenario_text(short))
-    done = cli(
+    done = whimsical(
         *(str(RECIPE), "--scenarios", str(scenario), "--json", str(report)),
         *("--report", str(page)),
-        WHIMS="1",
     )
     assert done.returncode == 4, done.stdout + done.stderr
     first = done.stdout.splitlines()[0]
@@ -263,7 +274,7 @@ RECIPES = sorted((Path(__file__).parents[2] / "recipes").glob("0[5-8]_*.py"))
 
 @pytest.mark.parametrize("recipe", RECIPES, ids=lambda path: path.stem)
 def test_recipes_of_every_kind_are_drilled_and_are_the_same_twice(
-    recipe: Path, tmp_path: Path
+    cli: Cli, recipe: Path, tmp_path: Path
 ) -> None:
     scenario, report = tmp_path / "there.yaml", tmp_path / "report.json"
     plain = SCENARIO.model_copy(update={"faults": (), "operators": (), "limit": 30.0})

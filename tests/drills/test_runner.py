@@ -78,20 +78,28 @@ def test_a_robot_passes_a_pillar_by_its_local_map_without_turning_to_and_fro(see
     assert observed.result.duration < 25.0  # 15 s are what it takes to be given up
 
 
-def test_the_same_seed_gives_the_same_facts_and_another_one_others() -> None:
-    fault = ScheduledFault(name="kill:mapper", at=6.0)
-    first, again = (drive(scenario(fault)).facts for _ in range(2))
-    assert first == again
-    assert drive(scenario(fault, seed=5)).facts != first
+KILLED = ScheduledFault(name="kill:mapper", at=6.0)
 
 
-def test_a_killed_process_is_started_again_by_the_policy_of_the_supervisor() -> None:
-    observed = drive(scenario(ScheduledFault(name="kill:mapper", at=6.0)))
-    (death,) = (fact for fact in observed.facts if isinstance(fact, ProcessEnded))
-    (life,) = (fact for fact in observed.facts if isinstance(fact, ProcessStarted))
+@pytest.fixture(scope="module")
+def killed() -> Observed:
+    """A drive in which the mapper is killed."""
+    return drive(scenario(KILLED))
+
+
+def test_the_same_seed_gives_the_same_facts_and_another_one_others(killed: Observed) -> None:
+    assert drive(scenario(KILLED)).facts == killed.facts
+    assert drive(scenario(KILLED, seed=5)).facts != killed.facts
+
+
+def test_a_killed_process_is_started_again_by_the_policy_of_the_supervisor(
+    killed: Observed,
+) -> None:
+    (death,) = (fact for fact in killed.facts if isinstance(fact, ProcessEnded))
+    (life,) = (fact for fact in killed.facts if isinstance(fact, ProcessStarted))
     assert death.process == life.process == "mapper"
     assert 0.1 < life.at - death.at < 1.5  # its first delay is 0.1 s
-    assert observed.result.outcome == "recovered"
+    assert killed.result.outcome == "recovered"
 
 
 def test_a_stopped_process_is_killed_when_patience_ends_and_started_again() -> None:

@@ -31,8 +31,8 @@ def robot(request: pytest.FixtureRequest) -> Iterator[Robot]:
 
 
 def drives_to_a_click(robot: Robot) -> None:
-    robot.click(-1.5, 0.5)
-    wait_until(lambda: robot.distance_to(-1.5, 0.5) < 0.10, 45, "arrival at the clicked point")
+    robot.click(-1.6, 0.0)
+    wait_until(lambda: robot.distance_to(-1.6, 0.0) < 0.10, 45, "arrival at the clicked point")
     assert robot.contacts == 0
 
 

@@ -38,12 +38,10 @@ class Run(NamedTuple):
 
     name: str
     single: bool = False
-    goal: tuple[float, float] = (-1.5, 0.5)
 
 
-RUNS = [Run("S1"), Run("S2"), Run("S1", True, (-1.6, 0.0)), Run("S2", True, (-1.6, 0.0))]
-
-
+GOAL = (-1.6, 0.0)
+RUNS = [Run("S1"), Run("S2"), Run("S1", single=True), Run("S2", single=True)]
 IDS = ["S1", "S2", "S1-threads", "S2-threads"]
 
 
@@ -73,8 +71,8 @@ def test_a_clicked_point_drives_the_robot_there_and_the_goal_succeeds(
     assert ("components is process" in stack.output) == run.single
     firings: list[RuleFiring] = []
     robot.node.create_subscription(RuleFiring, "/monitor/firings", firings.append, 100)
-    robot.click(*run.goal)
-    wait_until(lambda: robot.distance_to(*run.goal) < 0.10, 40, "arrival at the clicked point")
+    robot.click(*GOAL)
+    wait_until(lambda: robot.distance_to(*GOAL) < 0.10, 40, "arrival at the clicked point")
     wait_until(
         lambda: any(f.phase == "done" and "rviz" in f.rule_id for f in firings),
         20,
@@ -94,7 +92,7 @@ def test_a_killed_mapper_switches_the_controller_to_the_sensor_once(
     robot.subscribe(ComponentStatus, "/mapper/status", LATCHED)
     firings: list[RuleFiring] = []
     robot.node.create_subscription(RuleFiring, "/monitor/firings", firings.append, 100)
-    handle = robot.send_goal(0.5, 0.5)
+    handle = robot.send_goal(-0.55, 0.55)
     wait_until(lambda: robot.speed > 0.1, 15, "motion")
     os.kill(stack.pid_of("mapper"), signal.SIGKILL)
     wait_until(lambda: any("mapper" in f.rule_id for f in firings), 5, "the rule's firing")

@@ -1,6 +1,7 @@
 """Over DDS the embedded robot looks like a real base, and obeys like one."""
 
 import contextlib
+import functools
 import math
 import os
 import signal
@@ -13,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from tests.support.domains import next_domain
 from tests.support.patience import patient
 
 pytestmark = [
@@ -21,8 +23,6 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
 
-# Not shared with the other tests' processes; 101 is the highest that is free of port clashes.
-DOMAIN = 20 + os.getpid() % 80
 DEADLINE = 15.0
 
 STREAMS = {
@@ -84,16 +84,25 @@ class Observer:
         return float(self.newest["/simulator/ground_truth"].twist.twist.linear.x)
 
 
+@functools.cache
+def domain(robot: str) -> int:
+    """Of one of the robots of these tests."""
+    return next_domain()
+
+
 @contextlib.contextmanager
-def ros_node(name: str, domain: int = DOMAIN) -> Iterator[tuple[Any, Any]]:
-    """A node with its executor, on the tests' domain unless another one is given."""
+def ros_node(name: str, robot: str = "shared") -> Iterator[tuple[Any, Any]]:
+    """A node with its executor, on the domain of a robot."""
     import rclpy
     from rclpy.executors import SingleThreadedExecutor
     from rclpy.signals import SignalHandlerOptions
 
     context = rclpy.Context()
     rclpy.init(
-        args=[], context=context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO
+        args=[],
+        context=context,
+        domain_id=domain(robot),
+        signal_handler_options=SignalHandlerOptions.NO,
     )
     with contextlib.ExitStack() as undo:
         undo.callback(context.try_shutdown)
@@ -105,10 +114,10 @@ def ros_node(name: str, domain: int = DOMAIN) -> Iterator[tuple[Any, Any]]:
         yield node, executor
 
 
-def environment() -> dict[str, str]:
+def environment(robot: str = "shared") -> dict[str, str]:
     return {
         **os.environ,
-        "ROS_DOMAIN_ID": str(DOMAIN),
+        "ROS_DOMAIN_ID": str(domain(robot)),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "PYTHONUNBUFFERED": "1",
     }
@@ -347,7 +356,7 @@ def test_unknown_world_is_one_clear_line() -> None:
 def test_signal_ends_it_within_half_a_second(number: signal.Signals) -> None:
     with subprocess.Popen(
         [sys.executable, "-m", "kompass.simulation", "hexagon", "--node-name", "short_lived"],
-        env={**environment(), "ROS_DOMAIN_ID": str(DOMAIN + 1)},
+        env=environment("short-lived"),
         stderr=subprocess.PIPE,
         text=True,
     ) as process:
@@ -377,11 +386,11 @@ def test_late_sensors_publish_old_stamps_and_what_is_in_time_is_not_held_up() ->
                 *(sys.executable, "-m", "kompass.simulation", "hexagon", "--node-name", "late"),
                 *(word for fault in faults for word in ("--fault", fault)),
             ],
-            env={**environment(), "ROS_DOMAIN_ID": str(DOMAIN + 1)},
+            env=environment("late"),
             stderr=subprocess.PIPE,
             text=True,
         ) as process,
-        ros_node("timekeeper", DOMAIN + 1) as (node, executor),
+        ros_node("timekeeper", "late") as (node, executor),
     ):
         watch = Observer(node, executor)
         ages: dict[str, list[float]] = {}
