@@ -196,9 +196,10 @@ def test_a_fault_that_is_refused_is_told_with_the_reason() -> None:
     assert reasons["wrong:monitor"].startswith("monitor says nothing that others drive by")
 
 
-def test_every_recipe_drives() -> None:
-    for recipe in sorted(RECIPES.glob("0[1-8]_*.py")):
-        assert drive(scenario(), recipe).result.outcome == "arrived", recipe.name
+# 03 and 04 arrive in tests above; 05 and later ones are drilled in test_recorded.py.
+@pytest.mark.parametrize("recipe", ["01_point_navigation.py", "02_self_healing.py"])
+def test_recipes_that_no_other_test_drills_drive(recipe: str) -> None:
+    assert drive(scenario(), RECIPES / recipe).result.outcome == "arrived"
 
 
 def test_a_recipe_without_a_planner_is_refused_with_the_remedy(tmp_path: Path) -> None:
