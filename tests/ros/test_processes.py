@@ -51,12 +51,6 @@ def test_ctrl_c_ends_all_processes_within_three_seconds(fresh: Stack) -> None:
     assert "killed" not in fresh.output
 
 
-def test_children_do_not_outlive_a_killed_supervisor(fresh: Stack) -> None:
-    pids = list(children(fresh.process.pid))
-    os.kill(fresh.process.pid, signal.SIGKILL)
-    wait_until(lambda: not [pid for pid in pids if alive(pid)], 5, "the end of all children")
-
-
 def test_a_run_of_the_tests_that_is_killed_leaves_no_stack_behind(tmp_path: Path) -> None:
     domain = next_domain(stack=True)
     program = (
@@ -120,7 +114,7 @@ def test_a_second_stack_on_the_domain_is_refused(stack: Stack) -> None:
 
 
 def test_stop_survives_the_death_of_the_drive_manager(stack: Stack, robot: Robot) -> None:
-    # The last one on this stack: STOP stays.
+    # STOP stays: nothing after this drives.
     robot.stop()
     os.kill(stack.pid_of("drive_manager"), signal.SIGKILL)
     stack.wait_for_line("drive_manager killed by SIGKILL", 5)
@@ -128,3 +122,11 @@ def test_stop_survives_the_death_of_the_drive_manager(stack: Stack, robot: Robot
     wait_until(lambda: "/drive_state" in robot.newest, 15, "a drive manager again")
     assert robot.newest["/drive_state"].stopped
     assert robot.newest["/drive_state"].stopped_by == "tester"
+
+
+def test_children_do_not_outlive_a_killed_supervisor(stack: Stack) -> None:
+    """The last test of the module: its stack ends."""
+    pids = list(children(stack.process.pid))
+    assert len(pids) >= 8
+    os.kill(stack.process.pid, signal.SIGKILL)
+    wait_until(lambda: not [pid for pid in pids if alive(pid)], 5, "the end of all children")
