@@ -14,6 +14,7 @@ from kompass_interfaces.msg import RuleFiring
 
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
+from tests.support.rules import Rules
 from tests.support.stack import Stack
 
 pytestmark = pytest.mark.ros
@@ -90,6 +91,11 @@ def test_a_killed_mapper_switches_the_controller_to_the_sensor_once(
     if run.name != "S2" or run.single:
         return  # only that recipe has a rule for it, and only a process of its own can be killed
     robot.subscribe(ComponentStatus, "/mapper/status", LATCHED)
+    rules = Rules(robot)
+    (rule_id,) = (each["id"] for each in rules.rules() if "mapper" in each["id"])
+    # On a busy machine a mapper is late now and then, and a rule without a hold fires already then.
+    if rules.status(rule_id).state == "used up":
+        assert rules.reset(rule_id).success
     firings: list[RuleFiring] = []
     robot.node.create_subscription(RuleFiring, "/monitor/firings", firings.append, 100)
     handle = robot.send_goal(-0.55, 0.55)
