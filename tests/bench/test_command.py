@@ -16,6 +16,7 @@ import pytest
 from kompass.bench.barn_file import BadWorlds, read_barn
 from tests.bench.worlds import world_file
 from tests.support.commands import Commands, Done
+from tests.support.patience import patient
 
 Bench = Callable[..., Done]
 
@@ -30,7 +31,11 @@ def bench() -> Iterator[Bench]:
 def bench_of_its_own(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     command = [str(Path(sys.executable).with_name("kompass-console")), "bench-nav"]
     return subprocess.run(
-        [*command, *map(str, arguments)], capture_output=True, text=True, timeout=200, check=False
+        [*command, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=patient(75),
+        check=False,
     )
 
 

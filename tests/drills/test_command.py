@@ -14,6 +14,7 @@ import pytest
 from kompass.drills.report_json import read_report
 from tests.drills.test_runner import WITHOUT_PLANNER
 from tests.support.commands import Commands, Done
+from tests.support.patience import patient
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
@@ -33,7 +34,11 @@ Drill = Callable[..., Done]
 def drill_of_its_own(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     command = [str(Path(sys.executable).with_name("kompass-console")), "drill"]
     return subprocess.run(
-        [*command, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False
+        [*command, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=patient(60),  # drives give way to whatever else runs
+        check=False,
     )
 
 
