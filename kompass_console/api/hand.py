@@ -20,7 +20,7 @@ from kompass_console.web.console import Console
 
 router = APIRouter()
 
-_MESSAGES = (30.0, 200)  # a second, and at once: a page says ten; a console that was held has more
+_MESSAGES = (60.0, 400)  # a second, and at once: a page says twenty; more after a console was held
 _LONGEST = 500  # characters of one message
 SILENT = 0.25  # s without a page's word after which its hand counts as away
 _LOOK = 0.05  # s between two looks at that

@@ -14,7 +14,7 @@ Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 class HandRequest(In):
     """What the page sends on `/api/hand`.
 
-    `drive` is the hand as it is now, every 100 ms while the page has the wheel: a twist (m/s, m/s,
+    `drive` is the hand as it is now, every 50 ms while the page has the wheel: a twist (m/s, m/s,
     rad/s), and the page's own clock (`t`, s), which tells how long it was under way.
     """
 

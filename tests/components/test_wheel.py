@@ -160,7 +160,7 @@ def test_a_command_that_was_under_way_for_long_holds_for_what_is_left(
 ) -> None:
     ava.drive(10.1)
     assert ava.drive(10.2, under_way=0.15) == ""
-    assert wheel.wanted(10.39) == AHEAD
+    assert wheel.wanted(10.36) == AHEAD
     assert wheel.wanted(10.45) is None
 
 

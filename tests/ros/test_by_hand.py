@@ -44,7 +44,7 @@ def is_free(robot: Driver) -> bool:
 
 def turning(robot: Driver) -> float:
     """How fast it really turns [rad/s]."""
-    return abs(robot.newest["/simulator/ground_truth"].twist.twist.angular.z)
+    return float(abs(robot.newest["/simulator/ground_truth"].twist.twist.angular.z))
 
 
 def stands(robot: Driver) -> None:

@@ -1,5 +1,6 @@
 """Who takes the wheel has the robot for himself; goals wait for the wheel to be given up."""
 
+import math
 from collections.abc import Iterator
 from contextlib import closing
 
@@ -23,7 +24,7 @@ def robot() -> Iterator[VirtualRobot]:
 def farthest(robot: VirtualRobot, seconds: float) -> float:
     """How far the robot gets from here in a while [m]."""
     x, y, _ = robot.truth
-    return max(((at[0] - x) ** 2 + (at[1] - y) ** 2) ** 0.5 for at in robot.watch(seconds))
+    return max(math.hypot(at[0] - x, at[1] - y) for at in robot.watch(seconds))
 
 
 def test_the_wheel_ends_a_goal_refuses_the_next_and_is_given_up_before_another(

@@ -12,7 +12,7 @@ from kompass.signing.session_key import SessionKey
 from kompass.store.robot_key import robot_key
 from tests.support.client import Client
 
-PERIOD = 0.1  # s, as a page renews its command
+PERIOD = 0.1  # s between two commands; a page sends twice as many
 
 
 class Hand:

@@ -8,6 +8,7 @@ import time
 from typing import Any, Self
 
 import httpx
+from websockets import Origin
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
@@ -15,11 +16,11 @@ from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.stack import TOKEN
 
-PERIOD = 0.1  # s, as the page does it
+PERIOD = 0.05  # s, as the page does it
 
 
 class HandPage:
-    """Logs in, and says ten times a second what the hand does; ends with its block.
+    """Logs in, and says twenty times a second what the hand does; ends with its block.
 
     Parameters
     ----------
@@ -34,7 +35,7 @@ class HandPage:
         cookie = "; ".join(f"{name}={value}" for name, value in self._client.cookies.items())
         self._socket = connect(
             f"{url.replace('http', 'ws', 1)}/api/hand",
-            origin=url,  # type: ignore[arg-type]
+            origin=Origin(url),
             additional_headers={"Cookie": cookie},
             close_timeout=1.0,
         )
@@ -64,7 +65,7 @@ class HandPage:
 
         wait_until(yours, 10, "the wheel")
         self.hold()
-        time.sleep(5 * PERIOD)
+        time.sleep(10 * PERIOD)
 
     def hold(self, **twist: float) -> None:
         """Hold the stick so, until told otherwise."""

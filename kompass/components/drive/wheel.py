@@ -13,7 +13,7 @@ from kompass.components.drive.command_queue import STILL, Twist2D
 
 DEAD_MAN = 0.25  # s without a command after which the robot has been told to stand
 LOOK = 0.02  # s between two looks at whether that is so
-WAY = 0.04  # s that a command may take from the hand, and the zero twist to the wheels
+WAY = 0.07  # s that a command may take from the hand, and the zero twist to the wheels
 SILENT = DEAD_MAN - LOOK - WAY  # s without a command that are too many
 # s of silence after which what is held must be let go first. A shorter one is a hiccup of the
 # network, and the hand is known to have been there before and after it.

@@ -1,9 +1,7 @@
 import { isDrivingKey, isNothing, keysPush, NOTHING, type Push, sum } from "./push";
 
-/** The robot stands when it has not heard of the hand for 250 ms. */
-export const RENEW_MS = 100;
-/** A stick that is moved says so at once, but no more often than this. */
-const CHANGE_MS = 50;
+/** The robot stands when it has not heard of the hand for 250 ms, the way to it included. */
+export const RENEW_MS = 50;
 
 /**
  * What the hand does, from keys, stick and gamepad, told while it lasts.
@@ -18,8 +16,6 @@ export class HandLoop {
   /** Until it was seen at rest, a gamepad is one that somebody leans on. */
   private padRests = false;
   private timer: number | undefined;
-  private told = NOTHING;
-  private toldAt = Number.NEGATIVE_INFINITY;
   private readonly listeners = new Set<() => void>();
 
   constructor(
@@ -30,7 +26,7 @@ export class HandLoop {
   start(): void {
     if (this.timer !== undefined) return;
     this.letGo();
-    this.timer = window.setInterval(() => this.turn(), CHANGE_MS);
+    this.timer = window.setInterval(() => this.tell(this.push()), RENEW_MS);
   }
 
   stop(): void {
@@ -81,14 +77,7 @@ export class HandLoop {
   }
 
   private changed(): void {
-    if (this.timer !== undefined) this.say(this.push());
-  }
-
-  private turn(): void {
-    const push = this.push();
-    const waited = performance.now() - this.toldAt;
-    // A timer comes a little early now and then.
-    if (waited >= RENEW_MS - CHANGE_MS / 2 || !same(push, this.told)) this.say(push);
+    if (this.timer !== undefined) this.tell(this.push());
   }
 
   private push(): Push {
@@ -97,14 +86,4 @@ export class HandLoop {
     else if (isNothing(pads)) this.padRests = true;
     return sum([keysPush(this.keys), this.stick, this.slide, this.padRests ? pads : NOTHING]);
   }
-
-  private say(push: Push): void {
-    this.told = push;
-    this.toldAt = performance.now();
-    this.tell(push);
-  }
-}
-
-function same(one: Push, other: Push): boolean {
-  return one.ahead === other.ahead && one.round === other.round && one.aside === other.aside;
 }
