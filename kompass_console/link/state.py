@@ -43,7 +43,9 @@ def build_state(
         pose=pose,
         streams=streams,
         components=link.components.infos(
-            link.processes.of, lambda name: link.inputs.infos(name, streams)
+            link.processes.of,
+            lambda name: link.component_topics.infos(name, streams),
+            lambda name: link.component_topics.outputs(name, streams),
         ),
         drive=link.drive.info(),
         goal=link.goals.follower.info(),

@@ -8,8 +8,10 @@ import { type GoalTool, useGoalTool } from "../goal/useGoalTool";
 import { useKeys } from "../keys";
 import { AlarmsBand } from "../rules/bands/AlarmsBand";
 import { ProbationBand } from "../rules/bands/ProbationBand";
+import { StoppedByRule } from "../rules/bands/StoppedByRule";
 import { RulesProvider } from "../rules/context/RulesContext";
 import { RulesNavProvider, useNav } from "../rules/context/RulesNav";
+import { CauseBand } from "../scene/CauseBand";
 import { DriveBand } from "../scene/DriveBand";
 import { PlayedBand } from "../scene/PlayedBand";
 import scene from "../scene/Scene.module.css";
@@ -170,8 +172,9 @@ function SceneStack({
         </>
       )}
       <div className={scene.bands}>
-        {!covered && <StopBand />}
+        {!covered && <StopBand why={<StoppedByRule />} />}
         <PlayedBand />
+        <CauseBand />
         <StaleBand />
         {!covered && <DriveBand />}
         <AuditBand />

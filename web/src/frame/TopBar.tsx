@@ -9,6 +9,7 @@ import {
 } from "@tabler/icons-react";
 import { RevisionBadge } from "../rules/bands/RevisionBadge";
 import { useSession } from "../session/SessionContext";
+import { lastRestart } from "../state/causes";
 import { overall } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
@@ -36,10 +37,10 @@ export function TopBar() {
 }
 
 function OverallState() {
-  const { state, elapsed } = useRobot();
+  const { state, elapsed, cause } = useRobot();
   const { stop, drive } = useStop();
   const wasStopped = drive === null && state?.drive?.stopped === true;
-  const { level, text } = overall(state, elapsed);
+  const { level, text } = overall(state, elapsed, cause, lastRestart(state));
   return (
     <span className={classes.states}>
       <span className={classes.state} data-level={level} data-testid="overall" role="status">
