@@ -8,6 +8,7 @@ import numpy as np
 
 from kompass_console.link.link import RosLink
 from kompass_console.schema.models import PoseInfo, RobotInfo, RosInfo, SimulationInfo, State
+from kompass_console.schema.plain import plain
 from kompass_console.schema.world import WorldModel
 
 
@@ -39,7 +40,11 @@ def build_state(
     return State(
         seq=seq,
         time=time.time(),
-        robot=RobotInfo(name=robot_name, radius=robot_radius(world)),
+        robot=RobotInfo(
+            name=robot_name,
+            radius=robot_radius(world),
+            problem=plain(world.description_problem),
+        ),
         pose=pose,
         streams=streams,
         components=link.components.infos(

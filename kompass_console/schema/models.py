@@ -167,10 +167,14 @@ class StopAnswer(BaseModel):
 
 
 class RobotInfo(BaseModel):
-    """The robot's name and the radius (m) of the circle around its footprint."""
+    """The robot's name and the radius (m) of the circle around its footprint.
+
+    `problem` says what of its own description is not drawn, and why; empty when all of it is.
+    """
 
     name: str
     radius: float | None
+    problem: str = ""
 
 
 class PoseInfo(BaseModel):

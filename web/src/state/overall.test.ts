@@ -32,7 +32,7 @@ const state = (part: Partial<State> = {}): State => ({
   type: "state",
   seq: 1,
   time: 0,
-  robot: { name: "robot", radius: 0.1 },
+  robot: { name: "robot", radius: 0.1, problem: "" },
   pose: { x: 0, y: 0, yaw: 0, v: 0, w: 0, age: 0 },
   streams: [stream()],
   components: [component()],
