@@ -8,11 +8,11 @@ from xml.sax.saxutils import quoteattr
 from kompass.simulation.physics.robot_model import RobotModel
 
 _COLOURS = {
-    "body": (0.23, 0.27, 0.32),
-    "deck": (0.36, 0.41, 0.47),
+    "body": (0.42, 0.48, 0.55),
+    "deck": (0.62, 0.67, 0.73),
     "front": (0.96, 0.74, 0.26),
-    "wheel": (0.11, 0.12, 0.14),
-    "sensor": (0.07, 0.08, 0.09),
+    "wheel": (0.16, 0.18, 0.21),
+    "sensor": (0.12, 0.14, 0.16),
 }
 _CLEARANCE = 0.01  # m between the shell and the floor, as in the physics
 
@@ -41,14 +41,21 @@ def _body(robot: RobotModel) -> list[str]:
     nose_x = (radius if box is None else box[0] / 2) * 0.62
     nose = (nose_x * 0.55, radius * 0.36, 0.012)
     if box is None:
-        size = f'<cylinder radius="{radius * 0.94}" length="{shell}"/>'
+        # Above the wheels it is as wide as the footprint, between them it leaves them room.
+        skirt = 1.8 * robot.wheel_radius
+        size = f'<cylinder radius="{radius * 0.94}" length="{_CLEARANCE + shell - skirt}"/>'
+        hub = f'<cylinder radius="{radius * 0.68}" length="{skirt - _CLEARANCE}"/>'
+        low = [_visual(hub, "sensor", (0.0, 0.0, (skirt + _CLEARANCE) / 2))]
+        middle = (_CLEARANCE + shell + skirt) / 2
         deck = f'<cylinder radius="{radius * 0.8}" length="0.01"/>'
     else:
+        low = []
         size = f'<box size="{box[0] * 0.96} {box[1] * 0.8} {shell * 0.75}"/>'
         deck = f'<box size="{box[0] * 0.8} {box[1] * 0.62} {shell * 0.2}"/>'
     deck_z = top - lidar + 0.005 if box is None else _CLEARANCE + shell * 0.9
     nose_z = deck_z + (0.008 if box is None else shell * 0.1)
     return [
+        *low,
         _visual(size, "body", (0.0, 0.0, middle)),
         _visual(deck, "deck", (0.0, 0.0, deck_z)),
         _visual('<box size="{} {} {}"/>'.format(*nose), "front", (nose_x, 0.0, nose_z)),

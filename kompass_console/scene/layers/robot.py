@@ -18,6 +18,7 @@ from kompass_console.schema.world import Pose
 
 _DEFAULT_RADIUS = 0.11  # m, until the footprint is known
 _OUTLINE_HEIGHT = 0.02
+_SHADOW = (0, 0, 0)
 
 
 def outline(footprint: npt.NDArray[np.float64] | None) -> npt.NDArray[np.float64]:
@@ -59,7 +60,7 @@ class RobotNodes:
         drawn = outline(footprint)
         size = float(np.linalg.norm(drawn, axis=1).max())
         colours = self._colours
-        self._mesh("shadow", *_shadow(drawn), colours.footprint, opacity=0.28)
+        self._mesh("shadow", *_shadow(drawn), _SHADOW, opacity=0.28)
         solids = body_of(drawn, colours) if description is None else description.solids
         for number, (colour, vertices, faces) in enumerate(by_colour(solids, colours.body)):
             self._mesh(f"body_{number}", vertices, faces, colour)

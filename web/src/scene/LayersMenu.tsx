@@ -48,23 +48,16 @@ export function LayersMenu({ scene, open, onOpen, className }: Props) {
         {LAYERS.map(([key, label]) => {
           const on = view?.layers[key] ?? false;
           return (
-            <Menu.Item
+            <Menu.CheckboxItem
               key={key}
-              role="menuitemcheckbox"
-              aria-checked={on}
+              checked={on}
+              checkIcon={<IconCheck size={18} aria-hidden />}
               data-testid={`layer-${key}`}
-              onClick={() => toggleLayer(key)}
+              onChange={() => toggleLayer(key)}
               mih={44}
-              leftSection={
-                <IconCheck
-                  size={18}
-                  aria-hidden
-                  style={{ visibility: on ? "visible" : "hidden" }}
-                />
-              }
             >
               {label}
-            </Menu.Item>
+            </Menu.CheckboxItem>
           );
         })}
       </Menu.Dropdown>

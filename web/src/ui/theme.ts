@@ -1,6 +1,9 @@
 import {
   createTheme,
   type MantineColorsTuple,
+  Menu,
+  MultiSelect,
+  Select,
   useComputedColorScheme,
   useMantineColorScheme,
 } from "@mantine/core";
@@ -33,6 +36,8 @@ const slate: MantineColorsTuple = [
   "#14181c",
 ];
 
+const LIST = { scrollAreaProps: { viewportProps: { tabIndex: 0 } } };
+
 export const theme = createTheme({
   primaryColor: "kompass",
   primaryShade: { light: 7, dark: 7 },
@@ -43,6 +48,13 @@ export const theme = createTheme({
   defaultRadius: "md",
   respectReducedMotion: true,
   focusRing: "auto",
+  components: {
+    // A menu holds its items and nothing else that takes the focus.
+    Menu: Menu.extend({ defaultProps: { withInitialFocusPlaceholder: false } }),
+    // What scrolls can be scrolled by keys.
+    Select: Select.extend({ defaultProps: LIST }),
+    MultiSelect: MultiSelect.extend({ defaultProps: LIST }),
+  },
 });
 
 type ThemeChoice = "auto" | "light" | "dark";
