@@ -26,6 +26,7 @@ import { StopBand } from "../stop/StopBand";
 import { StopButton } from "../stop/StopButton";
 import { StopProvider } from "../stop/StopContext";
 import { Band } from "../ui/Band";
+import { PHONE } from "../ui/screen";
 import { AuditBand } from "./AuditBand";
 import { BottomPanel } from "./BottomPanel";
 import classes from "./ConsolePage.module.css";
@@ -53,7 +54,7 @@ export function ConsolePage({ onRefused }: { onRefused: () => void }) {
 function Workplace() {
   const handle = useView();
   const rules = useNav();
-  const phone = useMediaQuery("(max-width: 560px)", false, { getInitialValueInEffect: false });
+  const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   const covered = phone && rules.open;
   return (
     <StageProvider view={handle.view?.id ?? null} ready={drawsWebGl() && !covered}>

@@ -45,7 +45,7 @@ function OverallState() {
     <span className={classes.states}>
       <span className={classes.state} data-level={level} data-testid="overall" role="status">
         <StatusMark level={level} />
-        {text}
+        <span className={classes.what}>{text}</span>
       </span>
       {(drive?.stopped || wasStopped) && (
         <span

@@ -36,7 +36,11 @@ const slate: MantineColorsTuple = [
   "#14181c",
 ];
 
-const LIST = { scrollAreaProps: { viewportProps: { tabIndex: 0 } } };
+/** The list itself scrolls: a box for that inside of it would be no option, and is not reached. */
+const LIST = {
+  withScrollArea: false,
+  styles: { options: { maxHeight: "min(340px, 45dvh)", overflowY: "auto" as const } },
+};
 
 export const theme = createTheme({
   primaryColor: "kompass",
@@ -51,7 +55,6 @@ export const theme = createTheme({
   components: {
     // A menu holds its items and nothing else that takes the focus.
     Menu: Menu.extend({ defaultProps: { withInitialFocusPlaceholder: false } }),
-    // What scrolls can be scrolled by keys.
     Select: Select.extend({ defaultProps: LIST }),
     MultiSelect: MultiSelect.extend({ defaultProps: LIST }),
   },
