@@ -13,17 +13,24 @@ _PERIOD = 2.0  # s between two looks; a component's topics change when it is con
 
 
 class ComponentTopics:
-    """Topics of components: those they subscribe to, and what each gives the others."""
+    """Topics of components: those they subscribe to, and what each gives the others.
 
-    def __init__(self, node: Node) -> None:
+    Parameters
+    ----------
+    now
+        The time in s.
+    """
+
+    def __init__(self, node: Node, *, now: Callable[[], float] = time.monotonic) -> None:
         self._node = node
+        self._now = now
         self._inputs: dict[str, frozenset[str]] = {}
         self._outputs: dict[str, frozenset[str]] = {}
         self._looked = -_PERIOD
 
     def refresh(self, components: Iterable[str]) -> None:
         """Look again, now and then. On the link's thread."""
-        now = time.monotonic()
+        now = self._now()
         if now - self._looked < _PERIOD:
             return
         self._looked = now
