@@ -142,7 +142,9 @@ class Monitor:
             tell=firings.announce,
         )
         engine = LiveEngine(main, loop, inputs, self._polled, runs, publishers)
-        graph = Graph(node, catalog, inputs.counts, lambda: publishers.topics)
+        graph = Graph(
+            node, catalog, inputs.counts, lambda: publishers.topics, permissions=permissions
+        )
         previews = Previews(node, main)
         active = ActiveTable(
             InForce(start.table, start.revision, start.revision, notice=start.notice),

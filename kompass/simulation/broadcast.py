@@ -10,13 +10,14 @@ from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 from sensor_msgs.msg import Imu, LaserScan
-from std_msgs.msg import Float32, UInt32
+from std_msgs.msg import Float32, String, UInt32
 from tf2_msgs.msg import TFMessage
 
 from kompass.algorithms.geometry import compose, inverse
 from kompass.bus.node import Node, Publisher
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation import messages
+from kompass.simulation.description import description
 from kompass.simulation.physics.parts import NoReading
 from kompass.simulation.robot import SimulatedRobot
 
@@ -47,6 +48,7 @@ class Broadcast:
         self._truth = publisher(Odometry, "/simulator/ground_truth", _RELIABLE)
         self._tf = publisher(TFMessage, "/tf", _TRANSFORMS)
         self._tf_static = publisher(TFMessage, "/tf_static", LATCHED_PROFILE)
+        self._description = publisher(String, "/robot_description", LATCHED_PROFILE)
         self._rate = publisher(Float32, "/simulator/rate", _RELIABLE)
         self._contacts = publisher(UInt32, "/simulator/contacts", LATCHED_PROFILE)
         self._person_contacts = publisher(UInt32, "/simulator/person_contacts", LATCHED_PROFILE)
@@ -60,6 +62,7 @@ class Broadcast:
         self._motion = messages.transform(ODOM, BASE)
         self._tf_message = TFMessage(transforms=[self._correction, self._motion])
         self._announce_sensors()
+        self._description.publish(String(data=description(robot.kind)))
 
     def motion(self) -> None:
         """Odometry of every kind, transforms and inertial readings: once per control period."""

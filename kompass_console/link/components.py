@@ -115,6 +115,7 @@ class Components:
         self,
         process_of: Callable[[str], ProcessInfo | None],
         inputs_of: Callable[[str], list[InputInfo]],
+        outputs_of: Callable[[str], list[str]],
     ) -> list[ComponentInfo]:
         """State of every component, by name."""
         infos = []
@@ -138,6 +139,7 @@ class Components:
                     src_algorithms=list(report.algorithms),
                     process=process_of(name),
                     inputs=inputs_of(name),
+                    outputs=outputs_of(name),
                     age=age,
                     topic="" if reader is None else reader.topic or "",
                 )

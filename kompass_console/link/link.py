@@ -17,12 +17,12 @@ from rclpy.utilities import get_rmw_implementation_identifier
 
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.rclpy_ext.node import PlainNode
+from kompass_console.link.component_topics import ComponentTopics
 from kompass_console.link.components import Components
 from kompass_console.link.drive import DriveLink
 from kompass_console.link.goals.goals import Goals, pose_message
 from kompass_console.link.graph import convert
 from kompass_console.link.graph.services import ServicePool
-from kompass_console.link.inputs import Inputs
 from kompass_console.link.processes import Processes
 from kompass_console.link.rules.backtests import Backtests
 from kompass_console.link.rules.monitor import MonitorLink
@@ -98,7 +98,7 @@ class RosLink:
         self.streams = Streams(self._node, world, settings.topics)
         self.processes = Processes(self._node, changed)
         self.components = Components(self._node, changed)
-        self.inputs = Inputs(self._node)
+        self.component_topics = ComponentTopics(self._node)
         self.drive = DriveLink(self._node, changed)
         self.wheel = WheelLink(self._node)
         self.goals = Goals(self._node, world, changed)
@@ -183,7 +183,7 @@ class RosLink:
         services = {n: t for n, t in named.items() if self._node.count_services(n) > 0}
         self.streams.refresh(published)
         self.components.refresh(published, self.processes.of)
-        self.inputs.refresh(self.components.names)
+        self.component_topics.refresh(self.components.names)
         self.drive.refresh(published, services)
         self.wheel.refresh(services)
         self.goals.refresh(published, services)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -30,6 +31,7 @@ class Processes:
     def __init__(self, node: Node, changed: Callable[[], None]) -> None:
         self._changed = changed
         self._newest: Latest[_Processes] = Latest()
+        self._restarted: dict[str, float] = {}  # when each was (time.monotonic), as far as seen
         self._reader = Reader(node, StackState, _processes_of, self._store, latched=True)
 
     def refresh(self, published: Graph) -> None:
@@ -40,20 +42,35 @@ class Processes:
     def infos(self) -> list[ProcessInfo]:
         """Every process, by name."""
         newest = self._newest.get()
-        return [] if newest is None else list(newest.value.all)
+        return [] if newest is None else [self._aged(info) for info in newest.value.all]
 
     def of(self, component: str) -> ProcessInfo | None:
         """The process that a component runs in; None where nobody supervises it."""
         newest = self._newest.get()
         if newest is None:
             return None
-        return newest.value.by_node.get(component.rpartition("/")[2])
+        info = newest.value.by_node.get(component.rpartition("/")[2])
+        return None if info is None else self._aged(info)
+
+    def _aged(self, info: ProcessInfo) -> ProcessInfo:
+        at = self._restarted.get(info.name)
+        return info if at is None else info.model_copy(update={"restarted": time.monotonic() - at})
 
     def _store(self, processes: _Processes) -> None:
         before = self._newest.get()
+        if before is not None:
+            self._restarted = self._restarted | {
+                name: time.monotonic() for name in restarted(before.value.all, processes.all)
+            }
         self._newest.set(processes)
         if before is None or before.value != processes:
             self._changed()
+
+
+def restarted(before: Iterable[ProcessInfo], after: Iterable[ProcessInfo]) -> list[str]:
+    """Names of those that were started again between two looks; a new stack counts anew."""
+    counts = {info.name: info.restarts for info in before}
+    return [info.name for info in after if info.restarts > counts.get(info.name, info.restarts)]
 
 
 def _processes_of(message: Any) -> _Processes:

@@ -8,6 +8,7 @@ import numpy as np
 
 from kompass_console.link.link import RosLink
 from kompass_console.schema.models import PoseInfo, RobotInfo, RosInfo, SimulationInfo, State
+from kompass_console.schema.plain import plain
 from kompass_console.schema.world import WorldModel
 
 
@@ -39,11 +40,17 @@ def build_state(
     return State(
         seq=seq,
         time=time.time(),
-        robot=RobotInfo(name=robot_name, radius=robot_radius(world)),
+        robot=RobotInfo(
+            name=robot_name,
+            radius=robot_radius(world),
+            problem=plain(world.description_problem),
+        ),
         pose=pose,
         streams=streams,
         components=link.components.infos(
-            link.processes.of, lambda name: link.inputs.infos(name, streams)
+            link.processes.of,
+            lambda name: link.component_topics.infos(name, streams),
+            lambda name: link.component_topics.outputs(name, streams),
         ),
         drive=link.drive.info(),
         goal=link.goals.follower.info(),

@@ -9,7 +9,7 @@ from geometry_msgs.msg import PolygonStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rclpy.node import Node
 from sensor_msgs.msg import LaserScan
-from std_msgs.msg import Float32
+from std_msgs.msg import Float32, String
 from tf2_msgs.msg import TFMessage
 
 from kompass_console.link.graph import convert
@@ -68,6 +68,9 @@ class Streams:
         self._footprint = Reader(
             node, PolygonStamped, convert.polygon, world.footprint.set, latched=True
         )
+        self._description = Reader(
+            node, String, lambda m: str(m.data), world.description.set, latched=True
+        )
         self._mounts = Reader(node, TFMessage, _mounts_of, self._mounted, latched=True, depth=10)
         self._rate: Latest[float] = Latest()
         self._rates = Reader(node, Float32, lambda m: float(m.data), self._rate.set)
@@ -85,6 +88,10 @@ class Streams:
                 self._slots[key].clear()
         footprints = of_type(published, "geometry_msgs/msg/PolygonStamped")
         self._footprint.follow(next((n for n in footprints if n.endswith("footprint")), None))
+        described = of_type(published, "std_msgs/msg/String")
+        self._description.follow(
+            next((n for n in described if n.endswith("robot_description")), None)
+        )
         if "tf2_msgs/msg/TFMessage" in published.get("/tf_static", ()):
             self._mounts.follow("/tf_static")
         if "std_msgs/msg/Float32" in published.get("/simulator/rate", ()):

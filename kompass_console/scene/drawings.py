@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from dataclasses import dataclass, field
 
@@ -15,9 +16,13 @@ from kompass_console.scene.layers.path import path_segments
 from kompass_console.scene.layers.scan import scan_points
 from kompass_console.scene.layers.shapes import Vertices
 from kompass_console.scene.layers.trail import Trail
+from kompass_console.scene.urdf import BadDescription, Description, read_description
+from kompass_console.schema.plain import plain
 from kompass_console.schema.world import GoalMark, Pose, Scan, WorldModel
 
 LayerKey = str
+
+_logger = logging.getLogger(__name__)
 
 # Seconds between two conversions of a layer, at least.
 _PERIODS: dict[LayerKey, float] = {
@@ -27,6 +32,7 @@ _PERIODS: dict[LayerKey, float] = {
     "scan": 0.1,
     "trail": 0.5,
     "footprint": 1.0,
+    "description": 2.0,
     "robot": 0.05,
     "goal": 0.05,
 }
@@ -45,6 +51,7 @@ class Drawings:
     scan: Vertices | None = None
     trail: Vertices | None = None
     footprint: npt.NDArray[np.float64] | None = None
+    description: Description | None = None
     robot: Pose | None = None
     goal: GoalMark | None = None
     counts: dict[LayerKey, int] = field(default_factory=lambda: dict.fromkeys(_PERIODS, 0))
@@ -89,8 +96,27 @@ class Converter:
         footprint = world.footprint.get()
         if footprint is not None and self._is_new("footprint", footprint.version):
             drawings.footprint = footprint.value
+        described = world.description.get()
+        if described is not None and self._is_new("description", described.version):
+            self._describe(described.value)
         if (grid := world.map.get()) is not None and self._is_new("map", grid.version):
             drawings.map = map_drawing(grid.value)
+
+    def _describe(self, text: str) -> None:
+        """Read the robot's own description; without one that can be read, it has none."""
+        drawings, world = self._drawings, self._world
+        try:
+            drawings.description = read_description(text)
+        except BadDescription as error:
+            drawings.description = None
+            world.description_problem = f"The robot's description is not drawn: {error}."
+        else:
+            left_out = "; ".join(drawings.description.problems)
+            world.description_problem = (
+                f"Of the robot's description, {left_out}." if left_out else ""
+            )
+        if plain(world.description_problem) != "":
+            _logger.warning("%s", plain(world.description_problem))
 
     def _is_new(self, layer: LayerKey, version: int) -> bool:
         if self._seen.get(layer) == version or not self._is_due(layer):

@@ -171,9 +171,10 @@ class PageScene:
             self.leave()
         counts = drawings.counts
         with self.client.atomic():
-            if self._changed("footprint", counts):
+            described = self._changed("description", counts)
+            if self._changed("footprint", counts) or described:
                 self._footprint = drawings.footprint
-                self._robot_nodes.draw_body(drawings.footprint)
+                self._robot_nodes.draw_body(drawings.footprint, drawings.description)
             if self._changed("robot", counts) and drawings.robot is not None:
                 self._robot_nodes.place(drawings.robot)
                 self._robot = np.array([drawings.robot.x, drawings.robot.y])
@@ -232,7 +233,7 @@ class PageScene:
 
     def _changed(self, layer: LayerKey, counts: dict[LayerKey, int]) -> bool:
         # A hidden layer is not sent; it is brought up to date when it is shown again.
-        shown = layer in ("footprint", "robot") or getattr(self._view.layers, layer)
+        shown = layer in ("footprint", "description", "robot") or getattr(self._view.layers, layer)
         if not shown or self._drawn.get(layer, 0) == counts[layer]:
             return False
         self._drawn[layer] = counts[layer]

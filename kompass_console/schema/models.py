@@ -167,10 +167,14 @@ class StopAnswer(BaseModel):
 
 
 class RobotInfo(BaseModel):
-    """The robot's name and the radius (m) of the circle around its footprint."""
+    """The robot's name and the radius (m) of the circle around its footprint.
+
+    `problem` says what of its own description is not drawn, and why; empty when all of it is.
+    """
 
     name: str
     radius: float | None
+    problem: str = ""
 
 
 class PoseInfo(BaseModel):
@@ -212,13 +216,18 @@ ProcessPhase = Literal["starting", "active", "busy", "stuck", "dead", "given up"
 
 
 class ProcessInfo(BaseModel):
-    """The process of a component, as its supervisor sees it. `reason` is of its last death."""
+    """The process of a component, as its supervisor sees it. `reason` is of its last death.
+
+    `restarted` is how long ago (s) it was started again the last time; null when it was not while
+    this console has looked.
+    """
 
     name: str
     state: ProcessPhase
     pid: int
     restarts: int
     reason: str
+    restarted: float | None = None
 
 
 class InputInfo(BaseModel):
@@ -233,7 +242,8 @@ class ComponentInfo(BaseModel):
     """Health of one component as it says itself, or `silent` when it has stopped saying.
 
     `sources` are all of whom it complains, by kind in `src_*`. `process` is null where nobody
-    supervises it; `inputs` are those of its topics whose age the console knows.
+    supervises it; `inputs` are those of its topics whose age the console knows, `outputs` the
+    topics that it publishes and another component or the console reads.
     """
 
     name: str
@@ -246,6 +256,7 @@ class ComponentInfo(BaseModel):
     src_algorithms: list[str] = Field(default_factory=list)
     process: ProcessInfo | None = None
     inputs: list[InputInfo] = Field(default_factory=list)
+    outputs: list[str] = Field(default_factory=list)
     age: float
     topic: str
 
@@ -271,7 +282,10 @@ GoalPhase = Literal["sent", "accepted", "driving", "arrived", "failed", "cancele
 
 
 class GoalInfo(BaseModel):
-    """The goal being followed: distance left (m), time left (s), miss at arrival (m)."""
+    """The goal being followed: distance left (m), time left (s), miss at arrival (m).
+
+    `elapsed` is from its beginning to now, or to its end; `ended` is how long ago (s) that was.
+    """
 
     id: str
     phase: GoalPhase
@@ -284,6 +298,7 @@ class GoalInfo(BaseModel):
     eta: float | None
     error: float | None
     elapsed: float
+    ended: float | None = None
 
 
 class SimulationInfo(BaseModel):

@@ -137,4 +137,6 @@ class WorldModel:
         self.local_map: Latest[Grid] = Latest()
         self.path: Latest[npt.NDArray[np.float64]] = Latest()
         self.footprint: Latest[npt.NDArray[np.float64]] = Latest()
+        self.description: Latest[str] = Latest()
+        self.description_problem = ""  # why the robot's own description is not drawn, or not whole
         self.goal: Latest[GoalMark | None] = Latest()

@@ -33,6 +33,7 @@ def propose(rules: RulesPage) -> None:
     rules.get("rule-add").click()
     rules.get("rule-name").fill("Shy")
     condition = rules.get("event.condition")
+    rules.choose(condition.get_by_test_id("add-condition"), "When a value compares …")
     rules.choose(condition.get_by_test_id("topic-picker"), "/scan")
     rules.choose(condition.get_by_test_id("field-picker"), re.compile("nearest obstacle"))
     rules.choose(condition.get_by_test_id("operator"), re.compile("less than"))

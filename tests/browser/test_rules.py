@@ -106,9 +106,7 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
     rules.get("rule-add").click()
     rules.get("rule-name").fill("Too near: stop")
     condition = rules.get("event.condition")
-    rules.choose(condition.get_by_test_id("topic-picker"), "/scan")
-    rules.choose(condition.get_by_test_id("field-picker"), re.compile("nearest obstacle"))
-    rules.choose(condition.get_by_test_id("operator"), re.compile("less than"))
+    rules.choose(condition.get_by_test_id("add-condition"), re.compile("Nearest obstacle"))
     condition.get_by_test_id("literal").fill("0.3")
     # Beside it stands what the robot makes of it right now.
     expect(condition.get_by_test_id("leaf-now")).to_contain_text(
@@ -162,6 +160,7 @@ def test_a_rule_that_is_true_already_says_so_before_it_stops_the_robot(
     rules.get("rule-add").click()
     rules.get("rule-name").fill("Walls: stop")
     condition = rules.get("event.condition")
+    rules.choose(condition.get_by_test_id("add-condition"), "When a value compares …")
     rules.choose(condition.get_by_test_id("topic-picker"), "/scan")
     rules.choose(condition.get_by_test_id("field-picker"), re.compile("nearest obstacle"))
     rules.choose(condition.get_by_test_id("operator"), re.compile("less than"))

@@ -138,3 +138,23 @@ def test_long_values_are_summed_up() -> None:
 def test_a_rule_that_does_not_exist_is_a_key_error() -> None:
     with pytest.raises(KeyError, match="nobody"):
         Robot().explain("nobody")
+
+
+def test_a_rate_counts_a_whole_window_whenever_its_messages_came() -> None:
+    robot = Robot(rule(slower("scan", 5.0, window=2.0)))
+    for at in (0.0, 9.9997, 9.9998, 9.9999):
+        robot.say("scan", at=at)
+    (leaf,) = robot.explain(at=10.0).leaves
+    assert (leaf.value, leaf.verdict) == (1.5, True), "three that came at once are no 10 kHz"
+    for number in range(1, 101):  # 20 Hz, of which the rule needs ten messages to know
+        robot.say("scan", at=10.0 + number / 20)
+    (leaf,) = robot.explain(at=15.0).leaves
+    assert (leaf.value, leaf.verdict) == (20.0, False)
+
+
+def test_a_rate_beyond_what_is_remembered_is_told_from_what_is() -> None:
+    robot = Robot(rule(slower("imu", 5.0, window=10.0)))
+    for number in range(4001):
+        robot.say("imu", at=number / 400)
+    (leaf,) = robot.explain(at=10.0).leaves
+    assert leaf.value == pytest.approx(400.0, rel=0.01)

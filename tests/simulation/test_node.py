@@ -36,6 +36,7 @@ STREAMS = {
 }
 LATCHED = {
     "/tf_static": "tf2_msgs/msg/TFMessage",
+    "/robot_description": "std_msgs/msg/String",
     "/simulator/contacts": "std_msgs/msg/UInt32",
     "/simulator/person_contacts": "std_msgs/msg/UInt32",
 }
@@ -166,7 +167,7 @@ def observer(simulator: int) -> Iterator[Observer]:
     from nav_msgs.msg import Odometry
     from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
     from sensor_msgs.msg import Imu, LaserScan
-    from std_msgs.msg import Float32, UInt32
+    from std_msgs.msg import Float32, String, UInt32
     from tf2_msgs.msg import TFMessage
 
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -179,6 +180,7 @@ def observer(simulator: int) -> Iterator[Observer]:
         watch.listen(TFMessage, "/tf", QoSProfile(depth=100))
         watch.listen(Float32, "/simulator/rate", QoSProfile(depth=10))
         watch.listen(TFMessage, "/tf_static", latched)
+        watch.listen(String, "/robot_description", latched)
         for topic in ("/simulator/contacts", "/simulator/person_contacts"):
             watch.listen(UInt32, topic, latched)
         watch.until(

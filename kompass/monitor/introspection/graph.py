@@ -9,8 +9,10 @@ from rclpy.qos import DurabilityPolicy
 from kompass.bus.node import Node
 from kompass.monitor.introspection.catalog import RecipeCatalog, status_topics
 from kompass.monitor.introspection.message_types import constants
+from kompass.monitor.introspection.refused import refused
 from kompass.rclpy_ext.node import of_others
 from kompass.rulebook.lint.context import LintContext, TopicFacts
+from kompass.rulebook.permissions import Permissions
 from kompass.rulebook.schema.graph_view import (
     ComponentView,
     FieldView,
@@ -42,6 +44,8 @@ class Graph:
     own
         Topics on which the node itself stands ready to publish for rules: it is no publisher that
         a rule could wait for.
+    permissions
+        What rules of people may touch.
     """
 
     def __init__(
@@ -50,8 +54,11 @@ class Graph:
         catalog: RecipeCatalog,
         counts: Callable[[], dict[str, int]],
         own: Callable[[], Collection[str]] = tuple,
+        *,
+        permissions: Permissions,
     ) -> None:
         self._node, self._catalog, self._counts, self._own = node, catalog, counts, own
+        self._permissions = permissions
         self._rates: dict[str, float] = {}
         self._before: tuple[float, dict[str, int]] = (node.clock.monotonic(), {})
         self._heard: dict[str, float] = {}  # when a message last came, at most
@@ -92,7 +99,7 @@ class Graph:
         named = [each.type for each in topics]
         named += [f"{each.type}_Request" for each in services]
         named += [f"{each.type}_Goal" for each in actions]
-        return GraphView(
+        view = GraphView(
             topics=topics,
             types={name: fields for name in dict.fromkeys(named) if (fields := self._fields(name))},
             components=tuple(map(_component, self._catalog.components().values())),
@@ -100,6 +107,7 @@ class Graph:
             actions=actions,
             functions=tuple(sorted(self._catalog.functions())),
         )
+        return view.model_copy(update={"refused": refused(view, self._permissions)})
 
     def _topics(self) -> Iterable[TopicView]:
         status = {

@@ -84,8 +84,15 @@ class TargetView(Model):
 class GraphView(Model):
     """All of it.
 
-    ``types`` has the fields of every message, request (``…_Request``) and goal (``…_Goal``) type
-    named anywhere in here.
+    Attributes
+    ----------
+    types
+        Fields of every message, request (``…_Request``) and goal (``…_Goal``) type named anywhere
+        in here.
+    refused
+        What rules of an operator (``edited``) and of an engineer may not do, whatever they say
+        besides: an action's kind and what it is for, as ``publish:cmd_vel``,
+        ``lifecycle:drive_manager:stop`` or ``method:controller:reconfigure``.
     """
 
     topics: tuple[TopicView, ...]
@@ -94,3 +101,4 @@ class GraphView(Model):
     services: tuple[TargetView, ...]
     actions: tuple[TargetView, ...]
     functions: tuple[str, ...]  # of the recipe
+    refused: dict[Literal["edited", "engineer"], tuple[str, ...]] = Field(default_factory=dict)

@@ -30,6 +30,8 @@ from kompass.rules.schema.conditions import (
 from kompass.rules.schema.events import Queued
 from kompass.rules.schema.table import Rule, Table, table_hash
 
+LEAST_COUNTED = 1000  # receive times that a topic with a rate remembers, or more
+
 
 @dataclass(slots=True)
 class LeafPlan:
@@ -240,7 +242,8 @@ class _Builder:
             assert bound is not None
             timer.above = condition.above is not None
             timer.need = needed(bound, condition.window, timer.above)
-            topic.history = max(topic.history, timer.need)
+            # The verdict needs no more than that; people are shown how many there were.
+            topic.history = max(topic.history, timer.need, LEAST_COUNTED)
             leaf.timer = timer.index
 
     def _add_timer(self, key: str, kind: str, topic: TopicPlan, seconds: float) -> TimerPlan:

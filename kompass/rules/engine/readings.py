@@ -3,7 +3,12 @@
 from collections.abc import Sequence
 from typing import Any
 
-from kompass.rules.engine.compiled_table import CompiledTable, LeafPlan, RulePlan
+from kompass.rules.engine.compiled_table import (
+    LEAST_COUNTED,
+    CompiledTable,
+    LeafPlan,
+    RulePlan,
+)
 from kompass.rules.engine.firing import LeafVerdict
 from kompass.rules.engine.state import EngineState
 from kompass.rules.schema.conditions import Absent, Rate, TreePath
@@ -51,11 +56,14 @@ def _value(
 
 
 def _rate(condition: Rate, times: Sequence[float], at: float) -> float | None:
-    within = [t for t in times if at < t + condition.window]
-    if len(within) == len(times) > 1 and times[-1] > times[0]:
-        # No more are remembered than the rule needs: there may have been more in the window.
-        return (len(times) - 1) / (times[-1] - times[0])
-    return len(within) / condition.window if times else None
+    if not times:
+        return None
+    within = sum(at < t + condition.window for t in times)
+    if within == len(times) >= LEAST_COUNTED and at > times[0]:
+        # No more are remembered: there may have been more in the window before them.
+        return within / (at - times[0])
+    # The whole window counts, also where nothing came: three at once are no thousands a second.
+    return within / condition.window
 
 
 def shown(value: Any) -> bool | int | float | str | None:

@@ -258,6 +258,7 @@ class GoalFollower:
                 eta=None if left is None or speed is None else left / max(speed, _SLOWEST),
                 error=goal.error,
                 elapsed=(goal.ended or self._now()) - goal.started,
+                ended=None if goal.ended is None else self._now() - goal.ended,
             )
 
     def _adopt(self, action: str, uuid: str) -> None:

@@ -4,6 +4,7 @@ import { useState } from "react";
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
+import { StoppedByRule } from "../rules/bands/StoppedByRule";
 import { OPENERS, useNav } from "../rules/context/RulesNav";
 import { DraftBar } from "../rules/DraftBar";
 import { FiringsPanel } from "../rules/firings/FiringsPanel";
@@ -48,7 +49,7 @@ export function BottomPanel({ phone }: { phone: boolean }) {
       )}
       {rules.open && (
         <div className={classes.rules} id="sheet">
-          {phone && <StopBand />}
+          {phone && <StopBand why={<StoppedByRule />} />}
           {phone && <DriveBand />}
           <RulesSheet />
           <div className={classes.draft}>

@@ -10,8 +10,10 @@ import { HandPanel } from "../hand/HandPanel";
 import { useKeys } from "../keys";
 import { AlarmsBand } from "../rules/bands/AlarmsBand";
 import { ProbationBand } from "../rules/bands/ProbationBand";
+import { StoppedByRule } from "../rules/bands/StoppedByRule";
 import { RulesProvider } from "../rules/context/RulesContext";
 import { RulesNavProvider, useNav } from "../rules/context/RulesNav";
+import { CauseBand } from "../scene/CauseBand";
 import { DriveBand } from "../scene/DriveBand";
 import { PlayedBand } from "../scene/PlayedBand";
 import scene from "../scene/Scene.module.css";
@@ -26,6 +28,7 @@ import { StopBand } from "../stop/StopBand";
 import { StopButton } from "../stop/StopButton";
 import { StopProvider } from "../stop/StopContext";
 import { Band } from "../ui/Band";
+import { PHONE } from "../ui/screen";
 import { AuditBand } from "./AuditBand";
 import { BottomPanel } from "./BottomPanel";
 import classes from "./ConsolePage.module.css";
@@ -55,7 +58,7 @@ export function ConsolePage({ onRefused }: { onRefused: () => void }) {
 function Workplace() {
   const handle = useView();
   const rules = useNav();
-  const phone = useMediaQuery("(max-width: 560px)", false, { getInitialValueInEffect: false });
+  const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   const covered = phone && rules.open;
   return (
     <StageProvider view={handle.view?.id ?? null} ready={drawsWebGl() && !covered}>
@@ -191,8 +194,9 @@ function SceneStack({
         </>
       )}
       <div className={scene.bands}>
-        {!covered && <StopBand />}
+        {!covered && <StopBand why={<StoppedByRule />} />}
         <PlayedBand />
+        <CauseBand />
         <StaleBand />
         {!covered && <DriveBand />}
         <AuditBand />

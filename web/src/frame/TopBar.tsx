@@ -10,6 +10,7 @@ import {
 import { DrivenBy } from "../hand/DrivenBy";
 import { RevisionBadge } from "../rules/bands/RevisionBadge";
 import { useSession } from "../session/SessionContext";
+import { lastRestart } from "../state/causes";
 import { overall } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
@@ -37,15 +38,15 @@ export function TopBar() {
 }
 
 function OverallState() {
-  const { state, elapsed } = useRobot();
+  const { state, elapsed, cause } = useRobot();
   const { stop, drive } = useStop();
   const wasStopped = drive === null && state?.drive?.stopped === true;
-  const { level, text } = overall(state, elapsed);
+  const { level, text } = overall(state, elapsed, cause, lastRestart(state));
   return (
     <span className={classes.states}>
       <span className={classes.state} data-level={level} data-testid="overall" role="status">
         <StatusMark level={level} />
-        {text}
+        <span className={classes.what}>{text}</span>
       </span>
       {(drive?.stopped || wasStopped) && (
         <span

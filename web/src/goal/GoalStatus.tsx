@@ -1,25 +1,37 @@
 import { Button, CloseButton } from "@mantine/core";
 import { useState } from "react";
-import { cancelGoal } from "../api/client";
+import { cancelGoal, sendGoal } from "../api/client";
 import { type ApiError, asApiError } from "../api/errors";
 import { useSession } from "../session/SessionContext";
-import { useRobot } from "../state/RobotContext";
+import { useNow, useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
 import classes from "./Goal.module.css";
-import { goalLine, isUnderWay, limitText, placeText } from "./goalText";
+import { endText, goalLine, isUnderWay, limitText, placeText } from "./goalText";
 
-/** The goal that was sent, until it ends and a little after. */
+/** What ended so long (s) before this page was opened is no news to who opened it. */
+const OLD_NEWS_S = 60;
+
+/** The goal that was sent, and how it ended; with this page's session that is gone. */
 export function GoalStatus() {
-  const { state, frozen } = useRobot();
+  const { state, elapsed, frozen, cause } = useRobot();
+  const now = useNow();
+  const [opened] = useState(() => performance.now());
   const { drive } = useStop();
   const { session } = useSession();
   const [dismissed, setDismissed] = useState<string | null>(null);
   const [failure, setFailure] = useState<ApiError | null>(null);
   const goal = state?.goal ?? null;
-  if (goal === null || goal.id === dismissed) return null;
+  const ended = goal?.ended == null ? null : goal.ended + elapsed;
+  const before = ended === null ? 0 : ended - (performance.now() - opened) / 1000;
+  if (goal === null || goal.id === dismissed || before > OLD_NEWS_S) return null;
 
-  const line = goalLine(goal, drive);
+  const line = goalLine(goal, drive, cause);
   const limit = isUnderWay(goal) ? limitText(drive) : null;
+  const again = () => {
+    setFailure(null);
+    const { x, y, yaw } = goal;
+    sendGoal({ x, y, yaw }).catch((error: unknown) => setFailure(asApiError(error)));
+  };
   const cancel = () => {
     setFailure(null);
     cancelGoal().catch((error: unknown) => setFailure(asApiError(error)));
@@ -44,6 +56,7 @@ export function GoalStatus() {
           </span>
         )}
         <span className={classes.place}>
+          {ended !== null && `${endText(ended, now)} · `}
           {placeText(goal.x, goal.y, goal.yaw)}
           {goal.sent_by !== "" && ` · by ${goal.sent_by}`}
         </span>
@@ -61,14 +74,28 @@ export function GoalStatus() {
           </Button>
         )
       ) : (
-        <CloseButton
-          size="lg"
-          aria-label="Hide this goal"
-          onClick={() => {
-            setFailure(null);
-            setDismissed(goal.id);
-          }}
-        />
+        <>
+          <CloseButton
+            size="lg"
+            aria-label="Hide this goal"
+            onClick={() => {
+              setFailure(null);
+              setDismissed(goal.id);
+            }}
+          />
+          {goal.phase !== "arrived" && session.role !== "viewer" && (
+            <Button
+              size="md"
+              variant="default"
+              className={classes.cancel}
+              disabled={drive?.stopped === true}
+              onClick={again}
+              data-testid="goal-again"
+            >
+              Send again
+            </Button>
+          )}
+        </>
       )}
     </section>
   );

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
 import type { Drive, Goal, GoalCheck } from "../api/types";
+import type { Cause } from "../state/causes";
 import { checkText, goalLine, isUnderWay, limitText, placeText } from "./goalText";
 
 const check: GoalCheck = {
@@ -27,6 +28,7 @@ const goal: Goal = {
   eta: 9.2,
   error: null,
   elapsed: 3,
+  ended: null,
 };
 const drive: Drive = {
   available: true,
@@ -95,7 +97,7 @@ test("a held robot says what holds it, a free one nothing", () => {
     "Slowed to 40 %: an obstacle is close",
   );
   expect(limitText({ ...drive, limited_by: "scan stale", speed_factor: 0 })).toBe(
-    "Held: the laser scan is late",
+    "Held: no laser scan arrives",
   );
 });
 
@@ -112,4 +114,21 @@ test("a goal that failed says who stopped the robot since, and no longer to send
   expect(goalLine(failed, by("rule Walls")).more).toBe(
     "That was before rule Walls stopped the robot.",
   );
+});
+
+test("where the robot itself is not well another point is no advice", () => {
+  const failed = { ...goal, phase: "failed" as const, message: "The way is not driven." };
+  const cause: Cause = {
+    level: "failed",
+    name: "Laser scan lost",
+    text: "Laser scan lost 34 s ago",
+    effects: [],
+    advice: "Check the scanner.",
+    others: 0,
+    minor: false,
+  };
+  expect(goalLine(failed, drive, cause).more).toBe(
+    "Laser scan lost 34 s ago. When that is mended, send the goal again.",
+  );
+  expect(goalLine(failed, drive, { ...cause, minor: true }).more).toContain("another point");
 });

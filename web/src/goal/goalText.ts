@@ -1,5 +1,6 @@
 import type { Drive, Goal, GoalCheck } from "../api/types";
-import { degreesText, distanceText, durationText, signed } from "../format";
+import { degreesText, distanceText, durationText, signed, wholeAgeText } from "../format";
+import type { Cause } from "../state/causes";
 
 /** How a line is meant: calm, good news, or something for a person. */
 type Tone = "plain" | "done" | "problem";
@@ -21,6 +22,13 @@ export function checkText(check: GoalCheck): string {
   return parts.join(", ");
 }
 
+const clock = new Intl.DateTimeFormat(undefined, { timeStyle: "short", hour12: false });
+
+/** When a goal ended: relative within a minute, clock time after. `ago` in s, `now` in epoch s. */
+export function endText(ago: number, now: number): string {
+  return ago < 60 ? `${wholeAgeText(ago)} ago` : `at ${clock.format((now - ago) * 1000)}`;
+}
+
 export function placeText(x: number, y: number, yaw: number | null): string {
   const place = `x ${signed(x, 2)}, y ${signed(y, 2)} m`;
   return yaw === null ? place : `${place}, heading ${degreesText(yaw)}`;
@@ -29,8 +37,11 @@ export function placeText(x: number, y: number, yaw: number | null): string {
 /** A planner answers a goal at once; later than this, something is wrong. */
 const ACCEPT_WITHIN_S = 3;
 
-/** `drive` says who has stopped the robot, which need not be who ended the goal. */
-export function goalLine(goal: Goal, drive: Drive | null): GoalLine {
+/**
+ * @param drive says who has stopped the robot, which need not be who ended the goal
+ * @param cause what is wrong with the robot now; another point would not help
+ */
+export function goalLine(goal: Goal, drive: Drive | null, cause: Cause | null = null): GoalLine {
   switch (goal.phase) {
     case "sent":
       return goal.elapsed < ACCEPT_WITHIN_S
@@ -38,7 +49,9 @@ export function goalLine(goal: Goal, drive: Drive | null): GoalLine {
         : line(
             "problem",
             `Sent ${durationText(goal.elapsed)} ago, not accepted yet`,
-            "Look at the planner's health; cancel the goal or send it again.",
+            cause === null
+              ? "Look at the planner's health; cancel the goal or send it again."
+              : `${cause.text}. ${cause.advice}`,
           );
     case "accepted":
       return line("plain", "Goal accepted");
@@ -50,15 +63,18 @@ export function goalLine(goal: Goal, drive: Drive | null): GoalLine {
       return line(
         "problem",
         goal.message === "" ? "The goal failed" : goal.message,
-        afterwards(goal, drive),
+        afterwards(goal, drive, cause),
       );
     case "canceled":
       return line("plain", "Goal cancelled", goal.message);
   }
 }
 
-function afterwards(goal: Goal, drive: Drive | null): string {
-  if (drive === null || !drive.stopped) return "Pick another point, or send the goal again.";
+function afterwards(goal: Goal, drive: Drive | null, cause: Cause | null): string {
+  if (drive === null || !drive.stopped) {
+    if (cause === null || cause.minor) return "Pick another point, or send the goal again.";
+    return `${cause.text}. When that is mended, send the goal again.`;
+  }
   const by = drive.stopped_by === "" ? "somebody" : drive.stopped_by;
   return goal.message.includes(by)
     ? "When STOP is released, send the goal again."
@@ -86,8 +102,8 @@ export function isUnderWay(goal: Goal | null): boolean {
 const HELD: Record<string, string> = {
   obstacle: "an obstacle is close",
   "second publisher": "another program commands it, too",
-  "scan stale": "the laser scan is late",
-  "odometry stale": "the odometry is late",
+  "scan stale": "no laser scan arrives",
+  "odometry stale": "no odometry arrives",
   "command stale": "no commands arrive",
 };
 

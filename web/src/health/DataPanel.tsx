@@ -14,6 +14,7 @@ export function DataPanel() {
           <StreamRow key={stream.key} stream={stream} elapsed={elapsed} />
         ))}
       </ul>
+      {state?.robot.problem && <p className={classes.note}>{state.robot.problem}</p>}
     </Panel>
   );
 }

@@ -1,5 +1,6 @@
 import type { Stream } from "../api/types";
 import { ageText } from "../format";
+import { streamWord } from "../state/causes";
 import { streamLevel, streamStale } from "../state/overall";
 import type { Level } from "../ui/StatusMark";
 import classes from "./Health.module.css";
@@ -12,7 +13,7 @@ export function StreamRow({ stream, elapsed }: { stream: Stream; elapsed: number
     <HealthRow
       level={level}
       label={stream.label}
-      word={streamWord(stream, level)}
+      word={wordOf(stream, level, elapsed)}
       age={stream.age === null ? "–" : ageText(stream.age + elapsed)}
       stale={stale}
       testId={`stream-${stream.key}`}
@@ -31,8 +32,10 @@ export function StreamRow({ stream, elapsed }: { stream: Stream; elapsed: number
   );
 }
 
-function streamWord(stream: Stream, level: Level): string {
+function wordOf(stream: Stream, level: Level, elapsed: number): string {
   // No path is the normal state of a robot without a goal.
   if (stream.age === null) return stream.key === "path" ? "None yet" : "Not received";
-  return { healthy: "", degraded: "Late", failed: "Late", unknown: "Unknown" }[level];
+  if (level === "healthy") return "";
+  if (level === "unknown") return "Unknown";
+  return streamWord(stream, elapsed) === "lost" ? "Lost" : "Late";
 }

@@ -2,6 +2,7 @@ import { Menu, UnstyledButton } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import { IconCheck, IconStack2 } from "@tabler/icons-react";
 import type { LayerKey } from "../api/types";
+import { LOW } from "../ui/screen";
 import type { ViewHandle } from "./useView";
 
 const LAYERS: [LayerKey, string][] = [
@@ -24,12 +25,12 @@ interface Props {
 /** Which parts of the scene are drawn; stays open while several are switched. */
 export function LayersMenu({ scene, open, onOpen, className }: Props) {
   const { view, toggleLayer } = scene;
-  const phone = useMediaQuery("(max-width: 560px)", false, { getInitialValueInEffect: false });
+  const low = useMediaQuery(LOW, false, { getInitialValueInEffect: false });
   return (
     <Menu
       opened={open}
       onChange={onOpen}
-      position={phone ? "bottom-start" : "right-start"}
+      position={low ? "bottom-start" : "right-start"}
       closeOnItemClick={false}
       width={200}
     >
@@ -48,23 +49,16 @@ export function LayersMenu({ scene, open, onOpen, className }: Props) {
         {LAYERS.map(([key, label]) => {
           const on = view?.layers[key] ?? false;
           return (
-            <Menu.Item
+            <Menu.CheckboxItem
               key={key}
-              role="menuitemcheckbox"
-              aria-checked={on}
+              checked={on}
+              checkIcon={<IconCheck size={18} aria-hidden />}
               data-testid={`layer-${key}`}
-              onClick={() => toggleLayer(key)}
+              onChange={() => toggleLayer(key)}
               mih={44}
-              leftSection={
-                <IconCheck
-                  size={18}
-                  aria-hidden
-                  style={{ visibility: on ? "visible" : "hidden" }}
-                />
-              }
             >
               {label}
-            </Menu.Item>
+            </Menu.CheckboxItem>
           );
         })}
       </Menu.Dropdown>

@@ -8,7 +8,7 @@ const TELL_AFTER_S = Math.max(1, POSE_DEADLINE_S);
 
 /** Says that the scene shows the past. */
 export function StaleBand() {
-  const { state, elapsed, frozen, connected } = useRobot();
+  const { state, elapsed, frozen, connected, cause } = useRobot();
   if (frozen) {
     const since = wholeAgeText(elapsed);
     return (
@@ -32,7 +32,8 @@ export function StaleBand() {
     );
   }
   const age = state.pose.age + elapsed;
-  if (age < TELL_AFTER_S) return null;
+  // What is behind it is told above, with the same age.
+  if (age < TELL_AFTER_S || (cause !== null && !cause.minor)) return null;
   return (
     <Band tone="stale" testId="stale-band" title={`Position is ${wholeAgeText(age)} old.`}>
       The robot may be elsewhere; check its odometry.

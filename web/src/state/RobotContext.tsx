@@ -8,6 +8,7 @@ import {
   useSyncExternalStore,
 } from "react";
 import type { State } from "../api/types";
+import { type Cause, rootCause } from "./causes";
 import { RobotLink } from "./link";
 import { FROZEN_S } from "./overall";
 
@@ -19,6 +20,8 @@ export interface Robot {
   frozen: boolean;
   connected: boolean;
   version: string | null;
+  /** What is behind all that is wrong with the robot; null while nothing is. */
+  cause: Cause | null;
 }
 
 const RobotContext = createContext<Robot | null>(null);
@@ -47,6 +50,7 @@ export function RobotProvider(props: { onRefused: () => void; children: ReactNod
       frozen: elapsed > FROZEN_S,
       connected: snapshot.connected,
       version: snapshot.version,
+      cause: rootCause(snapshot.state, elapsed),
     };
   }, [snapshot, tick, opened]);
   return (

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
 import type { Component, State, Stream } from "../api/types";
+import type { Cause } from "./causes";
 import { componentLevel, overall, streamLevel } from "./overall";
 
 const component = (part: Partial<Component> = {}): Component => ({
@@ -13,6 +14,7 @@ const component = (part: Partial<Component> = {}): Component => ({
   src_algorithms: [],
   process: null,
   inputs: [],
+  outputs: [],
   age: 0.1,
   topic: "/planner/status",
   ...part,
@@ -30,7 +32,7 @@ const state = (part: Partial<State> = {}): State => ({
   type: "state",
   seq: 1,
   time: 0,
-  robot: { name: "robot", radius: 0.1 },
+  robot: { name: "robot", radius: 0.1, problem: "" },
   pose: { x: 0, y: 0, yaw: 0, v: 0, w: 0, age: 0 },
   streams: [stream()],
   components: [component()],
@@ -54,7 +56,7 @@ const state = (part: Partial<State> = {}): State => ({
 });
 
 test("all is well only when every component and stream is", () => {
-  expect(overall(state(), 0.1)).toEqual({ level: "healthy", text: "All well" });
+  expect(overall(state(), 0.1, null)).toEqual({ level: "healthy", text: "All well" });
 });
 
 test("a stopped robot has no faults, but is not called well", () => {
@@ -69,20 +71,42 @@ test("a stopped robot has no faults, but is not called well", () => {
     speed_factor: 0,
     age: 0,
   };
-  expect(overall(state({ drive }), 0).text).toBe("No faults");
+  expect(overall(state({ drive }), 0, null).text).toBe("No faults");
 });
 
-test("the worst component is named first", () => {
+test("what is behind all else is named, and how much else there is", () => {
+  const cause: Cause = {
+    level: "failed",
+    name: "Laser scan lost",
+    text: "Laser scan lost 34 s ago",
+    effects: [],
+    advice: "",
+    others: 0,
+    minor: false,
+  };
+  const components = [component({ status: "system_failure" })];
+  expect(overall(state({ components }), 0, cause)).toEqual({
+    level: "failed",
+    text: "Laser scan lost",
+  });
+  expect(overall(state({ components }), 0, { ...cause, others: 2 }).text).toBe(
+    "Laser scan lost, and 2 more",
+  );
+});
+
+test("components that blame each other are counted, for none of them is the cause", () => {
   const components = [
-    component({ status: "algorithm_failure" }),
-    component({ name: "mapper", label: "Mapper", status: "system_failure" }),
+    component({ status: "system_failure" }),
+    component({ name: "b", status: "system_failure" }),
   ];
-  expect(overall(state({ components }), 0)).toEqual({ level: "failed", text: "Mapper failed" });
+  expect(overall(state({ components }), 0, null).text).toBe("2 components failed");
 });
 
-test("several in the same state are counted", () => {
-  const components = [component({ status: "silent" }), component({ name: "b", status: "silent" })];
-  expect(overall(state({ components }), 0).text).toBe("2 components silent");
+test("a restart is told while all is well again", () => {
+  expect(overall(state(), 0, null, "Planner restarted 12 s ago")).toEqual({
+    level: "healthy",
+    text: "All well · Planner restarted 12 s ago",
+  });
 });
 
 test("a component is unknown once its word is too old, even while no snapshot comes", () => {
@@ -91,19 +115,12 @@ test("a component is unknown once its word is too old, even while no snapshot co
 });
 
 test("a frozen view is never called well", () => {
-  expect(overall(state(), 3)).toEqual({ level: "unknown", text: "No data for 3 s" });
-  expect(overall(null, 0).level).toBe("unknown");
+  expect(overall(state(), 3, null)).toEqual({ level: "unknown", text: "No data for 3 s" });
+  expect(overall(null, 0, null).level).toBe("unknown");
 });
 
 test("a robot without a position is not well", () => {
-  expect(overall(state({ pose: null }), 0).text).toBe("Position unknown");
-});
-
-test("a late stream is named", () => {
-  expect(overall(state({ streams: [stream({ age: 0.9, stale: true })] }), 0)).toEqual({
-    level: "degraded",
-    text: "Laser scan is late",
-  });
+  expect(overall(state({ pose: null }), 0, null).text).toBe("Position unknown");
 });
 
 test("a stream goes late between snapshots, one without a deadline does not", () => {

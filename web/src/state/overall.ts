@@ -1,9 +1,12 @@
 import type { Component, State, Stream } from "../api/types";
 import { wholeAgeText } from "../format";
 import type { Level } from "../ui/StatusMark";
+import type { Cause } from "./causes";
 
 /** A view without a message for this long is frozen; a component or drive as silent is unknown. */
 export const FROZEN_S = 1.5;
+/** A component's row tells of its restart for an hour; its details do so for good. */
+const RESTART_KEPT_S = 3600;
 /** The robot's position comes at 50 Hz; half a second without one is a fault, not a hiccup. */
 export const POSE_DEADLINE_S = 0.5;
 
@@ -18,10 +21,10 @@ const LEVELS: Record<Component["status"], Level> = {
 
 const WORDS: Record<Component["status"], string> = {
   healthy: "Healthy",
-  algorithm_failure: "Algorithm failure",
-  component_failure: "Component failure",
-  system_failure: "System failure",
-  general_failure: "General failure",
+  algorithm_failure: "No solution",
+  component_failure: "Failed",
+  system_failure: "Waits",
+  general_failure: "Failed",
   silent: "Silent",
 };
 
@@ -41,7 +44,15 @@ export function componentLevel(component: Component, elapsed: number): Level {
 export function componentWord(component: Component, elapsed: number): string {
   const lost = LOST_WORDS[component.process?.state ?? "unknown"];
   if (lost !== undefined) return lost;
-  return component.age + elapsed > FROZEN_S ? WORDS.silent : WORDS[component.status];
+  if (component.age + elapsed > FROZEN_S) return WORDS.silent;
+  const restarted = component.process?.restarted ?? null;
+  // Who was killed comes back by itself, and somebody may want to know why.
+  if (component.status === "healthy" && restarted !== null && restarted < RESTART_KEPT_S) {
+    return `Restarted ${wholeAgeText(restarted)} ago`;
+  }
+  // What is outside is named by the component; without it, all that is known is that it failed.
+  if (component.status === "system_failure" && component.src_topics.length === 0) return "Failed";
+  return WORDS[component.status];
 }
 
 export function streamStale(stream: Stream, elapsed: number): boolean {
@@ -61,11 +72,26 @@ export interface Overall {
   text: string;
 }
 
-/** The one line of the top bar. */
-export function overall(state: State | null, elapsed: number): Overall {
+/**
+ * The one line of the top bar.
+ *
+ * @param cause what is behind all that is wrong, as far as that is known
+ * @param restart who has just been started again, in words
+ */
+export function overall(
+  state: State | null,
+  elapsed: number,
+  cause: Cause | null,
+  restart: string | null = null,
+): Overall {
   if (state === null) return { level: "unknown", text: "Connecting" };
   if (elapsed > FROZEN_S) return { level: "unknown", text: `No data for ${wholeAgeText(elapsed)}` };
   if (state.components.length === 0) return { level: "unknown", text: "No components found" };
+  if (cause !== null) {
+    const more = cause.others === 0 ? "" : `, and ${cause.others} more`;
+    return { level: cause.level, text: `${cause.name}${more}` };
+  }
+  // Where each blames another nobody is the cause: they are counted.
   const rows = state.components.map((c) => ({ label: c.label, level: componentLevel(c, elapsed) }));
   for (const [level, word] of [
     ["failed", "failed"],
@@ -81,8 +107,7 @@ export function overall(state: State | null, elapsed: number): Overall {
     };
   }
   if (state.pose === null) return { level: "unknown", text: "Position unknown" };
-  const late = state.streams.find((s) => s.age !== null && streamStale(s, elapsed));
-  if (late !== undefined) return { level: "degraded", text: `${late.label} is late` };
   // A robot that may not move is not well, whatever its components say.
-  return { level: "healthy", text: state.drive?.stopped ? "No faults" : "All well" };
+  const well = state.drive?.stopped ? "No faults" : "All well";
+  return { level: "healthy", text: restart === null ? well : `${well} · ${restart}` };
 }

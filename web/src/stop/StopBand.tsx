@@ -1,15 +1,24 @@
 import { Button } from "@mantine/core";
-import { useState } from "react";
+import { type ReactNode, useState } from "react";
 import { releaseStop } from "../api/client";
 import { ApiError, asApiError } from "../api/errors";
+import type { Drive } from "../api/types";
+import { ageText } from "../format";
 import { useSession } from "../session/SessionContext";
+import { useRobot } from "../state/RobotContext";
 import { Band } from "../ui/Band";
 import { HoldButton } from "../ui/controls/HoldButton";
 import { useStop } from "./StopContext";
 
-/** Across the scene while the robot is stopped, or while nobody knows whether it is. */
-export function StopBand() {
+/**
+ * Across the scene while the robot is stopped, or while nobody knows whether it is: a robot that was
+ * stopped when it was last heard of is told of with the age of that.
+ *
+ * @param why a button that leads to why it was stopped
+ */
+export function StopBand({ why }: { why: ReactNode }) {
   const { stop, drive, dismiss } = useStop();
+  const { state, elapsed } = useRobot();
   const { session } = useSession();
   const [refusal, setRefusal] = useState<ApiError | null>(null);
 
@@ -24,9 +33,9 @@ export function StopBand() {
   };
 
   const latched = drive?.stopped === true;
-  if (!latched && stop.phase !== "unconfirmed") return null;
-  const who = drive?.stopped_by ? `Stopped by ${drive.stopped_by}` : "Stopped";
-  const why = drive?.reason ? `: ${drive.reason}` : "";
+  const last = drive === null ? (state?.drive ?? null) : null;
+  const was = last?.stopped ? last : null;
+  if (!latched && was === null && stop.phase !== "unconfirmed") return null;
   return (
     <>
       {stop.phase === "unconfirmed" && (
@@ -42,18 +51,21 @@ export function StopBand() {
       {latched && (
         <Band
           tone="stopped"
-          title={`${who}${why}`}
+          title={stoppedText(drive, "Stopped")}
           testId="stop-band"
           action={
-            session.role === "viewer" ? undefined : (
-              <HoldButton
-                data-testid="release-button"
-                label="Release the stop: press and hold for one second, or hold Enter"
-                onHeld={release}
-              >
-                Hold to release
-              </HoldButton>
-            )
+            <>
+              {why}
+              {session.role !== "viewer" && (
+                <HoldButton
+                  data-testid="release-button"
+                  label="Hold to release the stop: press for one second, or hold Enter"
+                  onHeld={release}
+                >
+                  Hold to release
+                </HoldButton>
+              )}
+            </>
           }
         >
           {refusal !== null
@@ -63,6 +75,16 @@ export function StopBand() {
               : "The robot stays where it is until a person releases it; then send it a new goal."}
         </Band>
       )}
+      {was !== null && (
+        <Band tone="stale" title={stoppedText(was, "Was stopped")} testId="stop-band-stale">
+          Last heard {ageText(was.age + elapsed)} ago; it stays so until somebody releases it.
+        </Band>
+      )}
     </>
   );
+}
+
+function stoppedText({ stopped_by, reason }: Drive, word: string): string {
+  const by = stopped_by === "" ? "" : ` by ${stopped_by}`;
+  return `${word}${by}${reason === "" ? "" : `: ${reason}`}`;
 }

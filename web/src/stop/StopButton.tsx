@@ -15,7 +15,6 @@ export function StopButton() {
       className={classes.button}
       data-phase={stop.phase}
       data-testid="stop-button"
-      aria-label={spoken}
       // On press, not on release: a finger that slips off has still stopped the robot.
       onPointerDown={(event) => {
         if (event.button === 0) press();
@@ -25,11 +24,13 @@ export function StopButton() {
         if (event.detail === 0) press();
       }}
     >
-      <span className={classes.word}>{word}</span>
+      <span className={classes.word}>{word}</span>{" "}
       {stop.phase === "idle" && <span className={classes.hint}>Space</span>}
       {stop.phase === "stopped" && <span className={classes.hint}>standstill ✓</span>}
       {stop.phase === "silent" && <span className={classes.hint}>was stopped</span>}
       {stop.phase === "unconfirmed" && <span className={classes.hint}>press again</span>}
+      {/* Whoever speaks to the page says what stands on the button: its name begins with that. */}
+      <span className="visually-hidden">. {spoken}</span>
     </UnstyledButton>
   );
 }

@@ -1,6 +1,9 @@
 import {
   createTheme,
   type MantineColorsTuple,
+  Menu,
+  MultiSelect,
+  Select,
   useComputedColorScheme,
   useMantineColorScheme,
 } from "@mantine/core";
@@ -33,6 +36,12 @@ const slate: MantineColorsTuple = [
   "#14181c",
 ];
 
+/** The list itself scrolls: a box for that inside of it would be no option, and is not reached. */
+const LIST = {
+  withScrollArea: false,
+  styles: { options: { maxHeight: "min(340px, 45dvh)", overflowY: "auto" as const } },
+};
+
 export const theme = createTheme({
   primaryColor: "kompass",
   primaryShade: { light: 7, dark: 7 },
@@ -43,6 +52,12 @@ export const theme = createTheme({
   defaultRadius: "md",
   respectReducedMotion: true,
   focusRing: "auto",
+  components: {
+    // A menu holds its items and nothing else that takes the focus.
+    Menu: Menu.extend({ defaultProps: { withInitialFocusPlaceholder: false } }),
+    Select: Select.extend({ defaultProps: LIST }),
+    MultiSelect: MultiSelect.extend({ defaultProps: LIST }),
+  },
 });
 
 type ThemeChoice = "auto" | "light" | "dark";

@@ -97,10 +97,10 @@ export function TimingFields({ event, onChange }: Props) {
       <div className={page.line}>
         <Toggle
           on={limit !== null}
-          label="Limit how often"
+          label="Limit how often: latch beyond"
           onChange={(on) => put({ max_rate: on ? { count: 5, window: 60 } : null })}
         >
-          {limit === null ? "no limit on how often" : "latches beyond"}
+          limit how often: latch beyond
         </Toggle>
         {limit !== null && (
           <>
@@ -127,12 +127,10 @@ export function TimingFields({ event, onChange }: Props) {
       </div>
       <Toggle
         on={event.clear !== null}
-        label="Fires again only after another condition"
+        label="Fire again only after another condition was true"
         onChange={(on) => put({ clear: on ? blank("compare", graph, null) : null })}
       >
-        {event.clear === null
-          ? "no other condition before it fires again"
-          : "fires again only after this was true:"}
+        fire again only after another condition was true
       </Toggle>
       {event.clear !== null && (
         <>

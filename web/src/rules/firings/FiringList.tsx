@@ -5,6 +5,7 @@ import { useNow } from "../../state/RobotContext";
 import { StatusMark } from "../../ui/StatusMark";
 import { useNav } from "../context/RulesNav";
 import { whenText } from "../model/words";
+import { Day } from "../parts/Day";
 import classes from "./Firings.module.css";
 import { outcomeLevel, outcomeText } from "./outcome";
 
@@ -14,8 +15,9 @@ export function FiringList({ firings }: { firings: readonly Firing[] }) {
   const now = useNow();
   return (
     <ul className={classes.list}>
-      {firings.map((firing) => (
+      {firings.map((firing, index) => (
         <li key={firing.number} data-testid={`firing-${firing.rule_id}`} data-kind={firing.kind}>
+          <Day time={firing.time} newer={firings[index - 1]?.time ?? now} />
           <UnstyledButton
             className={classes.row}
             onClick={() => nav.go({ at: "why", id: firing.rule_id, firing })}

@@ -41,10 +41,11 @@ export function HistoryPage({ revision }: { revision: number | null }) {
         <>
           <Compare revisions={history.revisions} />
           <ul className={classes.list}>
-            {history.revisions.map((each) => (
+            {history.revisions.map((each, index) => (
               <RevisionRow
                 key={each.number}
                 revision={each}
+                newer={history.revisions[index - 1]?.time ?? null}
                 active={history.active}
                 startOpen={each.number === revision}
               />

@@ -8,6 +8,7 @@ import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { useRules } from "../context/RulesContext";
 import { whenText } from "../model/words";
+import { Day } from "../parts/Day";
 import { DiffList } from "../parts/DiffList";
 import classes from "./History.module.css";
 
@@ -23,10 +24,12 @@ interface Props {
   revision: Revision;
   active: number;
   startOpen: boolean;
+  /** When the one above it was made; null for the newest. Epoch s. */
+  newer: number | null;
 }
 
 /** One revision: who, when, why, what; and one click back to it. Probation is the undo. */
-export function RevisionRow({ revision, active, startOpen }: Props) {
+export function RevisionRow({ revision, active, startOpen, newer }: Props) {
   const { mayEdit, reload } = useRules();
   const now = useNow();
   const [open, setOpen] = useState(startOpen);
@@ -43,6 +46,7 @@ export function RevisionRow({ revision, active, startOpen }: Props) {
       data-testid={`revision-${number}`}
       data-current={current || undefined}
     >
+      <Day time={time} newer={newer ?? now} />
       <div className={classes.head}>
         <strong>rev {number}</strong>
         <span>{author === role ? author : `${author}, ${role}`}</span>

@@ -75,20 +75,28 @@ const STOP_ROBOT = "kompass_interfaces/srv/StopRobot";
 const offered = (component: GraphComponent) =>
   component.methods.filter((method) => !OTHERWISE.has(method.name));
 
-/** Everything that a rule can do on this robot, the everyday things first. */
-export function actionChoices(graph: Graph | null): ActionChoice[] {
+/**
+ * What a rule of this person can do on this robot: the everyday things first, and nothing that the
+ * guard rails would refuse.
+ */
+export function actionChoices(graph: Graph | null, who: "edited" | "engineer"): ActionChoice[] {
+  const refused = new Set(graph?.refused?.[who] ?? []);
+  return allChoices(graph).filter(({ key }) => !refused.has(key));
+}
+
+function allChoices(graph: Graph | null): ActionChoice[] {
   const general: ActionChoice[] = [
-    choice("log", "General", "Write a line to the log", () => ({
-      ...COMMON,
-      kind: "log",
-      text: "",
-      level: "warning",
-    })),
     choice("raise_alarm", "General", "Raise an alarm", () => ({
       ...COMMON,
       kind: "raise_alarm",
       alarm: "",
       text: "",
+    })),
+    choice("log", "General", "Write a line to the log", () => ({
+      ...COMMON,
+      kind: "log",
+      text: "",
+      level: "warning",
     })),
     choice("clear_alarm", "General", "Clear an alarm", () => ({
       ...COMMON,
@@ -122,7 +130,7 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
               keep_alive: true,
             })),
           ]),
-      ...(["start", "stop", "restart", "configure"] as const).map((what) =>
+      ...(["restart", "stop", "start", "configure"] as const).map((what) =>
         choice(
           `lifecycle:${name}:${what}`,
           group,
@@ -218,7 +226,7 @@ export function actionChoices(graph: Graph | null): ActionChoice[] {
       kwargs: {},
     })),
   );
-  return [...general, ...stop, ...components, ...goals, ...services, ...functions, ...topics];
+  return [...stop, ...general, ...functions, ...components, ...goals, ...services, ...topics];
 }
 
 function choice(key: string, group: string, label: string, make: () => Action): ActionChoice {

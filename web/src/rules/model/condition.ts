@@ -61,6 +61,10 @@ export function removeAt(condition: Condition, path: TreePath): Condition | null
   return kept.length === 0 ? null : { ...condition, conditions: kept };
 }
 
+/** Whether nothing has been chosen yet: a comparison of no topic. */
+export const isBlank = (condition: Condition): boolean =>
+  condition.kind === "compare" && condition.signal.topic === "";
+
 /** The tree with one more condition beside the node at `path`, inside it when it is a group. */
 export function addAt(condition: Condition, path: TreePath, added: Condition): Condition {
   const node = nodeAt(condition, path);

@@ -38,6 +38,7 @@ const topic = (name: string, type: string, part: Partial<GraphTopic> = {}): Grap
   ...part,
 });
 const graph: Graph = {
+  refused: {},
   topics: [
     topic("/scan", LASER),
     topic("/controller/status", STATUS, { component: "controller", latched: true, rate: null }),
@@ -124,7 +125,7 @@ test("ready-made conditions name topics, types and constants by themselves", () 
 });
 
 test("everything that can be done has a choice of its own, and is known by it again", () => {
-  const choices = actionChoices(graph);
+  const choices = actionChoices(graph, "engineer");
   expect(new Set(choices.map(({ key }) => key)).size).toBe(choices.length);
   for (const choice of choices) expect(choiceKey(choice.make())).toBe(choice.key);
   const move = choices.find(({ key }) => key === "method:drive_manager:move_to_unblock");

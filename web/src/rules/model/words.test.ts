@@ -2,6 +2,7 @@ import { expect, test } from "vitest";
 import type { Rule, RuleStatus } from "../../api/ruleTypes";
 import {
   constantText,
+  dayText,
   leftText,
   secondsText,
   statusLevel,
@@ -41,6 +42,13 @@ test("times are relative within a minute and clock time after", () => {
   expect(whenText(1000, 1000.4)).toBe("just now");
   expect(whenText(1000, 1012.9)).toBe("12 s ago");
   expect(whenText(1000, 1075)).toMatch(/^\d\d:\d\d:\d\d$/);
+});
+
+test("what is of another day carries its date, and a line where the day begins", () => {
+  const at = (...when: [number, number, number]) => new Date(2026, 10, ...when).getTime() / 1000;
+  expect(whenText(at(22, 23, 50), at(23, 0, 30))).toMatch(/22/);
+  expect(dayText(at(22, 23, 50), at(23, 0, 30))).toMatch(/22/);
+  expect(dayText(at(23, 0, 10), at(23, 0, 30))).toBeNull();
 });
 
 test("settings keep their precision, countdowns do not jump about", () => {

@@ -38,7 +38,25 @@ export function whenText(time: number, now: number): string {
   const age = now - time;
   if (age >= -1 && age < 1) return "just now";
   if (age >= 1 && age < 60) return `${Math.floor(age)} s ago`;
-  return age < 12 * 3600 ? clockText(time) : dated.format(time * 1000);
+  return isSameDay(time, now) ? clockText(time) : dated.format(time * 1000);
+}
+
+const day = new Intl.DateTimeFormat(undefined, {
+  weekday: "long",
+  day: "numeric",
+  month: "long",
+});
+
+const isSameDay = (one: number, other: number): boolean =>
+  new Date(one * 1000).toDateString() === new Date(other * 1000).toDateString();
+
+/**
+ * What stands above an entry of a list, newest first, where another day begins; else null.
+ *
+ * @param newer time of the entry before it, or now for the first. Epoch seconds.
+ */
+export function dayText(time: number, newer: number): string | null {
+  return isSameDay(time, newer) ? null : day.format(time * 1000);
 }
 
 export const clockText = (time: number): string => clock.format(time * 1000);

@@ -32,6 +32,24 @@ export function ConflictPage() {
       </div>
     );
   }
+  if (found.length === 0) {
+    return (
+      <div className={page.page} data-testid="conflict">
+        <p className={page.muted}>
+          What you changed is in force already: revision {view.revision} says the same.
+        </p>
+        <Button
+          onClick={() => {
+            draft.discardAll();
+            nav.go({ at: "table" });
+          }}
+          data-testid="conflict-same"
+        >
+          To the rules
+        </Button>
+      </div>
+    );
+  }
   const merge = () => {
     draft.take({
       ...beginDraft(view.robot, view.revision, view.table),

@@ -5,7 +5,7 @@ import classes from "./Toggle.module.css";
 interface Props {
   on: boolean;
   onChange: (on: boolean) => void;
-  /** What it switches, for who cannot see it. */
+  /** What it switches, for who cannot see it; where it stands beside it, that is its name. */
   label: string;
   children?: ReactNode;
   disabled?: boolean;
@@ -20,7 +20,7 @@ export function Toggle({ on, onChange, label, children, disabled = false, title,
       className={classes.toggle}
       role="switch"
       aria-checked={on}
-      aria-label={label}
+      aria-label={children === undefined ? label : undefined}
       title={title}
       disabled={disabled}
       data-testid={testId}

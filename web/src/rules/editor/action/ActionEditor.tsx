@@ -31,10 +31,10 @@ export function ActionEditor(props: Props) {
       <div className={page.line}>
         <Toggle
           on={action.timeout !== null}
-          label="It must end in time"
+          label="It must end within a time"
           onChange={(on) => onChange({ ...action, timeout: on ? 10 : null })}
         >
-          {action.timeout === null ? "may take as long as it needs" : "fails after"}
+          it must end within
         </Toggle>
         {action.timeout !== null && (
           <DurationField
@@ -47,10 +47,10 @@ export function ActionEditor(props: Props) {
         )}
         <Toggle
           on={action.on_error === "continue"}
-          label="Go on when it fails"
+          label="Go on with the next if it fails"
           onChange={(on) => onChange({ ...action, on_error: on ? "continue" : "abort" })}
         >
-          {action.on_error === "continue" ? "go on if it fails" : "stop there if it fails"}
+          go on with the next if it fails
         </Toggle>
       </div>
     </>
@@ -177,7 +177,7 @@ function Fields({ action, references, onChange }: Props) {
               label="Again and again"
               onChange={(on) => onChange({ ...action, rate: on ? 1 : null, period: on ? 5 : null })}
             >
-              {action.rate === null ? "once" : "at"}
+              again and again
             </Toggle>
             {action.rate !== null && (
               <>

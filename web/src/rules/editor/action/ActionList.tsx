@@ -1,8 +1,10 @@
 import { IconArrowDown, IconArrowUp, IconTrash } from "@tabler/icons-react";
 import { useMemo } from "react";
 import type { Action, Condition } from "../../../api/ruleTypes";
+import { useSession } from "../../../session/SessionContext";
 import { Choice } from "../../../ui/controls/Choice";
 import { IconButton } from "../../../ui/controls/IconButton";
+import { Picker } from "../../../ui/controls/Picker";
 import { findingsAt } from "../../changes/findings";
 import { type ActionChoice, actionChoices, actionText, choiceKey } from "../../model/actions";
 import { references } from "../../model/arguments";
@@ -20,7 +22,9 @@ interface Props {
 /** What a rule does, one after the other. */
 export function ActionList({ actions, condition, onChange }: Props) {
   const { graph, findings } = useEditor();
-  const choices = useMemo(() => actionChoices(graph), [graph]);
+  const { session } = useSession();
+  const who = session.role === "engineer" ? "engineer" : "edited";
+  const choices = useMemo(() => actionChoices(graph, who), [graph, who]);
   const available = useMemo(() => references(graph, condition), [graph, condition]);
   const put = (index: number, action: Action) =>
     onChange(actions.map((each, at) => (at === index ? action : each)));
@@ -103,21 +107,22 @@ function ActionPicker({ label, choices, action, onChoose, testId }: PickerProps)
     known || action === null
       ? groups
       : [...groups, { group: "As it is", items: [{ value: key, label: actionText(action) }] }];
-  return (
-    <Choice
-      className={classes.spring}
-      searchable
-      aria-label={label}
-      placeholder={label}
-      data={data}
-      value={key}
-      onChange={(chosen) => {
-        const choice = choices.find((each) => each.key === chosen);
-        if (choice !== undefined && chosen !== key) onChoose(choice);
-      }}
-      maxDropdownHeight={340}
-      nothingFoundMessage="Nothing like that on this robot"
-      data-testid={testId}
-    />
+  const choose = (chosen: string) => {
+    const choice = choices.find((each) => each.key === chosen);
+    if (choice !== undefined && chosen !== key) onChoose(choice);
+  };
+  const shared = {
+    className: classes.spring,
+    "aria-label": label,
+    placeholder: label,
+    data,
+    maxDropdownHeight: 340,
+    nothingFoundMessage: "Nothing like that on this robot",
+    "data-testid": testId,
+  };
+  return key === null ? (
+    <Picker {...shared} onPick={choose} />
+  ) : (
+    <Choice {...shared} searchable value={key} onChange={choose} />
   );
 }

@@ -1,6 +1,6 @@
-import { Select } from "@mantine/core";
 import { IconTrash } from "@tabler/icons-react";
 import { IconButton } from "../../../ui/controls/IconButton";
+import { Picker } from "../../../ui/controls/Picker";
 import {
   type ArgumentField,
   fittingReferences,
@@ -25,8 +25,8 @@ export function ArgumentList({ fields, values, references, onChange }: Props) {
   const known = new Map(fields.map((field) => [field.name, field]));
   const without = (name: string) =>
     Object.fromEntries(Object.entries(values).filter(([each]) => each !== name));
-  const add = (name: string | null) => {
-    const field = name === null ? undefined : known.get(name);
+  const add = (name: string) => {
+    const field = known.get(name);
     if (field === undefined) return;
     const whole = fittingReferences(references, "message")[0]?.value;
     onChange({
@@ -62,14 +62,11 @@ export function ArgumentList({ fields, values, references, onChange }: Props) {
         );
       })}
       {free.length > 0 && (
-        <Select
-          size="sm"
-          searchable
+        <Picker
           aria-label="Set another value"
           placeholder="Set another value …"
           data={free.map((field) => ({ value: field.name, label: field.name }))}
-          value={null}
-          onChange={add}
+          onPick={add}
           data-testid="add-argument"
         />
       )}

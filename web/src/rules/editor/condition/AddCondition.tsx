@@ -1,6 +1,6 @@
-import { Select } from "@mantine/core";
 import { useMemo } from "react";
 import type { Condition } from "../../../api/ruleTypes";
+import { Picker } from "../../../ui/controls/Picker";
 import { blank, KIND_WORDS, presets } from "../../model/presets";
 import { useEditor } from "../form/EditorContext";
 
@@ -32,24 +32,21 @@ export function AddCondition({ label, onAdd }: Props) {
       ],
     },
   ];
-  const add = (key: string | null) => {
+  const add = (key: string) => {
     const preset = ready.find((each) => each.key === key);
     if (preset !== undefined) onAdd(preset.make());
     else if (key === "group:any") {
       onAdd({ kind: "any", conditions: [blank("compare", graph, null)] });
-    } else if (key?.startsWith("kind:")) {
+    } else if (key.startsWith("kind:")) {
       onAdd(blank(key.slice("kind:".length) as Kind, graph, null));
     }
   };
   return (
-    <Select
-      size="sm"
-      searchable
+    <Picker
       aria-label={label}
       placeholder={label}
       data={data}
-      value={null}
-      onChange={add}
+      onPick={add}
       maxDropdownHeight={320}
       nothingFoundMessage="Nothing like that on this robot"
       data-testid="add-condition"

@@ -1,5 +1,6 @@
 import { Button } from "@mantine/core";
 import { IconTrash } from "@tabler/icons-react";
+import { useState } from "react";
 import type { Condition, Group, TreePath } from "../../../api/ruleTypes";
 import { Choice } from "../../../ui/controls/Choice";
 import { IconButton } from "../../../ui/controls/IconButton";
@@ -7,6 +8,7 @@ import { findingsAt } from "../../changes/findings";
 import {
   addAt,
   fieldOf,
+  isBlank,
   isGroup,
   nodeAt,
   removeAt,
@@ -32,6 +34,21 @@ interface Props {
 export function ConditionEditor(props: Props) {
   const { condition, onChange } = props;
   const single = !isGroup(condition);
+  // Until somebody has chosen one by hand, an empty condition is a question and no form.
+  const [byHand, setByHand] = useState(false);
+  if (!byHand && isBlank(condition)) {
+    return (
+      <div className={classes.tree} data-testid={props.root}>
+        <AddCondition
+          label="Choose or search: an obstacle, a failure, silence …"
+          onAdd={(chosen) => {
+            setByHand(true);
+            onChange(chosen);
+          }}
+        />
+      </div>
+    );
+  }
   return (
     <div className={classes.tree} data-testid={props.root}>
       <Node {...props} path={[]} />
@@ -57,7 +74,7 @@ function Node(props: Props & { path: TreePath }) {
         <Button
           variant="light"
           size="compact-md"
-          aria-label="Not: press to take it away"
+          aria-label="not: press to take it away"
           title="Take the 'not' away"
           onClick={() => onChange(toggleNot(tree, path))}
         >
@@ -76,9 +93,10 @@ function Node(props: Props & { path: TreePath }) {
             <Button
               variant="subtle"
               size="compact-md"
+              title="True when this group is false"
               onClick={() => onChange(toggleNot(tree, path))}
             >
-              Not
+              Opposite
             </Button>
           )}
           <span className={classes.spring} />
@@ -103,10 +121,10 @@ function Node(props: Props & { path: TreePath }) {
             <Button
               variant="subtle"
               size="compact-md"
-              title="The opposite of this condition"
+              title="True when this condition is false"
               onClick={() => onChange(toggleNot(tree, path))}
             >
-              Not
+              Opposite
             </Button>
             <Remove what="this condition" onClick={remove} />
           </>

@@ -22,7 +22,7 @@ export function FieldPicker({ signal, onChange }: Props) {
   const data = choices.map((choice) => ({ value: choice.key, label: choice.label }));
   return (
     <Choice
-      label="value"
+      label="which value"
       placeholder={signal.topic === "" ? "First choose a topic" : "Choose a value"}
       searchable
       disabled={signal.topic === ""}

@@ -177,10 +177,10 @@ function Timeout(props: { signal: Signal; onChange: (timeout: number | null) => 
     <span className={classes.timeout}>
       <Toggle
         on={ages}
-        label={`Values of ${slashed(signal.topic)} go out of date`}
+        label={`Unknown when older than a time: ${slashed(signal.topic)}`}
         onChange={(on) => onChange(on ? 1 : null)}
       >
-        <span>{ages ? "unknown when older than" : "counts until the next message"}</span>
+        <span>unknown when older than</span>
       </Toggle>
       {signal.timeout !== null && (
         <DurationField

@@ -1,0 +1,378 @@
+import type { Component, State, Stream } from "../api/types";
+import { wholeAgeText } from "../format";
+import type { Level } from "../ui/StatusMark";
+import { componentLevel, FROZEN_S, streamStale } from "./overall";
+
+/** Why the robot is not well: the one thing that the others wait for. */
+export interface Cause {
+  level: Level;
+  /** What it is, without its time: for the top bar. */
+  name: string;
+  /** The same with its time. */
+  text: string;
+  /** What follows from it, each a part of a sentence. */
+  effects: string[];
+  /** What a person can do about it. */
+  advice: string;
+  /** Further things that are wrong and do not come from it. */
+  others: number;
+  /** It is over in a moment, or is told at the goal: nothing for a band across the scene. */
+  minor: boolean;
+}
+
+/** A stream that is this much over its deadline (s) is lost, and not late any more. */
+const LOST_AFTER_S = 2;
+/** For so long (s) the top bar tells of a restart; the component's row does for longer. */
+export const RESTART_TOLD_S = 60;
+
+/** What is wrong, with the topics that nothing comes from and who is at fault. */
+interface Root extends Omit<Cause, "effects" | "others"> {
+  /** The lower, the nearer to the source. */
+  rank: number;
+  /** Within a rank the one that has lasted longest, s. */
+  lasted: number;
+  topics: string[];
+  components: string[];
+}
+
+/**
+ * The cause of what is wrong, or null while nothing is.
+ *
+ * Components say which topics they wait for, and the console knows who publishes them: so blame is
+ * followed to where it ends. A topic that does come is no cause, whoever waits for it: after a
+ * restart a planner has no map for a moment, and the map is as it was.
+ */
+export function rootCause(state: State | null, elapsed: number): Cause | null {
+  if (state === null || elapsed > FROZEN_S || state.components.length === 0) return null;
+  const ill = state.components.filter((c) => componentLevel(c, elapsed) !== "healthy");
+  const roots = [
+    ...processRoots(state, elapsed),
+    ...streamRoots(state, ill, elapsed),
+    ...componentRoots(state, ill, elapsed),
+  ].sort((a, b) => a.rank - b.rank || b.lasted - a.lasted);
+  const root = roots[0];
+  if (root === undefined) return null;
+  const waiting = whoWaits(root, ill);
+  const covered = (other: Root) =>
+    other === root ||
+    other.components.some((name) => root.components.includes(name)) ||
+    (other.components.length > 0 && other.components.every((name) => waiting.has(name)));
+  const labels = ill.filter((c) => waiting.has(c.name)).map((c) => c.label);
+  const { level, name, text, advice, minor } = root;
+  return {
+    level,
+    name,
+    text,
+    advice,
+    minor,
+    effects: [...held(state), ...waitingText(labels)],
+    others: roots.filter((other) => !covered(other)).length,
+  };
+}
+
+/** Who has just been started again and is well: what is left of a fault that healed by itself. */
+export function lastRestart(state: State | null): string | null {
+  let newest: { label: string; ago: number } | null = null;
+  for (const { label, process } of state?.components ?? []) {
+    const ago = process?.restarted ?? null;
+    if (ago === null || ago > RESTART_TOLD_S) continue;
+    if (newest === null || ago < newest.ago) newest = { label, ago };
+  }
+  return newest === null ? null : `${newest.label} restarted ${wholeAgeText(newest.ago)} ago`;
+}
+
+/** `late` while it may still come, `lost` when it is. */
+export function streamWord(stream: Stream, elapsed: number): "" | "late" | "lost" | "missing" {
+  if (stream.age === null) return stream.key === "path" ? "" : "missing";
+  if (!streamStale(stream, elapsed)) return "";
+  const over = stream.age + elapsed - (stream.deadline ?? 0);
+  return stream.deadline !== null && over > LOST_AFTER_S ? "lost" : "late";
+}
+
+/** A process that died, hangs or was given up explains all that its components do not do. */
+function processRoots(state: State, elapsed: number): Root[] {
+  const labels = new Map(state.components.map((c) => [c.name, c.label]));
+  const found = new Map<string, NonNullable<Component["process"]>>();
+  for (const each of state.processes) found.set(each.name, each);
+  const owned = new Map<string, string[]>();
+  for (const { name, process } of state.components) {
+    if (process === null || process === undefined) continue;
+    found.set(process.name, process);
+    owned.set(process.name, [...(owned.get(process.name) ?? []), name]);
+  }
+  return [...found.values()].flatMap((process): Root[] => {
+    const words = LOST[process.state];
+    if (words === undefined) return [];
+    const components = owned.get(process.name) ?? [];
+    const label = listText(
+      components.length > 0
+        ? components.map((name) => labels.get(name) ?? name)
+        : [sentenceCase(process.name)],
+    );
+    const why = process.reason === "" ? "" : ` (${process.reason})`;
+    const outputs = state.components
+      .filter((c) => components.includes(c.name))
+      .flatMap((c) => c.outputs);
+    return [
+      {
+        rank: 0,
+        lasted: elapsed,
+        level: "failed",
+        name: `${label} ${words.is}`,
+        text: `${label} ${words.is}${why}`,
+        advice: words.advice,
+        minor: false,
+        topics: outputs,
+        components,
+      },
+    ];
+  });
+}
+
+const LOST: Partial<Record<string, { is: string; advice: string }>> = {
+  dead: {
+    is: "died",
+    advice: "It is being started again by itself. If it dies again, look at its log.",
+  },
+  stuck: {
+    is: "hangs",
+    advice: "If it does not come back, it is ended and started again by itself.",
+  },
+  "given up": {
+    is: "died too often and is not started again",
+    advice: "Look at its log for the reason, then start the robot's program anew.",
+  },
+};
+
+/** A topic from which nothing comes though whoever publishes it is well, or is not of the stack. */
+function streamRoots(state: State, ill: Component[], elapsed: number): Root[] {
+  return state.streams.flatMap((stream): Root[] => {
+    const word = streamWord(stream, elapsed);
+    if (word === "" || (stream.topic !== null && publishedBy(stream.topic, ill))) return [];
+    const { topic } = stream;
+    const wanted = topic !== null && ill.some((c) => c.src_topics.some(same(topic)));
+    // What nobody has ever sent is nothing that went wrong, unless somebody needs it.
+    if (word === "missing" && !wanted && stream.key !== "odometry") return [];
+    const age = (stream.age ?? 0) + elapsed;
+    const lost = word === "lost";
+    const { name, text } = {
+      missing: { name: `${stream.label} missing`, text: `${stream.label}: nothing received yet` },
+      late: { name: `${stream.label} is late`, text: `${stream.label} is late` },
+      lost: { name: `${stream.label} lost`, text: `${stream.label} lost ${wholeAgeText(age)} ago` },
+    }[word];
+    return [
+      {
+        rank: word === "late" ? 2 : 1,
+        lasted: age,
+        level: lost || wanted ? "failed" : "degraded",
+        name,
+        text,
+        advice: adviceFor(stream, word),
+        minor: word === "late",
+        topics: stream.topic === null ? [] : [stream.topic],
+        components: [],
+      },
+    ];
+  });
+}
+
+function adviceFor(stream: Stream, word: "late" | "lost" | "missing"): string {
+  const topic = stream.topic ?? "its topic";
+  switch (stream.key) {
+    case "scan":
+      return `Check the scanner's power and cable, and the driver that publishes ${topic}.`;
+    case "odometry":
+      return `Check the base and the localization, which publish ${topic}.`;
+    case "map":
+      return word === "missing" ? "Load a map, or start the map server." : "Check the map server.";
+    case "local_map":
+      return `Check who publishes ${topic}.`;
+    case "path":
+      return "";
+  }
+}
+
+/** What a component says of itself, where neither its process nor a topic explains it. */
+function componentRoots(state: State, ill: Component[], elapsed: number): Root[] {
+  const silent = ill.filter((c) => c.age + elapsed > FROZEN_S);
+  if (silent.length === state.components.length && silent.length > 1) {
+    const age = Math.min(...silent.map((c) => c.age)) + elapsed;
+    return [
+      {
+        rank: 0,
+        lasted: age,
+        level: "unknown",
+        name: "Robot's program silent",
+        text: `Nothing heard of the robot's program for ${wholeAgeText(age)}`,
+        advice: "Check that it runs, and the network between it and this console.",
+        minor: false,
+        topics: [],
+        components: silent.map((c) => c.name),
+      },
+    ];
+  }
+  return ill.flatMap((component): Root[] => {
+    const state_ = component.process?.state ?? "unknown";
+    if (LOST[state_] !== undefined) return []; // its process is the cause
+    const age = component.age + elapsed;
+    const base = {
+      lasted: age,
+      level: componentLevel(component, elapsed),
+      topics: component.outputs,
+      components: [component.name],
+      minor: false,
+    };
+    if (age > FROZEN_S) {
+      const text = `${component.label} silent for ${wholeAgeText(age)}`;
+      const advice = "Check that it runs, and the network between it and this console.";
+      return [{ ...base, rank: 0, name: `${component.label} silent`, text, advice }];
+    }
+    const said = plainMessage(component.message);
+    const told = said === "" ? "" : `: ${said}`;
+    const failed = { name: `${component.label} failed`, text: `${component.label} failed${told}` };
+    switch (component.status) {
+      case "algorithm_failure":
+        return [
+          {
+            ...base,
+            rank: 5,
+            name: `${component.label} finds no solution`,
+            text: `${component.label} finds no solution${told}`,
+            advice: "Move what is in the way, or pick another goal.",
+            minor: true,
+          },
+        ];
+      case "system_failure": {
+        const others = component.src_components.filter((name) => name !== component.name);
+        if (others.some((name) => ill.some((c) => c.name === name))) return [];
+        const topics = component.src_topics;
+        if (topics.some((topic) => isExplained(topic, state, ill, component.name, elapsed)))
+          return [];
+        const missing = topics.filter((topic) => !arrives(topic, state, elapsed));
+        if (topics.length > 0 && missing.length === 0) {
+          // It does come: this one has not heard it yet.
+          const restarted = component.process?.restarted ?? null;
+          const after =
+            restarted === null || restarted > RESTART_TOLD_S
+              ? ""
+              : `, restarted ${wholeAgeText(restarted)} ago,`;
+          return [
+            {
+              ...base,
+              rank: 4,
+              name: `${component.label} is not ready`,
+              text: `${component.label}${after} has not heard ${listText(topics.map((t) => topicText(t, state)))} yet`,
+              advice: "It is sent, so this should pass by itself; if not, restart this component.",
+              minor: restarted !== null && restarted <= RESTART_TOLD_S,
+            },
+          ];
+        }
+        if (topics.length === 0) return [{ ...base, rank: 3, ...failed, advice: DETAILS }];
+        const what = listText(missing.map((topic) => topicText(topic, state)));
+        return [
+          {
+            ...base,
+            rank: 2,
+            name: `${component.label} gets nothing`,
+            text: `${component.label} gets nothing on ${what}`,
+            advice: `Check who publishes ${listText(missing)}.`,
+          },
+        ];
+      }
+      default:
+        return [{ ...base, rank: 3, ...failed, advice: DETAILS }];
+    }
+  });
+}
+
+const DETAILS = "Health has the details; if it does not pass, restart this component.";
+
+/** Whether what a component waits for is missing for a reason that is told of elsewhere. */
+function isExplained(
+  topic: string,
+  state: State,
+  ill: Component[],
+  waits: string,
+  elapsed: number,
+): boolean {
+  const others = ill.filter((c) => c.name !== waits);
+  if (publishedBy(topic, others)) return true;
+  const stream = state.streams.find((each) => each.topic !== null && same(each.topic)(topic));
+  return stream !== undefined && streamWord(stream, elapsed) !== "";
+}
+
+/** Whether the console hears this topic itself. */
+function arrives(topic: string, state: State, elapsed: number): boolean {
+  const stream = state.streams.find((each) => each.topic !== null && same(each.topic)(topic));
+  return stream !== undefined && streamWord(stream, elapsed) === "";
+}
+
+const publishedBy = (topic: string, components: Component[]): boolean =>
+  components.some((c) => c.outputs.some(same(topic)));
+
+/** Who waits for the root, or for somebody who waits for it. */
+function whoWaits(root: Root, ill: Component[]): Set<string> {
+  const waiting = new Set<string>();
+  const topics = [...root.topics];
+  const blamed = new Set(root.components);
+  for (let grew = true; grew; ) {
+    grew = false;
+    for (const each of ill) {
+      if (waiting.has(each.name) || root.components.includes(each.name)) continue;
+      const waits =
+        each.src_topics.some((topic) => topics.some(same(topic))) ||
+        each.src_components.some((name) => name !== each.name && blamed.has(name));
+      if (!waits) continue;
+      waiting.add(each.name);
+      blamed.add(each.name);
+      topics.push(...each.outputs);
+      grew = true;
+    }
+  }
+  return waiting;
+}
+
+function held({ drive }: State): string[] {
+  if (drive === null || !drive.available) return [];
+  if (drive.stopped) return ["robot stopped"];
+  if (drive.limited_by === "") return [];
+  const percent = Math.round(drive.speed_factor * 100);
+  if (percent <= 0) return ["robot held"];
+  return percent < 100 ? [`robot slowed to ${percent} %`] : [];
+}
+
+function waitingText(labels: string[]): string[] {
+  if (labels.length === 0) return [];
+  const [first, ...rest] = labels;
+  const list = listText([first ?? "", ...rest.map((label) => label.toLowerCase())]);
+  return [`${list} ${labels.length === 1 ? "waits" : "wait"} for it`];
+}
+
+/** `a`, `a and b`, `a, b and c`. */
+function listText(parts: string[]): string {
+  if (parts.length < 2) return parts.join("");
+  return `${parts.slice(0, -1).join(", ")} and ${parts.at(-1)}`;
+}
+
+/** What the page calls a topic, where it has a word for it. */
+function topicText(topic: string, state: State): string {
+  const stream = state.streams.find((each) => each.topic !== null && same(each.topic)(topic));
+  return stream === undefined ? topic : `the ${stream.label.toLowerCase()}`;
+}
+
+/** A component's message without the level that it begins with: the page has words of its own. */
+function plainMessage(message: string): string {
+  const said = message.replace(/^Failure: [A-Za-z]+(?: Level)?(?: - )?/, "");
+  return said.charAt(0).toLowerCase() + said.slice(1);
+}
+
+const sentenceCase = (name: string): string => {
+  const words = name.replaceAll("_", " ");
+  return words.charAt(0).toUpperCase() + words.slice(1);
+};
+
+/** Both spellings of a topic's name are one topic. */
+const same =
+  (one: string) =>
+  (other: string): boolean =>
+    one.replace(/^\/+/, "") === other.replace(/^\/+/, "");
