@@ -52,6 +52,7 @@ const mapper = component("mapper", "Local map", { outputs: ["/local_map/occupanc
 const gate = component("drive_manager", "Drive");
 const DRIVE: Drive = {
   available: true,
+  driven_by: "",
   stopped: false,
   standstill: true,
   stopped_by: "",
