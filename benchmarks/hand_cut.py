@@ -26,6 +26,7 @@ from tests.support.stack import Stack
 
 PROMISED = 250.0  # ms
 ROUNDS = (60, 20, 20)
+IN_A_ROW = 3  # deaths of one stack's console
 
 
 class Listener(Robot):
@@ -86,29 +87,38 @@ def cut(stack: Stack, robot: Listener, number: signal.Signals | None, pause: flo
     return taken
 
 
+def cuts(number: signal.Signals | None, count: int, chance: random.Random) -> list[float]:
+    """So many cuts of a kind [ms]; on a new stack now and then, for who dies often is given up."""
+    taken: list[float] = []
+    while len(taken) < count:
+        stack = Stack.simulated()
+        robot = Listener(stack.domain)
+        try:
+            robot.ready()
+            in_a_row = IN_A_ROW if number is signal.SIGKILL else count
+            taken += [
+                cut(stack, robot, number, chance.uniform(0.2, 0.5))
+                for _ in range(min(in_a_row, count - len(taken)))
+            ]
+        finally:
+            robot.close()
+            stack.close()
+    return taken
+
+
 def main() -> None:
     rounds = [int(each) for each in sys.argv[1:]] or ROUNDS
     chance = random.Random(1)
-    stack = Stack.simulated()
-    robot = Listener(stack.domain)
     every: list[float] = []
-    try:
-        robot.ready()
-        print("| cut | times | median | worst | within 250 ms |\n|---|---|---|---|---|")
-        kinds = (("page", None), ("SIGSTOP", signal.SIGSTOP), ("SIGKILL", signal.SIGKILL))
-        for (name, number), count in zip(kinds, rounds, strict=True):
-            taken = [cut(stack, robot, number, chance.uniform(0.2, 0.5)) for _ in range(count)]
-            every += taken
-            if taken:
-                kept = sum(each <= PROMISED for each in taken)
-                print(
-                    f"| {name} | {count} | {statistics.median(taken):.0f} ms | "
-                    f"{max(taken):.0f} ms | {kept} |",
-                    flush=True,
-                )
-    finally:
-        robot.close()
-        stack.close()
+    print("| cut | times | median | worst | within 250 ms |\n|---|---|---|---|---|")
+    kinds = (("page", None), ("SIGSTOP", signal.SIGSTOP), ("SIGKILL", signal.SIGKILL))
+    for (name, number), count in zip(kinds, rounds, strict=True):
+        taken = cuts(number, count, chance)
+        every += taken
+        if taken:
+            kept = sum(each <= PROMISED for each in taken)
+            middle, worst = statistics.median(taken), max(taken)
+            print(f"| {name} | {count} | {middle:.0f} ms | {worst:.0f} ms | {kept} |", flush=True)
     print(f"\n{sum(each <= PROMISED for each in every)} of {len(every)} within {PROMISED:.0f} ms")
 
 

@@ -293,6 +293,7 @@ class FakeStack:
         if command.session == self.hand_session and self.hand_key is not None:
             assert self.hand_key.has_signed(command)
             self.v = command.vx
+            self.yaw += command.omega  # a step for each: who looks later still sees it
 
     def path_to(self, x: float, y: float) -> Path:
         path = Path()

@@ -154,13 +154,15 @@ def test_a_page_that_is_closed_leaves_a_robot_that_stands_and_a_free_wheel(robot
 def test_what_a_page_said_long_ago_does_not_drive(robot: Served) -> None:
     with page(robot, "ava") as ava:
         ava.take()
+        yaw = ava.robot(driver="ava")["pose"]["yaw"]
         now = time.monotonic()
         ava.drive(0.0, now)
-        ava.drive(0.2, now - 1.0)  # it lay in a socket while the console was held
+        ava.say("drive", omega=0.5, t=now - 1.0)  # it lay in a socket while the console was held
         ava.say("ask")
         ava.answer(message="ava has been asked.")  # so it has been looked at
-        ava.robot(driver="ava")
-        assert {ava.robot()["pose"]["v"] for _ in range(8)} == {0.0}
+        assert {round(ava.robot()["pose"]["yaw"] - yaw, 3) for _ in range(8)} == {0.0}
+        ava.say("drive", omega=0.5, t=time.monotonic())  # and what has just been said
+        until(ava.states, lambda state: abs(state["pose"]["yaw"] - yaw - 0.5) < 1e-3)
         ava.say("give")
         ava.robot(driver="")
 
