@@ -181,6 +181,7 @@ def test_health_has_processes_sources_and_ages_of_inputs(robot: Served) -> None:
         "pid": 77,
         "restarts": 2,
         "reason": "killed",
+        "restarted": None,
     }
     assert "/scan" not in [each["topic"] for each in planner["inputs"]]  # it subscribes to none
     assert [process["name"] for process in state["processes"]] == ["planner"]

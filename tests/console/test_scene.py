@@ -207,14 +207,17 @@ def test_following_moves_the_world_and_not_the_camera(console: Served, stack: ob
                 position=camera["SetCameraPositionMessage"],  # type: ignore[arg-type]
                 look_at=camera["SetCameraLookAtMessage"],  # type: ignore[arg-type]
             )
-            robot = scene.positions["/world/robot"][:2]
             middle = {"view": view, "start": [0.5, 0.5]}
 
             def picked() -> tuple[float, float]:
                 answer = client.post("/api/goals/check", json=middle).json()
                 return answer["x"], answer["y"]
 
-            wait_until(lambda: picked() == pytest.approx(robot, abs=0.01), 2.0, "the place")
+            wait_until(
+                lambda: picked() == pytest.approx(scene.positions["/world/robot"][:2], abs=0.01),
+                2.0,
+                "the place",
+            )
 
 
 def test_the_scene_comes_back_after_a_broken_connection(console: Served) -> None:

@@ -35,6 +35,7 @@ def drills(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1200)  # they have the lowest priority, and wait for all others
 def test_what_must_hold_does_in_three_hundred_random_drives() -> None:
     # The same ones in each run, so that a red one is the change's doing; others are for the night.
     done = drills(str(COUNT), "--from", "0")

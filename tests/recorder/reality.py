@@ -122,7 +122,7 @@ class Reality:
 
     def close(self) -> None:
         """Leave the robot alone."""
-        self._action.destroy()
+        self._robot.do(self._action.destroy)
 
     def _hear(self, message: RuleFiring) -> None:
         if message.phase == "fired":

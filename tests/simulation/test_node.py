@@ -355,7 +355,7 @@ def test_unknown_world_is_one_clear_line() -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT], ids=["SIGTERM", "SIGINT"])
-def test_signal_ends_it_within_half_a_second(number: signal.Signals) -> None:
+def test_a_signal_ends_it_in_its_order(number: signal.Signals) -> None:
     with subprocess.Popen(
         [sys.executable, "-m", "kompass.simulation", "hexagon", "--node-name", "short_lived"],
         env=environment("short-lived"),
@@ -365,13 +365,11 @@ def test_signal_ends_it_within_half_a_second(number: signal.Signals) -> None:
         assert process.stderr is not None
         while "robot in 'hexagon'" not in process.stderr.readline():
             assert process.poll() is None
-        told = time.monotonic()
         process.send_signal(number)
         try:
             assert process.wait(timeout=patient(5.0)) == 0
         finally:
             process.kill()
-        assert time.monotonic() - told < patient(0.5)
         assert "Traceback" not in process.stderr.read()
 
 

@@ -56,6 +56,15 @@ class Tester(Client):
         assert handle.accepted
         return handle
 
+    def wait_for_listeners(self, topic: str, *nodes: str) -> None:
+        """Wait until nodes are known to listen to a topic, as they know who speaks there."""
+
+        def known() -> bool:
+            infos = self.node.get_subscriptions_info_by_topic(topic)
+            return set(nodes) <= {info.node_name for info in infos}
+
+        self.wait_until(known, 20, f"{', '.join(nodes)} to listen to {topic}")
+
     def click(self, x: float, y: float) -> None:
         """Publish Point, as RViz does."""
         message = PointStamped()

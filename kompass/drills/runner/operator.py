@@ -28,6 +28,7 @@ from kompass.store.robot_key import known_keys
 
 PERIOD = 0.05  # s between two looks at what is to be done
 PATIENCE = 5.0  # s for which a planner that does not take goals is waited for
+MATCHED = 1.0  # s in which all who listen to a topic have found a publisher
 FOUND = 0.5  # s after which everybody has found a planner that was started again
 TOLERANCE = 0.1  # m, where a goal says nothing of it
 
@@ -83,6 +84,7 @@ class Operator:
             if any(goal.topic for goal in self._goals):
                 self._ends = GoalWatch(node, f"/{self._way.action}")
         self._publishers: dict[str, tuple[type[Any], Publisher]] = {}
+        self._heard_from: dict[str, float] = {}  # monotonic time since when one is made ready
         self._fault_client = node.create_client(SetFault, SET_FAULT)
         self._switched: dict[Any, ScheduledFault] = {}  # by the answers that are on their way
         gates = [one.node_name for one in components if one.stops_robot]
@@ -142,11 +144,25 @@ class Operator:
             return None
         if topic:
             publisher = self._publisher(topic)
-            if publisher is not None and publisher[1].get_subscription_count():
+            if publisher is not None and self._is_heard(topic, *publisher):
                 return partial(self._publish, goal, *publisher)
         elif self._client is not None and self._client.server_is_ready():
             return partial(self._send, goal)
         return None
+
+    def _is_heard(self, topic: str, kind: type[Any], publisher: Publisher) -> bool:
+        """Whether all who listen have found a publisher: to the others its word is lost.
+
+        Who listens with a quality of service that does not fit finds it never, and is not waited
+        for long.
+        """
+        found = publisher.get_subscription_count()
+        infos = self._node.get_subscriptions_info_by_topic(topic)
+        listening = sum(_GOALS.get(info.topic_type) is kind for info in infos)
+        waited = self._node.clock.monotonic() - self._heard_from.setdefault(
+            topic, self._node.clock.monotonic()
+        )
+        return found > 0 and (found >= listening or waited > MATCHED)
 
     def _publisher(self, topic: str) -> tuple[type[Any], Publisher] | None:
         """A publisher of the type that is listened to; None as long as nobody listens."""
