@@ -210,8 +210,9 @@ def test_messages_come_at_their_rates(observer: Observer) -> None:
     for topic, rate in rates.items():
         expected = rate * elapsed
         received = observer.count[topic] - before[topic]
-        # One message more or less belongs to where the interval happens to begin and end.
-        assert expected / patient(1.18) - 1 <= received <= 1.1 * expected + 1, topic
+        # One message more or less belongs to where the interval happens to begin and end; ten more
+        # may have waited for a reader that had no turn before.
+        assert expected / patient(1.18) - 1 <= received <= 1.1 * expected + 11, topic
     assert 1 / patient(1.1) < observer.newest["/simulator/rate"].data < 1.1
 
 
