@@ -76,6 +76,17 @@ class NodeOnDDS:
         """As :class:`rclpy.action.ActionClient`."""
         return ActionClient(self, action_type, action_name)
 
+    def destroy_node(self) -> None:
+        """As of :class:`rclpy.node.Node`; its action clients go with it.
+
+        rclpy's leaves them to the garbage collector (7.1.6), which frees them on whatever thread it
+        runs. Until then they keep the participant alive, with its threads and all that it hears.
+        """
+        for waitable in list(self.waitables):  # type: ignore[attr-defined]
+            if isinstance(waitable, ActionClient):
+                waitable.destroy()
+        super().destroy_node()  # type: ignore[misc]
+
     def add_waitable(self, waitable: Any) -> None:
         """As of :class:`rclpy.node.Node`; what a callback of an action raises ends no process.
 

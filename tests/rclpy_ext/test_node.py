@@ -1,10 +1,13 @@
 """What comes and goes under the events executor takes nobody with it."""
 
+import gc
 import time
+from pathlib import Path
 from typing import Any
 
 import pytest
 import rclpy
+from kompass_interfaces.action import PlanPath
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Int32
 
@@ -12,6 +15,7 @@ from kompass.components.base.node import ComponentNode
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.rclpy_ext.node import NodeOnDDS, PlainNode, of_others
 from tests.support.domains import give_back, next_domain
+from tests.support.processes import wait_until
 from tests.support.spinning import Spinning
 
 pytestmark = pytest.mark.ros
@@ -47,6 +51,30 @@ def test_readers_and_writers_that_do_not_fit_each_other_come_and_go() -> None:
         for node in nodes:
             node.destroy_node()
         context.try_shutdown()
+        give_back(domain)
+
+
+def dds_threads() -> set[str]:
+    """Numbers of the threads of the participants of this process."""
+    threads = Path("/proc/self/task").glob("*/comm")
+    return {each.parent.name for each in threads if each.read_text().startswith("dds.")}
+
+
+def test_nothing_of_a_participant_outlives_a_node_that_had_an_action_client() -> None:
+    domain = next_domain()
+    gc.disable()  # which would free it at some time, on some thread
+    try:
+        before = dds_threads()
+        context = rclpy.Context()
+        rclpy.init(args=[], context=context, domain_id=domain)
+        node = PlainNode("short_lived", context=context)
+        node.create_action_client(PlanPath, "/planner/plan_path")
+        assert dds_threads() - before
+        node.destroy_node()
+        context.try_shutdown()
+        wait_until(lambda: not dds_threads() - before, 5, "the end of its threads")
+    finally:
+        gc.enable()
         give_back(domain)
 
 
