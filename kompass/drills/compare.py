@@ -25,8 +25,8 @@ class DriveChange(Model):
         Its name.
     change
         ``better`` and ``worse`` when the outcome is of another grade, a contact or a broken
-        invariant more or less, or the recovery (without one: the way) faster or slower by
-        ``NOTICED``; the first of these that differs decides. Else ``other``.
+        invariant more or less, the recovery or the whole way faster or slower by ``NOTICED``; the
+        first of these that differs decides. Else ``other``.
     text
         How it differs.
     """
@@ -117,7 +117,12 @@ def compare(before: Sequence[DriveResult], after: Sequence[DriveResult]) -> Comp
         faster_pairs=sum(delay <= -NOTICED for delay in delays),
         changes=tuple(sorted(changes, key=lambda one: (_ORDER[one.change], natural(one.scenario)))),
     )
-    said = {"verdict": _verdict(found), "sentence": _sentence(found), "chance": _chance(found)}
+    through = sum(b.came_through for _, b in pairs)
+    said = {
+        "verdict": _verdict(found),
+        "sentence": _sentence(found, through),
+        "chance": _chance(found),
+    }
     return found.model_copy(update=said)
 
 
@@ -171,10 +176,12 @@ def _change(before: DriveResult, after: DriveResult) -> DriveChange | None:
         if abs(delay) >= NOTICED:
             notes.append(f"recovered in {after.recovery:.1f} s instead of {before.recovery:.1f} s")
             votes.append(1 if delay > 0 else -1)
-    elif before.time_to_goal is not None and after.time_to_goal is not None:
+    if before.time_to_goal is not None and after.time_to_goal is not None:
         delay = after.time_to_goal - before.time_to_goal
         if abs(delay) >= NOTICED:
-            notes.append(f"took {after.time_to_goal:.1f} s instead of {before.time_to_goal:.1f} s")
+            notes.append(
+                f"arrived after {after.time_to_goal:.1f} s instead of {before.time_to_goal:.1f} s"
+            )
             votes.append(1 if delay > 0 else -1)
     if _did(before) != _did(after):
         notes.append(_other_firings(before, after))
@@ -237,12 +244,20 @@ def _chance(found: Comparison) -> str:
     return ""
 
 
-def _sentence(found: Comparison) -> str:
+def _sentence(found: Comparison, through: int) -> str:
     if not found.pairs:
         return "No drive was compared."
-    if not found.changes:
-        return f"No difference in {_several(found.pairs, 'drive')}."
     parts: list[str] = []
+    if not found.changes:
+        # Neither table did better; whether both did well is another matter.
+        parts.append(f"No difference in {_several(found.pairs, 'drive')}")
+        if found.disturbed:
+            parts.append(f"recovers in {found.through_after} of {found.disturbed} under either")
+        else:
+            parts.append(f"no fault disturbed {'it' if found.pairs == 1 else 'any'}")
+            if through < found.pairs:
+                parts.append(f"reaches its goals in {through} of {found.pairs}")
+        return "; ".join(parts) + "."
     if found.disturbed:
         instead = (
             f" instead of {found.through_before or 'none'}"
@@ -253,7 +268,10 @@ def _sentence(found: Comparison) -> str:
     else:
         parts.append("No fault disturbed any drive")
     if found.slower is not None and abs(found.slower) >= NOTICED:
-        parts.append(f"{abs(found.slower):.1f} s {'slower' if found.slower > 0 else 'faster'}")
+        # Of the whole way, which is not the recovery: a fallback may drive faster ever after.
+        parts.append(
+            f"arrives {abs(found.slower):.1f} s {'later' if found.slower > 0 else 'sooner'}"
+        )
     for name, old, new in (
         ("contact", found.contacts_before, found.contacts_after),
         ("broken invariant", found.broken_before, found.broken_after),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 
@@ -48,6 +49,7 @@ def report_html(report: Report) -> str:
             f'<div class="pair">{_numbers(report)}{_by_fault(report)}</div>',
             _pictured(report, shown),
             _all_drives(report),
+            _again(report),
             _rules(report),
             _foot(report),
         )
@@ -292,6 +294,27 @@ def _all_drives(report: Report) -> str:
     return (
         f"<section><details><summary>All drives ({len(rows)})</summary>{_grid(names, rows)}"
         "</details></section>"
+    )
+
+
+def _again(report: Report) -> str:
+    """The command that makes a drive of this drill once more, to be looked at."""
+    options = report.options
+    if options is None or report.seed is None:
+        return ""
+    words = ["kompass-console", "drill", "replay", report.drives[0].scenario.name]
+    words += ["--recipe", report.recipe, "--seed", str(report.seed)]
+    words += ["--worlds", ",".join(options.worlds), "--faults", ",".join(options.faults)]
+    if options.faults_per_drive != 1:
+        words += ["--faults-per-drive", str(options.faults_per_drive)]
+    words += ["-o", f"{report.drives[0].scenario.name}.mcap"]
+    told = ""
+    if report.table.name != "recipe":
+        told = f" and with <code>--rules</code> and the file that has {_table(report.table)}"
+    return (
+        "<section><details><summary>One of the drives again</summary>"
+        f"<p>With the name of the drive{told}:</p>"
+        f"<p><code>{escape(shlex.join(words))}</code></p></details></section>"
     )
 
 

@@ -21,6 +21,7 @@ from kompass.launch.failure_policies import FailurePolicies
 from kompass.launch.processes import run_processes
 from kompass.launch.stack import Monitored, Stack, taker
 from kompass.monitor.introspection.catalog import RecipeCatalog
+from kompass.monitor.process import NAME as MONITOR_NODE
 from kompass.monitor.tables.recipe_check import check_recipe
 from kompass.named_arguments import named_arguments
 from kompass.printable import log_to_terminal
@@ -178,6 +179,11 @@ class Launcher:
     def _refuse_twins(self, added: list[Component]) -> None:
         names = [component.node_name for component in (*self._components, *added)]
         for name in names:
+            if name == MONITOR_NODE:
+                raise ValueError(
+                    f"component_name = '{name}' is the name of the node that runs the rules; "
+                    "choose another"
+                )
             if names.count(name) > 1:
                 raise ValueError(f"two components are called '{name}'; names must differ")
 

@@ -8,7 +8,7 @@ thread. Waiting raises :class:`NoAnswer` when the monitor does not answer in tim
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from action_msgs.msg import GoalStatus
@@ -16,6 +16,7 @@ from kompass_interfaces.action import BacktestRules
 from kompass_interfaces.msg import RuleFiring, RulesState
 from kompass_interfaces.srv import (
     ApplyRules,
+    ChangePlaces,
     CheckRules,
     ConfirmRules,
     DescribeGraph,
@@ -33,6 +34,8 @@ from std_msgs.msg import String
 from kompass.access.signer import Signer
 from kompass.backtest.report import BacktestReport
 from kompass.bus.node import ActionClient, Node
+from kompass.places.change import PlaceChange
+from kompass.places.place import Place
 from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass.rclpy_ext.topic import LATCHED, QoSConfig
 from kompass.rulebook.schema.alarm import Alarm
@@ -48,7 +51,6 @@ from kompass.store.robot_key import known_keys
 
 DEFAULT_PROBATION = -1.0  # s; the monitor's own
 
-_FIND_SERVICE = "/get_rules"
 # Service types, names, and the seconds that they may take: checking and applying compile the
 # table, a recording is written.
 _SERVICES: dict[Any, tuple[str, float]] = {
@@ -63,6 +65,7 @@ _SERVICES: dict[Any, tuple[str, float]] = {
     GetFirings: ("get_firings", 5.0),
     DescribeGraph: ("describe_graph", 10.0),
     SaveRecording: ("save_recording", 60.0),
+    ChangePlaces: ("change_places", 5.0),
 }
 _ACCEPT_LIMIT = 10.0  # s for a back-test to be taken
 _ALARMS = TypeAdapter(tuple[Alarm, ...])
@@ -416,6 +419,16 @@ class MonitorClient:
 
         return self.request(SaveRecording.Request(seconds=seconds, name=name), read)
 
+    def change_place(self, change: PlaceChange, *, author: str, role: str) -> Reply[Place]:
+        """Save, edit, delete or restore a place; as it is then, or was before it was deleted."""
+
+        def read(answer: Any) -> Place:
+            _message(answer)
+            return Place.model_validate_json(answer.answer)
+
+        request = ChangePlaces.Request(change=change.model_dump_json(), author=author, role=role)
+        return self.request(request, read)
+
     # -- back-tests -------------------------------------------------------------------------------
 
     @property
@@ -491,6 +504,10 @@ class MonitorClient:
 
         self._subscribe(String, "alarms", read, LATCHED)
 
+    def watch_places(self, heard: Callable[[str], None]) -> None:
+        """Hear of all places (JSON: PlaceBook), from what was said last on."""
+        self._subscribe(String, "places", lambda message: heard(str(message.data)), LATCHED)
+
     # -- pieces -----------------------------------------------------------------------------------
 
     def request(self, request: Any, read: Callable[[Any], T] = lambda answer: answer) -> Reply[T]:
@@ -517,24 +534,6 @@ class MonitorClient:
         self._subscriptions.append(
             self._node.create_subscription(kind, f"{self.name}/{topic}", heard, qos.to_ros())
         )
-
-
-def find_monitors(node: Node) -> list[str]:
-    """Names of the monitors on the graph, with their namespaces, sorted."""
-    named = dict(node.get_service_names_and_types())
-    # A client makes a service's name appear as well.
-    return [
-        name for name in monitor_names(named) if node.count_services(f"{name}{_FIND_SERVICE}") > 0
-    ]
-
-
-def monitor_names(services: Mapping[str, Iterable[str]]) -> list[str]:
-    """As `find_monitors`, from the services that are there and their types."""
-    return sorted(
-        name.removesuffix(_FIND_SERVICE)
-        for name, types in services.items()
-        if name.endswith(_FIND_SERVICE) and "kompass_interfaces/srv/GetRules" in types
-    )
 
 
 def _message(answer: Any) -> str:

@@ -22,6 +22,7 @@ from kompass.monitor.inputs.rule_inputs import RuleInputs
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.introspection.graph import Graph
 from kompass.monitor.live_engine import LiveEngine
+from kompass.monitor.places import Places
 from kompass.monitor.recording import FlightRecording
 from kompass.monitor.reporting.alarms import Alarms
 from kompass.monitor.reporting.explanations import Explanations
@@ -45,7 +46,7 @@ from kompass.recipe.table import RecipeRules
 from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Table, table_hash
-from kompass.store import RuleStore
+from kompass.store import PlaceStore, RuleStore
 from kompass.supervisor.news import ProcessNews
 
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
@@ -85,6 +86,8 @@ class Monitor:
         To components; what they answer is for :meth:`component_answered`.
     supervisor_silent
         For how long the supervisor has shown no life [s]; None where it always does.
+    open_places
+        Opens the robot's places; None where nobody keeps any.
     """
 
     def __init__(
@@ -100,6 +103,7 @@ class Monitor:
         recording: FlightRecording | None = None,
         channels: Channels | None = None,
         supervisor_silent: Callable[[], float] | None = None,
+        open_places: Callable[[], PlaceStore] | None = None,
     ) -> None:
         def stamp() -> Time:
             return node.get_clock().now().to_msg()
@@ -178,6 +182,9 @@ class Monitor:
         self._services = Services(
             *(node, main, gatekeeper, self._worker, tables, previews.hear, sources)
         )
+        self._places = (
+            Places(node, main, gatekeeper, open_places) if open_places is not None else None
+        )
         if recording:
             recording.start(node, executor, store, gatekeeper)
 
@@ -226,6 +233,8 @@ class Monitor:
         self._main.close()
         self._worker.close()
         self._services.close()
+        if self._places is not None:
+            self._places.close()
         self._runs.close()
         self._polled.close()
         self._runner.close()

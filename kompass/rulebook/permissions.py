@@ -50,7 +50,7 @@ _SETTING_TYPES = frozenset(
 )
 _TABLE_TYPES = frozenset(
     f"kompass_interfaces/srv/{name}"
-    for name in ("ApplyRules", "ConfirmRules", "RollbackRules", "ResetRule")
+    for name in ("ApplyRules", "ConfirmRules", "RollbackRules", "ResetRule", "ChangePlaces")
 )
 _OF_MONITOR = frozenset(
     {"save_recording", "get_rules", "get_history", "get_firings", "explain_rule", "check_rules"}
@@ -264,8 +264,8 @@ class Permissions:
         elif _odd(service):
             yield _odd_name("service", service)
         elif action.type in _TABLE_TYPES or (owner == MONITOR and name not in _OF_MONITOR):
-            text = "a rule may not change rules"
-            remedy = "leave it out: a person edits the rules"
+            text = "a rule may not change rules or places"
+            remedy = "leave it out: a person edits them"
             yield Refusal("changes-rules", "service", service, text, remedy)
         elif owner in self.gates and name not in _ASKING_OF_GATE:
             text = f"/{service} belongs to the gate before the wheels"

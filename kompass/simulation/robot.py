@@ -133,6 +133,16 @@ class SimulatedRobot:
         mujoco.mj_forward(self._model, data)
         self._sample()
 
+    def relocate(self, pose: tuple[float, float, float]) -> None:
+        """Have the localizer believe that the robot is at ``pose`` (x, y, yaw) in ``map`` now.
+
+        Raises
+        ------
+        NoReading
+            A faulty localizer says nothing that could be corrected.
+        """
+        self.localizer.relocate(pose)
+
     def put_up(self, barriers: Iterable[Barrier]) -> None:
         """Have walls stand beside the robot, where it is now."""
         pose = self.truth().pose
@@ -248,7 +258,10 @@ class SimulatedRobot:
         return self.wheels.read()
 
     def filtered(self) -> BodyMotion:
-        """What a localizer says: pose in ``map``, within millimetres of the truth."""
+        """What a localizer says: pose in ``map``.
+
+        Within millimetres of the truth, unless it is faulty or was told otherwise.
+        """
         return self.localizer.read()
 
     def truth(self) -> BodyMotion:

@@ -13,6 +13,7 @@ from kompass.simulation.faults.fault_names import FaultOrder
 from kompass.simulation.faults.fault_service import FaultService
 from kompass.simulation.pacer import Pacer
 from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
+from kompass.simulation.pose_input import PoseInput
 from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.world import World
 
@@ -64,6 +65,7 @@ class Simulator:
         self._node = node
         self._broadcast = Broadcast(node, self.robot, always=always)
         self._commands = CommandInput(node, self.robot.command)
+        PoseInput(node, self.robot.relocate)
         self._faults = FaultService(node, self.robot, orders, processes)
         Costmap(node)
         self._pacer = Pacer(PERIOD, node.clock.monotonic())

@@ -35,3 +35,15 @@ class NoSuchRevision(StoreError):
 
 class StaleRevision(StoreError):
     """Another revision is in force than the one that a change began from."""
+
+
+class NoSuchPlace(StoreError):
+    """There is no place with this number."""
+
+
+class StalePlace(StoreError):
+    """Somebody else has changed the place since a change of it began."""
+
+
+class PlaceRefused(StoreError):
+    """The name is taken, or there are as many places as there may be."""

@@ -10,8 +10,15 @@ from kompass.store.errors import StoreBusy, StoreUnwritable
 NAME = "store.lock"
 
 
-def take_lock(folder: Path) -> int:
-    """Take the lock of a folder until the descriptor is closed, or the process ends in any way.
+def take_lock(folder: Path, name: str = NAME, what: str = "rule store") -> int:
+    """Take a lock of a folder until the descriptor is closed, or the process ends in any way.
+
+    Parameters
+    ----------
+    name
+        Of the lock's file.
+    what
+        It stands before, for people.
 
     Raises
     ------
@@ -20,7 +27,7 @@ def take_lock(folder: Path) -> int:
     StoreUnwritable
         When the lock file cannot be made.
     """
-    path = folder / NAME
+    path = folder / name
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     except OSError as error:
@@ -35,7 +42,7 @@ def take_lock(folder: Path) -> int:
         os.close(descriptor)
         who = f"process {holder}" if holder else "another process"
         raise StoreBusy(
-            f"the rule store in {folder} is in use by {who}; stop that stack, or give this one a "
+            f"the {what} in {folder} is in use by {who}; stop that stack, or give this one a "
             "name (--name) or a folder (--data-dir) of its own"
         ) from None
     with contextlib.suppress(OSError):  # a full disk: who holds the lock is told to people only

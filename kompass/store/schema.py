@@ -1,7 +1,8 @@
-"""The tables of both files. Each step leads from one version of the schema to the next."""
+"""The tables of all files. Each step leads from one version of the schema to the next."""
 
 RULES_ID = 0x6B727331  # "krs1": marks a file as ours
 JOURNAL_ID = 0x6B726A31  # "krj1"
+PLACES_ID = 0x6B706C31  # "kpl1"
 
 # Rules are kept once each, by content: a revision is a list of them, so that an edit of one rule
 # of a hundred adds one. Nothing in here is ever changed or deleted but pointers and lives.
@@ -97,5 +98,29 @@ JOURNAL = (
         time REAL NOT NULL,
         PRIMARY KEY (stack, rule_id, rule_hash)
     ) WITHOUT ROWID;
+    """,
+)
+
+# A deleted place stays for a while, to be restored; its name is free at once.
+PLACES = (
+    """
+    CREATE TABLE places (
+        id INTEGER PRIMARY KEY AUTOINCREMENT,
+        version INTEGER NOT NULL,
+        name TEXT NOT NULL,
+        same_name TEXT NOT NULL,
+        note TEXT NOT NULL,
+        x REAL NOT NULL,
+        y REAL NOT NULL,
+        yaw REAL,                  -- none: any heading
+        map TEXT NOT NULL,         -- digest
+        map_label TEXT NOT NULL,
+        author TEXT NOT NULL,
+        time REAL NOT NULL,
+        deleted REAL               -- when; none of those that are there
+    );
+    CREATE UNIQUE INDEX names_of_map ON places (map, same_name) WHERE deleted IS NULL;
+    CREATE TABLE counter (revision INTEGER NOT NULL);
+    INSERT INTO counter VALUES (0);
     """,
 )

@@ -1,11 +1,13 @@
 import math
+import re
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import strategies as st
 
 from kompass.algorithms.mapping.local_map import LocalMapBuilder
-from kompass.algorithms.mapping.scan_points import scan_to_points
+from kompass.algorithms.mapping.scan_points import scan_fault, scan_to_points
 from tests.support.properties import property_test
 
 FULL_TURN = {"angle_min": 0.0, "angle_increment": 2 * math.pi / 360}
@@ -135,5 +137,35 @@ def test_a_scan_without_rays_is_refused() -> None:
 def test_only_real_returns_become_points_in_the_base_frame() -> None:
     ranges = [1.0, math.inf, math.nan, 0.0, 0.05, 3.5, -math.inf, 2.0]
     points = scan_to_points(ranges, 0.0, math.pi / 2, 0.12, 3.5, (0.1, 0.0, math.pi / 2))
-    assert points == pytest.approx(np.array([(0.1, 1.0), (2.1, 0.0)]), abs=1e-9)
-    assert scan_to_points([], 0.0, 0.1, 0.1, 3.5).shape == (0, 2)
+    too_near = (0.1, -0.12)  # of -inf: nearer than can be measured, and there
+    assert points == pytest.approx(np.array([(0.1, 1.0), too_near, (2.1, 0.0)]), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"ranges": []}, "ranges is empty"),
+        ({"ranges": [math.nan, math.nan]}, "ranges has no measurement"),
+        ({"ranges": [0.0, 0.05]}, "ranges has no measurement"),
+        ({"angle_min": math.nan}, "angle_min = nan"),
+        ({"angle_increment": math.inf}, "angle_increment = inf"),
+        ({"angle_increment": 0.0}, "angle_increment = 0.0"),
+        ({"range_min": math.inf}, "range_min = inf"),
+        ({"range_max": math.nan}, "range_max = nan"),
+        ({"range_max": 0.1}, "range_max = 0.1 is not above range_min = 0.12"),
+    ],
+)
+def test_a_scan_that_says_nothing_is_not_one_that_met_nothing(
+    more: dict[str, Any], said: str
+) -> None:
+    scan: dict[str, Any] = {"ranges": [1.0, math.inf], "angle_min": 0.0, "angle_increment": 0.1}
+    scan |= {"range_min": 0.12, "range_max": 3.5}
+    assert scan_fault(**scan) == ""
+    assert said in scan_fault(**(scan | more))
+    with pytest.raises(ValueError, match=re.escape(said)):
+        scan_to_points(**(scan | more))
+
+
+def test_in_the_open_a_scan_meets_nothing_and_is_a_scan() -> None:
+    assert len(scan_to_points([math.inf] * 4, 0.0, 0.1, 0.12, 3.5)) == 0
+    assert len(scan_to_points([3.5] * 4, 0.0, 0.1, 0.12, 3.5)) == 0

@@ -193,6 +193,10 @@ class Virtual(InVirtualTime, Alive):
             _activate(component, node)
         super().__init__(node_in(self.world, "tester"), component)
 
+    def logged(self, text: str) -> bool:
+        """Whether a node has written a line that holds a text."""
+        return any(text in entry.text for entry in self.world.log)
+
     def close(self) -> None:
         """End the component as its process would; nothing happens the second time."""
         self.component.leave()

@@ -1,5 +1,8 @@
 """Commands hold as long as they say, and not longer."""
 
+import math
+
+import pytest
 from kompass_interfaces.msg import TwistArray
 
 from kompass.components.drive.command_queue import CommandQueue
@@ -50,3 +53,22 @@ def test_lists_of_different_lengths_are_filled_with_zeros() -> None:
     queue.put_array(message, now=0.0)
     assert queue.current(0.05) == (0.2, 0.0, 0.5)
     assert queue.current(0.15) == (0.2, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("time_step", [1e9, math.inf, math.nan, -1.0])
+def test_a_list_that_would_hold_for_long_is_refused_and_nothing_is_carried_out(
+    time_step: float,
+) -> None:
+    queue = filled()
+    message = TwistArray(time_step=time_step)
+    message.linear_velocities.x = [0.2]
+    with pytest.raises(ValueError, match="time_step = "):
+        queue.put_array(message, 10.0)
+    assert queue.current(10.0) is None
+
+
+def test_commands_that_are_no_numbers_are_refused_and_nothing_is_carried_out() -> None:
+    queue = filled()
+    with pytest.raises(ValueError, match="no finite numbers"):
+        queue.put([(math.nan, 0.0, 0.0)], 0.0, 10.0)
+    assert queue.current(10.0) is None

@@ -134,6 +134,18 @@ def test_only_the_sensor_that_is_needed_is_subscribed_to(
     assert stage.listeners() == expected
 
 
+def test_a_path_that_takes_too_long_to_look_at_is_not_followed_and_the_one_before_ends(
+    run: Run,
+) -> None:
+    stage = Stage(run)
+    stage.plan(*STRAIGHT)
+    stage.alive.wait_until(stage.drives, 5, "the path is followed")
+    stage.plan(*[(0.0, 0.0)] * 20_001)
+    stage.alive.wait_until(lambda: stage.speed == 0.0, 5, "a standstill")
+    stage.plan(*STRAIGHT)
+    stage.alive.wait_until(stage.drives, 5, "the next path is followed")
+
+
 def test_the_sensor_can_be_changed_on_the_way_without_a_halt(run: Run) -> None:
     stage = Stage(run)
     stage.plan(*STRAIGHT)

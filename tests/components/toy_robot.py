@@ -1,6 +1,7 @@
 """A robot of a few lines: it follows commands at once, among posts that its scan sees."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from geometry_msgs.msg import Twist
@@ -25,6 +26,7 @@ class ToyRobot:
         self.wheels_blocked = False
         self.scans = True
         self.odometry = True
+        self.worsen: Callable[[Odometry], object] = lambda _odometry: None  # before it is sent
         self.commands: list[tuple[float, float]] = []
         self._twist = Twist()
         self._ticks = 0
@@ -66,12 +68,13 @@ class ToyRobot:
             message.pose.pose.orientation.z = math.sin(self.yaw / 2)
             message.pose.pose.orientation.w = math.cos(self.yaw / 2)
             message.twist.twist.linear.x, message.twist.twist.angular.z = v, omega
+            self.worsen(message)
             self._odometry.publish(message)
         self._ticks += 1
         if self.scans and self._ticks % 5 == 0:
-            self._scan.publish(self._make_scan())
+            self._scan.publish(self.make_scan())
 
-    def _make_scan(self) -> LaserScan:
+    def make_scan(self) -> LaserScan:
         scan = LaserScan(range_min=0.05, range_max=3.5)
         scan.header.frame_id = "base_link"
         scan.angle_min, scan.angle_increment = -math.pi, 2 * math.pi / RAYS

@@ -164,6 +164,17 @@ def gave_up(name: str = "1-0", halt: float = 8.0) -> DriveResult:
 
 
 @cache
+def refused(name: str = "1-0") -> DriveResult:
+    """Nobody can get to the goal, whatever breaks."""
+    facts: list[Fact] = [
+        sent(),
+        ended(SENT + 0.5, "refused", "It is inside an obstacle."),
+        DriveEnded(8.0),
+    ]
+    return judge(scenario(name), facts)
+
+
+@cache
 def touched(name: str = "1-0", halt: float = 8.0) -> DriveResult:
     """It touched the wall of the same scenario, and arrived."""
     made = scenario(name, [("way_blocked", 8.0, halt)])

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from kompass.drills.report_json import read_report
+from kompass.drills.scenario_file import read_scenarios
 from tests.drills.test_runner import WITHOUT_PLANNER
 from tests.support.commands import Commands, Done
 from tests.support.patience import patient
@@ -94,6 +95,24 @@ def test_a_table_is_compared_with_another_drive_by_drive(drill: Drill, tmp_path:
     assert "mapper: stuck-unblock fired never instead of once" in done.stdout
 
 
+def test_several_faults_strike_in_one_drive_and_it_is_made_again_with_them(
+    drill: Drill, tmp_path: Path
+) -> None:
+    found, again = tmp_path / "drill.json", tmp_path / "again.mcap"
+    both = ("--faults", "way_blocked,kill:mapper", "--faults-per-drive", "2")
+    made = drill(GUARDED, *both, "--seeds", "1", "--rules", "recipe", "--json", found)
+    assert made.returncode == 0, made.stderr
+    (drive,) = read_report(found.read_text(encoding="utf-8")).drives
+    assert {fault.name for fault in drive.scenario.faults} == {"way_blocked", "kill:mapper"}
+    done = drill("replay", drive.scenario.name, "--recipe", GUARDED, *both, "-o", again)
+    assert done.returncode == 0, done.stderr
+    assert drive.why in done.stdout
+    kept = tmp_path / "again.yaml"
+    assert drill("scenario", again, "-o", kept).returncode == 0
+    (scenario,) = read_scenarios(kept)
+    assert scenario.faults == drive.scenario.faults
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -146,3 +165,22 @@ def test_a_recipe_that_cannot_be_drilled_says_why(drill: Drill, tmp_path: Path) 
     assert done.returncode == 3
     (line,) = done.stderr.splitlines()
     assert "halting.py: no component" in line
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("import sys; sys.exit(0)", "calls sys.exit(0); leave that out"),
+        ("import os; os._exit(0)", "its process ended; look whether the recipe"),
+        ("raise RuntimeError('red: \\x1b[31m\\nnext')", r"RuntimeError: red: \x1b[31m\nnext"),
+    ],
+)
+def test_a_recipe_that_ends_itself_has_not_passed(
+    drill: Drill, tmp_path: Path, text: str, said: str
+) -> None:
+    recipe = tmp_path / "ending.py"
+    recipe.write_text(text, encoding="utf-8")
+    done = drill(recipe, "--seeds", "1", "--require", "contacts == 0")
+    assert done.returncode == 3
+    assert "ending.py: " in done.stderr
+    assert said in done.stderr

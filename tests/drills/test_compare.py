@@ -15,13 +15,22 @@ from kompass.drills.drive import DriveResult
 from kompass.drills.judge import judge
 from kompass.drills.names import natural
 from kompass.drills.summary import summarize
-from tests.drills.drives import arriving, faulted, firing, gave_up, recovered, touched, undisturbed
+from tests.drills.drives import (
+    arriving,
+    faulted,
+    firing,
+    gave_up,
+    recovered,
+    refused,
+    touched,
+    undisturbed,
+)
 
 MAKERS = (recovered, gave_up, touched)
 
 
 def drives(*kinds: str) -> list[DriveResult]:
-    makers = {"r": recovered, "g": gave_up, "t": touched}
+    makers = {"r": recovered, "g": gave_up, "t": touched, "u": undisturbed, "n": refused}
     return [makers[kind](f"1-{number}") for number, kind in enumerate("".join(kinds))]
 
 
@@ -59,6 +68,25 @@ def test_a_table_does_not_differ_from_itself(made: list[object]) -> None:
     assert (same.gained, same.lost, same.p_value) == (0, 0, 1.0)
 
 
+@pytest.mark.parametrize(
+    ("made", "sentence"),
+    [
+        (
+            "r" * 16 + "g" * 3 + "u",
+            "No difference in 20 drives; recovers in 16 of 19 under either.",
+        ),
+        ("gg", "No difference in two drives; recovers in 0 of 2 under either."),
+        ("uuu", "No difference in three drives; no fault disturbed any."),
+        (
+            "nn",
+            "No difference in two drives; no fault disturbed any; reaches its goals in 0 of 2.",
+        ),
+    ],
+)
+def test_where_nothing_differs_the_sentence_says_how_well_both_do(made: str, sentence: str) -> None:
+    assert compare(drives(made), drives(made)).sentence == sentence
+
+
 def test_the_sentence_says_what_matters() -> None:
     before = drives("r" * 41 + "g" * 9)
     after = [*drives("r" * 47 + "g" * 3)[:-1], touched("1-49")]
@@ -82,14 +110,30 @@ def test_slower_ways_are_told() -> None:
         for drive in [recovered(f"1-{n}", halt=10.0)]
     ]
     found = compare(before, after)
-    assert found.sentence == "Recovers in 6 of 6, as before; 2.0 s slower."
+    assert found.sentence == "Recovers in 6 of 6, as before; arrives 2.0 s later."
     assert (found.slower_pairs, found.faster_pairs) == (6, 0)
     assert found.verdict == "worse"
     assert found.chance.startswith("Of the time it takes: hardly chance: 6 of 6")
-    assert found.changes[0].text == "recovered in 11.0 s instead of 9.0 s"
+    assert found.changes[0].text == (
+        "recovered in 11.0 s instead of 9.0 s; arrived after 31.0 s instead of 29.0 s"
+    )
     few = compare(before[:2], after[:2])
     assert (few.verdict, few.chance[:33]) == ("may be chance", "Of the time it takes: may be chan")
-    assert compare(after, before).sentence == "Recovers in 6 of 6, as before; 2.0 s faster."
+    assert compare(after, before).sentence == "Recovers in 6 of 6, as before; arrives 2.0 s sooner."
+
+
+def test_who_recovers_as_soon_and_arrives_later_is_slower_all_the_same() -> None:
+    before = recovered(halt=8.0)
+    (ended,) = before.goals
+    assert ended.ended is not None
+    late = before.model_copy(
+        update={"goals": (ended.model_copy(update={"ended": ended.ended + 10.0}),)}
+    )
+    found = compare([before], [late])
+    assert found.sentence == "Recovers in 1 of 1, as before; arrives 10.0 s later."
+    assert [(one.change, one.text) for one in found.changes] == [
+        ("worse", "arrived after 39.0 s instead of 29.0 s")
+    ]
 
 
 def test_a_small_difference_may_be_chance() -> None:
@@ -176,6 +220,6 @@ def test_the_same_firings_with_another_end_are_a_difference() -> None:
 def test_a_slower_way_of_an_undisturbed_robot_is_worse() -> None:
     slow = judge(undisturbed().scenario, arriving([(5.0, 7.0)]))
     found = compare([undisturbed()], [slow])
-    assert found.sentence == "No fault disturbed any drive; 2.0 s slower."
-    assert found.changes[0].text == "took 23.0 s instead of 21.0 s"
+    assert found.sentence == "No fault disturbed any drive; arrives 2.0 s later."
+    assert found.changes[0].text == "arrived after 23.0 s instead of 21.0 s"
     assert found.verdict == "may be chance"

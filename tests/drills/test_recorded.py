@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -11,6 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from kompass_interfaces.msg import DriveState
+from rclpy.serialization import deserialize_message, serialize_message
 
 from kompass.backtest.event_log import Began, Fired
 from kompass.drills.drive import DriveResult
@@ -173,25 +176,57 @@ def test_a_stretch_becomes_a_scenario_as_it_was_seen(made: Made, tmp_path: Path)
     assert read_scenario(tmp_path / "seen.yaml") == scenario
 
 
-def test_faults_are_taken_from_silence_where_nobody_told_of_them(
-    made: Made, tmp_path: Path
-) -> None:
-    with Recording([made.first]) as recording:
-        silent = tmp_path / "silent.mcap"
-        writer = McapWriter(silent)
+def rewritten(
+    recorded: Path, written: Path, change: Callable[[str, float, bytes], bytes | None]
+) -> Path:
+    """A recording with other messages: what is made of topic, time [s] and data; None for none."""
+    with Recording([recorded]) as recording:
+        writer = McapWriter(written)
         writer.add_metadata("kompass", recording.files[0].contents.metadata["kompass"])
         channels: dict[str, int] = {}
-        for message in messages(recording.files, lambda track: track.topic != "/simulator/faults"):
+        first: int | None = None
+        for message in messages(recording.files, lambda _: True):
+            first = message.log_time if first is None else first
             track = message.track
+            data = change(track.topic, (message.log_time - first) * 1e-9, message.data)
+            if data is None:
+                continue
             if track.topic not in channels:
                 metadata = {**track.channel.metadata, "source": track.source}
                 channels[track.topic] = writer.add_channel(
                     track.topic, track.encoding, track.schema, metadata
                 )
-            writer.add_message(
-                channels[track.topic], message.log_time, message.data, message.publish_time
-            )
+            writer.add_message(channels[track.topic], message.log_time, data, message.publish_time)
         writer.finish()
+    return written
+
+
+def test_a_hand_that_drove_is_told_of_and_left_out(made: Made, tmp_path: Path) -> None:
+    def by_hand(topic: str, at: float, data: bytes) -> bytes:
+        if topic == "/drive_state" and 6.0 < at < 9.0:
+            state = deserialize_message(data, DriveState)
+            state.driven_by = "ava"
+            return bytes(serialize_message(state))
+        return data
+
+    driven = rewritten(made.first, tmp_path / "driven.mcap", by_hand)
+    (told,) = [
+        said for said in scenario_of(driven, "driven", 0.0, None).remarks if "by hand" in said
+    ]
+    found = re.search(r"ava drove by hand from (\S+) s to (\S+) s", told)
+    assert found, told
+    assert float(found[2]) - float(found[1]) == pytest.approx(3.0, abs=0.5)
+    assert not any("by hand" in said for said in scenario_of(made.first, "x", 0.0, None).remarks)
+
+
+def test_faults_are_taken_from_silence_where_nobody_told_of_them(
+    made: Made, tmp_path: Path
+) -> None:
+    silent = rewritten(
+        made.first,
+        tmp_path / "silent.mcap",
+        lambda topic, _, data: None if topic == "/simulator/faults" else data,
+    )
     found = scenario_of(silent, "silent", 2.0, None)
     assert [fault.name for fault in found.scenario.faults] == ["lidar_unplugged", "kill:mapper"]
     assert found.scenario.faults[0].duration == pytest.approx(6.0, abs=0.4)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from kompass.drills.draw import DrawOptions
 from kompass.drills.report_html import PICTURED, report_html
 from kompass.drills.report_json import Report, TableName, make_report, read_report, report_json
 from kompass.drills.requirement import parse_requirements
@@ -102,6 +103,23 @@ def test_a_drill_under_one_table_shows_what_went_badly() -> None:
     calm = make_report(recipe="r.py", table=NEW, drives=[undisturbed()])
     assert calm.sentence == "No fault disturbed any drive."
     assert "No rule fired." in report_html(calm)
+
+
+def test_the_page_says_how_to_make_a_drive_of_it_again() -> None:
+    drawn = make_report(
+        recipe="my robot.py",
+        table=NEW,
+        drives=[recovered("7-0"), gave_up("7-1")],
+        seed=7,
+        options=DrawOptions(
+            worlds=("hexagon",), faults=("way_blocked", "glass:0.5"), faults_per_drive=2
+        ),
+    )
+    assert (
+        "kompass-console drill replay 7-0 --recipe &#x27;my robot.py&#x27; --seed 7 "
+        "--worlds hexagon --faults way_blocked,glass:0.5 --faults-per-drive 2 -o 7-0.mcap"
+    ) in report_html(drawn)
+    assert "drill replay" not in report_html(drill())  # its scenarios are not said to be drawn
 
 
 def test_of_many_drives_some_are_drawn_and_the_rest_is_said() -> None:

@@ -46,6 +46,15 @@ MISTAKES = {
         "planner.status_topic.msg.statuss == 1",
         r"ComponentStatus has no field 'statuss'; did you mean 'status'\?",
     ),
+    "a name that ROS does not take": Mistake(
+        "Planner(component_name='pl\u00e4nner 2')",
+        r"Planner: component_name = 'pl\u00e4nner 2' is no name of a ROS node; give letters",
+    ),
+    "the monitor's name": Mistake(
+        "planner = Planner(component_name='monitor')",
+        r"component_name = 'monitor' is the name of the node that runs the rules; choose another",
+        LINE + 1,
+    ),
     "wrong type": Mistake(
         "Event(number.msg.data == 'high')", r"/number data == 'high': it is a number, and .* text"
     ),

@@ -252,3 +252,62 @@ def test_a_frozen_scan_stays_frozen_when_another_fault_ends() -> None:
     drive(robot, 1.0)
     faults.end("scan_noise:0.1")
     assert np.array_equal(robot.scan(), frozen)
+
+
+def told(robot: SimulatedRobot, dx: float = 0.0, dy: float = 0.0, turn: float = 0.0) -> None:
+    """A person says where the robot is, and is wrong by so much."""
+    x, y, yaw = robot.truth().pose
+    robot.relocate((x + dx, y + dy, yaw + turn))
+
+
+def off(robot: SimulatedRobot) -> NDArray[np.float64]:
+    """What the localizer is wrong by."""
+    x, y, yaw = np.array(robot.filtered().pose) - robot.truth().pose
+    return np.array([x, y, math.remainder(yaw, math.tau)])
+
+
+@pytest.mark.parametrize("fault", ["localizer_jump:0.5", "localizer_drift:0.5"])
+def test_a_localizer_that_is_lost_is_found_by_who_says_where_the_robot_is(fault: str) -> None:
+    robot = SimulatedRobot(HALL, 3)
+    faults = RobotFaults(robot)
+    faults.begin(fault)
+    drive(robot, 5.0)
+    drive(robot, 0.5, v=0.0)
+    assert math.hypot(*off(robot)[:2]) > 0.4
+    told(robot, 0.1, -0.05, 0.05)
+    assert off(robot) == pytest.approx([0.1, -0.05, 0.05], abs=1e-6), "as the person was wrong"
+    robot.step(2.0)
+    assert off(robot) == pytest.approx([0.1, -0.05, 0.05], abs=0.04)
+    faults.end(fault)
+    assert off(robot) == pytest.approx(np.zeros(3), abs=0.03), "the fault takes all with it"
+
+
+def test_a_drift_goes_on_from_where_it_was_put_right() -> None:
+    robot = SimulatedRobot(HALL)
+    faults = RobotFaults(robot)
+    faults.begin("localizer_drift:0.5")
+    drive(robot, 5.0)
+    told(robot)
+    drive(robot, 5.0)
+    assert math.hypot(*off(robot)[:2]) == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_sound_localizer_believes_who_is_wrong_and_is_lost_by_that() -> None:
+    robot = SimulatedRobot(HALL)
+    told(robot, 1.0, 0.0, math.pi)
+    drive(robot, 5.0)
+    assert abs(off(robot)[2]) == pytest.approx(math.pi, abs=0.03)
+    assert off(robot)[:2] == pytest.approx([1.0, 0.0], abs=0.03)
+    told(robot)
+    assert off(robot) == pytest.approx(np.zeros(3), abs=1e-6)
+
+
+def test_a_frozen_localizer_is_told_behind_its_back_and_a_silent_one_hears_it_too() -> None:
+    for fault in ("odometry_frozen", "odometry_silent", "odometry_late:1"):
+        robot = SimulatedRobot(HALL)
+        faults = RobotFaults(robot)
+        faults.begin(fault)
+        robot.step(0.1)
+        told(robot, 0.5)
+        faults.end(fault)
+        assert off(robot) == pytest.approx([0.5, 0.0, 0.0], abs=0.03), fault

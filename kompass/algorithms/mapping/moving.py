@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kompass.algorithms.geometry import Floats, Pose2D, transform_points, wrap_angle
+from kompass.algorithms.mapping.scan_points import read_rays
 
 PREDICTED = 1.0  # s for which somebody is thought to go straight on; then to stand
 LARGEST = 1.0  # m across; what is larger is a wall
@@ -112,19 +113,13 @@ class MovingObstacles:
             return
         if self._scans and made <= self._scans[-1].made:
             return
-        nearest = max(range_min, 1e-6)
-        returned = (measured >= nearest) & (measured < range_max)
-        free_to = np.where(returned | (measured >= range_max), np.minimum(measured, range_max), 0.0)
-        index = np.flatnonzero(returned)
-        r, angle = measured[index], angle_min + angle_increment * index
-        points = transform_points(
-            sensor_pose, np.stack([r * np.cos(angle), r * np.sin(angle)], axis=1)
-        )
+        rays = read_rays(measured, angle_min, angle_increment, range_min, range_max, sensor_pose)
         before = self._before(made)
-        seen = _Scan(made, sensor_pose, angle_min, angle_increment, free_to)
+        seen = _Scan(made, sensor_pose, angle_min, angle_increment, rays.free_to)
         self._scans.append(seen)
-        came = before.saw_through(points) if before is not None else np.zeros(len(points), bool)
-        things = list(_things(points, r, abs(angle_increment), came))
+        none = np.zeros(len(rays.ends), bool)
+        came = none if before is None else before.saw_through(rays.ends)
+        things = _things(rays.ends, rays.ranges, abs(angle_increment), came)
         self._follow(things, made)
 
     def at(self, now: float) -> Floats:

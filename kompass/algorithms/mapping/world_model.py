@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kompass.algorithms.geometry import Floats, Pose2D, transform_points
 from kompass.algorithms.grid import FREE, OCCUPIED, Grid
+from kompass.algorithms.mapping.scan_points import read_rays
 
 HIT, MISS = 0.85, -0.4  # log-odds of one reading that ends in a cell, or goes through it
 # One reading is enough to be in the way, wherever was free before: MOST_FREE + HIT > 0.
@@ -200,16 +201,9 @@ class WorldModel:
             raise ValueError(f"angle_increment: {angle_increment} rad; give one other than 0")
         farthest = min(range_max, self.reach)
         self.include([sensor_pose[:2]], farthest)
-        nearest = max(range_min, 1e-6)
-        returned = (measured >= nearest) & (measured < farthest)
-        beyond = measured >= farthest
-        free_to = np.where(returned | beyond, np.minimum(measured, farthest), 0.0)
-
-        rows, cols, passed = self._passed(free_to, angle_min, angle_increment, sensor_pose)
-        index = np.flatnonzero(returned)
-        r, angle = measured[index], angle_min + angle_increment * index
-        ends = transform_points(sensor_pose, np.stack([r * np.cos(angle), r * np.sin(angle)], 1))
-        end_cols, end_rows = self._cells(ends).T
+        rays = read_rays(measured, angle_min, angle_increment, range_min, farthest, sensor_pose)
+        rows, cols, passed = self._passed(rays.free_to, angle_min, angle_increment, sensor_pose)
+        end_cols, end_rows = self._cells(rays.ends).T
         height, width = self._odds.shape
         inside = (end_cols >= 0) & (end_rows >= 0) & (end_cols < width) & (end_rows < height)
         end_cols, end_rows = end_cols[inside], end_rows[inside]

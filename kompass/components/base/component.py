@@ -47,11 +47,15 @@ from kompass.components.base.ports import (
 from kompass.components.base.services import ComponentServices
 from kompass.components.base.topics import DeclaredTopics, by_key
 from kompass.named_arguments import named_arguments
+from kompass.printable import printable
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.settings import notice_once
 
 RATES = ("loop_rate", "status_rate")
+MOST_TEXTS = 200  # warnings that are remembered, so as not to repeat them
+# What ROS takes for a node, and leaves room for the names of its topics (255 in all).
+_NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,199}")
 
 
 class Component:
@@ -133,6 +137,11 @@ class Component:
         name = component_name or node_name
         if not name:
             raise ValueError(f"{type(self).__name__}: component_name is missing")
+        if not _NODE_NAME.fullmatch(name):
+            raise ValueError(
+                f"{type(self).__name__}: component_name = {name!r} is no name of a ROS node; give "
+                "letters (a to z), digits and _, at most 200, not beginning with a digit"
+            )
         if not enable_health_broadcast:
             notice_once(f"{name}: the status is always published")
         if callback_group is not None:
@@ -793,8 +802,10 @@ class Component:
         """Log a warning, the same one at most once in ``every`` seconds."""
         now = self.clock.monotonic()
         if now - self._logged.get(text, -float("inf")) >= every:
+            if len(self._logged) >= MOST_TEXTS:  # what others say may be in them, and ever new
+                self._logged.clear()
             self._logged[text] = now
-            self.node.get_logger().warning(text)
+            self.node.get_logger().warning(printable(text))
 
     def fails(self, problem: str) -> bool:
         """End a component action with False, and say why: ``return self.fails("…")``."""

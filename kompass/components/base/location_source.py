@@ -115,6 +115,22 @@ class LocationSource:
         x, y, yaw = compose(to_world, pose)
         return float(x), float(y), float(yaw)
 
+    def fault(self) -> str:
+        """Why the newest location tells neither place nor speed, in a clause; empty when it does.
+
+        Without a location there is no fault.
+        """
+        message = self._component.input("location").message
+        if message is None:
+            return ""
+        x, y, yaw = pose_of(message)
+        vx, vy, omega = self.speed()
+        told = {"x": x, "y": y, "yaw": yaw, "vx": vx, "vy": vy, "omega": omega}
+        wrong = next((name for name, value in told.items() if not math.isfinite(value)), None)
+        if wrong is None:
+            return ""
+        return f"{wrong} = {told[wrong]} is no finite number; look at who publishes it"
+
     def pose_at(self, stamp: float) -> Pose2D | None:
         """As :meth:`pose`, moved on or back by the robot's speed to when something was measured.
 

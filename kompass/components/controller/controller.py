@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped, Twist
-from kompass_interfaces.msg import TwistArray
+from kompass_interfaces.msg import DriveState, TwistArray
 from numpy.typing import NDArray
 
 from kompass.algorithms.following.command import Command, FollowStep
@@ -30,12 +30,14 @@ from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, QoSConfig, Topic
 
 STILL = Command()
 SENSORS = ("sensor_data", "local_map")
+MOST_POSES = 20_000  # of a path: to look at more takes so long that the controller seems to hang
 
 
 class Controller(Component):
     """Turns ``plan`` and ``location`` into commands; stops when its inputs stop.
 
-    A path ends with its last pose, heading included. An empty path clears the old one.
+    A path ends with its last pose, heading included. An empty path clears the old one. So does a
+    person who presses STOP or takes the wheel: what publishes paths may be dead, or not know.
 
     An algorithm that needs obstacles (DWA, MPPI) sees them in ``local_map``, or, with
     ``use_direct_sensor``, in ``sensor_data``; only the one in use is subscribed to. For the others
@@ -128,12 +130,18 @@ class Controller(Component):
         self._incoming: PathFollower[Any] | None = None
         self._incoming_since = 0.0
         self._has_path = False
+        self._interruptions: int | None = None  # by people, as the drive manager counts them
         self._progress = Progress()
         self._moving = MovingObstacles()
         self._obstacles: ObstacleSource | None = None
 
     def wants_input(self, key: str) -> bool:
         return key not in SENSORS
+
+    def create_interfaces(self) -> None:
+        self.node.create_subscription(
+            DriveState, "drive_state", self._on_drive_state, LATCHED.to_ros()
+        )
 
     def custom_on_activate(self) -> None:
         self._location = LocationSource(self)
@@ -180,15 +188,32 @@ class Controller(Component):
     # -- inputs -------------------------------------------------------------------------------
 
     def _on_plan(self, message: Any) -> None:
+        if len(message.poses) > MOST_POSES:
+            self._drop_path()
+            self.warn(
+                f"/{self.input('plan').topic.name}: a path of {len(message.poses)} poses is not "
+                f"followed; send one of at most {MOST_POSES}"
+            )
+            return
         poses = path_poses(message)
         if len(poses) < 2 or not np.all(np.isfinite(poses)):
-            self._halt()
-            self._has_path = False
+            self._drop_path()
             return
         if not self._has_path:
             self._follower.reset()
         self._follower.set_path(poses)
         self._has_path = True
+
+    def _on_drive_state(self, state: DriveState) -> None:
+        before, self._interruptions = self._interruptions, state.interruptions
+        # The count tells of a STOP that was released while this process was held.
+        if state.stopped or state.driven_by or before not in (None, state.interruptions):
+            self._drop_path()
+
+    def _drop_path(self) -> None:
+        if self.is_active:
+            self._halt()
+        self._has_path = False
 
     def _place_scan(self, scan: Any) -> NDArray[np.float64]:
         measured = (

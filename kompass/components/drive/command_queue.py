@@ -1,11 +1,13 @@
 """Commands waiting to be sent to the wheels, and for how long they hold."""
 
+import math
 from dataclasses import dataclass, field
 
 from kompass_interfaces.msg import TwistArray
 
 Twist2D = tuple[float, float, float]
 STILL: Twist2D = (0.0, 0.0, 0.0)
+LONGEST = 10.0  # s that a list may hold; who says no more is not obeyed for longer
 
 
 @dataclass
@@ -18,11 +20,31 @@ class CommandQueue:
     _began: float = -float("inf")
 
     def put(self, commands: list[Twist2D], time_step: float, now: float) -> None:
-        """Carry out ``commands`` (vx, vy, omega) from now on, each for ``time_step`` seconds."""
+        """Carry out ``commands`` (vx, vy, omega) from now on, each for ``time_step`` seconds.
+
+        Raises
+        ------
+        ValueError
+            They are no finite numbers, or would hold for too long. What was there before is gone.
+        """
+        self.clear()
+        if not all(math.isfinite(value) for command in commands for value in command):
+            raise ValueError("its velocities are no finite numbers; send numbers")
+        if not 0.0 <= time_step * len(commands) <= LONGEST:
+            raise ValueError(
+                f"time_step = {time_step:g} s for {len(commands)} commands; send lists that last "
+                f"from 0 to {LONGEST:g} s"
+            )
         self._commands, self._time_step, self._began = commands, time_step, now
 
     def put_array(self, message: TwistArray, now: float) -> None:
-        """As :meth:`put`, from a TwistArray; lists of different lengths are filled with zeros."""
+        """As :meth:`put`, from a TwistArray; lists of different lengths are filled with zeros.
+
+        Raises
+        ------
+        ValueError
+            As :meth:`put`.
+        """
         linear, angular = message.linear_velocities, message.angular_velocities
         count = max(len(linear.x), len(linear.y), len(angular.z))
         columns = [

@@ -125,6 +125,7 @@ class DriveManager(Component):
         self._told_of_clock: set[str] = set()
         self._points: NDArray[np.float64] = np.empty((0, 2))
         self._points_of: object = None
+        self._scan_fault = self._location_fault = ""  # of the newest message
         self._emergency = False
         self._emergency_sent = -float("inf")
         self._state = DriveState(speed_factor=1.0)
@@ -346,6 +347,7 @@ class DriveManager(Component):
         before = wheel.driver
         signed = self._gatekeeper.session_key(session, seed).has_signed
         wheel.take(operator, session, signed, self.clock.monotonic())
+        self._latch.interrupt()
         self._finish(f"{operator} took the wheel")
         self._halt()
         self._hand_look.reset()
@@ -429,11 +431,21 @@ class DriveManager(Component):
         if self._is_deaf:
             return
         command = (message.linear.x, message.linear.y, message.angular.z)
-        self._queue.put([command], 0.0, self.clock.monotonic())
+        try:
+            self._queue.put([command], 0.0, self.clock.monotonic())
+        except ValueError as error:
+            self._refuse_command("command", error)
 
     def _on_commands(self, message: TwistArray) -> None:
-        if not self._is_deaf:
+        if self._is_deaf:
+            return
+        try:
             self._queue.put_array(message, self.clock.monotonic())
+        except ValueError as error:
+            self._refuse_command("multi_command", error)
+
+    def _refuse_command(self, key: str, error: ValueError) -> None:
+        self.warn(f"/{self.input(key).topic.name}: a command is not carried out: {error}")
 
     def _watched_topics(self) -> list[WatchedTopic]:
         """The topics on which nobody, or nobody else, may speak."""
@@ -456,7 +468,9 @@ class DriveManager(Component):
     def _on_location(self, _message: object) -> None:
         now = self.clock.monotonic()
         self._odometries.heard(now)
-        self._standstill.update(self._location.speed(), now)
+        self._location_fault = self._location.fault()
+        if not self._location_fault:
+            self._standstill.update(self._location.speed(), now)
 
     def _on_scan(self, message: Any) -> None:
         self._scans.heard(self.clock.monotonic())
@@ -481,14 +495,19 @@ class DriveManager(Component):
             except TransformError as error:
                 self.warn(f"the scan cannot be placed on the robot: {error}")
                 return None
-            self._points = scan_to_points(
-                np.asarray(scan.ranges, dtype=np.float64),
-                scan.angle_min,
-                scan.angle_increment,
-                scan.range_min,
-                scan.range_max,
-                mounted,
-            )
+            try:
+                self._points = scan_to_points(
+                    np.asarray(scan.ranges, dtype=np.float64),
+                    scan.angle_min,
+                    scan.angle_increment,
+                    scan.range_min,
+                    scan.range_max,
+                    mounted,
+                )
+            except ValueError as error:
+                self._scan_fault = str(error)
+                return None
+            self._scan_fault = ""
             self._points_of = scan
         return self._points
 
@@ -504,9 +523,10 @@ class DriveManager(Component):
     def _turn(self, now: float) -> None:
         wanted = self._wanted(now)
         obstacles = self._obstacles()
-        odometry_age = self.input("location").age()
+        odometry_age = math.inf if self._location_fault else self.input("location").age()
         intruders = self._watch.intruders(now)
         if intruders:
+            self._queue.clear()  # nor is what they commanded carried out once they have gone
             self._judge_intruders(intruders)
         else:
             self._judge_health(obstacles is not None, odometry_age <= self.config.odometry_timeout)
@@ -621,6 +641,9 @@ class DriveManager(Component):
             if not source.comes_late:
                 return f"no {what} {_for(source.silence())}"
             return f"the {what} is too old: {source.lateness.told}"
+        fault = self._location_fault if what == "odometry" else self._scan_fault
+        if fault:
+            return f"the {what} cannot be used: {fault}"
         if self._repeats.is_frozen:
             return f"the {what} stays the same to the last bit while the robot moves: it is frozen"
         return f"no {what} that can be used"
@@ -645,6 +668,7 @@ class DriveManager(Component):
             limited_by=limited_by,
             driven_by=self._wheel.driver,
             hand_session=self._wheel.session,
+            interruptions=self._latch.interruptions,
         )
         state.header.frame_id = self.frames.robot_base
         state.header.stamp = self._state.header.stamp

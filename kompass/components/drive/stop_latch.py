@@ -8,9 +8,9 @@ from typing import Self
 
 TEXT = 240  # bytes of a name, or of a reason
 _SET, _LOADED, _RESTORED = 0, 1, 2
-_PRESSES = struct.Struct("I")
 _AT = struct.Struct("d")
-_PRESSES_AT, _AT_AT, _OPERATOR_AT = 4, 8, 16
+_COUNT = struct.Struct("I")
+_PRESSES_AT, _AT_AT, _INTERRUPTIONS_AT, _OPERATOR_AT = 4, 8, 16, 24
 _REASON_AT = _OPERATOR_AT + TEXT
 SIZE = _REASON_AT + TEXT
 
@@ -73,8 +73,16 @@ class StopLatch:
     @property
     def presses(self) -> int:
         """How often it was pressed, while it was set too."""
-        (count,) = _PRESSES.unpack_from(self._memory, _PRESSES_AT)
-        return int(count)
+        return self._counted(_PRESSES_AT)
+
+    @property
+    def interruptions(self) -> int:
+        """How often it was pressed, or somebody took the wheel."""
+        return self._counted(_INTERRUPTIONS_AT)
+
+    def interrupt(self) -> None:
+        """Count that a person has ended whatever was under way."""
+        self._count(_INTERRUPTIONS_AT)
 
     @property
     def is_loaded(self) -> bool:
@@ -89,7 +97,8 @@ class StopLatch:
             _AT.pack_into(self._memory, _AT_AT, at)
             self._memory[_RESTORED] = 0
         self._memory[_SET] = 1
-        _PRESSES.pack_into(self._memory, _PRESSES_AT, (self.presses + 1) % 2**32)
+        self._count(_PRESSES_AT)
+        self.interrupt()
 
     def load(self, kept: StopRecord | None) -> None:
         """Take over what was kept from before this start of the stack; None for no STOP."""
@@ -101,6 +110,13 @@ class StopLatch:
     def release(self) -> None:
         """Let the robot move again; only ever on behalf of a person."""
         self._memory[_SET] = 0
+
+    def _counted(self, offset: int) -> int:
+        (count,) = _COUNT.unpack_from(self._memory, offset)
+        return int(count)
+
+    def _count(self, offset: int) -> None:
+        _COUNT.pack_into(self._memory, offset, (self._counted(offset) + 1) % 2**32)
 
     def _write(self, offset: int, text: str) -> None:
         data = text.encode()[: TEXT - 1]

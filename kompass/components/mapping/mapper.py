@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from kompass.algorithms.geometry import compose
 from kompass.algorithms.grid import Grid
 from kompass.algorithms.mapping.local_map import LocalMapBuilder
+from kompass.algorithms.mapping.scan_points import scan_fault
 from kompass.algorithms.transforms import TransformError
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentConfig, ComponentRunType
@@ -133,6 +134,13 @@ class LocalMapper(Component):
         scan = source.message
         if scan is self._mapped:
             return
+        measured = np.asarray(scan.ranges, dtype=np.float64)
+        rays = (scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
+        fault = scan_fault(measured, *rays)
+        if fault:
+            text = f"what is on /{source.topic.name} cannot be used: {fault}"
+            self.health.set_fail_system(topics=[f"/{source.topic.name}"], message=text)
+            return
         pose = self._location.pose()
         try:
             mounted = self._location.of_sensor(scan.header.frame_id)
@@ -145,14 +153,7 @@ class LocalMapper(Component):
         if pose is None:
             self.health.set_fail_system(topics=["/tf"], message="the location cannot be placed")
             return
-        cells = self._builder.update(
-            np.asarray(scan.ranges, dtype=np.float64),
-            scan.angle_min,
-            scan.angle_increment,
-            scan.range_min,
-            scan.range_max,
-            mounted,
-        )
+        cells = self._builder.update(measured, *rays, mounted)
         x, y, yaw = (float(value) for value in compose(pose, self._builder.origin))
         grid = Grid(cells, self._builder.resolution, (x, y, yaw))
         self._mapped = scan

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from kompass.algorithms.geometry import Pose2D, compose
 from kompass.algorithms.grid import Grid
+from kompass.algorithms.mapping.scan_points import scan_fault
 from kompass.algorithms.mapping.world_model import TooFar, WorldModel, pose_at
 
 # Without a map: how far beside robot and goal a way is looked for; further when there is none [m].
@@ -74,15 +75,12 @@ class LiveMap:
         self._scan = None
         there = pose if before is None else pose_at(made, before, (stamp, pose))
         x, y, yaw = (float(value) for value in compose(there, mounted(scan.header.frame_id)))
-        change = self.model.see(
-            np.asarray(scan.ranges, dtype=np.float64),
-            scan.angle_min,
-            scan.angle_increment,
-            scan.range_min,
-            scan.range_max,
-            (x, y, yaw),
-            now,
-        )
+        measured = np.asarray(scan.ranges, dtype=np.float64)
+        rays = (scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
+        fault = scan_fault(measured, *rays)
+        if fault:
+            raise ValueError(fault)
+        change = self.model.see(measured, *rays, (x, y, yaw), now)
         self._marked = change.marked
         self._freed |= change.cleared > 0
         self._changed |= change.cleared > 0 or len(change.marked) > 0

@@ -117,6 +117,7 @@ class Planner(Component):
         self._ended: Future | None = None
         self._turn = 0
         self._stopped = self._driven = self._because = ""
+        self._interruptions: int | None = None  # by people, as the drive manager counts them
         self._standstill = Standstill()
 
     @property
@@ -154,6 +155,8 @@ class Planner(Component):
                 source.on_message = self._on_goal_message
         self._progress = self.create_timer(1.0 / PROGRESS_RATE, self._follow)
         self._progress.cancel()
+        # What one before it pursued has failed with its process; nobody watches over that path.
+        self.publish("plan", self._path_msg(np.empty((0, 3))))
 
     def custom_on_deactivate(self) -> None:
         self._end(GoalOutcome.ERROR, "The planner was deactivated.")
@@ -250,6 +253,11 @@ class Planner(Component):
         self._driven = f"{state.driven_by} drives by hand" if state.driven_by else ""
         if self._driven:
             self._end(GoalOutcome.PREEMPTED, f"Driven by hand: {state.driven_by} took the wheel.")
+        before, self._interruptions = self._interruptions, state.interruptions
+        if before not in (None, state.interruptions):
+            # It began and ended while this process was held.
+            told = "Stopped: somebody pressed STOP, or took the wheel, while the planner was held."
+            self._end(GoalOutcome.STOPPED, told)
 
     def _on_goal_message(self, message: Any) -> None:
         """A goal on a topic: pursued here, or sent to our own action, where all can follow it."""

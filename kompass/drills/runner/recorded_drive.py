@@ -191,6 +191,7 @@ class _Stretch:
             limit=limit,
         )
         table = self._table()
+        self._told_by_hand()
         self._remarks.append("noise and delays are drawn anew (seed 0)")
         return Found(made, tuple(self._remarks), table)
 
@@ -239,7 +240,7 @@ class _Stretch:
         if self._heard.poses_set:
             self._remarks.append(
                 f"{INITIAL_POSE} was given {self._heard.poses_set} times, which is left out: the "
-                "embedded robot needs none"
+                "embedded robot knows where it begins"
             )
         yaw = 2.0 * math.atan2(pose.orientation.z, pose.orientation.w)
         return Start(
@@ -266,8 +267,8 @@ class _Stretch:
         ]
         if inferred:
             self._remarks.append(
-                f"{len(inferred)} goals were sent as an action, which is not recorded; they are "
-                f"the ends of the paths on {PLAN}, without heading and tolerance"
+                "goals that were sent as an action are not recorded; here are the ends of "
+                f"paths on {PLAN} ({len(inferred)}), without heading and tolerance"
             )
         goals = [goal for _, goal in sent] + inferred
         if not goals:
@@ -322,6 +323,25 @@ class _Stretch:
         if unknown:
             self._remarks.append("who released STOP is not recorded; it is who had pressed it")
         return acts
+
+    def _told_by_hand(self) -> None:
+        """Where a hand has moved the robot, what comes after it begins elsewhere."""
+        before = self._before(DRIVE)
+        states = [_Said(self._begin, before)] if before is not None else []
+        driven, since = "", 0.0
+        for at, state in [*states, *self._within(DRIVE)]:
+            if driven and state.driven_by != driven:
+                self._left_out_by_hand(driven, since, at)
+            if state.driven_by != driven:
+                driven, since = state.driven_by, at
+        if driven:
+            self._left_out_by_hand(driven, since, self._end)
+
+    def _left_out_by_hand(self, by: str, begin: float, end: float) -> None:
+        self._remarks.append(
+            f"left out: {by} drove by hand from {self._at(begin):g} s to {self._at(end):g} s; what "
+            "comes after that may begin elsewhere. Choose a stretch without it with --from and --to"
+        )
 
     # -- what broke ---------------------------------------------------------------------------
 

@@ -9,6 +9,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
@@ -21,6 +22,7 @@ from kompass.drills.draw import check_targets, expand_faults
 from kompass.drills.runner.lifeline import ASKS, end_with
 from kompass.drills.runner.repeated import difference
 from kompass.drills.scenario import Scenario
+from kompass.printable import printable
 from kompass.rules.schema.table import Table
 
 if TYPE_CHECKING:
@@ -132,9 +134,8 @@ def make_drives(
                 order = orders[max(index, 0)]
                 try:
                     made = future.result()
-                except Exception as error:
-                    text = f"drive {order.scenario.name}: {type(error).__name__}: {error}"
-                    raise DriveFailed(text) from error
+                except (Exception, SystemExit) as error:
+                    raise DriveFailed(f"drive {order.scenario.name}: {_why(error)}") from error
                 if twice and index in (0, AGAIN):
                     first.append(made)
                     if len(first) == 2 and differs is not None:
@@ -145,6 +146,20 @@ def make_drives(
                     yield index, made.result
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _why(error: BaseException) -> str:
+    """What came out of a process of ours, for people: it may say anything."""
+    if isinstance(error, SystemExit):
+        # Not ours to pass on: a drill that ends with the recipe's 0 counts as passed.
+        return f"the recipe, or a function of it, calls sys.exit({error.code!r}); leave that out"
+    if isinstance(error, BrokenProcessPool):
+        return (
+            "its process ended; look whether the recipe, or a function of it, ends it (os._exit), "
+            "and whether memory ran out"
+        )
+    text = printable(str(error))
+    return text if isinstance(error, ValueError) else f"{type(error).__name__}: {text}"
 
 
 def worker_pool(jobs: int) -> ProcessPoolExecutor:
@@ -215,7 +230,11 @@ def stack_by(run: Callable[[], object], name: str) -> Stack:
     stacks: list[Stack] = []
     # What it imports of the module time goes by virtual time where its functions wait.
     with stacks_go_to(stacks.append), in_virtual_time():
-        run()
+        try:
+            run()
+        except SystemExit:
+            if not stacks:  # with one it is the end of a script, as in sys.exit(main())
+                raise
     if len(stacks) != 1:
         raise ValueError(
             f"{name} calls launcher.bringup() {len(stacks)} times; a drill needs a recipe "
@@ -269,8 +288,8 @@ def look_at(recipe: Path, table: Table | None = None) -> Looked:
     with worker_pool(1) as pool:
         try:
             return pool.submit(_look, recipe, table).result()
-        except Exception as error:
-            raise DriveFailed(f"{recipe.name}: {error}") from error
+        except (Exception, SystemExit) as error:
+            raise DriveFailed(f"{recipe.name}: {_why(error)}") from error
 
 
 def _look(recipe: Path, table: Table | None) -> Looked:

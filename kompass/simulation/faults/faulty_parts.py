@@ -158,6 +158,9 @@ class FrozenLocalizer:
     def update(self, truth: BodyMotion) -> None:
         self.sound.update(truth)
 
+    def relocate(self, pose: tuple[float, float, float]) -> None:
+        self.sound.relocate(pose)
+
     def read(self) -> BodyMotion:
         if self._kept is None:
             self._kept = self.sound.read()
@@ -189,6 +192,9 @@ class SilentLocalizer:
     def update(self, truth: BodyMotion) -> None:
         self.sound.update(truth)
 
+    def relocate(self, pose: tuple[float, float, float]) -> None:
+        self.sound.relocate(pose)
+
     def read(self) -> BodyMotion:
         raise NoReading("the localizer is silent")
 
@@ -217,6 +223,9 @@ class LateLocalizer:
         self.sound.update(truth)
         self._line.take(self.sound)
 
+    def relocate(self, pose: tuple[float, float, float]) -> None:
+        self.sound.relocate(pose)
+
     def read(self) -> BodyMotion:
         return self._line.read()
 
@@ -237,7 +246,7 @@ class LateOdometry:
 
 
 class JumpedLocalizer:
-    """Has lost its place once: its pose is off by the same in ``map`` from then on.
+    """Has lost its place once: its pose is off by the same in ``map`` until it is told where it is.
 
     Parameters
     ----------
@@ -254,12 +263,17 @@ class JumpedLocalizer:
     def update(self, truth: BodyMotion) -> None:
         self.sound.update(truth)
 
+    def relocate(self, pose: tuple[float, float, float]) -> None:
+        self._offset = _from(self.sound.read(), pose)
+
     def read(self) -> BodyMotion:
         return _shifted(self.sound.read(), self._offset)
 
 
 class DriftingLocalizer:
     """Is off by more with every metre that the robot moves, always in one direction of ``map``.
+
+    Who tells it where it is corrects what has come together, and not what is to come.
 
     Parameters
     ----------
@@ -276,6 +290,7 @@ class DriftingLocalizer:
         self._drift = (rate * math.cos(direction), rate * math.sin(direction))
         self._last: tuple[float, float] | None = None
         self._moved = 0.0
+        self._offset = (0.0, 0.0, 0.0)
 
     def update(self, truth: BodyMotion) -> None:
         place = truth.pose[:2]
@@ -284,7 +299,13 @@ class DriftingLocalizer:
         self._last = place
         self.sound.update(truth)
 
+    def relocate(self, pose: tuple[float, float, float]) -> None:
+        self._offset = _from(self._drifted(), pose)
+
     def read(self) -> BodyMotion:
+        return _shifted(self._drifted(), self._offset)
+
+    def _drifted(self) -> BodyMotion:
         x, y = self._drift
         return _shifted(self.sound.read(), (x * self._moved, y * self._moved, 0.0))
 
@@ -359,3 +380,9 @@ def _shifted(motion: BodyMotion, offset: tuple[float, float, float]) -> BodyMoti
     x, y, yaw = motion.pose
     dx, dy, turn = offset
     return replace(motion, pose=(x + dx, y + dy, math.remainder(yaw + turn, math.tau)))
+
+
+def _from(motion: BodyMotion, pose: tuple[float, float, float]) -> tuple[float, float, float]:
+    """What shifts a motion to a pose."""
+    x, y, yaw = motion.pose
+    return pose[0] - x, pose[1] - y, pose[2] - yaw

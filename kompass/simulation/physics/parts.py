@@ -51,6 +51,15 @@ class PoseSource(Protocol):
             When there is none this time.
         """
 
+    def relocate(self, pose: tuple[float, float, float]) -> None:
+        """Believe that the robot is at a pose (x, y, yaw) of the map now, true or not.
+
+        Raises
+        ------
+        NoReading
+            When there is nothing that could be corrected.
+        """
+
 
 class Odometer(Protocol):
     """Tells how far the wheels have rolled."""

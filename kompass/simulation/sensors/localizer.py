@@ -1,8 +1,13 @@
-"""A pose in the map as a good localizer gives it: never far off, never jumping, never exact."""
+"""A pose in the map as a good localizer gives it: never far off, never jumping, never exact.
+
+It believes a person who says where the robot is, and stays off by what that person was wrong by: it
+looks at no scan.
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -47,13 +52,14 @@ class Localizer:
         # Rows: error and its rate, in standard deviations; columns: x, y, yaw.
         self._error = np.array([[1.0], [beta]]) * random.standard_normal((2, 3))
         self._covariance = np.diag(self._sigma**2)
+        self._placed = np.zeros(3)  # what a person was wrong by, who has said where the robot is
         self._motion = BodyMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
     def update(self, truth: BodyMotion) -> None:
         """Take in the true motion, ``dt`` seconds after the last one."""
         noise = self._random.standard_normal((3, 3))
         self._error = self._step @ self._error + self._kick @ noise[:2]
-        offset = np.minimum(np.maximum(self._error[0], -BOUND), BOUND) * self._sigma
+        offset = np.minimum(np.maximum(self._error[0], -BOUND), BOUND) * self._sigma + self._placed
         x, y, yaw = (truth.pose + offset).tolist()
         deviation = self._floor + SPEED_ERROR * np.abs(truth.twist)
         vx, vy, omega = (truth.twist + deviation * noise[2]).tolist()
@@ -65,6 +71,12 @@ class Localizer:
             self._covariance.copy(),
             variance,
         )
+
+    def relocate(self, pose: tuple[float, float, float]) -> None:
+        """Believe that the robot is at ``pose`` now, and go on from there."""
+        self._placed += np.subtract(pose, self._motion.pose)
+        x, y, yaw = pose
+        self._motion = replace(self._motion, pose=(x, y, math.remainder(yaw, math.tau)))
 
     def read(self) -> BodyMotion:
         """Pose in ``map`` and twist, as of the last update."""

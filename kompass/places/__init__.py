@@ -1,0 +1,1 @@
+"""Named places of a map: what they are, and how they change. Pure."""

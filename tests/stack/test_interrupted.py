@@ -1,0 +1,81 @@
+"""What people have ended with STOP or by taking the wheel is over, whoever was away meanwhile."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import closing
+
+import pytest
+from kompass_interfaces.srv import TakeWheel
+
+from tests.support.hand import Hand
+from tests.support.virtual_robot import VirtualRobot
+
+ABORTED = 6
+HELD = 3.0  # s; who is held for longer is killed
+
+
+@pytest.fixture
+def robot() -> Iterator[VirtualRobot]:
+    with closing(VirtualRobot()) as client:
+        client.ready()
+        yield client
+
+
+def press_and_release(robot: VirtualRobot) -> None:
+    assert robot.stop().success
+    robot.wait_until(lambda: robot.speed < 0.01, 3, "a standstill")
+    assert robot.release().success
+
+
+def take_and_give(robot: VirtualRobot) -> None:
+    ava = Hand(robot, "ava")
+    ava.take()
+    robot.wait_until(lambda: robot.speed < 0.01, 3, "a standstill")
+    assert ava.ask(TakeWheel.Request.GIVE).success
+
+
+def stands(robot: VirtualRobot, seconds: float) -> bool:
+    x, y, _ = robot.truth
+    return max(math.hypot(at[0] - x, at[1] - y) for at in robot.watch(seconds)) < 0.02
+
+
+@pytest.mark.parametrize("interrupt", [press_and_release, take_and_give])
+@pytest.mark.parametrize("held", [["planner"], ["controller"], ["planner", "controller"]])
+def test_who_was_held_meanwhile_does_not_go_on_with_it(
+    robot: VirtualRobot, held: list[str], interrupt: Callable[[VirtualRobot], None]
+) -> None:
+    under_way = robot.send_goal(0.5, 0.5)
+    robot.wait_until(lambda: robot.speed > 0.1, 20, "motion")
+    for name in held:
+        robot.stack.stop(name)
+    interrupt(robot)
+    assert stands(robot, 0.5)
+    for name in held:
+        robot.stack.go_on(name)
+    assert stands(robot, HELD)
+    ended = robot.result(under_way, timeout=5)
+    assert ended.status == ABORTED
+    assert ended.result.message
+    assert robot.result(robot.send_goal(0.5, 0.5)).result.reached_end
+
+
+@pytest.mark.parametrize("interrupt", [press_and_release, take_and_give])
+def test_the_path_of_a_planner_that_died_is_not_driven_on(
+    robot: VirtualRobot, interrupt: Callable[[VirtualRobot], None]
+) -> None:
+    robot.send_goal(0.5, 0.5)
+    robot.wait_until(lambda: robot.speed > 0.1, 20, "motion")
+    robot.stack.kill("planner")
+    interrupt(robot)
+    assert stands(robot, 5.0)
+
+
+def test_a_goal_that_has_failed_with_its_planner_is_not_driven_to(robot: VirtualRobot) -> None:
+    robot.send_goal(0.5, 0.5)
+    robot.wait_until(lambda: robot.speed > 0.1, 20, "motion")
+    robot.stack.kill("planner")
+    robot.wait_until(lambda: robot.speed < 0.01, 5, "a standstill")
+    assert robot.distance_to(0.5, 0.5) > 0.5
+    assert stands(robot, 3.0)
