@@ -273,6 +273,8 @@ def _robot_name(world: str | None) -> str:
 
 def name_the_world(arguments: list[str]) -> list[str]:
     """``--sim`` may stand alone; give it its world, since options take a value or none."""
+    if "--sim" not in arguments:
+        return arguments
     from kompass.simulation.worlds.registry import world_names
 
     known = world_names()

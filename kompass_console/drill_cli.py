@@ -41,7 +41,7 @@ def run(
     recipe: Annotated[Path, typer.Argument(help="A Python file that calls launcher.bringup().")],
     rules: Annotated[
         Path | None,
-        typer.Option(help="Table of rules to try (JSON or YAML); the recipe's own when left out."),
+        typer.Option(help="Table of rules to try (JSON or YAML); 'recipe', or left out: its own."),
     ] = None,
     against: Annotated[
         Path | None,
@@ -53,6 +53,9 @@ def run(
     faults: Annotated[
         str, typer.Option(help="Faults, separated by commas; 'all', or empty for none.")
     ] = "all",
+    faults_per_drive: Annotated[
+        int, typer.Option(min=1, max=10, help="How many of them strike in each drive.")
+    ] = 1,
     seed: Annotated[int, typer.Option(min=0, help="What all chance comes from.")] = 1,
     seeds: Annotated[int, typer.Option(min=1, max=100_000, help="How many drives.")] = 20,
     scenarios: Annotated[
@@ -89,10 +92,12 @@ def run(
         if file is not None and not file.absolute().parent.is_dir():
             raise CliError(BAD_INPUT, f"{option} {file}: there is no folder {file.parent}")
     proposed = _table("--rules", rules)
-    other = None if against is None or str(against) == "recipe" else _table("--against", against)
+    other = _table("--against", against)
     try:
         looked = look_at(recipe, proposed)
-        chosen, options = _scenarios(looked, scenarios, worlds, faults, seed, seeds)
+        chosen, options = _scenarios(
+            looked, scenarios, worlds, faults, faults_per_drive, seed, seeds
+        )
         if other is not None:
             look_at(recipe, other)
         own = Table.model_validate_json(looked.table)
@@ -130,7 +135,7 @@ def replay(
     recipe: Annotated[Path, typer.Option(help="The recipe that was drilled.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="An MCAP file to be made.")],
     rules: Annotated[
-        Path | None, typer.Option(help="Table that was tried; the recipe's own when left out.")
+        Path | None, typer.Option(help="Table that was tried; 'recipe', or left out: its own.")
     ] = None,
     scenarios: Annotated[
         Path | None,
@@ -138,6 +143,7 @@ def replay(
     ] = None,
     worlds: Annotated[str, typer.Option(help="As the drill had it.")] = "hexagon",
     faults: Annotated[str, typer.Option(help="As the drill had it.")] = "all",
+    faults_per_drive: Annotated[int, typer.Option(min=1, max=10, help="As the drill had it.")] = 1,
     seed: Annotated[int, typer.Option(min=0, help="As the drill had it.")] = 1,
 ) -> None:
     """Make one drive again, and write it as the flight recorder writes a robot's."""
@@ -152,7 +158,7 @@ def replay(
     made = output.with_name(f".{output.name}.{os.getpid()}.partial")
     try:
         looked = look_at(recipe, proposed)
-        scenario = _scenario(looked, drive, scenarios, worlds, faults, seed)
+        scenario = _scenario(looked, drive, scenarios, worlds, faults, faults_per_drive, seed)
         order = Order(recipe, scenario, proposed, made.absolute())
         (((_, text)),) = make_drives([order], os.cpu_count() or 1, said.append)
         made.rename(output)
@@ -217,11 +223,17 @@ def _check_new(option: str, file: Path) -> None:
 
 
 def _scenario(
-    looked: Looked, drive: str, files: Path | None, worlds: str, faults: str, seed: int
+    looked: Looked,
+    drive: str,
+    files: Path | None,
+    worlds: str,
+    faults: str,
+    faults_per_drive: int,
+    seed: int,
 ) -> Scenario:
     """The scenario of one drive, by its name or its number."""
     if files is not None:
-        chosen, _ = _scenarios(looked, files, worlds, faults, seed, 1)
+        chosen, _ = _scenarios(looked, files, worlds, faults, faults_per_drive, seed, 1)
         found = [each for each in chosen if each.name == drive]
         if not found:
             known = ", ".join(each.name for each in chosen)
@@ -234,12 +246,13 @@ def _scenario(
             f"{drive}: no drive of seed {seed} is called so; give a number, or {seed}-NUMBER, or "
             "the --scenario that it was read from",
         )
-    chosen, _ = _scenarios(looked, None, worlds, faults, seed, int(number) + 1)
+    chosen, _ = _scenarios(looked, None, worlds, faults, faults_per_drive, seed, int(number) + 1)
     return chosen[-1]
 
 
 def _table(option: str, file: Path | None) -> Table | None:
-    if file is None:
+    """The table of a file; None for the recipe's own."""
+    if file is None or str(file) == "recipe":
         return None
     if not file.is_file():
         raise CliError(BAD_INPUT, f"{option} {file}: there is no such file; give a table of rules")
@@ -255,7 +268,13 @@ def _name(file: Path | None, table: Table) -> TableName:
 
 
 def _scenarios(
-    looked: Looked, files: Path | None, worlds: str, faults: str, seed: int, count: int
+    looked: Looked,
+    files: Path | None,
+    worlds: str,
+    faults: str,
+    faults_per_drive: int,
+    seed: int,
+    count: int,
 ) -> tuple[list[Scenario], DrawOptions | None]:
     """Those of files, or drawn ones with what they were drawn from."""
     from pydantic import ValidationError
@@ -276,7 +295,11 @@ def _scenarios(
                 raise CliError(BAD_INPUT, f"--scenarios: scenario {one.name}: {error}") from None
         return read, None
     try:
-        options = DrawOptions(worlds=tuple(_parts(worlds)), faults=looked.faults(_parts(faults)))
+        options = DrawOptions(
+            worlds=tuple(_parts(worlds)),
+            faults=looked.faults(_parts(faults)),
+            faults_per_drive=faults_per_drive,
+        )
     except UnknownFault as error:
         raise CliError(BAD_INPUT, f"--faults: {error}") from None
     except ValidationError as error:

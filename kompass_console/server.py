@@ -22,6 +22,7 @@ from kompass_console.audit.log import AuditLog
 from kompass_console.drills.drills import Drills
 from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
+from kompass_console.link.localisation import Localisation
 from kompass_console.recordings import Recordings
 from kompass_console.scene.scene import Scene
 from kompass_console.schema.world import WorldModel
@@ -102,6 +103,9 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
         closing.callback(audit_log.close)
         link = RosLink(settings, world, feed.changed, rules_feed.changed)
         closing.callback(link.stop)
+        localisation = Localisation(world)
+        localisation.start()
+        closing.callback(localisation.stop)
         drills = Drills(settings.drill)
         closing.callback(drills.close)
         yield Console(
@@ -112,6 +116,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
             world=world,
             link=link,
             checker=GoalChecker(link, world),
+            localisation=localisation,
             sockets=OpenSockets(auth, settings.limits),
             hands=Hands(),
             views=views,

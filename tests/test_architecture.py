@@ -28,7 +28,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
             "yaml_lines",
         ),
         ("channel", "field_types"),
-        ("expressions", "robot", "rulebook"),
+        ("expressions", "places", "robot", "rulebook"),
         ("rclpy_ext",),
         ("virtual",),
         ("backtest",),

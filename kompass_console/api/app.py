@@ -19,11 +19,14 @@ from kompass_console.api import (
     audit,
     backtests,
     drills,
+    flat_map,
     goals,
     hand,
     insight,
     live,
+    localisation,
     page,
+    places,
     probe,
     recordings,
     rules,
@@ -36,6 +39,7 @@ from kompass_console.api.audited import AuditRequests
 from kompass_console.link.state import build_state
 from kompass_console.schema.drill_models import DrillRequest
 from kompass_console.schema.hand_models import HandAnswer, HandRequest
+from kompass_console.schema.map_models import FlatNews
 from kompass_console.schema.models import ErrorAnswer, ErrorDetail, Ping, StateMessage
 from kompass_console.schema.rule_models import (
     ApplyRequest,
@@ -55,6 +59,7 @@ _BESIDE_ROUTES: tuple[type[BaseModel], ...] = (
     Ping,
     HandRequest,
     HandAnswer,
+    FlatNews,
     RulesLive,
     ProbeRequest,
     ProbeReading,
@@ -102,6 +107,8 @@ def create_app(console: Console | None) -> FastAPI:
         session.router,
         scene.views,
         goals.router,
+        places.router,
+        localisation.router,
         stop.router,
         hand.router,
         live.router,
@@ -112,6 +119,7 @@ def create_app(console: Console | None) -> FastAPI:
         drills.router,
         recordings.router,
         audit.router,
+        flat_map.router,
         scene.router,
     ):
         app.include_router(router)
@@ -152,6 +160,7 @@ def _builder(console: Console) -> Any:
         console.settings.robot_name,
         console.world,
         console.link,
+        console.localisation,
         viewers,
         audit_problem=console.audit.log.problem,
     )

@@ -19,7 +19,9 @@ from kompass_console.web.auth import LoginSession
 from kompass_console.web.errors import ConsoleError
 
 # These change nothing but what a page itself shows, many times a minute.
-LOOKS_ONLY = frozenset({"create_view", "change_view", "clear_preview", "check", "check_rules"})
+LOOKS_ONLY = frozenset(
+    {"create_view", "change_view", "clear_preview", "check", "check_pose", "check_rules"}
+)
 
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 _REFUSED = frozenset({401, 403, 413, 421, 429})

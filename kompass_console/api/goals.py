@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from fastapi import APIRouter
 
 from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
-from kompass_console.api.scene import unknown_view
+from kompass_console.api.gesture import on_floor
+from kompass_console.api.places import place_to_go
 from kompass_console.link.goal_check import STOPPED, Checked, above_horizon
 from kompass_console.link.link import CANCEL_TIMEOUT
 from kompass_console.scene.layers.preview import Preview
-from kompass_console.scene.scene import DriveShown, PageNotConnected
-from kompass_console.schema.models import GestureCheck, GoalCheck, GoalRequest, GoalSent
+from kompass_console.schema.models import (
+    GestureCheck,
+    GoalCheck,
+    GoalRequest,
+    GoalSent,
+    PlaceGoal,
+)
 from kompass_console.schema.world import GoalMark
-from kompass_console.web.auth import LoginSession
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(prefix="/api/goals", tags=["goals"])
 
-_SHORTEST_DRAG = 0.05  # m on the floor; less has no direction
 _REMEDIES = {
     "no_map": "Load a map, then send the goal again.",
     "no_pose": "Check the robot's localization, then send the goal again.",
@@ -34,12 +37,16 @@ _REMEDIES = {
 
 @router.post("/check")
 async def check(
-    body: GestureCheck | GoalRequest, session: LoggedIn, console: CurrentConsole
+    body: GestureCheck | GoalRequest | PlaceGoal, session: LoggedIn, console: CurrentConsole
 ) -> GoalCheck:
     """Would this goal be accepted? Nothing moves. The answer is drawn in the view."""
-    goal = await _picked(body, session, console) if isinstance(body, GestureCheck) else body
-    if goal is None:
-        return above_horizon()
+    if isinstance(body, GestureCheck):
+        goal = await on_floor(body, session, console)
+        if goal is None:
+            console.scene.preview(body.view, None)  # of the pick before
+            return above_horizon()
+    else:
+        goal, _ = await _meant(body, console)
     checked = await console.checker.check(goal.x, goal.y, goal.yaw)
     if goal.view is not None and console.views.get(goal.view, session) is not None:
         _draw(console, goal.view, checked)
@@ -47,10 +54,15 @@ async def check(
 
 
 @router.post("")
-async def send(goal: GoalRequest, session: Operator, console: CurrentConsole) -> GoalSent:
+async def send(
+    body: GoalRequest | PlaceGoal, session: Operator, console: CurrentConsole
+) -> GoalSent:
     """Send the robot there, after checking the goal again unless it has only just passed."""
+    goal, name = await _meant(body, console)
     checked = await console.checker.check_before_sending(goal.x, goal.y, goal.yaw)
     what: dict[str, Any] = {"x": goal.x, "y": goal.y, "yaw": goal.yaw}
+    if name:
+        what["place"] = name
     refusal = _refusal(console, checked)
     if refusal is not None or checked.topic is None:
         refusal = refusal or ConsoleError(409, checked.check.message, _REMEDIES["nobody_listens"])
@@ -60,7 +72,7 @@ async def send(goal: GoalRequest, session: Operator, console: CurrentConsole) ->
     speed = None
     if answer.length is not None and answer.duration:
         speed = answer.length / answer.duration
-    running = _under_way(console)
+    running = goal_under_way(console)
     goal_id = console.link.goals.send(
         goal.x, goal.y, goal.yaw, checked.topic, by=session.user, speed=speed
     )
@@ -77,7 +89,7 @@ async def send(goal: GoalRequest, session: Operator, console: CurrentConsole) ->
 @router.post("/cancel", status_code=202)
 async def cancel(session: Operator, console: CurrentConsole) -> None:
     """Cancel the goal that runs; watch the state for the outcome."""
-    before = _under_way(console)
+    before = goal_under_way(console)
     try:
         running = await console.link.goals.cancel(CANCEL_TIMEOUT)
     except NoAnswer as error:
@@ -91,43 +103,35 @@ async def cancel(session: Operator, console: CurrentConsole) -> None:
     console.audit.record(session, "cancel goal", outcome, before=before)
 
 
-def _under_way(console: Console) -> str | None:
+def goal_under_way(console: Console) -> str | None:
     """Id of the goal that is followed, for the audit log."""
     goal = console.link.goals.follower.info()
     over = goal is None or goal.phase in ("arrived", "failed", "canceled")
     return None if goal is None or over else goal.id
 
 
-async def _picked(
-    body: GestureCheck, session: LoginSession, console: Console
-) -> GoalRequest | None:
-    """The goal a gesture means; None when it is not on the floor."""
-    if console.views.get(body.view, session) is None:
-        raise unknown_view()
-    try:
-        points = await console.scene.pick(
-            body.view, [body.start] if body.end is None else [body.start, body.end]
-        )
-    except PageNotConnected as error:
-        raise ConsoleError(
-            409, "The scene is not connected.", "Wait until it is drawn again, then repeat."
-        ) from error
-    except DriveShown as error:
-        raise ConsoleError(
-            409, "The scene shows a drill, and not the robot.", "Go back to the robot first."
-        ) from error
-    start, end = points[0], points[-1]
-    if start is None or end is None:
-        return None
-    dx, dy = end[0] - start[0], end[1] - start[1]
-    yaw = math.atan2(dy, dx) if math.hypot(dx, dy) > _SHORTEST_DRAG else None
-    return GoalRequest(x=start[0], y=start[1], yaw=yaw, view=body.view)
+async def _meant(body: GoalRequest | PlaceGoal, console: Console) -> tuple[GoalRequest, str]:
+    """The goal, and the name of the place that it is; empty when it is a point only."""
+    if isinstance(body, GoalRequest):
+        return body, ""
+    place = await place_to_go(console, body.place, body.version)
+    pose = place.pose
+    return GoalRequest(x=pose.x, y=pose.y, yaw=pose.yaw, view=body.view), place.name
 
 
 def _draw(console: Console, view_id: str, checked: Checked) -> None:
+    console.scene.preview(view_id, preview_of(checked))
+
+
+def preview_of(checked: Checked) -> Preview:
+    """Where the robot would go and by which way; of a refused goal, the place itself and the
+    nearest one where it could."""
     answer = checked.check
-    mark = GoalMark(answer.x, answer.y, answer.yaw, active=False)
-    console.scene.preview(view_id, Preview(mark, checked.preview))
+    if answer.ok:
+        return Preview(GoalMark(answer.x, answer.y, answer.yaw, active=False), checked.preview)
+    nearest = answer.nearest
+    mark = None if nearest is None else GoalMark(nearest.x, nearest.y, answer.yaw, active=False)
+    return Preview(mark, refused=(answer.x, answer.y))
 
 
 def _refusal(console: Console, checked: Checked) -> ConsoleError | None:

@@ -27,6 +27,7 @@ _LOOK = 0.05  # s between two looks at that
 _GIVEN_UP = 5.0  # s of silence; the drive manager waits no longer, either
 _SETTLES = 2.0  # s in which the drive manager has said who drives
 
+_GONE = "the drive manager has gone"
 _LOST = "The wheel was lost: {why}. Take it again."
 
 
@@ -81,8 +82,10 @@ class HandPage:
             silence = now - self._heard
             if self._moves and silence >= SILENT:
                 # Beside the drive manager, which does not wait for this.
-                hold.drive(0.0, 0.0, 0.0)
                 self._moves = False
+                if not hold.drive(0.0, 0.0, 0.0):
+                    self._lose(_GONE)
+                    continue
             if silence >= _GIVEN_UP:
                 await self._give("the page was silent")
                 self._tell(_LOST.format(why=f"nothing was heard of this page for {_GIVEN_UP:g} s"))
@@ -103,7 +106,8 @@ class HandPage:
         self._heard = now - delay
         twist = (request.vx, request.vy, request.omega)
         self._moves = any(twist)
-        self._hold.drive(*twist, age=delay)
+        if not self._hold.drive(*twist, age=delay):
+            self._lose(_GONE)
 
     async def _take(self, *, over: bool) -> None:
         deed = "take over the wheel" if over else "take the wheel"
@@ -145,7 +149,7 @@ class HandPage:
 
     def _ask(self) -> None:
         drive = self._console.link.drive.info()
-        driver = "" if drive is None else drive.driven_by
+        driver = drive.driven_by if drive is not None and drive.available else ""
         if not driver:
             self._tell("Nobody has the wheel: take it.")
         elif self._console.hands.ask(self._session.user):
@@ -161,11 +165,13 @@ class HandPage:
         self._confirmed = self._confirmed or mine
         if mine or (not self._confirmed and now - self._taken < _SETTLES):
             return
-        self._drop()
         drive = self._console.link.drive.info()
         other = "" if drive is None else drive.driven_by
-        self._console.audit.record(self._session, "lose the wheel", other or "nobody has it")
-        why = f"{other} took it over" if other else "the drive manager gave it up"
+        self._lose(f"{other} took it over" if other else "the drive manager gave it up")
+
+    def _lose(self, why: str) -> None:
+        self._drop()
+        self._console.audit.record(self._session, "lose the wheel", why)
         self._tell(_LOST.format(why=why))
 
     def _drop(self) -> Hold | None:

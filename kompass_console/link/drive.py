@@ -22,6 +22,7 @@ from kompass_console.schema.world import Latest
 
 AVAILABLE_WITHIN = 1.5  # s; the drive manager speaks on change and at 5 Hz
 STOP_TIMEOUT = 1.0  # s
+STOP_ASKED_AGAIN = 30.0  # s for which a STOP that nobody confirmed is asked for again
 FOUND_WITHIN = 1.5  # s in which a service shows up of a stack that has just come
 # A release is answered when it is on disk, for which the drive manager waits for 0.7 s, and may
 # have to be signed anew. Nobody is in danger meanwhile.
@@ -47,6 +48,7 @@ class DriveLink:
         self._reader = Reader(node, DriveState, _said_of, self._store, latched=True)
         self._stops = ServicePool(node, StopRobot, "kompass_interfaces/srv/StopRobot")
         self._releases = ServicePool(node, ReleaseStop, "kompass_interfaces/srv/ReleaseStop")
+        self._asking: asyncio.Task[None] | None = None
 
     def refresh(self, published: Graph, services: Graph) -> None:
         """Listen to the drive manager that is there now, and keep its services connected."""
@@ -80,16 +82,50 @@ class DriveLink:
         said = self._said.get()
         return "" if said is None else said.value[6]
 
-    async def stop(self, operator: str, reason: str) -> DriveAnswer:
+    async def stop(
+        self, operator: str, reason: str, late: Callable[[DriveAnswer, float], object]
+    ) -> DriveAnswer:
         """Latch STOP in every drive manager; accepted when all have said so.
+
+        One that is not answered stands all the same: it is asked for again until it is answered,
+        of whoever is there by then, for `STOP_ASKED_AGAIN` seconds. No release calls that off; a
+        STOP that is pressed later takes its place.
+
+        Parameters
+        ----------
+        operator, reason
+            Who, and why.
+        late
+            Given the answer when it came after all, and how long after this call [s].
 
         Raises
         ------
         NoAnswer
             When there is none or one does not answer within `STOP_TIMEOUT`.
         """
+        if self._asking is not None:
+            self._asking.cancel()
         request = StopRobot.Request(operator_name=operator, reason=plain(reason))
-        return await _ask_all(self._stops, request, STOP_TIMEOUT)
+        pressed = time.monotonic()
+        try:
+            return await _ask_all(self._stops, request, STOP_TIMEOUT)
+        except NoAnswer:
+            if self._asking is not None:  # of one that was pressed meanwhile
+                self._asking.cancel()
+            self._asking = asyncio.create_task(self._ask_again(request, pressed, late))
+            raise
+
+    async def _ask_again(
+        self, request: Any, pressed: float, late: Callable[[DriveAnswer, float], object]
+    ) -> None:
+        while time.monotonic() - pressed < STOP_ASKED_AGAIN:
+            try:
+                answer = await _ask_all(self._stops, request, STOP_TIMEOUT)
+            except NoAnswer:
+                await asyncio.sleep(0.1)  # it may have been refused at once
+            else:
+                late(answer, time.monotonic() - pressed)
+                return
 
     async def release(self, operator: str) -> DriveAnswer:
         """Let the robot move again; as `stop`, but for a drive manager that is only being found."""

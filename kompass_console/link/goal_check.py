@@ -50,6 +50,7 @@ class Checked:
 
 _Goal = tuple[float, float, float | None]
 
+_MOST_OF_WAY = 200  # points
 _FRESH = 5.0  # s
 _REMEMBERED = 32
 
@@ -130,6 +131,7 @@ async def check_goal(
             duration=answer.duration if answer.reachable else None,
         )
         preview = answer.preview
+        check.way = _way(preview)
     elif topic is None or link.kompass_runs:
         check = _refusal("no_planner", x, y, yaw)
     else:
@@ -167,9 +169,6 @@ def _note(link: RosLink, check: GoalCheck, yaw: float | None, topic: GoalTopic |
     if not check.ok:
         return ""
     notes = []
-    drive = link.drive.info()
-    if drive is not None and drive.stopped:
-        notes.append(STOPPED)
     if yaw is not None and topic == "/clicked_point":
         notes.append(POINT_ONLY)
     if not link.planner_checks:
@@ -179,6 +178,13 @@ def _note(link: RosLink, check: GoalCheck, yaw: float | None, topic: GoalTopic |
 
 def _refusal(reason: GoalReason, x: float, y: float, yaw: float | None) -> GoalCheck:
     return GoalCheck(ok=False, x=x, y=y, yaw=yaw, reason=reason, message=_MESSAGES[reason])
+
+
+def _way(points: npt.NDArray[np.float64]) -> list[float]:
+    """x, y, x, y, … of a path (N, 2), in cm and no more points than can be told apart."""
+    if len(points) > _MOST_OF_WAY:
+        points = points[np.linspace(0, len(points) - 1, _MOST_OF_WAY).astype(int)]
+    return points.round(2).ravel().tolist()
 
 
 def _point(point: tuple[float, float] | None) -> PointXY | None:

@@ -15,6 +15,7 @@ from kompass_interfaces.srv import CheckGoal
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
+from kompass.monitor.client import MonitorClient
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.rclpy_ext.node import PlainNode
 from kompass_console.link.component_topics import ComponentTopics
@@ -22,7 +23,10 @@ from kompass_console.link.components import Components
 from kompass_console.link.drive import DriveLink
 from kompass_console.link.goals.goals import Goals, pose_message
 from kompass_console.link.graph import convert
+from kompass_console.link.graph.discovery import NODE_NAME
 from kompass_console.link.graph.services import ServicePool
+from kompass_console.link.initial_pose import InitialPose
+from kompass_console.link.places import PlacesWatch
 from kompass_console.link.processes import Processes
 from kompass_console.link.rules.backtests import Backtests
 from kompass_console.link.rules.monitor import MonitorLink
@@ -34,7 +38,6 @@ from kompass_console.schema.plain import plain
 from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 
-NODE_NAME = "kompass_console"
 _WHO_LOOK = (NODE_NAME, "rules_cli_")
 CHECK_TIMEOUT = 2.0  # s
 CANCEL_TIMEOUT = 2.0  # s
@@ -102,8 +105,10 @@ class RosLink:
         self.drive = DriveLink(self._node, changed)
         self.wheel = WheelLink(self._node)
         self.goals = Goals(self._node, world, changed)
+        self.initial_pose = InitialPose(self._node)
         self.rules = RulesWatch(changed, rules_said)
-        self.monitor = MonitorLink(self._node, self.rules.follow)
+        self.places = PlacesWatch(world, changed)
+        self.monitor = MonitorLink(self._node, self._follow)
         self.backtests = Backtests(self.monitor)
         self.topics = TopicWatch(self._node, self._run)
         self._checks = ServicePool(self._node, CheckGoal, "kompass_interfaces/srv/CheckGoal")
@@ -192,3 +197,8 @@ class RosLink:
         self.monitor.refresh(services)
         self.backtests.refresh()
         self.topics.refresh(published)
+        self.places.refresh()
+
+    def _follow(self, monitor: MonitorClient) -> None:
+        self.rules.follow(monitor)
+        self.places.follow(monitor)

@@ -7,6 +7,7 @@ import time
 import numpy as np
 
 from kompass_console.link.link import RosLink
+from kompass_console.link.localisation import Localisation
 from kompass_console.schema.models import PoseInfo, RobotInfo, RosInfo, SimulationInfo, State
 from kompass_console.schema.plain import plain
 from kompass_console.schema.world import WorldModel
@@ -25,6 +26,7 @@ def build_state(
     robot_name: str,
     world: WorldModel,
     link: RosLink,
+    localisation: Localisation,
     viewers: int,
     *,
     audit_problem: str = "",
@@ -46,6 +48,7 @@ def build_state(
             problem=plain(world.description_problem),
         ),
         pose=pose,
+        localisation=localisation.info(),
         streams=streams,
         components=link.components.infos(
             link.processes.of,
@@ -56,6 +59,7 @@ def build_state(
         goal=link.goals.follower.info(),
         simulation=None if rate is None else SimulationInfo(rate=rate.value, age=rate.age()),
         rules=link.rules.info(),
+        places=link.places.info(),
         processes=link.processes.infos(),
         ros=RosInfo(domain_id=link.domain_id, middleware=link.middleware),
         viewers=viewers,

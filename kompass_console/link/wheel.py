@@ -9,6 +9,7 @@ from typing import Any
 
 from kompass_interfaces.msg import HandCommand
 from kompass_interfaces.srv import TakeWheel
+from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
 
 from kompass.rclpy_ext.reply import NoAnswer
@@ -49,13 +50,18 @@ class Hold:
         self._key, self._publisher = key, publisher
         self._sequence = 0
 
-    def drive(self, vx: float, vy: float, omega: float, age: float = 0.0) -> None:
+    def drive(self, vx: float, vy: float, omega: float, age: float = 0.0) -> bool:
         """Ask for a twist from now on, for as long as it is renewed [m/s, m/s, rad/s].
 
         Parameters
         ----------
         age
             How old the word of the hand is [s]: the drive manager counts from when it was said.
+
+        Returns
+        -------
+        bool
+            Whether it was sent; not when the drive manager has gone, which is for good.
         """
         self._sequence += 1
         command = HandCommand(
@@ -66,7 +72,11 @@ class Hold:
             vy=vy,
             omega=omega,
         )
-        self._publisher.publish(self._key.sign(command))
+        try:
+            self._publisher.publish(self._key.sign(command))
+        except InvalidHandle:  # `WheelLink.refresh` destroyed it
+            return False
+        return True
 
 
 class WheelLink:
@@ -112,7 +122,9 @@ class WheelLink:
         deadline = time.monotonic() + FOUND_WITHIN
         while not self._publishers and time.monotonic() < deadline:
             await asyncio.sleep(0.05)
-        service = min(self._publishers, default=None)
+        # Anybody on the robot's network can offer such a service; the robot's has a key of ours.
+        strange = lambda name: (self._pool.key_of(name) is None, name)  # noqa: E731
+        service = min(self._publishers, key=strange, default=None)
         if service is None:
             raise NoAnswer("no drive manager that can be driven by hand is there")
         session = secrets.token_hex(16)

@@ -2,32 +2,30 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import time
 from collections.abc import Callable
 from types import TracebackType
-from typing import Self, TypeVar
+from typing import TYPE_CHECKING, Self, TypeVar
 
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from kompass.backtest.report import BacktestReport
-from kompass.monitor.client import (
-    Conflicting,
-    Json,
-    MonitorClient,
-    Refused,
-    TableRefused,
-    TableState,
-    find_monitors,
-)
+from kompass.monitor.finding import find_monitors
 from kompass.rclpy_ext.node import PlainNode
 from kompass.rclpy_ext.reply import NoAnswer, Reply
-from kompass.rulebook.schema.report import CheckReport, Conflict
-from kompass.rulebook.schema.status import RuleStatus
 from kompass_console.cli_error import CliError
 from kompass_console.domain import look_elsewhere, where
+
+# The client brings all that can be said of rules: it is imported while the monitor is looked for,
+# which takes as long.
+if TYPE_CHECKING:
+    from kompass.backtest.report import BacktestReport
+    from kompass.monitor.client import Json, TableState
+    from kompass.rulebook.schema.report import CheckReport, Conflict
+    from kompass.rulebook.schema.status import RuleStatus
 
 SEARCH = 5.0  # s for a monitor to be found
 SETTLE = 0.3  # s for a second one to be found too
@@ -82,7 +80,10 @@ class MonitorConnection:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         try:
-            self.monitor = MonitorClient(self._node, self._find(namespace), limit=timeout)
+            name = self._find(namespace)
+            from kompass.monitor.client import MonitorClient
+
+            self.monitor = MonitorClient(self._node, name, limit=timeout)
         except BaseException:
             self._leave()
             raise
@@ -117,6 +118,8 @@ class MonitorConnection:
         RobotRefused
             When the robot does not do it.
         """
+        from kompass.monitor.client import Conflicting, Refused, TableRefused
+
         try:
             return reply.wait(self._spin_once)
         except NoAnswer as error:
@@ -189,8 +192,11 @@ class MonitorConnection:
             ]
             return bool(found)
 
-        if self._spin(look, SEARCH):
-            self._spin(lambda: False, SETTLE)
+        if self._spin(look, SEARCH) and wanted is None:
+            # One of a namespace is the one that was asked for. Of others there may be a second.
+            settled = time.monotonic() + SETTLE
+            importlib.import_module("kompass.monitor.client")
+            self._spin(lambda: False, settled - time.monotonic())
             look()
         if not found:
             named = "" if wanted is None else f" in the namespace {wanted}"

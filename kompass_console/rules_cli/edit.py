@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-import yaml
 
 from kompass_console.cli_error import CliError
 from kompass_console.rules_cli.options import (
@@ -214,6 +213,8 @@ def _assignment(text: str) -> tuple[str, Any]:
     field, equals, value = text.partition("=")
     if not field or not equals:
         raise CliError(2, f"{text!r} is no FIELD=VALUE, e.g. event.cooldown=20")
+    import yaml
+
     try:
         return field, yaml.safe_load(value)
     except yaml.YAMLError as error:

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from kompass.algorithms.geometry import compose
 from kompass_console.scene.layers.local_map import LocalMapDrawing, local_map_drawing
 from kompass_console.scene.layers.map import MapDrawing, map_drawing
 from kompass_console.scene.layers.path import path_segments
@@ -18,7 +17,7 @@ from kompass_console.scene.layers.shapes import Vertices
 from kompass_console.scene.layers.trail import Trail
 from kompass_console.scene.urdf import BadDescription, Description, read_description
 from kompass_console.schema.plain import plain
-from kompass_console.schema.world import GoalMark, Pose, Scan, WorldModel
+from kompass_console.schema.world import GoalMark, PlaceMark, Pose, WorldModel
 
 LayerKey = str
 
@@ -35,6 +34,7 @@ _PERIODS: dict[LayerKey, float] = {
     "description": 2.0,
     "robot": 0.05,
     "goal": 0.05,
+    "places": 0.2,
 }
 
 
@@ -54,6 +54,7 @@ class Drawings:
     description: Description | None = None
     robot: Pose | None = None
     goal: GoalMark | None = None
+    places: tuple[PlaceMark, ...] = ()
     counts: dict[LayerKey, int] = field(default_factory=lambda: dict.fromkeys(_PERIODS, 0))
 
 
@@ -86,8 +87,11 @@ class Converter:
             drawings.counts["trail"] += 1
         if (goal := world.goal.get()) is not None and self._is_new("goal", goal.version):
             drawings.goal = goal.value
+        if (marks := world.places.get()) is not None and self._is_new("places", marks.version):
+            drawings.places = marks.value
         if (scan := world.scan.get()) is not None and self._is_new("scan", scan.version):
-            drawings.scan = scan_points(scan.value, self._sensor_pose(scan.value))
+            sensor = world.scanned_from(scan.value) or Pose(0.0, 0.0, 0.0)
+            drawings.scan = scan_points(scan.value, sensor)
         if (path := world.path.get()) is not None and self._is_new("path", path.version):
             drawings.path = path_segments(path.value)
         local = world.local_map.get()
@@ -100,7 +104,7 @@ class Converter:
         if described is not None and self._is_new("description", described.version):
             self._describe(described.value)
         if (grid := world.map.get()) is not None and self._is_new("map", grid.version):
-            drawings.map = map_drawing(grid.value)
+            drawings.map = map_drawing(grid.value, grid.version)
 
     def _describe(self, text: str) -> None:
         """Read the robot's own description; without one that can be read, it has none."""
@@ -131,9 +135,3 @@ class Converter:
             return False
         self._due[layer] = now + _PERIODS[layer] * 0.9
         return True
-
-    def _sensor_pose(self, scan: Scan) -> Pose:
-        """Where the sensor was when the scan was taken, in the map frame."""
-        robot = self._world.history.at(scan.stamp) or Pose(0.0, 0.0, 0.0)
-        mount = self._world.scan_mount.get(scan.frame, Pose(0.0, 0.0, 0.0))
-        return Pose(*compose(robot, mount).tolist())

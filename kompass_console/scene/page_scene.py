@@ -18,6 +18,7 @@ from kompass_console.scene.layers.local_map import LocalMapNodes
 from kompass_console.scene.layers.map import MapNodes
 from kompass_console.scene.layers.palette import palette
 from kompass_console.scene.layers.path import PathNodes
+from kompass_console.scene.layers.places import PlaceNodes
 from kompass_console.scene.layers.preview import Preview, PreviewNodes
 from kompass_console.scene.layers.robot import RobotColours, RobotNodes
 from kompass_console.scene.layers.scan import ScanNodes
@@ -189,6 +190,8 @@ class PageScene:
                 self._goal.draw(drawings.goal)
             if self._changed("trail", counts) and drawings.trail is not None:
                 self._trail.draw(drawings.trail)
+            if self._changed("places", counts):
+                self._places.draw(drawings.places)
         if self._changed("map", counts) and drawings.map is not None:
             self._map.draw(drawings.map)
             first = self._bounds is None
@@ -213,9 +216,10 @@ class PageScene:
         self._local_map = LocalMapNodes(self._scene, _WORLD, theme)
         self._trail = TrailNodes(self._scene, _WORLD, theme)
         self._path = PathNodes(self._scene, f"{_WORLD}/path", colours.path)
-        self._scan = ScanNodes(self._scene, _WORLD, theme)
+        self._scan = ScanNodes(self._scene, f"{_WORLD}/scan", colours.scan)
         robot = RobotColours(colours.body, colours.front, colours.footprint)
         self._robot_nodes = RobotNodes(self._scene, f"{_WORLD}/robot", robot)
+        self._places = PlaceNodes(self._scene, _WORLD, colours.place)
         self._goal = GoalNodes(self._scene, f"{_WORLD}/goal", colours.goal)
         self._preview_nodes = PreviewNodes(self._scene, _WORLD, theme)
         self._preview_nodes.draw(self._preview)
@@ -248,6 +252,7 @@ class PageScene:
         self._robot_nodes.show(layers.robot)
         self._goal.show(layers.goal)
         self._trail.show(layers.trail)
+        self._places.show(layers.places)
 
     @property
     def _world_position(self) -> tuple[float, float, float]:

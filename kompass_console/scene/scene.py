@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import viser
 
 from kompass_console.scene.drawings import Converter, Drawings
 from kompass_console.scene.drive_drawing import DriveDrawing
+from kompass_console.scene.flat_map import FlatMap
+from kompass_console.scene.layers.map import MapDrawing, whole_picture
 from kompass_console.scene.layers.preview import Preview
 from kompass_console.scene.page_scene import Memory, PageScene
 from kompass_console.scene.picking import floor_point
 from kompass_console.scene.viser_hub import ViserHub
-from kompass_console.schema.models import View
+from kompass_console.schema.models import Theme, View
 from kompass_console.schema.world import WorldModel
 
 _PERIOD = 0.05  # s between two rounds while somebody watches
@@ -46,6 +49,8 @@ class Scene:
         self._converter = Converter(world, self._drawings)
         self._pages: dict[str, PageScene] = {}
         self._memories: dict[str, Memory] = {}
+        self._flat_maps: set[FlatMap] = set()
+        self._picture: tuple[MapDrawing, Theme, bytes] | None = None
         self._ending = threading.Event()
         self._drawn = threading.Event()
         self._drawn.set()
@@ -79,6 +84,27 @@ class Scene:
                 page.preview(preview)
 
         self.hub.post(change)
+
+    @contextlib.contextmanager
+    def flat_map(self) -> Iterator[FlatMap]:
+        """The scene for a page that draws it by itself, for as long as the block lasts."""
+        flat = FlatMap(self._drawings)
+        self._flat_maps.add(flat)
+        try:
+            yield flat
+        finally:
+            self._flat_maps.discard(flat)
+
+    def map_picture(self, version: int, theme: Theme) -> bytes | None:
+        """PNG of the newest map, in one piece; None when that has another version."""
+        drawing, last = self._drawings.map, self._picture
+        if drawing is None or drawing.version != version:
+            return None
+        if last is not None and last[0] is drawing and last[1] == theme:
+            return last[2]
+        picture = whole_picture(drawing, theme)
+        self._picture = drawing, theme, picture
+        return picture
 
     async def play(self, view_id: str, drive: DriveDrawing, moment: float, speed: float) -> None:
         """Show a drive on a page in the place of the robot, from a second of it on at a speed.
@@ -153,9 +179,13 @@ class Scene:
             del self._memories[forgotten]  # there are as many memories as views, and no more
         del self._pages[view_id]
 
+    @property
+    def _watched(self) -> bool:
+        return bool(self._pages or self._flat_maps)
+
     def _work(self) -> None:
-        while not self._ending.wait(_PERIOD if self._pages else _IDLE_PERIOD):
-            if not self._pages:
+        while not self._ending.wait(_PERIOD if self._watched else _IDLE_PERIOD):
+            if not self._watched:
                 self._converter.remember()
                 continue
             try:

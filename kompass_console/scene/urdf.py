@@ -29,6 +29,7 @@ _MOST_PARTS = 300
 _MOST_TRIANGLES = 100_000
 _LARGEST_MESH = 84 + 50 * _MOST_TRIANGLES  # bytes of a file
 _MOST_MESHES = 40  # files
+_LONGEST_NAME = 500  # characters of a mesh's name
 _FARTHEST = 50.0  # m from the base; beyond it is no part of a robot
 _ROUND = 24  # corners of a circle
 
@@ -121,7 +122,7 @@ def _parse(text: str) -> _Element:
     parser.StartDoctypeDeclHandler = declared
     try:
         parser.Parse(text, True)
-    except xml.parsers.expat.ExpatError as error:
+    except (xml.parsers.expat.ExpatError, UnicodeEncodeError) as error:
         raise BadDescription(f"it is no XML: {error}; publish the URDF itself, not xacro") from None
     robot = root.first("robot")
     if robot is None:
@@ -349,8 +350,13 @@ def _turned(profile: list[tuple[float, float]]) -> tuple[npt.NDArray[np.float64]
 
 def _file_of(name: str) -> Path:
     """The file of this machine that a mesh's name means."""
-    parts = urlsplit(name)
-    shown = name[:120]
+    shown = name[:_LONGEST_NAME]
+    try:
+        parts = urlsplit(name)
+    except ValueError as error:
+        raise _LeftOut(
+            f"the mesh {shown!r} is not drawn: {error}; give file:///… with its whole path"
+        ) from None
     if parts.scheme not in ("", "file") or parts.netloc not in ("", "localhost"):
         raise _LeftOut(
             f"the mesh {shown!r} is not drawn: only files of this machine are read; give "
@@ -359,6 +365,10 @@ def _file_of(name: str) -> Path:
     path = Path(unquote(parts.path))
     if not path.is_absolute() or ".." in path.parts or "\0" in str(path):
         raise _LeftOut(f"the mesh {shown!r} is not drawn: give the whole path, without '..'")
+    if len(str(path)) > _LONGEST_NAME:
+        raise _LeftOut(
+            f"the mesh {shown!r}… is not drawn: its path is longer than {_LONGEST_NAME} characters"
+        )
     if path.suffix.lower() != ".stl":
         raise _LeftOut(f"the mesh {shown!r} is not drawn: only STL files are read; convert it")
     return path

@@ -61,6 +61,7 @@ class Layers(BaseModel):
     robot: bool = True
     goal: bool = True
     trail: bool = True
+    places: bool = True
 
 
 class LayersPatch(In):
@@ -73,6 +74,7 @@ class LayersPatch(In):
     robot: bool | None = None
     goal: bool | None = None
     trail: bool | None = None
+    places: bool | None = None
 
 
 class View(BaseModel):
@@ -119,6 +121,14 @@ class GoalRequest(In):
     view: str | None = None
 
 
+class PlaceGoal(In):
+    """A place to go to, of the version that was looked at."""
+
+    place: Annotated[int, Field(ge=1, le=2**53)]
+    version: Annotated[int, Field(ge=1, le=2**53)]
+    view: str | None = None
+
+
 GoalReason = Literal[
     Reason,
     "above_horizon",
@@ -128,8 +138,8 @@ GoalReason = Literal[
 
 
 class GoalCheck(BaseModel):
-    """Whether the robot can go there, how far (m) and how long (s), or why not and the nearest
-    point where it could."""
+    """Whether the robot can go there, how far (m), how long (s) and by which way (x, y, x, y, … in
+    m), or why not and the nearest point where it could."""
 
     ok: bool
     x: float
@@ -140,6 +150,7 @@ class GoalCheck(BaseModel):
     nearest: PointXY | None = None
     length: float | None = None
     duration: float | None = None
+    way: list[float] = Field(default_factory=list)
     heading_used: bool = False
     note: str = ""
 
@@ -150,6 +161,56 @@ class GoalSent(BaseModel):
     id: str
     topic: Literal["/goal_pose", "/clicked_point"]
     heading_used: bool
+    note: str = ""
+
+
+class LocateGesture(GestureCheck):
+    """A press-drag-release on a view that says where the robot is. Without `end` its heading
+    stays. `search` asks for the best place nearby, too."""
+
+    search: bool = True
+
+
+class LocateRequest(In):
+    """Where the robot is, in the map frame, m and rad; without `yaw` its heading stays. `view` is
+    the one to draw the scan in, `search` as in LocateGesture."""
+
+    x: Metres
+    y: Metres
+    yaw: Radians | None = None
+    view: str | None = None
+    search: bool = True
+
+
+class RobotPose(In):
+    """Where the robot is to believe that it is, in the map frame, m and rad."""
+
+    x: Metres
+    y: Metres
+    yaw: Radians
+
+
+class LocateFit(BaseModel):
+    """A place (m, rad) and how well scan and map agree there, from 0 to 1; null where too little
+    is known."""
+
+    x: float
+    y: float
+    yaw: float
+    agreement: float | None
+
+
+class LocateCheck(BaseModel):
+    """Whether the robot can be told that it is there, or why not.
+
+    `best` is the place nearby where scan and map agree best, where that is clearly better; `note`
+    says why nothing can be compared, or what must be done before.
+    """
+
+    ok: bool
+    message: str
+    here: LocateFit | None = None
+    best: LocateFit | None = None
     note: str = ""
 
 
@@ -301,6 +362,22 @@ class GoalInfo(BaseModel):
     ended: float | None = None
 
 
+LocalisationProblem = Literal["no_map", "no_scan", "no_pose", "too_little"]
+
+
+class LocalisationInfo(BaseModel):
+    """How well the newest scan fits the map where the robot thinks it is, from 0 to 1.
+
+    `agreement` is null where that cannot be said, and `problem` says why; `age` (s) is the scan's.
+    `lost` is whether it has been bad for some seconds.
+    """
+
+    agreement: float | None = None
+    lost: bool = False
+    problem: LocalisationProblem | None = None
+    age: float | None = None
+
+
 class SimulationInfo(BaseModel):
     """Simulated seconds per real second."""
 
@@ -325,6 +402,14 @@ class RulesInfo(BaseModel):
     age: float | None = None
 
 
+class PlacesInfo(BaseModel):
+    """Changes whenever the list of places does, or the map that the robot has."""
+
+    available: bool = False
+    revision: int = 0
+    map: str | None = None
+
+
 class RosInfo(BaseModel):
     """Where on DDS the console listens."""
 
@@ -343,12 +428,14 @@ class State(BaseModel):
     time: float
     robot: RobotInfo
     pose: PoseInfo | None
+    localisation: LocalisationInfo
     streams: list[StreamInfo]
     components: list[ComponentInfo]
     drive: DriveInfo | None
     goal: GoalInfo | None
     simulation: SimulationInfo | None
     rules: RulesInfo
+    places: PlacesInfo
     processes: list[ProcessInfo]
     ros: RosInfo
     viewers: int

@@ -15,7 +15,7 @@ from typing import Generic, NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from kompass.algorithms.geometry import wrap_angle
+from kompass.algorithms.geometry import compose, inverse, wrap_angle
 from kompass.algorithms.grid import Grid
 
 T = TypeVar("T")
@@ -98,6 +98,16 @@ class GoalMark:
     active: bool
 
 
+@dataclass(frozen=True, slots=True)
+class PlaceMark:
+    """A place of the map of now, m and rad; `yaw` None when any heading will do."""
+
+    name: str
+    x: float
+    y: float
+    yaw: float | None
+
+
 class PoseHistory:
     """Poses of the last seconds by stamp, so that a scan is drawn from where it was taken."""
 
@@ -126,17 +136,45 @@ class PoseHistory:
 
 
 class WorldModel:
-    """One slot per thing the console reads."""
+    """One slot per thing the console reads.
 
-    def __init__(self) -> None:
-        self.motion: Latest[RobotMotion] = Latest()
+    Parameters
+    ----------
+    now
+        Monotonic seconds.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
+        self.motion: Latest[RobotMotion] = Latest(now)
         self.history = PoseHistory()
-        self.scan: Latest[Scan] = Latest()
+        self.scan: Latest[Scan] = Latest(now)
         self.scan_mount: dict[str, Pose] = {}
-        self.map: Latest[Grid] = Latest()
-        self.local_map: Latest[Grid] = Latest()
-        self.path: Latest[npt.NDArray[np.float64]] = Latest()
-        self.footprint: Latest[npt.NDArray[np.float64]] = Latest()
-        self.description: Latest[str] = Latest()
+        self.map: Latest[Grid] = Latest(now)
+        self.local_map: Latest[Grid] = Latest(now)
+        self.path: Latest[npt.NDArray[np.float64]] = Latest(now)
+        self.footprint: Latest[npt.NDArray[np.float64]] = Latest(now)
+        self.description: Latest[str] = Latest(now)
         self.description_problem = ""  # why the robot's own description is not drawn, or not whole
-        self.goal: Latest[GoalMark | None] = Latest()
+        self.goal: Latest[GoalMark | None] = Latest(now)
+        self.places: Latest[tuple[PlaceMark, ...]] = Latest(now)
+
+    def scanned_from(self, scan: Scan) -> Pose | None:
+        """Where the sensor was when a scan was taken, in the map frame; None until that is known.
+
+        A sensor of which nobody has said where it is fixed is taken to be in the robot's middle.
+        """
+        robot = self.history.at(scan.stamp)
+        if robot is None:
+            return None
+        return self.sensor_at(robot, scan)
+
+    def sensor_at(self, robot: Pose, scan: Scan) -> Pose:
+        """Where the sensor of a scan is while the robot is at a pose, in the map frame."""
+        return Pose(*compose(robot, self._mount(scan)).tolist())
+
+    def robot_at(self, sensor: Pose, scan: Scan) -> Pose:
+        """Where the robot is while the sensor of a scan is at a pose, in the map frame."""
+        return Pose(*compose(sensor, inverse(self._mount(scan))).tolist())
+
+    def _mount(self, scan: Scan) -> Pose:
+        return self.scan_mount.get(scan.frame, Pose(0.0, 0.0, 0.0))

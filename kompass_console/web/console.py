@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from kompass_console.drills.drills import Drills
 from kompass_console.link.goal_check import GoalChecker
 from kompass_console.link.link import RosLink
+from kompass_console.link.localisation import Localisation
 from kompass_console.recordings import Recordings
 from kompass_console.scene.scene import Scene
 from kompass_console.schema.world import WorldModel
@@ -34,6 +35,7 @@ class Console:
     world: WorldModel
     link: RosLink
     checker: GoalChecker
+    localisation: Localisation
     sockets: OpenSockets
     hands: Hands
     views: ViewRegistry

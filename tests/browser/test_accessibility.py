@@ -92,12 +92,41 @@ def test_axe_finds_nothing_wrong_in_any_state_of_the_page(
     judge("coordinates", "coordinate-check")
     get("coordinate-check").click()
     judge("goal card", "goal-go")
+    get("goal-save-place").click()
+    judge("name for a place", "place-save")
+    get("place-name").fill("Dock")
+    get("place-save").click()
     get("goal-cancel").click()
     get("goal-tool").click()
+    get("locate-tool").click()
+    get("locate-type").click()
+    get("coordinate-x").fill("0.55")
+    get("coordinate-y").fill("0.55")
+    get("coordinate-check").click()
+    judge("card of the robot's place", "locate-set")
+    get("locate-cancel").click()
+    get("locate-tool").click()
     if phone:
-        for tab, inside in (("tab-health", "health-planner"), ("tab-data", "stream-scan")):
+        for tab, inside in (
+            ("tab-places", "place-add"),
+            ("tab-health", "health-planner"),
+            ("tab-data", "fit-row"),
+        ):
             get(tab).click()
             judge(tab, inside)
+
+    if phone:
+        get("tab-places").click()
+    get("place-menu").click()
+    judge("menu of a place", "place-delete")
+    keys.press("Escape")
+    get("place-menu").click()
+    get("place-edit").click()
+    judge("place that is changed", "place-save")
+    get("place-name").press("Escape")
+    get("place-menu").click()
+    get("place-delete").click()
+    judge("place that was deleted", "place-undo")
 
     get("tab-rules" if phone else "rules").click()
     judge("rules", "rule-table")

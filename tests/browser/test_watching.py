@@ -51,6 +51,9 @@ def test_a_viewer_watches_and_may_stop_but_neither_drive_nor_release(
     expect(page.get("goal-tool")).to_have_attribute("title", re.compile("operator"))
     page.page.keyboard.press("g")
     assert page.get("goal-overlay").count() == 0
+    expect(page.get("locate-tool")).to_be_disabled()
+    page.page.keyboard.press("o")
+    assert page.get("locate-overlay").count() == 0
 
     page.get("stop-button").click()
     expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped")

@@ -37,7 +37,7 @@ from kompass.rules.schema.conditions import Absent, Compare
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.signals import Signal
 from kompass.rules.schema.table import Rule, Table
-from kompass.store import RuleStore, StoreUnwritable
+from kompass.store import PlaceStore, RuleStore, StoreUnwritable
 
 NEAR = Rule(
     id="near",
@@ -184,6 +184,7 @@ def run(folder: Path, ending: threading.Event) -> None:
             MonitorSettings(robot="fake"),
             ask=lambda _: None,
             recording=NoFiles(),
+            open_places=lambda: PlaceStore.open(folder),
         )
         monitor.process_changed(json.dumps(PLANNER))
         while not ending.is_set():

@@ -21,6 +21,7 @@ from geometry_msgs.msg import (
     PointStamped,
     PolygonStamped,
     PoseStamped,
+    PoseWithCovarianceStamped,
     Quaternion,
     TransformStamped,
 )
@@ -94,9 +95,12 @@ class FakeStack:
         slow_checks: float,
         slow_release: float,
         failing: str,
+        onlookers: bool,
+        localiser: bool,
     ) -> None:
         self.node = rclpy.create_node("planner")
         self.x, self.y, self.yaw, self.v = -0.75, -0.6, 0.4, 0.0
+        self.astray = (0.0, 0.0, 0.0)  # x, y, yaw that it tells, less those that are so
         self.stopped_by = ""
         self.reason = ""
         self.driven_by = self.hand_session = ""
@@ -155,6 +159,10 @@ class FakeStack:
                 callback_group=group,
             )
             self.own = rclpy.action.ActionClient(node, PlanPath, "/planner/plan_path")
+        if localiser:
+            node.create_subscription(
+                PoseWithCovarianceStamped, "/initialpose", self.place, 1, callback_group=group
+            )
         if poses:
             node.create_subscription(
                 PoseStamped, "/goal_pose", lambda m: self.take(m.pose), 10, callback_group=group
@@ -163,6 +171,14 @@ class FakeStack:
             node.create_subscription(
                 PointStamped, "/clicked_point", self.take_point, 10, callback_group=group
             )
+
+        # As a recorder and another console have it: they hear of every goal, and take none.
+        self.onlookers = [
+            PlainNode(name) for name in (("recorder", "kompass_console_1") if onlookers else ())
+        ]
+        for each in self.onlookers:
+            each.create_subscription(PoseStamped, "/goal_pose", lambda _: None, 10)
+            each.create_subscription(PointStamped, "/clicked_point", lambda _: None, 10)
 
     def latch(self) -> None:
         grid = OccupancyGrid()
@@ -188,10 +204,17 @@ class FakeStack:
         message = Odometry()
         message.header.stamp = self.node.get_clock().now().to_msg()
         message.header.frame_id, message.child_frame_id = "map", "base_link"
-        message.pose.pose.position.x, message.pose.pose.position.y = self.x, self.y
-        message.pose.pose.orientation = quaternion(self.yaw)
+        astray_x, astray_y, astray_yaw = self.astray
+        at = message.pose.pose.position
+        at.x, at.y = self.x + astray_x, self.y + astray_y
+        message.pose.pose.orientation = quaternion(self.yaw + astray_yaw)
         message.twist.twist.linear.x = self.v
         self.odometry.publish(message)
+
+    def place(self, message: PoseWithCovarianceStamped) -> None:
+        at, turned = message.pose.pose.position, message.pose.pose.orientation
+        yaw = 2.0 * math.atan2(turned.z, turned.w)
+        self.astray = (at.x - self.x, at.y - self.y, yaw - self.yaw)
 
     def sense(self) -> None:
         angles = np.arange(360) * math.pi / 180.0
@@ -373,11 +396,12 @@ class FakeStack:
 def main() -> None:
     """Run until SIGTERM."""
     parser = argparse.ArgumentParser()
-    for name in ("poses", "points", "planner", "drive", "action", "statuses"):
+    for name in ("poses", "points", "planner", "drive", "action", "statuses", "localiser"):
         parser.add_argument(f"--no-{name}", dest=name, action="store_false")
     parser.add_argument("--slow-checks", type=float, default=0.0)
     parser.add_argument("--slow-release", type=float, default=0.0)
     parser.add_argument("--failing", default="")
+    parser.add_argument("--onlookers", action="store_true")
     rclpy.init()
     stack = FakeStack(**vars(parser.parse_args()))
     executor = MultiThreadedExecutor(16)  # more than checks that wait at once

@@ -15,6 +15,8 @@ WRITES = [
     ("POST", "/api/goals"),
     ("POST", "/api/goals/check"),
     ("POST", "/api/goals/cancel"),
+    ("POST", "/api/localisation"),
+    ("POST", "/api/localisation/check"),
     ("POST", "/api/stop"),
     ("POST", "/api/stop/release"),
     ("PATCH", "/api/views/x"),
@@ -30,7 +32,13 @@ def test_no_answer_waits_for_the_acknowledgement_of_its_first_half(console: Serv
 
 @pytest.mark.parametrize(
     ("method", "path"),
-    [*WRITES, ("GET", "/api/session"), ("GET", "/api/openapi.json"), ("GET", "/scene/x/")],
+    [
+        *WRITES,
+        ("GET", "/api/session"),
+        ("GET", "/api/openapi.json"),
+        ("GET", "/scene/x/"),
+        ("GET", "/api/map/1"),
+    ],
 )
 def test_nothing_answers_without_a_login(console: Served, method: str, path: str) -> None:
     with console.client() as client:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import json
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -206,3 +208,33 @@ def test_nonsense_is_answered_and_drives_nothing(robot: Served, text: str) -> No
         ava.socket.send(text)
         assert "reload the page" in ava.answer(yours=False)["message"]
         assert ava.robot()["pose"]["v"] == 0.0
+
+
+# Says when the console has found it.
+STRANGER = """
+import rclpy
+from kompass_interfaces.srv import TakeWheel
+rclpy.init()
+node = rclpy.create_node("stranger")
+node.create_service(TakeWheel, "/aaa/take_wheel", lambda request, response: response)
+told = False
+while True:
+    rclpy.spin_once(node, timeout_sec=0.05)
+    if not told and node.count_clients("/aaa/take_wheel"):
+        told = True
+        print("found", flush=True)
+"""
+
+
+def test_a_wheel_that_a_stranger_offers_is_not_taken_for_the_robots(robot: Served) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", STRANGER], stdout=subprocess.PIPE, text=True
+    ) as stranger:
+        try:
+            assert stranger.stdout is not None
+            assert stranger.stdout.readline() == "found\n"
+            with page(robot, "ava") as ava:
+                assert ava.take()["max_vx"] == pytest.approx(0.4)
+                ava.moving()
+        finally:
+            stranger.kill()

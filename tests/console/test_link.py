@@ -234,9 +234,9 @@ def test_stop_ends_the_drive_and_stays_until_released(
     state = until(socket, lambda s: s["drive"]["stopped"] and s["drive"]["standstill"])
     assert (state["drive"]["stopped_by"], state["drive"]["reason"]) == ("ava", "test")
     until(socket, lambda s: s["goal"]["phase"] == "failed" and "topped" in s["goal"]["message"])
-    check = client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()
-    assert "release STOP" in check["note"]
-    assert client.post("/api/goals", json={"x": 0.6, "y": 0.6}).status_code == 409
+    refused = client.post("/api/goals", json={"x": 0.6, "y": 0.6})
+    assert refused.status_code == 409
+    assert "release STOP" in refused.text.replace("Release", "release")
     assert client.post("/api/stop/release").json()["accepted"]
     until(socket, lambda s: not s["drive"]["stopped"])
     assert client.post("/api/goals", json={"x": -3.0, "y": 2.0}).status_code == 200
@@ -311,6 +311,31 @@ def test_a_program_that_takes_points_gets_points(
     assert state["goal"]["yaw"] is None
 
 
+@beside("--no-poses", "--onlookers")
+def test_recorder_and_other_consoles_are_not_taken_for_who_wants_headings(
+    client: httpx.Client, stack: Stack
+) -> None:
+    ready(client)
+    body = {"x": -0.4, "y": -0.6, "yaw": 1.0}
+    check = client.post("/api/goals/check", json=body).json()
+    assert not check["heading_used"]
+    assert client.post("/api/goals", json=body).json()["topic"] == "/clicked_point"
+
+
+@beside(*TAKES_NO_GOALS, "--onlookers")
+def test_who_only_hears_of_goals_is_nobody_to_send_one_to(
+    client: httpx.Client, stack: Stack
+) -> None:
+    wait_until(
+        lambda: (
+            client.post("/api/goals/check", json={"x": 0.6, "y": 0.6}).json()["reason"]
+            == "nobody_listens"
+        ),
+        5.0,
+        "nobody takes goals",
+    )
+
+
 @beside(*TAKES_NO_GOALS)
 def test_a_program_that_takes_no_goals_is_said_not_to(client: httpx.Client, stack: Stack) -> None:
     wait_until(
@@ -345,12 +370,34 @@ def test_on_another_stack_the_map_is_looked_at(tmp_path: Path, domain: int, stac
 
 
 @beside("--no-drive")
-def test_without_a_drive_manager_stop_says_so_at_once(client: httpx.Client, stack: Stack) -> None:
-    wait_until(lambda: client.post("/api/stop", json={}).status_code == 503, 5.0, "no answer")
-    pressed = time.monotonic()
-    answer = client.post("/api/stop", json={})
-    assert time.monotonic() - pressed < patient(1.5)
-    assert "emergency stop" in answer.json()["detail"]["remedy"]
+def test_without_a_drive_manager_stop_says_so_at_once(
+    tmp_path: Path, domain: int, stack: Stack
+) -> None:
+    # A console of its own: it goes on asking for this STOP.
+    log = tmp_path / "audit"
+    with serving(log, domain) as console, console.client(Role.OPERATOR) as client:
+        pressed = time.monotonic()
+        answer = client.post("/api/stop", json={})
+        assert time.monotonic() - pressed < patient(1.5)
+        assert answer.status_code == 503
+        assert "emergency stop" in answer.json()["detail"]["remedy"]
+
+
+@beside("--no-drive")
+def test_a_stop_that_nobody_took_is_asked_for_again_until_a_drive_manager_is_there(
+    tmp_path: Path, domain: int, stack: Stack
+) -> None:
+    log = tmp_path / "audit"
+    with serving(log, domain) as console, console.client(Role.OPERATOR, user="ava") as client:
+        answer = client.post("/api/stop", json={"reason": "a child"})
+        assert answer.status_code == 503
+        assert "asked for again" in answer.json()["detail"]["remedy"]
+        come = running_stack("--no-planner", "--no-action", "--no-statuses")
+        with come, listening(console, client) as socket:
+            state = until(socket, lambda s: s["drive"] and s["drive"]["stopped"], 20.0)
+            assert (state["drive"]["stopped_by"], state["drive"]["reason"]) == ("ava", "a child")
+            late = lambda: "s after it was pressed" in str(console.audited())  # noqa: E731
+            wait_until(late, 5.0, "the audit log's line")
 
 
 @beside(*WHOLE)

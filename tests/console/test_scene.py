@@ -165,6 +165,13 @@ def test_a_press_means_the_floor_under_it(console: Served, stack: object) -> Non
             )
             client.delete(f"/api/views/{view}/preview")
             wait_until(lambda: not scene.visible["/world/preview_goal"], 2.0, "no preview")
+
+            # Outside of the room: the place itself is crossed out, and the nearest has the ring.
+            client.post("/api/goals/check", json={"x": 1.0, "y": 9.0, "view": view})
+            wait_until(lambda: scene.visible.get("/world/preview_refused"), 2.0, "the cross")
+            wait_until(lambda: scene.visible["/world/preview_goal"], 2.0, "the ring")
+            assert scene.positions["/world/preview_refused"][:2] == pytest.approx((1.0, 9.0))
+            assert scene.positions["/world/preview_goal"][1] < 2.4
             scene.look(position=(1.0, -5.0, 0.5), look_at=(1.0, 0.6, 0.5))
             high = {"view": view, "start": [0.5, 0.2]}
             wait_until(
@@ -173,6 +180,11 @@ def test_a_press_means_the_floor_under_it(console: Served, stack: object) -> Non
                 ),
                 2.0,
                 "the sky is not the floor",
+            )
+            wait_until(
+                lambda: not scene.visible["/world/preview_refused"],
+                2.0,
+                "no mark of the pick before",
             )
 
 

@@ -7,7 +7,14 @@ import time
 
 import pytest
 
-from kompass_console.schema.models import RobotInfo, RosInfo, RulesInfo, State
+from kompass_console.schema.models import (
+    LocalisationInfo,
+    PlacesInfo,
+    RobotInfo,
+    RosInfo,
+    RulesInfo,
+    State,
+)
 from kompass_console.web.state_feed import StateFeed, StateListener
 
 
@@ -17,12 +24,14 @@ def build(seq: int, viewers: int) -> State:
         time=time.time(),
         robot=RobotInfo(name="r", radius=None),
         pose=None,
+        localisation=LocalisationInfo(),
         streams=[],
         components=[],
         drive=None,
         goal=None,
         simulation=None,
         rules=RulesInfo(),
+        places=PlacesInfo(),
         processes=[],
         ros=RosInfo(domain_id=0, middleware="none"),
         viewers=viewers,

@@ -91,6 +91,8 @@ def test_a_mesh_is_read_from_a_file_of_this_machine_and_once(
         ("file:///tmp/../etc/passwd.stl", "the whole path"),
         ("file:///etc/passwd", "only STL"),
         ("file:///nowhere/at/all.stl", "No such file"),
+        ("file://[x/body.stl", "Invalid IPv6 URL; give file:///"),
+        ("file:///" + 5_000 * "a" + ".stl", "longer than 500 characters"),
     ],
 )
 def test_a_mesh_from_elsewhere_is_refused_in_a_sentence_and_the_rest_is_drawn(
@@ -115,6 +117,7 @@ def test_what_is_no_file_is_never_waited_for(tmp_path: Path) -> None:
     ("text", "complaint"),
     [
         ("nothing", "no XML"),
+        ("<robot>\ud800</robot>", "no XML"),
         ("<html/>", "no <robot>"),
         (robot(""), "nothing of it can be drawn"),
         (robot("<a>" * 40 + "</a>" * 40), "nested deeper"),

@@ -42,7 +42,8 @@ def test_every_file_and_folder_of_a_run_is_its_owners_alone(tmp_path: Path) -> N
             changed = {**view["table"], "rules": []}
             body = {"table": changed, "expected_revision": view["revision"], "probation": 0}
             assert client.post("/api/rules/apply", json=body).is_success
-            assert client.post("/api/stop").is_success
+            pressed = lambda: client.post("/api/stop").is_success  # noqa: E731
+            wait_until(pressed, 20, "the console has found the drive manager")
         wait_until(lambda: list(folder.glob("*/audit/*.jsonl")), 10, "the audit log")
         while_it_runs = modes(folder)
     finally:

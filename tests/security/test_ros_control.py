@@ -25,6 +25,7 @@ from automatika_ros_sugar.srv import (
 )
 from kompass_interfaces.srv import (
     ApplyRules,
+    ChangePlaces,
     ConfirmRules,
     GetHistory,
     GetRules,
@@ -103,6 +104,7 @@ SERVICES: dict[type, tuple[Any, str]] = {
         ConfirmRules: "confirm_rules",
         ResetRule: "reset_rule",
         SaveRecording: "save_recording",
+        ChangePlaces: "change_places",
         GetRules: "get_rules",
         GetHistory: "get_history",
     }.items()
@@ -171,6 +173,11 @@ CHANGES = [
     ConfirmRules.Request(revision=1, author="chief", role="engineer"),
     ResetRule.Request(rule_id="near", author="chief", role="engineer"),
     SaveRecording.Request(name="mine"),
+    ChangePlaces.Request(
+        change='{"kind":"restore","id":1}',
+        author="chief",
+        role="engineer",
+    ),
 ]
 
 

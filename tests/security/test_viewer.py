@@ -80,7 +80,7 @@ def test_a_large_scene_message_is_refused_by_its_size_alone(console: Served, kin
         assert scene_closed_with(page) in TOO_LARGE
 
 
-@pytest.mark.parametrize("path", ["/api/state", "/api/rules/live"])
+@pytest.mark.parametrize("path", ["/api/state", "/api/rules/live", "/api/map/live"])
 def test_no_other_socket_takes_a_large_message(console: Served, path: str) -> None:
     with console.client(Role.VIEWER) as client, opened(console, path, client) as socket:
         with contextlib.suppress(ConnectionClosed):
@@ -159,7 +159,7 @@ def test_a_flood_of_cameras_ends_its_own_scene_and_no_other(console: Served) -> 
             wait_until(lambda: theirs.dark, 5.0, "the other scene goes on")
 
 
-@pytest.mark.parametrize("path", ["/api/state", "/api/rules/live"])
+@pytest.mark.parametrize("path", ["/api/state", "/api/rules/live", "/api/map/live"])
 def test_who_chatters_on_a_socket_is_closed(console: Served, path: str) -> None:
     with console.client(Role.VIEWER) as client, opened(console, path, client) as socket:
         with contextlib.suppress(ConnectionClosed):
@@ -179,7 +179,7 @@ def a_page(
     with contextlib.ExitStack() as stack:
         sockets = [
             stack.enter_context(opened(console, path, client))
-            for path in ("/api/state", "/api/rules/live", "/api/rules/probe")
+            for path in ("/api/state", "/api/rules/live", "/api/rules/probe", "/api/map/live")
         ]
         yield sockets, stack.enter_context(scene(console, client))
 
@@ -192,7 +192,7 @@ def test_log_out_closes_what_the_session_has_open_and_nothing_else(console: Serv
         a_page(console, client) as (sockets, page),
     ):
         client.post("/api/logout")
-        assert [closed_with(socket) for socket in sockets] == [4401] * 3
+        assert [closed_with(socket) for socket in sockets] == [4401] * len(sockets)
         assert scene_closed_with(page) == 4401
         until(theirs, lambda m: m["type"] == "state")
 
@@ -203,7 +203,7 @@ def test_a_session_that_ends_takes_its_open_sockets_along(tmp_path: Path, domain
         own.client(Role.OPERATOR) as client,
         a_page(own, client) as (sockets, page),
     ):
-        assert [closed_with(socket) for socket in sockets] == [4401] * 3
+        assert [closed_with(socket) for socket in sockets] == [4401] * len(sockets)
         assert scene_closed_with(page) == 4401
         assert client.get("/api/session").status_code == 401
 

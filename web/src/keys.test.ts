@@ -1,6 +1,6 @@
 import { renderHook } from "@testing-library/react";
 import { afterEach, expect, test, vi } from "vitest";
-import { forwardedKey, isInMenu, isTyping, useStopKey } from "./keys";
+import { forwardedKey, isInMenu, isTyping, useKeys, useStopKey } from "./keys";
 
 test.each(["text", "password", "number"])("a space in a %s field is text, not STOP", (type) => {
   const input = document.createElement("input");
@@ -92,4 +92,26 @@ test("a space bar that is held stops once", () => {
     typed: false,
     seen: 0,
   });
+});
+
+/** Whether a letter that is pressed on an element is a shortcut of the page. */
+function letterOn(element: HTMLElement): boolean {
+  const handle = vi.fn(() => true);
+  const { unmount } = renderHook(() => useKeys(handle));
+  document.body.append(element);
+  element.dispatchEvent(new KeyboardEvent("keydown", { key: "g", bubbles: true }));
+  unmount();
+  return handle.mock.calls.length > 0;
+}
+
+test.each<[string, HTMLElement]>([
+  ["a list that is only chosen from", input({ type: "text", readOnly: true, role: "combobox" })],
+  ["a list that is searched by typing", input({ type: "text", role: "combobox" })],
+  ["a native select", document.createElement("select")],
+])("a letter on %s finds an entry, and is no shortcut", (_, element) => {
+  expect(letterOn(element)).toBe(false);
+});
+
+test("a letter on a button is a shortcut", () => {
+  expect(letterOn(document.createElement("button"))).toBe(true);
 });

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 import secrets
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,9 +20,10 @@ from rclpy.qos import QoSProfile
 from kompass.algorithms.geometry import quaternion_from_yaw
 from kompass.rclpy_ext.node import of_others
 from kompass.rclpy_ext.reply import NoAnswer
+from kompass.recorder.process import NAME as RECORDER
 from kompass_console.link.goals.goal_follower import ActionStatus, Ending, GoalFollower
 from kompass_console.link.graph.convert import seconds, yaw_of
-from kompass_console.link.graph.discovery import Graph, action_names
+from kompass_console.link.graph.discovery import NODE_NAME, Graph, action_names
 from kompass_console.link.graph.reader import Reader
 from kompass_console.link.graph.services import ServicePool
 from kompass_console.schema.plain import plain
@@ -31,6 +33,8 @@ GoalTopic = Literal["/goal_pose", "/clicked_point"]
 POSE_TOPIC: GoalTopic = "/goal_pose"
 POINT_TOPIC: GoalTopic = "/clicked_point"
 
+# Nodes that hear of every goal and take none: the flight recorder, and other consoles.
+_WHO_ONLY_HEAR = re.compile(rf"{RECORDER}|{NODE_NAME}_\d+")
 _ACTION = "kompass_interfaces/action/PlanPath"
 _FRAME = "map"
 
@@ -39,7 +43,7 @@ _logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Listeners:
-    """Who, besides this console, listens to each goal topic right now."""
+    """Whether somebody who may take a goal listens to each goal topic right now."""
 
     pose: bool
     point: bool
@@ -162,7 +166,9 @@ class Goals:
         return math.atan2(y - motion.value.pose.y, x - motion.value.pose.x)
 
     def _listened(self, topic: str) -> bool:
-        return bool(of_others(self._node, self._node.get_subscriptions_info_by_topic(topic)))
+        infos = self._node.get_subscriptions_info_by_topic(topic)
+        others = of_others(self._node, infos)
+        return any(_WHO_ONLY_HEAR.fullmatch(each.node_name) is None for each in others)
 
     def _heard_pose(self, message: Any) -> None:
         pose = message.pose

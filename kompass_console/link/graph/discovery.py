@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+NODE_NAME = "kompass_console"  # of every console, with its process id behind it
+
 Graph = Mapping[str, Sequence[str]]  # name -> types, as rclpy's *_names_and_types give it
 
 STATUS_TYPE = "automatika_ros_sugar/msg/ComponentStatus"

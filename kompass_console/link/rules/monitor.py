@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-from kompass.monitor.client import MonitorClient, NoMonitor, monitor_names
+from kompass.monitor.client import MonitorClient, NoMonitor
+from kompass.monitor.finding import monitor_names
 from kompass_console.link.graph.discovery import Graph
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 import viser
 
 from kompass.algorithms.grid import Grid
@@ -28,17 +29,21 @@ _MOST_AREAS = 2000
 class LocalMapDrawing:
     """The film in the map frame. Its place is in the vertices and not in the node's pose: a browser
     applies poses a frame or more before it has rebuilt a mesh, and the film would lag its place.
+
+    `areas` (N, 4) are the same as (y0, x0, y1, x1) in m of a grid at `origin`.
     """
 
     vertices: Vertices
     faces: Faces
+    origin: tuple[float, float, float]
+    areas: npt.NDArray[np.floating]
 
 
 def local_map_drawing(grid: Grid) -> LocalMapDrawing:
     """Drawing of a local occupancy grid."""
-    areas = rectangles(grid.cells >= OCCUPIED_FROM)[:_MOST_AREAS]
-    vertices, faces = blocks(areas * grid.resolution, 0.0, _HEIGHT, sides=False)
-    return LocalMapDrawing(placed(vertices, Pose(*grid.origin)), faces)
+    areas = rectangles(grid.cells >= OCCUPIED_FROM)[:_MOST_AREAS] * grid.resolution
+    vertices, faces = blocks(areas, 0.0, _HEIGHT, sides=False)
+    return LocalMapDrawing(placed(vertices, Pose(*grid.origin)), faces, grid.origin, areas)
 
 
 class LocalMapNodes:

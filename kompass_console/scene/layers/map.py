@@ -42,9 +42,15 @@ class Tile:
 
 @dataclass(frozen=True, slots=True)
 class MapDrawing:
-    """A map ready to be drawn. `bounds` (x0, y0, x1, y1) holds what is known, in the map frame."""
+    """A map ready to be drawn. `bounds` (x0, y0, x1, y1) holds what is known, in the map frame.
 
+    `classes` (rows, columns) has every cell once, and `version` tells one map from the next.
+    """
+
+    version: int
     origin: tuple[float, float, float]
+    resolution: float
+    classes: _Bytes
     tiles: tuple[Tile, ...]
     wall_vertices: npt.NDArray[np.float32]
     wall_faces: npt.NDArray[np.uint32]
@@ -52,7 +58,7 @@ class MapDrawing:
     images: dict[Theme, tuple[bytes, ...]]
 
 
-def map_drawing(grid: Grid) -> MapDrawing:
+def map_drawing(grid: Grid, version: int = 0) -> MapDrawing:
     """Drawing of a map, its tiles encoded for both themes."""
     classes = classify(grid.cells)
     height, width = classes.shape
@@ -79,7 +85,15 @@ def map_drawing(grid: Grid) -> MapDrawing:
     vertices, faces = blocks(boxes * grid.resolution, 0.0, WALL_HEIGHT)
     images = {theme: tuple(_encoded(t.classes, theme) for t in tiles) for theme in _THEMES}
     return MapDrawing(
-        grid.origin, tuple(tiles), vertices, faces, known_bounds(grid, classes), images
+        version,
+        grid.origin,
+        grid.resolution,
+        classes,
+        tuple(tiles),
+        vertices,
+        faces,
+        known_bounds(grid, classes),
+        images,
     )
 
 
@@ -115,14 +129,20 @@ def _hatched(classes: _Bytes, row: int, column: int) -> _Bytes:
     return np.where(lines & (classes == _UNKNOWN), np.uint8(_HATCH), classes)
 
 
-def _encoded(classes: _Bytes, theme: Theme) -> bytes:
+def whole_picture(drawing: MapDrawing, theme: Theme) -> bytes:
+    """PNG of a map in one piece, a pixel for each cell, north up: small, because it goes to tablets
+    as it is."""
+    return _encoded(drawing.classes[::-1], theme, level=9)
+
+
+def _encoded(classes: _Bytes, theme: Theme, level: int = 1) -> bytes:
     """PNG of the few colours of a theme: kilobytes in milliseconds, where viser's own encoder takes
     RGBA and, at the size of a building, tens of milliseconds."""
     colours = palette(theme)
     picture = Image.fromarray(classes)
     picture.putpalette([*colours.unknown, *colours.unknown_line, *colours.free, *colours.occupied])
     encoded = io.BytesIO()
-    picture.save(encoded, "PNG", compress_level=1)
+    picture.save(encoded, "PNG", compress_level=level)
     return encoded.getvalue()
 
 

@@ -31,6 +31,7 @@ class Palette:
     footprint: Rgb
     goal: Rgb
     preview: Rgb
+    place: Rgb
     proposed: Rgb
     in_force: Rgb
     alert: Rgb
@@ -52,6 +53,7 @@ _LIGHT = Palette(
     footprint=(58, 66, 76),
     goal=(28, 110, 220),
     preview=(92, 150, 232),
+    place=(84, 94, 108),
     proposed=(31, 95, 191),
     in_force=(176, 96, 0),
     alert=(147, 48, 95),
@@ -73,6 +75,7 @@ _DARK = Palette(
     footprint=(206, 213, 222),
     goal=(96, 165, 250),
     preview=(150, 196, 252),
+    place=(176, 186, 200),
     proposed=(96, 165, 250),
     in_force=(236, 180, 79),
     alert=(238, 147, 191),

@@ -6,9 +6,8 @@ import numpy as np
 import viser
 
 from kompass_console.scene.layers.map import WALL_HEIGHT
-from kompass_console.scene.layers.palette import palette
+from kompass_console.scene.layers.palette import Rgb
 from kompass_console.scene.layers.shapes import Vertices, placed
-from kompass_console.schema.models import Theme
 from kompass_console.schema.world import Pose, Scan
 
 _HEIGHT = WALL_HEIGHT + 0.01  # m; on top of the walls, or these would hide half of the points
@@ -33,14 +32,16 @@ def scan_points(scan: Scan, sensor: Pose) -> Vertices:
 
 
 class ScanNodes:
-    """The scan on one page."""
+    """A scan on one page; also used for the preview of one."""
 
-    def __init__(self, scene: viser.SceneApi, parent: str, theme: Theme) -> None:
+    def __init__(
+        self, scene: viser.SceneApi, name: str, colour: Rgb, point_size: float = _POINT
+    ) -> None:
         self._points = scene.add_point_cloud(
-            f"{parent}/scan",
+            name,
             np.zeros((0, 3), np.float32),
-            palette(theme).scan,
-            point_size=_POINT,
+            colour,
+            point_size=point_size,
             point_shape="circle",
             point_shading="flat",
             precision="float32",

@@ -1,6 +1,16 @@
 import { ApiError } from "./errors";
 import { answer, http, QUICK_MS, within } from "./http";
-import type { GoalPick, GoalPoint, PlayedDrive, Session, ViewPatch } from "./types";
+import type {
+  GoalPick,
+  GoalPoint,
+  LocatePick,
+  LocatePoint,
+  PlaceGoal,
+  PlayedDrive,
+  RobotPose,
+  Session,
+  ViewPatch,
+} from "./types";
 
 /** A goal is checked and sent by way of the robot's planner. */
 const GOAL_MS = 8000;
@@ -60,11 +70,17 @@ export const removePreview = (id: string) =>
     }),
   );
 
-export const checkGoal = (goal: GoalPick | GoalPoint, signal: AbortSignal) =>
+export const checkGoal = (goal: GoalPick | GoalPoint | PlaceGoal, signal: AbortSignal) =>
   answer(http.POST("/api/goals/check", { body: goal, signal: within(GOAL_MS, signal) }));
 
-export const sendGoal = (goal: GoalPoint) =>
+export const sendGoal = (goal: GoalPoint | PlaceGoal) =>
   answer(http.POST("/api/goals", { body: goal, signal: within(GOAL_MS) }));
+
+export const checkRobotPose = (place: LocatePick | LocatePoint, signal: AbortSignal) =>
+  answer(http.POST("/api/localisation/check", { body: place, signal: within(GOAL_MS, signal) }));
+
+export const setRobotPose = (place: RobotPose) =>
+  answer(http.POST("/api/localisation", { body: place, signal: within(QUICK_MS) }));
 
 export const cancelGoal = () =>
   answer(http.POST("/api/goals/cancel", { signal: within(QUICK_MS) }));

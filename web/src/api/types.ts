@@ -20,8 +20,32 @@ export type GoalCheck = Sent<Schemas["GoalCheck"]>;
 /** Where a goal was pressed and released, as fractions of the scene (u right, v down). */
 export type GoalPick = Schemas["GestureCheck"];
 
+/** What has changed on a flat map: what is left out is as it was. */
+export type FlatNews = Partial<Schemas["FlatNews"]>;
+
 /** A goal in the map frame: metres, and radians counter-clockwise from +x. */
 export type GoalPoint = Schemas["GoalRequest"];
+
+/** A named place to go to, as it was looked at. */
+export type PlaceGoal = Schemas["PlaceGoal"];
+export type PlaceList = Sent<Schemas["PlaceList"]>;
+export type Place = PlaceList["places"][number];
+export type PlaceSave = Schemas["PlaceSave"];
+export type PlaceEdit = Schemas["PlaceEdit"];
+
+/** How well scan and map agree, as the robot thinks. */
+export type Localisation = State["localisation"];
+export type LocateCheck = Sent<Schemas["LocateCheck"]>;
+export type LocateFit = NonNullable<LocateCheck["here"]>;
+
+/** Where a person pressed and released to say where the robot is, as of a goal. */
+export type LocatePick = Schemas["LocateGesture"];
+
+/** The same in the map frame. */
+export type LocatePoint = Schemas["LocateRequest"];
+
+/** Where the robot is to believe that it is. */
+export type RobotPose = Schemas["RobotPose"];
 
 /** What is said on the socket of the hand. */
 export type HandRequest = Sent<Schemas["HandRequest"]>;

@@ -1,9 +1,11 @@
 import { UnstyledButton } from "@mantine/core";
-import { IconBolt, IconDatabase, IconHeartbeat } from "@tabler/icons-react";
+import { IconBolt, IconDatabase, IconHeartbeat, IconMapPins } from "@tabler/icons-react";
 import { useState } from "react";
+import type { Place } from "../api/types";
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
+import { PlacesPanel } from "../places/PlacesPanel";
 import { StoppedByRule } from "../rules/bands/StoppedByRule";
 import { OPENERS, useNav } from "../rules/context/RulesNav";
 import { DraftBar } from "../rules/DraftBar";
@@ -13,10 +15,16 @@ import { DriveBand } from "../scene/DriveBand";
 import { StopBand } from "../stop/StopBand";
 import { StopPlace } from "../stop/StopButton";
 import classes from "./BottomPanel.module.css";
+import type { Props as SideProps } from "./SidePanel";
 
-type Tab = "health" | "data";
+interface Props extends SideProps {
+  phone: boolean;
+}
+
+type Tab = "places" | "health" | "data";
 
 const TABS: { key: Tab; label: string; Icon: typeof IconHeartbeat }[] = [
+  { key: "places", label: "Places", Icon: IconMapPins },
   { key: "health", label: "Health", Icon: IconHeartbeat },
   { key: "data", label: "Data", Icon: IconDatabase },
 ];
@@ -25,9 +33,19 @@ const TABS: { key: Tab; label: string; Icon: typeof IconHeartbeat }[] = [
  * What the right column is on a tablet or a phone: a sheet that opens from the bottom. On a phone
  * the rules cover the scene: what stops the robot is then told, and released, above them.
  */
-export function BottomPanel({ phone }: { phone: boolean }) {
+export function BottomPanel({ phone, onGo, asked }: Props) {
   const rules = useNav();
   const [tab, setTab] = useState<Tab | null>(phone ? null : "health");
+  const [answered, setAnswered] = useState(asked);
+  if (asked !== answered) {
+    setAnswered(asked);
+    setTab("places");
+  }
+  // On a phone the answer is shown where the list was.
+  const go = (place: Place) => {
+    if (phone) setTab(null);
+    onGo?.(place);
+  };
   const open = rules.open ? null : tab;
   const show = (next: Tab | null) => {
     rules.close();
@@ -37,20 +55,24 @@ export function BottomPanel({ phone }: { phone: boolean }) {
     <aside className={classes.bottom} aria-label="Robot">
       {open !== null && (
         <div className={classes.sheet} id="sheet">
-          {open === "health" ? (
+          {open === "places" && <PlacesPanel onGo={onGo === null ? null : go} asked={asked} />}
+          {open === "health" && (
             <>
               <HealthPanel />
               <FiringsPanel />
             </>
-          ) : (
-            <DataPanel />
           )}
+          {open === "data" && <DataPanel />}
         </div>
       )}
       {rules.open && (
         <div className={classes.rules} id="sheet">
-          {phone && <StopBand why={<StoppedByRule />} />}
-          {phone && <DriveBand />}
+          {phone && (
+            <div className={classes.bands}>
+              <StopBand brief why={<StoppedByRule />} />
+              <DriveBand />
+            </div>
+          )}
           <RulesSheet />
           <div className={classes.draft}>
             <DraftBar />

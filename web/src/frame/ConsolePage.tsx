@@ -1,13 +1,20 @@
 import { useMediaQuery } from "@mantine/hooks";
-import { useEffect, useState } from "react";
+import { type ComponentProps, useEffect, useState } from "react";
+import type { Place } from "../api/types";
 import { CoordinatesForm } from "../goal/CoordinatesForm";
+import { GestureOverlay, type PickOf } from "../goal/GestureOverlay";
 import { GoalCard } from "../goal/GoalCard";
 import { GoalHint } from "../goal/GoalHint";
-import { GoalOverlay } from "../goal/GoalOverlay";
+import { consideredOf, pointOf } from "../goal/onMap";
 import { type GoalTool, useGoalTool } from "../goal/useGoalTool";
 import { HandProvider, useHand } from "../hand/HandContext";
 import { HandPanel } from "../hand/HandPanel";
 import { useKeys } from "../keys";
+import { LocateCard } from "../locate/LocateCard";
+import { LocateHint } from "../locate/LocateHint";
+import { consideredOf as locatedOn } from "../locate/onMap";
+import { type LocateTool, useLocateTool } from "../locate/useLocateTool";
+import { usePlaces } from "../places/usePlaces";
 import { AlarmsBand } from "../rules/bands/AlarmsBand";
 import { ProbationBand } from "../rules/bands/ProbationBand";
 import { StoppedByRule } from "../rules/bands/StoppedByRule";
@@ -15,13 +22,14 @@ import { RulesProvider } from "../rules/context/RulesContext";
 import { RulesNavProvider, useNav } from "../rules/context/RulesNav";
 import { CauseBand } from "../scene/CauseBand";
 import { DriveBand } from "../scene/DriveBand";
+import { FlatMap } from "../scene/flat/FlatMap";
 import { PlayedBand } from "../scene/PlayedBand";
 import scene from "../scene/Scene.module.css";
 import { SceneFrame } from "../scene/SceneFrame";
 import { StageProvider, useStage } from "../scene/StageContext";
 import { StaleBand } from "../scene/StaleBand";
+import { type Flat, useFlat } from "../scene/useFlat";
 import { useView, type ViewHandle } from "../scene/useView";
-import { drawsWebGl } from "../scene/webgl";
 import { useSession } from "../session/SessionContext";
 import { RobotProvider } from "../state/RobotContext";
 import { StopBand } from "../stop/StopBand";
@@ -60,39 +68,57 @@ function Workplace() {
   const rules = useNav();
   const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   const covered = phone && rules.open;
+  const flat = useFlat();
   return (
-    <StageProvider view={handle.view?.id ?? null} ready={drawsWebGl() && !covered}>
-      <Frame handle={handle} phone={phone} />
+    <StageProvider view={handle.view?.id ?? null} ready={!flat.flat && !covered}>
+      <Frame handle={handle} phone={phone} flat={flat} />
     </StageProvider>
   );
 }
 
 /** The frame of the page. Robot data is read by its leaves: nothing here renders with it. */
-function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
+function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; flat: Flat }) {
   const { session } = useSession();
   const { view, change } = handle;
   const goal = useGoalTool(view?.id ?? null);
+  const locate = useLocateTool(view?.id ?? null);
   const rules = useNav();
   const stage = useStage();
   const plays = stage.shown !== null;
   const hand = useHand();
   const [layersOpen, setLayersOpen] = useState(false);
   const [helpOpen, setHelpOpen] = useState(false);
+  const [placesAsked, setPlacesAsked] = useState(0);
   const narrow = useMediaQuery("(max-width: 1100px)", false, { getInitialValueInEffect: false });
   // What is pressed in a drill's world is no place of the robot's.
   useEffect(() => {
     if (plays && goal.active) goal.toggle();
-  }, [plays, goal.active, goal.toggle]);
+    if (plays && locate.active) locate.toggle();
+  }, [plays, goal.active, goal.toggle, locate.active, locate.toggle]);
   // Nobody drives what is not seen: a drill in the robot's place, or rules in that of the page.
   const unseen = plays || (phone && rules.open);
   useEffect(() => {
     if (unseen) hand.close();
   }, [unseen, hand.close]);
 
+  // One gesture means one thing.
+  const toggleGoal = () => {
+    if (locate.active) locate.toggle();
+    goal.toggle();
+  };
+  const toggleLocate = () => {
+    if (goal.active) goal.toggle();
+    else if (goal.draft !== null) goal.drop(); // of a place of the list
+    locate.toggle();
+  };
+
   useKeys(({ key, onControl, inMenu }) => {
     switch (key.toLowerCase()) {
       case "g":
-        if (session.role !== "viewer" && view !== null && !plays) goal.toggle();
+        if (session.role !== "viewer" && view !== null && !plays) toggleGoal();
+        return true;
+      case "o":
+        if (session.role !== "viewer" && view !== null && !plays) toggleLocate();
         return true;
       case "f":
         if (view !== null && !plays) change({ follow: !view.follow });
@@ -103,7 +129,7 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
         if (session.role !== "viewer" && !unseen) hand.toggle();
         return true;
       case "t":
-        if (view !== null) change({ top: !view.top });
+        if (view !== null && !flat.flat) change({ top: !view.top });
         return true;
       case "l":
         setLayersOpen(!layersOpen);
@@ -111,14 +137,19 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
       case "r":
         rules.toggle();
         return true;
+      case "p":
+        rules.close();
+        setPlacesAsked(placesAsked + 1);
+        return true;
       case "?":
       case "h":
         setHelpOpen(!helpOpen);
         return true;
       case "enter":
         // A focused button knows best what Enter means.
-        if (onControl || goal.draft === null) return false;
-        goal.go();
+        if (onControl || (goal.draft === null && locate.draft === null)) return false;
+        if (goal.draft !== null) goal.go();
+        else locate.set();
         return true;
       case "escape":
         if (inMenu || layersOpen) return false;
@@ -126,7 +157,7 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
           hand.give();
           return true;
         }
-        if (goal.back()) return true;
+        if (goal.back() || locate.back()) return true;
         if (helpOpen) setHelpOpen(false);
         else if (hand.open) hand.close();
         else if (plays) stage.leave();
@@ -139,17 +170,30 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
     }
   });
 
+  const checkPlace = (place: Place) => {
+    if (locate.active) locate.toggle();
+    goal.checkPlace(place);
+  };
+  const goTo = view === null || plays ? null : checkPlace;
   return (
     <>
       <div className={classes.page} data-rules={rules.open || undefined}>
         <TopBar />
         <main className={scene.scene}>
-          <SceneStack handle={handle} goal={goal} covered={phone && rules.open} />
+          <SceneStack
+            handle={handle}
+            goal={goal}
+            locate={locate}
+            flat={flat.flat}
+            covered={phone && rules.open}
+          />
           {helpOpen && <HelpPanel onClose={() => setHelpOpen(false)} />}
         </main>
         <ToolRail
           scene={handle}
-          goal={goal}
+          flat={flat}
+          goal={{ active: goal.active, toggle: toggleGoal }}
+          locate={{ active: locate.active, toggle: toggleLocate }}
           layersOpen={layersOpen}
           onLayers={setLayersOpen}
           helpOpen={helpOpen}
@@ -157,7 +201,11 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
         />
         <HandPanel />
         <StatusLine />
-        {narrow ? <BottomPanel phone={phone} /> : <SidePanel />}
+        {narrow ? (
+          <BottomPanel phone={phone} onGo={goTo} asked={placesAsked} />
+        ) : (
+          <SidePanel onGo={goTo} asked={placesAsked} />
+        )}
       </div>
       <StopButton />
     </>
@@ -168,14 +216,42 @@ function Frame({ handle, phone }: { handle: ViewHandle; phone: boolean }) {
 function SceneStack({
   handle,
   goal,
+  locate,
+  flat,
   covered,
 }: {
   handle: ViewHandle;
   goal: GoalTool;
+  locate: LocateTool;
+  flat: boolean;
   covered: boolean;
 }) {
   const { view, error } = handle;
   const { open: rulesOpen } = useNav();
+  const considered = locate.active
+    ? locatedOn(locate.draft)
+    : consideredOf(goal.draft?.check ?? null);
+  const gestures = (pick: PickOf) => (
+    <>
+      {goal.active && (
+        <GestureOverlay
+          name="goal"
+          pick={pick}
+          waits={goal.draft?.phase === "checking"}
+          onPick={goal.check}
+        />
+      )}
+      {locate.active && (
+        <GestureOverlay
+          name="locate"
+          pick={pick}
+          waits={locate.draft?.phase === "checking"}
+          onPick={locate.check}
+          onDrag={locate.look}
+        />
+      )}
+    </>
+  );
   return (
     <>
       {view === null ? (
@@ -184,13 +260,31 @@ function SceneStack({
         </p>
       ) : (
         <>
-          <SceneFrame id={view.id} />
-          {goal.active && drawsWebGl() && <GoalOverlay tool={goal} view={view.id} />}
+          {flat ? (
+            <FlatScene handle={handle} considered={considered}>
+              {(floorAt) =>
+                gestures((start, end) => ({
+                  ...pointOf(floorAt(start), end === null ? null : floorAt(end)),
+                  view: view.id,
+                }))
+              }
+            </FlatScene>
+          ) : (
+            <>
+              <SceneFrame id={view.id} />
+              {gestures((start, end) => ({ view: view.id, start, end }))}
+            </>
+          )}
           {goal.active && goal.draft === null && <GoalHint tool={goal} />}
           {goal.active && goal.typing && goal.draft === null && (
-            <CoordinatesForm tool={goal} view={view.id} />
+            <CoordinatesForm label="Goal coordinates" tool={goal} view={view.id} />
           )}
           {goal.draft !== null && <GoalCard tool={goal} draft={goal.draft} />}
+          {locate.active && locate.draft === null && <LocateHint tool={locate} />}
+          {locate.active && locate.typing && locate.draft === null && (
+            <CoordinatesForm label="Coordinates of the robot" tool={locate} view={view.id} />
+          )}
+          {locate.draft !== null && <LocateCard tool={locate} draft={locate.draft} />}
         </>
       )}
       <div className={scene.bands}>
@@ -210,4 +304,10 @@ function SceneStack({
       </div>
     </>
   );
+}
+
+function FlatScene(props: Omit<ComponentProps<typeof FlatMap>, "places">) {
+  const { list } = usePlaces();
+  const here = list?.places.filter((place) => place.here) ?? [];
+  return <FlatMap {...props} places={here.map(({ name, pose }) => ({ name, ...pose }))} />;
 }

@@ -1,6 +1,8 @@
+import type { Place } from "../api/types";
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
+import { PlacesPanel } from "../places/PlacesPanel";
 import { useNav } from "../rules/context/RulesNav";
 import { DraftBar } from "../rules/DraftBar";
 import { FiringsPanel } from "../rules/firings/FiringsPanel";
@@ -8,11 +10,18 @@ import { RulesSheet } from "../rules/RulesSheet";
 import { StopPlace } from "../stop/StopButton";
 import classes from "./SidePanel.module.css";
 
+export interface Props {
+  /** Looks at the way to a place; null while the robot cannot be sent from here. */
+  onGo: ((place: Place) => void) | null;
+  /** Counts how often somebody asked for the places. */
+  asked: number;
+}
+
 /**
  * The right column of a wide page, or the rules in its place. STOP has its own corner, which nothing
  * scrolls under.
  */
-export function SidePanel() {
+export function SidePanel({ onGo, asked }: Props) {
   const { open } = useNav();
   if (open) {
     return (
@@ -34,6 +43,7 @@ export function SidePanel() {
         <div className={classes.goal}>
           <GoalStatus />
         </div>
+        <PlacesPanel onGo={onGo} asked={asked} />
         <HealthPanel />
         <FiringsPanel />
         <DataPanel />

@@ -1,6 +1,7 @@
-import type { Pose } from "../api/types";
+import type { Localisation, Pose } from "../api/types";
 import { ageText, degreesText, signed } from "../format";
 import { DrivenBy } from "../hand/DrivenBy";
+import { mapFit } from "../state/localisation";
 import { POSE_DEADLINE_S } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
 import classes from "./StatusLine.module.css";
@@ -15,6 +16,7 @@ export function StatusLine() {
         {frozen ? (connected ? "No data" : "Disconnected") : "Live"}
       </span>
       <PoseText pose={state?.pose ?? null} elapsed={elapsed} />
+      {state !== null && <FitText localisation={state.localisation} elapsed={elapsed} />}
       {scan?.age != null && (
         <span className={classes.extra}>scan {ageText(scan.age + elapsed)}</span>
       )}
@@ -26,6 +28,20 @@ export function StatusLine() {
         </span>
       )}
     </footer>
+  );
+}
+
+function FitText({ localisation, elapsed }: { localisation: Localisation; elapsed: number }) {
+  const { level, figure, sentence } = mapFit(localisation, elapsed);
+  return (
+    <span
+      data-testid="map-fit"
+      data-level={level}
+      className={level === "unknown" ? classes.stale : classes.fit}
+      title={sentence}
+    >
+      {level === "degraded" && "▲ "}map fit {figure}
+    </span>
   );
 }
 

@@ -4,29 +4,38 @@ import {
   IconCurrentLocation,
   IconHelpCircle,
   IconMapPin,
+  IconMapPinQuestion,
   IconSquareArrowDown,
   IconSteeringWheel,
 } from "@tabler/icons-react";
 import type { ReactNode } from "react";
-import type { GoalTool } from "../goal/useGoalTool";
 import { useHand } from "../hand/HandContext";
 import { OPENERS, useNav } from "../rules/context/RulesNav";
 import { LayersMenu } from "../scene/LayersMenu";
 import { useStage } from "../scene/StageContext";
+import type { Flat } from "../scene/useFlat";
 import type { ViewHandle } from "../scene/useView";
 import { useSession } from "../session/SessionContext";
 import classes from "./ToolRail.module.css";
 
+interface Switch {
+  active: boolean;
+  toggle: () => void;
+}
+
 interface Props {
   scene: ViewHandle;
-  goal: GoalTool;
+  flat: Flat;
+  goal: Switch;
+  locate: Switch;
   layersOpen: boolean;
   onLayers: (open: boolean) => void;
   helpOpen: boolean;
   onHelp: () => void;
 }
 
-export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }: Props) {
+export function ToolRail(props: Props) {
+  const { scene, flat, goal, locate, layersOpen, onLayers, helpOpen, onHelp } = props;
   const { session } = useSession();
   const { view, change } = scene;
   const rules = useNav();
@@ -60,7 +69,28 @@ export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }
         onClick={hand.toggle}
         icon={<IconSteeringWheel size={22} aria-hidden />}
       />
-      <LayersMenu scene={scene} open={layersOpen} onOpen={onLayers} className={classes.tool} />
+      <Tool
+        testId="locate-tool"
+        label="Locate"
+        hint={
+          viewer
+            ? "Viewers watch; an operator says where the robot is"
+            : plays
+              ? later
+              : "Say where the robot is (O)"
+        }
+        on={locate.active}
+        disabled={viewer || view === null || plays}
+        onClick={locate.toggle}
+        icon={<IconMapPinQuestion size={22} aria-hidden />}
+      />
+      <LayersMenu
+        scene={scene}
+        flat={flat}
+        open={layersOpen}
+        onOpen={onLayers}
+        className={classes.tool}
+      />
       <Tool
         testId="follow"
         label="Follow"
@@ -73,9 +103,9 @@ export function ToolRail({ scene, goal, layersOpen, onLayers, helpOpen, onHelp }
       <Tool
         testId="top-view"
         label="Top view"
-        hint="Look straight down (T)"
-        on={view?.top ?? false}
-        disabled={view === null}
+        hint={flat.flat ? "A flat map is seen from above" : "Look straight down (T)"}
+        on={flat.flat || (view?.top ?? false)}
+        disabled={view === null || flat.flat}
         onClick={() => view !== null && change({ top: !view.top })}
         icon={<IconSquareArrowDown size={22} aria-hidden />}
       />

@@ -1,4 +1,5 @@
 import { ActionIcon, Menu, UnstyledButton } from "@mantine/core";
+import { useMediaQuery } from "@mantine/hooks";
 import {
   IconChevronDown,
   IconLogout,
@@ -16,11 +17,13 @@ import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
 import { Mark } from "../ui/Mark";
 import { StatusMark } from "../ui/StatusMark";
+import { PHONE } from "../ui/screen";
 import { useTheme } from "../ui/theme";
 import classes from "./TopBar.module.css";
 
 export function TopBar() {
   const { state } = useRobot();
+  const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   return (
     <header className={classes.bar}>
       <span className={classes.robot}>
@@ -31,7 +34,8 @@ export function TopBar() {
       <span className={classes.gap} />
       <RevisionBadge />
       <SimulationRate />
-      <ThemeToggle />
+      {/* On a phone it is in the menu: the robot's name needs the room. */}
+      {!phone && <ThemeToggle />}
       <UserMenu />
     </header>
   );
@@ -77,17 +81,21 @@ function SimulationRate() {
     >
       <span className={classes.simLong}>Simulation </span>
       <span className={classes.simShort}>Sim </span>
-      {stale ? "silent" : `${simulation.rate.toFixed(2)}×`}
+      {stale ? "silent" : <span className={classes.rate}>{simulation.rate.toFixed(2)}×</span>}
     </span>
   );
 }
 
 const THEME_WORDS = { auto: "as the system", light: "light", dark: "dark" } as const;
 
-function ThemeToggle() {
+function useThemeWords() {
   const { choice, cycle } = useTheme();
   const Icon = { auto: IconSunMoon, light: IconSun, dark: IconMoon }[choice];
-  const label = `Theme: ${THEME_WORDS[choice]}`;
+  return { label: `Theme: ${THEME_WORDS[choice]}`, Icon, cycle };
+}
+
+function ThemeToggle() {
+  const { label, Icon, cycle } = useThemeWords();
   return (
     <ActionIcon
       variant="subtle"
@@ -106,6 +114,8 @@ function ThemeToggle() {
 function UserMenu() {
   const { session, logout } = useSession();
   const { version, state } = useRobot();
+  const theme = useThemeWords();
+  const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   return (
     <Menu position="bottom-end" width={240}>
       <Menu.Target>
@@ -123,16 +133,31 @@ function UserMenu() {
         <Menu.Label>
           {session.user}, {session.role}
         </Menu.Label>
+        {state?.simulation && (
+          <Menu.Label>Simulation at {state.simulation.rate.toFixed(2)}×</Menu.Label>
+        )}
         {version !== null && <Menu.Label>Kompass Console {version}</Menu.Label>}
         {state !== null && (
           <Menu.Label>
             ROS domain {state.ros.domain_id}, {state.ros.middleware}
           </Menu.Label>
         )}
+        {phone && (
+          <Menu.Item
+            closeMenuOnClick={false}
+            leftSection={<theme.Icon size={18} aria-hidden />}
+            onClick={theme.cycle}
+            mih={44}
+            data-testid="theme-item"
+          >
+            {theme.label}
+          </Menu.Item>
+        )}
         <Menu.Divider />
         <Menu.Item
           leftSection={<IconLogout size={18} aria-hidden />}
           onClick={logout}
+          mih={44}
           data-testid="logout"
         >
           Log out

@@ -4,8 +4,14 @@ import { parseCoordinates } from "./coordinates";
 import classes from "./Goal.module.css";
 import type { GoalTool } from "./useGoalTool";
 
-/** A goal without a pointer: x and y in the map frame, and a heading if wanted. */
-export function CoordinatesForm({ tool, view }: { tool: GoalTool; view: string }) {
+interface Props {
+  label: string;
+  tool: Pick<GoalTool, "check" | "type">;
+  view: string;
+}
+
+/** A goal or place without a pointer: x and y in the map frame, and a heading if wanted. */
+export function CoordinatesForm({ label, tool, view }: Props) {
   const [x, setX] = useState("");
   const [y, setY] = useState("");
   const [heading, setHeading] = useState("");
@@ -38,7 +44,7 @@ export function CoordinatesForm({ tool, view }: { tool: GoalTool; view: string }
     />
   );
   return (
-    <form className={classes.form} onSubmit={submit} aria-label="Goal coordinates" noValidate>
+    <form className={classes.form} onSubmit={submit} aria-label={label} noValidate>
       <div className={classes.fields}>
         {field("x (m)", "x", x, setX)}
         {field("y (m)", "y", y, setY)}

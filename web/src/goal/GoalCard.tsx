@@ -2,36 +2,33 @@ import { Button, Loader } from "@mantine/core";
 import { useLayoutEffect, useRef, useState } from "react";
 import type { Goal, GoalCheck } from "../api/types";
 import { distanceText } from "../format";
+import { SavePlace } from "../places/SavePlace";
+import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
 import classes from "./Goal.module.css";
-import { type Px, placeCard } from "./gesture";
 import { checkText, isUnderWay, placeText } from "./goalText";
+import { useCardPlace } from "./useCardPlace";
 import type { Draft, GoalTool } from "./useGoalTool";
 
 /** The answer to a pick, where the hand is: what will happen, and Go; or why not, and what else. */
 export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
-  const card = useRef<HTMLDivElement>(null);
   const goButton = useRef<HTMLButtonElement>(null);
-  const [place, setPlace] = useState<Px | null>(null);
+  const [naming, setNaming] = useState(false);
+  const { session } = useSession();
   const { state } = useRobot();
   const { drive } = useStop();
-  const { anchor, check, error, phase } = draft;
+  const { anchor, check, error, phase, place: of } = draft;
   const stopped = drive?.stopped === true;
   const drivenBy = drive?.driven_by ?? "";
   const held = stopped || drivenBy !== "";
+  const { card, place, style } = useCardPlace(
+    anchor,
+    [phase, check, error, held, naming],
+    // The hand is at the list; in the corner beside it the card leaves the way to be seen.
+    of === null ? "middle" : "corner",
+  );
   const ready = phase !== "checking" && check?.ok === true && error === null;
-
-  // biome-ignore lint/correctness/useExhaustiveDependencies: its size follows what it says
-  useLayoutEffect(() => {
-    const parent = card.current?.offsetParent;
-    if (card.current === null || !(parent instanceof HTMLElement)) return;
-    const box = parent.getBoundingClientRect();
-    const size = { width: card.current.offsetWidth, height: card.current.offsetHeight };
-    const middle = { x: box.left + box.width / 2, y: box.top + box.height / 3 };
-    const { x, y } = placeCard(anchor?.at ?? middle, size, box, anchor?.side);
-    setPlace({ x: x - box.left, y: y - box.top });
-  }, [anchor, phase, check, error, held]);
 
   useLayoutEffect(() => {
     if (ready && place !== null) goButton.current?.focus({ preventScroll: true });
@@ -44,7 +41,7 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
       data-testid="goal-card"
       role="dialog"
       aria-label="Goal"
-      style={place === null ? { visibility: "hidden" } : { left: place.x, top: place.y }}
+      style={style}
     >
       <div aria-live="polite">
         {phase === "checking" ? (
@@ -61,7 +58,13 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
           />
         )}
       </div>
-      <div className={classes.actions}>
+      {naming && check !== null && (
+        <SavePlace
+          pose={{ x: check.x, y: check.y, yaw: check.yaw }}
+          onDone={() => setNaming(false)}
+        />
+      )}
+      <div className={classes.actions} hidden={naming}>
         {check?.ok && (
           <Button
             ref={goButton}
@@ -90,6 +93,17 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
         <Button size="md" variant="default" onClick={tool.drop} data-testid="goal-cancel">
           Cancel
         </Button>
+        {check?.ok && of === null && session.role !== "viewer" && (
+          <Button
+            size="md"
+            variant="subtle"
+            className={classes.wide}
+            onClick={() => setNaming(true)}
+            data-testid="goal-save-place"
+          >
+            Save this place
+          </Button>
+        )}
       </div>
     </div>
   );
@@ -116,6 +130,7 @@ function Answer({ check, draft, goal, stopped, drivenBy }: AnswerProps) {
           {error.title} {error.remedy}
         </p>
       )}
+      {draft.place !== null && <p className={classes.detail}>To {draft.place.name}</p>}
       {check !== null && (error === null || check.ok) && (
         <p className={check.ok ? classes.lead : classes.problem}>{checkText(check)}</p>
       )}

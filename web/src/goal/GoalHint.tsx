@@ -1,6 +1,5 @@
 import { Button } from "@mantine/core";
 import { IconKeyboard, IconX } from "@tabler/icons-react";
-import { drawsWebGl } from "../scene/webgl";
 import classes from "./Goal.module.css";
 import type { GoalTool } from "./useGoalTool";
 
@@ -8,11 +7,7 @@ import type { GoalTool } from "./useGoalTool";
 export function GoalHint({ tool }: { tool: GoalTool }) {
   return (
     <div className={classes.hint}>
-      <span>
-        {drawsWebGl()
-          ? "Tap the floor, or press, drag to the heading and release."
-          : "Type where the robot is to go."}
-      </span>
+      <span>Tap the floor, or press, drag to the heading and release.</span>
       <span className={classes.hintActions}>
         <Button
           size="compact-md"

@@ -2,6 +2,8 @@ import { Button, CloseButton } from "@mantine/core";
 import { useState } from "react";
 import { cancelGoal, sendGoal } from "../api/client";
 import { type ApiError, asApiError } from "../api/errors";
+import { placeAt } from "../places/placeText";
+import { usePlaces } from "../places/usePlaces";
 import { useSession } from "../session/SessionContext";
 import { useNow, useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
@@ -20,6 +22,7 @@ export function GoalStatus() {
   const { session } = useSession();
   const [dismissed, setDismissed] = useState<string | null>(null);
   const [failure, setFailure] = useState<ApiError | null>(null);
+  const { list } = usePlaces();
   const goal = state?.goal ?? null;
   const ended = goal?.ended == null ? null : goal.ended + elapsed;
   const before = ended === null ? 0 : ended - (performance.now() - opened) / 1000;
@@ -27,6 +30,7 @@ export function GoalStatus() {
 
   const line = goalLine(goal, drive, cause);
   const limit = isUnderWay(goal) ? limitText(drive) : null;
+  const place = placeAt(list?.places ?? [], goal);
   const again = () => {
     setFailure(null);
     const { x, y, yaw } = goal;
@@ -57,6 +61,7 @@ export function GoalStatus() {
         )}
         <span className={classes.place}>
           {ended !== null && `${endText(ended, now)} · `}
+          {place !== null && `${place.name} · `}
           {placeText(goal.x, goal.y, goal.yaw)}
           {goal.sent_by !== "" && ` · by ${goal.sent_by}`}
         </span>

@@ -13,6 +13,7 @@ const check: GoalCheck = {
   nearest: null,
   length: 4.2,
   duration: 20.7,
+  way: [],
   heading_used: true,
   note: "",
 };

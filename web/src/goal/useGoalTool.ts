@@ -1,19 +1,15 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { checkGoal, removePreview, sendGoal } from "../api/client";
 import { ApiError, asApiError } from "../api/errors";
-import type { GoalCheck, GoalPick, GoalPoint } from "../api/types";
-import type { Px } from "./gesture";
-
-/** Where the pointer was let go (page pixels), and which side of it the drawn arrow leaves free. */
-interface Anchor {
-  at: Px;
-  side: "above" | "below";
-}
+import type { GoalCheck, GoalPick, GoalPoint, Place, PlaceGoal } from "../api/types";
+import type { Anchor } from "./GestureOverlay";
 
 /** A goal that is being prepared: not sent, or its sending was refused. */
 export interface Draft {
   /** Where the hand is; null when the coordinates were typed. */
   anchor: Anchor | null;
+  /** The place that it is; null for a point. */
+  place: Place | null;
   phase: "checking" | "checked" | "sending";
   check: GoalCheck | null;
   error: ApiError | null;
@@ -26,6 +22,8 @@ export interface GoalTool {
   toggle: () => void;
   type: (open: boolean) => void;
   check: (goal: GoalPick | GoalPoint, anchor: Anchor | null) => void;
+  /** Looks at the way to a place; `go` then sends the robot there. */
+  checkPlace: (place: Place) => void;
   /** Sends the checked goal. */
   go: () => void;
   /** Sends the nearest reachable point instead. */
@@ -55,25 +53,38 @@ export function useGoalTool(viewId: string | null): GoalTool {
     }
   }, [viewId]);
 
-  const check = useCallback((goal: GoalPick | GoalPoint, anchor: Anchor | null) => {
-    asking.current?.abort();
-    const mine = new AbortController();
-    asking.current = mine;
-    setDraft({ anchor, phase: "checking", check: null, error: null });
-    checkGoal(goal, mine.signal).then(
-      (answer) => {
-        if (asking.current !== mine) return;
-        setDraft({ anchor, phase: "checked", check: answer, error: null });
-      },
-      (error: unknown) => {
-        if (asking.current !== mine) return;
-        setDraft({ anchor, phase: "checked", check: null, error: asApiError(error) });
-      },
-    );
-  }, []);
+  const ask = useCallback(
+    (goal: GoalPick | GoalPoint | PlaceGoal, of: Pick<Draft, "anchor" | "place">) => {
+      asking.current?.abort();
+      const mine = new AbortController();
+      asking.current = mine;
+      setDraft({ ...of, phase: "checking", check: null, error: null });
+      checkGoal(goal, mine.signal).then(
+        (answer) => {
+          if (asking.current !== mine) return;
+          setDraft({ ...of, phase: "checked", check: answer, error: null });
+        },
+        (error: unknown) => {
+          if (asking.current !== mine) return;
+          setDraft({ ...of, phase: "checked", check: null, error: asApiError(error) });
+        },
+      );
+    },
+    [],
+  );
+
+  const check = useCallback(
+    (goal: GoalPick | GoalPoint, anchor: Anchor | null) => ask(goal, { anchor, place: null }),
+    [ask],
+  );
+
+  const checkPlace = useCallback(
+    (place: Place) => ask({ ...placeGoal(place), view: viewId }, { anchor: null, place }),
+    [ask, viewId],
+  );
 
   const send = useCallback(
-    (goal: GoalPoint, from: Draft) => {
+    (goal: GoalPoint | PlaceGoal, from: Draft) => {
       const mine = new AbortController();
       asking.current = mine;
       setDraft({ ...from, phase: "sending", error: null });
@@ -95,7 +106,7 @@ export function useGoalTool(viewId: string | null): GoalTool {
   const go = useCallback(() => {
     if (draft?.phase !== "checked" || !draft.check?.ok) return;
     const { x, y, yaw } = draft.check;
-    send({ x, y, yaw }, draft);
+    send(draft.place === null ? { x, y, yaw } : placeGoal(draft.place), draft);
   }, [draft, send]);
 
   const goNearest = useCallback(() => {
@@ -124,7 +135,21 @@ export function useGoalTool(viewId: string | null): GoalTool {
   }, [draft, typing, active, drop]);
 
   return useMemo(
-    () => ({ active, typing, draft, toggle, type: setTyping, check, go, goNearest, back, drop }),
-    [active, typing, draft, toggle, check, go, goNearest, back, drop],
+    () => ({
+      active,
+      typing,
+      draft,
+      toggle,
+      type: setTyping,
+      check,
+      checkPlace,
+      go,
+      goNearest,
+      back,
+      drop,
+    }),
+    [active, typing, draft, toggle, check, checkPlace, go, goNearest, back, drop],
   );
 }
+
+const placeGoal = (place: Place): PlaceGoal => ({ place: place.id, version: place.version });

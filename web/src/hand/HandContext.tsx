@@ -11,6 +11,7 @@ import {
 } from "react";
 import { forwardedHand, isTyping } from "../keys";
 import { useSession } from "../session/SessionContext";
+import { readKept, writeKept } from "../ui/kept";
 import { HandLink, type HandState } from "./handLink";
 import { HandLoop } from "./handLoop";
 import { isDrivingKey, padPush, twistOf } from "./push";
@@ -145,33 +146,15 @@ function takesArrows(target: EventTarget | null): boolean {
 /** A number from 0 to 1 that this browser keeps. */
 function useKept(key: string, first: number): [number, (value: number) => void] {
   const [value, setValue] = useState(() => {
-    const kept = Number.parseFloat(read(key) ?? "");
+    const kept = Number.parseFloat(readKept(key) ?? "");
     return kept >= LEAST_SHARE && kept <= 1 ? kept : first;
   });
   const keep = useCallback(
     (next: number) => {
       setValue(next);
-      write(key, String(next));
+      writeKept(key, String(next));
     },
     [key],
   );
   return [value, keep];
-}
-
-// A browser that keeps nothing (private windows, policies) throws; the page goes on without.
-function read(key: string): string | null {
-  try {
-    return localStorage.getItem(key);
-  } catch (error) {
-    if (error instanceof DOMException) return null;
-    throw error;
-  }
-}
-
-function write(key: string, value: string): void {
-  try {
-    localStorage.setItem(key, value);
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error;
-  }
 }

@@ -1,5 +1,6 @@
 import { useRobot } from "../state/RobotContext";
 import { Panel } from "../ui/Panel";
+import { FitRow } from "./FitRow";
 import classes from "./Health.module.css";
 import { StreamRow } from "./StreamRow";
 
@@ -13,6 +14,7 @@ export function DataPanel() {
         {streams.map((stream) => (
           <StreamRow key={stream.key} stream={stream} elapsed={elapsed} />
         ))}
+        {state !== null && <FitRow localisation={state.localisation} elapsed={elapsed} />}
       </ul>
       {state?.robot.problem && <p className={classes.note}>{state.robot.problem}</p>}
     </Panel>

@@ -3,6 +3,7 @@ import { useMediaQuery } from "@mantine/hooks";
 import { IconCheck, IconStack2 } from "@tabler/icons-react";
 import type { LayerKey } from "../api/types";
 import { LOW } from "../ui/screen";
+import type { Flat } from "./useFlat";
 import type { ViewHandle } from "./useView";
 
 const LAYERS: [LayerKey, string][] = [
@@ -13,17 +14,19 @@ const LAYERS: [LayerKey, string][] = [
   ["robot", "Robot"],
   ["goal", "Goal"],
   ["trail", "Trail"],
+  ["places", "Places"],
 ];
 
 interface Props {
   scene: ViewHandle;
+  flat: Flat;
   open: boolean;
   onOpen: (open: boolean) => void;
   className: string | undefined;
 }
 
 /** Which parts of the scene are drawn; stays open while several are switched. */
-export function LayersMenu({ scene, open, onOpen, className }: Props) {
+export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
   const { view, toggleLayer } = scene;
   const low = useMediaQuery(LOW, false, { getInitialValueInEffect: false });
   return (
@@ -32,7 +35,7 @@ export function LayersMenu({ scene, open, onOpen, className }: Props) {
       onChange={onOpen}
       position={low ? "bottom-start" : "right-start"}
       closeOnItemClick={false}
-      width={200}
+      width={230}
     >
       <Menu.Target>
         <UnstyledButton
@@ -61,6 +64,17 @@ export function LayersMenu({ scene, open, onOpen, className }: Props) {
             </Menu.CheckboxItem>
           );
         })}
+        <Menu.Divider />
+        <Menu.CheckboxItem
+          checked={flat.flat}
+          checkIcon={<IconCheck size={18} aria-hidden />}
+          disabled={!flat.choice}
+          data-testid="flat"
+          onChange={flat.toggle}
+          mih={44}
+        >
+          Flat map, for weak devices
+        </Menu.CheckboxItem>
       </Menu.Dropdown>
     </Menu>
   );

@@ -15,6 +15,7 @@ const view: View = {
     robot: true,
     goal: true,
     trail: true,
+    places: true,
   },
 };
 

@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
-import type { Component, Drive, State, Stream } from "../api/types";
+import type { Component, Drive, State } from "../api/types";
 import { lastRestart, rootCause, streamWord } from "./causes";
+import { robot as anyRobot, component, DRIVE, stream } from "./fixtures";
 
 type Process = NonNullable<Component["process"]>;
 
@@ -13,82 +14,32 @@ const process = (part: Partial<Process> = {}): Process => ({
   restarted: null,
   ...part,
 });
-const component = (name: string, label: string, part: Partial<Component> = {}): Component => ({
-  name,
-  label,
-  status: "healthy",
-  message: "Running - Healthy",
-  sources: [],
-  src_topics: [],
-  src_components: [],
-  src_algorithms: [],
-  process: process({ name }),
-  inputs: [],
-  outputs: [],
-  age: 0.1,
-  topic: `/${name}/status`,
-  ...part,
-});
+const alive = (name: string, label: string, part: Partial<Component> = {}) =>
+  component(name, label, { process: process({ name }), ...part });
 const waits = (topic: string): Partial<Component> => ({
   status: "system_failure",
   message: `Failure: System Level - nothing on ${topic}`,
   src_topics: [topic],
 });
-const stream = (
-  key: Stream["key"],
-  label: string,
-  topic: string,
-  part: Partial<Stream> = {},
-): Stream => ({ key, label, topic, age: 0.1, deadline: 1, stale: false, ...part });
 const STREAMS = {
   odometry: stream("odometry", "Position", "/odometry/filtered", { deadline: 0.5 }),
   scan: stream("scan", "Laser scan", "/scan"),
   map: stream("map", "Map", "/map", { deadline: null, age: 300 }),
   local: stream("local_map", "Local map", "/local_map/occupancy_layer"),
 };
-const planner = component("planner", "Planner", { outputs: ["/plan"] });
-const controller = component("controller", "Controller", { outputs: ["/control"] });
-const mapper = component("mapper", "Local map", { outputs: ["/local_map/occupancy_layer"] });
-const gate = component("drive_manager", "Drive");
-const DRIVE: Drive = {
-  available: true,
-  driven_by: "",
-  stopped: false,
-  standstill: true,
-  stopped_by: "",
-  reason: "",
-  limited_by: "",
-  speed_factor: 1,
-  age: 0,
-};
+const planner = alive("planner", "Planner", { outputs: ["/plan"] });
+const controller = alive("controller", "Controller", { outputs: ["/control"] });
+const mapper = alive("mapper", "Local map", { outputs: ["/local_map/occupancy_layer"] });
+const gate = alive("drive_manager", "Drive");
 const HELD: Drive = { ...DRIVE, limited_by: "scan stale", speed_factor: 0 };
 
-const robot = (part: Partial<State> = {}): State => ({
-  type: "state",
-  seq: 1,
-  time: 0,
-  robot: { name: "robot", radius: 0.1, problem: "" },
-  pose: { x: 0, y: 0, yaw: 0, v: 0, w: 0, age: 0 },
-  streams: Object.values(STREAMS),
-  components: [planner, controller, mapper, gate],
-  drive: DRIVE,
-  goal: null,
-  simulation: null,
-  rules: {
-    available: false,
-    revision: 0,
-    confirmed: 0,
-    probation_left: 0,
-    notice: "",
-    alarms: 0,
-    age: null,
-  },
-  processes: [],
-  ros: { domain_id: 0, middleware: "" },
-  viewers: 1,
-  audit_problem: "",
-  ...part,
-});
+const robot = (part: Partial<State> = {}) =>
+  anyRobot({
+    streams: Object.values(STREAMS),
+    components: [planner, controller, mapper, gate],
+    drive: DRIVE,
+    ...part,
+  });
 const but = (part: Partial<typeof STREAMS>) => Object.values({ ...STREAMS, ...part });
 
 test("a robot that is well has no cause of anything", () => {
@@ -232,4 +183,37 @@ test("a view without news tells of no cause: it does not know", () => {
   const state = robot({ streams: but({ scan: { ...STREAMS.scan, age: 9, stale: true } }) });
   expect(rootCause(state, 3)).toBeNull();
   expect(rootCause(null, 0)).toBeNull();
+});
+
+const LOST = { agreement: 0.31, lost: true, problem: null, age: 0.1 };
+
+test("a robot that may be elsewhere is the cause of finding no way, before what is only late", () => {
+  const stuck = { ...planner, status: "algorithm_failure" as const, message: "no path" };
+  const cause = rootCause(
+    robot({ localisation: LOST, components: [stuck, controller, mapper, gate] }),
+    0,
+  );
+  expect(cause).toMatchObject({
+    level: "degraded",
+    name: "Place doubtful",
+    text: "Scan and map agree 31 %",
+    minor: false,
+    others: 0,
+  });
+  expect(cause?.advice).toContain("Set its place");
+});
+
+test("without a scan nothing is said of the place, and the scan is the cause", () => {
+  const scan = { ...STREAMS.scan, age: 9, stale: true };
+  const silent = { agreement: null, lost: false, problem: "no_scan" as const, age: null };
+  const cause = rootCause(
+    robot({ localisation: silent, streams: [STREAMS.odometry, scan, STREAMS.map] }),
+    0,
+  );
+  expect(cause?.name).toBe("Laser scan lost");
+});
+
+test("a robot of another stack is told of, too, when it may be elsewhere", () => {
+  expect(rootCause(robot({ localisation: LOST, components: [] }), 0)?.name).toBe("Place doubtful");
+  expect(rootCause(robot({ components: [] }), 0)).toBeNull();
 });

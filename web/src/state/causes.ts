@@ -1,6 +1,7 @@
 import type { Component, State, Stream } from "../api/types";
 import { wholeAgeText } from "../format";
 import type { Level } from "../ui/StatusMark";
+import { mapFit, SET_ITS_PLACE } from "./localisation";
 import { componentLevel, FROZEN_S, streamStale } from "./overall";
 
 /** Why the robot is not well: the one thing that the others wait for. */
@@ -43,12 +44,15 @@ interface Root extends Omit<Cause, "effects" | "others"> {
  * restart a planner has no map for a moment, and the map is as it was.
  */
 export function rootCause(state: State | null, elapsed: number): Cause | null {
-  if (state === null || elapsed > FROZEN_S || state.components.length === 0) return null;
+  if (state === null || elapsed > FROZEN_S) return null;
   const ill = state.components.filter((c) => componentLevel(c, elapsed) !== "healthy");
+  // Of another stack the console knows its topics, and not what they mean to it.
+  const ours = state.components.length > 0;
   const roots = [
-    ...processRoots(state, elapsed),
-    ...streamRoots(state, ill, elapsed),
-    ...componentRoots(state, ill, elapsed),
+    ...(ours ? processRoots(state, elapsed) : []),
+    ...(ours ? streamRoots(state, ill, elapsed) : []),
+    ...(ours ? componentRoots(state, ill, elapsed) : []),
+    ...placeRoots(state, ill, elapsed),
   ].sort((a, b) => a.rank - b.rank || b.lasted - a.lasted);
   const root = roots[0];
   if (root === undefined) return null;
@@ -283,6 +287,25 @@ function componentRoots(state: State, ill: Component[], elapsed: number): Root[]
         return [{ ...base, rank: 3, ...failed, advice: DETAILS }];
     }
   });
+}
+
+/** A robot that is not where it thinks plans from there: so it explains who finds no solution. */
+function placeRoots({ localisation }: State, ill: Component[], elapsed: number): Root[] {
+  const { level, figure } = mapFit(localisation, elapsed);
+  if (level !== "degraded") return [];
+  return [
+    {
+      rank: 1.5,
+      lasted: elapsed,
+      level,
+      name: "Place doubtful",
+      text: `Scan and map agree ${figure}`,
+      advice: SET_ITS_PLACE,
+      minor: false,
+      topics: [],
+      components: ill.filter((c) => c.status === "algorithm_failure").map((c) => c.name),
+    },
+  ];
 }
 
 const DETAILS = "Health has the details; if it does not pass, restart this component.";

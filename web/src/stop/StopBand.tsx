@@ -15,8 +15,9 @@ import { useStop } from "./StopContext";
  * stopped when it was last heard of is told of with the age of that.
  *
  * @param why a button that leads to why it was stopped
+ * @param brief what is known to who sees it everywhere is left out, for there is little room
  */
-export function StopBand({ why }: { why: ReactNode }) {
+export function StopBand({ why, brief = false }: { why: ReactNode; brief?: boolean }) {
   const { stop, drive, dismiss } = useStop();
   const { state, elapsed } = useRobot();
   const { session } = useSession();
@@ -72,7 +73,9 @@ export function StopBand({ why }: { why: ReactNode }) {
             ? `${refusal.title} ${refusal.remedy}`
             : session.role === "viewer"
               ? "An operator can release it."
-              : "The robot stays where it is until a person releases it; then send it a new goal."}
+              : brief
+                ? null
+                : "The robot stays where it is until a person releases it; then send it a new goal."}
         </Band>
       )}
       {was !== null && (

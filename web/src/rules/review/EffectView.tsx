@@ -24,7 +24,8 @@ export function EffectView({ effect, names, done = false }: Props) {
       )}
       {reset.length > 0 && (
         <li>
-          {list(reset)} {done ? "started" : "will start"} afresh: changed in what they do.
+          {list(reset)} {done ? "started" : "will start"} afresh: changed in what{" "}
+          {reset.length === 1 ? "it does" : "they do"}.
         </li>
       )}
       {added.length > 0 && (

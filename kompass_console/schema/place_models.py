@@ -1,0 +1,64 @@
+"""The contract of places: named poses on the robot's maps."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, Field
+
+from kompass.places.change import PlaceId, Version
+from kompass.places.place import LONGEST_NAME, LONGEST_NOTE, MapIdentity, PlacePose
+from kompass_console.schema.models import In
+
+# What is too long, or cannot be seen, is told by the place itself, in a sentence.
+AnyName = Annotated[str, Field(max_length=10 * LONGEST_NAME)]
+AnyNote = Annotated[str, Field(max_length=10 * LONGEST_NOTE)]
+
+
+class PlaceSave(In):
+    """A new place on the map that the robot has now. Without `pose` it is where the robot stands,
+    with its heading."""
+
+    name: AnyName
+    note: AnyNote = ""
+    pose: PlacePose | None = None
+
+
+class PlaceEdit(In):
+    """What to change of a place; what is left out stays. `version` is of the place that was looked
+    at. `here` takes it along to the map that the robot has now, with the same coordinates."""
+
+    version: Version
+    name: AnyName | None = None
+    note: AnyNote | None = None
+    pose: PlacePose | None = None
+    here: bool = False
+
+
+class PlaceInfo(BaseModel):
+    """A place. `here` says whether it is on the map that the robot has now."""
+
+    id: PlaceId
+    version: Version
+    name: str
+    note: str
+    pose: PlacePose
+    map: MapIdentity
+    here: bool
+    author: str
+    time: float
+
+
+class PlaceList(BaseModel):
+    """All places, in the order in which they were saved.
+
+    `problem` says why none can be kept, or what was lost; empty when all is well. `map` is the one
+    that the robot has now; null while it has none. `most` is how many a robot keeps.
+    """
+
+    available: bool
+    revision: int
+    problem: str
+    map: MapIdentity | None
+    most: int
+    places: list[PlaceInfo]

@@ -1,0 +1,40 @@
+"""Whoever drives by hand learns that there is nothing left to drive."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tests.console.conftest import Served, running_stack
+from tests.console.rules_client import until
+from tests.console.test_by_hand import Page, page
+from tests.support.processes import wait_until
+
+pytestmark = pytest.mark.ros
+
+
+def test_a_drive_manager_that_goes_takes_the_wheel_with_it_and_the_page_is_told(
+    console: Served,
+) -> None:
+    with page(console, "ava") as ava:
+        with running_stack():
+            until(ava.states, lambda m: m["type"] == "state" and m["drive"] and m["pose"], 20.0)
+            ava.take()
+            ava.moving()
+        wait_until(lambda: _lost(ava), 40, "that the wheel is lost")
+        ava.say("ask")  # the socket is there still
+        ava.answer(yours=False)
+    outcomes = [line["outcome"] for line in console.audited() if line["what"] == "lose the wheel"]
+    assert outcomes == ["the drive manager has gone"]
+
+
+def _lost(page: Page) -> bool:
+    """Whether a page that goes on driving has been told that there is no use in it."""
+    page.drive(0.2)
+    try:
+        answer = json.loads(page.socket.recv(timeout=0.05))
+    except TimeoutError:
+        return False
+    assert answer["message"] == "The wheel was lost: the drive manager has gone. Take it again."
+    return True

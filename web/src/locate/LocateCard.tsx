@@ -1,0 +1,118 @@
+import { Button, Loader } from "@mantine/core";
+import { useLayoutEffect, useRef } from "react";
+import classes from "../goal/Goal.module.css";
+import { placeText } from "../goal/goalText";
+import { useCardPlace } from "../goal/useCardPlace";
+import { mapFit } from "../state/localisation";
+import { useRobot } from "../state/RobotContext";
+import { agreementText, movedText } from "./locateText";
+import type { LocateDraft, LocateTool } from "./useLocateTool";
+
+/** The answer to a pick, where the hand is: how well scan and map agree there, and Set; or why not. */
+export function LocateCard({ tool, draft }: { tool: LocateTool; draft: LocateDraft }) {
+  const first = useRef<HTMLButtonElement>(null);
+  const { anchor, check, error, phase } = draft;
+  const { card, place, style } = useCardPlace(anchor, [phase, check, error]);
+  const told = phase === "told";
+  const ready = told || (phase === "checked" && check?.ok === true && error === null);
+
+  useLayoutEffect(() => {
+    if (ready && place !== null) first.current?.focus({ preventScroll: true });
+  }, [ready, place]);
+
+  return (
+    <div
+      ref={card}
+      className={classes.card}
+      data-testid="locate-card"
+      data-phase={phase}
+      role="dialog"
+      aria-label="Place of the robot"
+      style={style}
+    >
+      <div aria-live="polite">
+        {phase === "checking" ? (
+          <p className={classes.lead}>
+            <Loader size="xs" /> Comparing…
+          </p>
+        ) : told ? (
+          <Told />
+        ) : (
+          <Answer draft={draft} />
+        )}
+      </div>
+      <div className={classes.actions}>
+        {told ? (
+          <Button ref={first} size="md" onClick={tool.toggle} data-testid="locate-done">
+            Done
+          </Button>
+        ) : (
+          <>
+            {check?.ok && (
+              <Button
+                ref={first}
+                size="md"
+                className={check.best ? classes.wide : undefined}
+                onClick={() => tool.set()}
+                loading={phase === "sending" && error === null}
+                data-testid="locate-set"
+              >
+                {check.best ? "Set the best place" : "Set"}
+              </Button>
+            )}
+            {check?.ok && check.best && (
+              <Button
+                size="md"
+                variant="default"
+                onClick={() => tool.set(true)}
+                data-testid="locate-exactly"
+              >
+                As pressed
+              </Button>
+            )}
+            <Button size="md" variant="default" onClick={tool.drop} data-testid="locate-cancel">
+              Cancel
+            </Button>
+          </>
+        )}
+      </div>
+    </div>
+  );
+}
+
+function Answer({ draft }: { draft: LocateDraft }) {
+  const { check, error } = draft;
+  const chosen = check?.best ?? check?.here;
+  return (
+    <>
+      {error !== null && (
+        <p className={classes.problem}>
+          {error.title} {error.remedy}
+        </p>
+      )}
+      {check !== null && !check.ok && <p className={classes.problem}>{check.message}</p>}
+      {check?.ok && chosen && (
+        <>
+          <p className={classes.lead}>{agreementText(chosen)}</p>
+          {check.best && <p className={classes.detail}>{movedText(check)}</p>}
+          <p className={classes.detail}>{placeText(chosen.x, chosen.y, chosen.yaw)}</p>
+        </>
+      )}
+      {check?.ok && check.note && <p className={classes.note}>{check.note}</p>}
+    </>
+  );
+}
+
+/** What came of it, as it is now. */
+function Told() {
+  const { state, elapsed } = useRobot();
+  const { sentence } = state === null ? { sentence: "" } : mapFit(state.localisation, elapsed);
+  return (
+    <>
+      <p className={classes.lead}>The robot was told</p>
+      <p className={classes.detail} data-testid="locate-now">
+        {sentence}
+      </p>
+    </>
+  );
+}

@@ -1,0 +1,132 @@
+import { ActionIcon, Menu, UnstyledButton } from "@mantine/core";
+import { IconDots, IconMap2, IconMapPin, IconPencil, IconTrash } from "@tabler/icons-react";
+import { useMutation } from "@tanstack/react-query";
+import { memo, useState } from "react";
+import { deletePlace, editPlace, type PlaceChange } from "../api/placesClient";
+import type { Place } from "../api/types";
+import { Problem } from "../ui/Problem";
+import { PlaceForm } from "./PlaceForm";
+import classes from "./Places.module.css";
+import { poseText } from "./placeText";
+
+interface Props {
+  place: Place;
+  mayEdit: boolean;
+  /** Looks at the way there; null where the robot cannot be sent. */
+  onGo: ((place: Place) => void) | null;
+  onDeleted: (place: Place) => void;
+}
+
+/** One place: a tap shows the way to it, and the menu has the rest. */
+export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, onDeleted }: Props) {
+  const [editing, setEditing] = useState(false);
+  const edit = useMutation({
+    mutationFn: (change: PlaceChange) => editPlace(place, change),
+    onSuccess: () => setEditing(false),
+  });
+  const remove = useMutation({
+    mutationFn: () => deletePlace(place),
+    onSuccess: () => onDeleted(place),
+  });
+  const { name, note, pose, here, map } = place;
+  const text = (
+    <>
+      <IconMapPin size={18} aria-hidden className={classes.pin} />
+      <span className={classes.text}>
+        <span className={classes.name}>{name}</span>
+        {(note !== "" || !here) && (
+          <span className={classes.note}>
+            {!here && `Of a map of ${map.label}. `}
+            {note}
+          </span>
+        )}
+      </span>
+    </>
+  );
+  const title = `${poseText(pose)}; saved by ${place.author}`;
+  if (editing) {
+    return (
+      <li className={classes.item}>
+        <PlaceForm
+          title={`Change ${name}`}
+          name={name}
+          note={note}
+          busy={edit.isPending}
+          error={edit.error}
+          onSave={(newName, newNote) => edit.mutate({ name: newName, note: newNote })}
+          onCancel={() => setEditing(false)}
+        />
+      </li>
+    );
+  }
+  return (
+    <li className={classes.item} data-testid={`place-${place.id}`} data-name={name}>
+      <div className={classes.row}>
+        {onGo !== null && here ? (
+          <UnstyledButton
+            className={classes.go}
+            aria-label={`Go to ${name}`}
+            title={title}
+            onClick={() => onGo(place)}
+            data-testid="place-go"
+          >
+            {text}
+          </UnstyledButton>
+        ) : (
+          <span className={classes.go} title={title}>
+            {text}
+          </span>
+        )}
+        {mayEdit && (
+          <Menu position="bottom-end" width={240}>
+            <Menu.Target>
+              <ActionIcon
+                variant="subtle"
+                color="gray"
+                className={classes.more}
+                aria-label={`More for ${name}`}
+                loading={edit.isPending || remove.isPending}
+                data-testid="place-menu"
+              >
+                <IconDots size={18} aria-hidden />
+              </ActionIcon>
+            </Menu.Target>
+            <Menu.Dropdown>
+              <Menu.Item
+                leftSection={<IconPencil size={16} aria-hidden />}
+                mih={44}
+                onClick={() => {
+                  edit.reset();
+                  setEditing(true);
+                }}
+                data-testid="place-edit"
+              >
+                Change name or note
+              </Menu.Item>
+              {!here && (
+                <Menu.Item
+                  leftSection={<IconMap2 size={16} aria-hidden />}
+                  mih={44}
+                  title="Where this map shows the same room: same name, same coordinates"
+                  onClick={() => edit.mutate({ here: true })}
+                  data-testid="place-along"
+                >
+                  Take along to this map
+                </Menu.Item>
+              )}
+              <Menu.Item
+                leftSection={<IconTrash size={16} aria-hidden />}
+                mih={44}
+                onClick={() => remove.mutate()}
+                data-testid="place-delete"
+              >
+                Delete
+              </Menu.Item>
+            </Menu.Dropdown>
+          </Menu>
+        )}
+      </div>
+      <Problem error={edit.error ?? remove.error} />
+    </li>
+  );
+});

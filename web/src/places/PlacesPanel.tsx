@@ -1,0 +1,163 @@
+import { Button, TextInput } from "@mantine/core";
+import { IconMapPinPlus, IconSearch } from "@tabler/icons-react";
+import { useMutation } from "@tanstack/react-query";
+import { memo, type ReactNode, useCallback, useEffect, useRef, useState } from "react";
+import { restorePlace } from "../api/placesClient";
+import type { Place, PlaceList } from "../api/types";
+import { useSession } from "../session/SessionContext";
+import { useRobot } from "../state/RobotContext";
+import { Panel } from "../ui/Panel";
+import { Problem } from "../ui/Problem";
+import { PlaceRow } from "./PlaceRow";
+import classes from "./Places.module.css";
+import { placesElsewhere, placesHere, SEARCH_FROM } from "./placeText";
+import { SavePlace } from "./SavePlace";
+import { usePlaces } from "./usePlaces";
+
+interface Props {
+  /** Looks at the way to a place; null while the scene shows something else than the robot. */
+  onGo: ((place: Place) => void) | null;
+  /** Counts how often somebody asked for the list; the focus then comes here. */
+  asked: number;
+}
+
+/** The named places of the map: go there, save, rename, delete. */
+export function PlacesPanel({ onGo, asked }: Props) {
+  const { list, error } = usePlaces();
+  const { frozen } = useRobot();
+  const { session } = useSession();
+  const operator = session.role !== "viewer";
+  const root = useRef<HTMLDivElement>(null);
+  const ready = list !== null;
+  const answered = useRef(0);
+  useEffect(() => {
+    if (!ready || asked === answered.current) return;
+    answered.current = asked;
+    root.current?.scrollIntoView({ block: "nearest" });
+    root.current?.querySelector<HTMLElement>("input, button")?.focus();
+  }, [asked, ready]);
+  const empty = list === null && error === null ? "Asking the robot for its places…" : null;
+  return (
+    <Panel title="Places" empty={empty} frozen={frozen} testId="places">
+      <div ref={root} className={classes.panel}>
+        <Problem error={error} />
+        {list !== null && (
+          <Contents list={list} onGo={operator ? onGo : null} operator={operator} />
+        )}
+      </div>
+    </Panel>
+  );
+}
+
+interface ContentsProps {
+  list: PlaceList;
+  onGo: Props["onGo"];
+  operator: boolean;
+}
+
+/** Apart, for it need not be made again with every snapshot of the robot. */
+const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps) {
+  const [search, setSearch] = useState("");
+  const [naming, setNaming] = useState(false);
+  const [deleted, setDeleted] = useState<Place | null>(null);
+  const [others, setOthers] = useState(false);
+  const undo = useMutation({
+    mutationFn: (place: Place) => restorePlace(place),
+    onSuccess: () => setDeleted(null),
+  });
+  const { reset } = undo;
+  const remember = useCallback(
+    (place: Place) => {
+      reset();
+      setDeleted(place);
+    },
+    [reset],
+  );
+  const all = placesHere(list.places);
+  const found = placesHere(list.places, search);
+  const elsewhere = placesElsewhere(list.places);
+  const searches = all.length > SEARCH_FROM;
+  const mayEdit = operator && list.available;
+  const rows = (places: Place[]) =>
+    places.map((place) => (
+      <PlaceRow key={place.id} place={place} mayEdit={mayEdit} onGo={onGo} onDeleted={remember} />
+    ));
+  return (
+    <>
+      {list.problem !== "" && <Note>{list.problem}</Note>}
+      {searches && (
+        <TextInput
+          type="search"
+          aria-label="Search places"
+          placeholder={`Search ${all.length} places`}
+          leftSection={<IconSearch size={16} aria-hidden />}
+          value={search}
+          onChange={(event) => setSearch(event.currentTarget.value)}
+          onKeyDown={(event) => {
+            if (event.key === "Escape") setSearch("");
+          }}
+          data-testid="place-search"
+        />
+      )}
+      {list.map === null && <Note>The robot has no map, and places are of a map.</Note>}
+      {list.map !== null && all.length === 0 && list.available && (
+        <Note>None on this map yet.</Note>
+      )}
+      {searches && found.length === 0 && <Note>No place has that in its name or note.</Note>}
+      <ul className={classes.list} aria-label="Places of this map">
+        {rows(searches ? found : all)}
+      </ul>
+      {deleted !== null && (
+        <div className={classes.undo} role="status">
+          <span className={classes.text}>Deleted {deleted.name}.</span>
+          <Button
+            variant="default"
+            size="compact-md"
+            loading={undo.isPending}
+            onClick={() => undo.mutate(deleted)}
+            data-testid="place-undo"
+          >
+            Undo
+          </Button>
+          <Problem error={undo.error} />
+        </div>
+      )}
+      {naming ? (
+        <SavePlace pose={null} onDone={() => setNaming(false)} />
+      ) : (
+        mayEdit &&
+        list.map !== null && (
+          <Button
+            variant="default"
+            className={classes.add}
+            leftSection={<IconMapPinPlus size={18} aria-hidden />}
+            onClick={() => setNaming(true)}
+            data-testid="place-add"
+          >
+            Save where the robot stands
+          </Button>
+        )
+      )}
+      {elsewhere.length > 0 && (
+        <>
+          <Button
+            variant="subtle"
+            size="compact-md"
+            aria-expanded={others}
+            onClick={() => setOthers(!others)}
+            data-testid="places-elsewhere"
+          >
+            {elsewhere.length === 1 ? "1 place" : `${elsewhere.length} places`} of other maps
+          </Button>
+          {others && (
+            <ul className={classes.list} aria-label="Places of other maps">
+              {rows(elsewhere)}
+            </ul>
+          )}
+        </>
+      )}
+    </>
+  );
+});
+
+const Note = ({ children }: { children: ReactNode }) => <p className={classes.empty}>{children}</p>;
