@@ -68,7 +68,7 @@ def complete(state: State) -> bool:
     return (
         all(not streams[key]["stale"] for key in ("odometry", "scan", "map", "local_map"))
         and len(state["components"]) == 4
-        and state["drive"] is not None
+        and bool(state["drive"] and state["drive"]["available"])
         and state["robot"]["radius"] is not None
         and state["simulation"] is not None
     )
@@ -77,7 +77,11 @@ def complete(state: State) -> bool:
 def gone(state: State) -> bool:
     """Nothing is heard of a stack."""
     streams = {s["key"]: s for s in state["streams"]}
-    return all(streams[key]["age"] is None or streams[key]["stale"] for key in ("odometry", "scan"))
+    silent = all(
+        streams[key]["age"] is None or streams[key]["stale"] for key in ("odometry", "scan")
+    )
+    # A STOP in the last words of one that has gone would be taken for the next one's.
+    return silent and not (state["drive"] and state["drive"]["available"])
 
 
 def seen(state: State) -> bool:
@@ -120,6 +124,12 @@ def ready(client: httpx.Client) -> None:
         8.0,
         "a goal is accepted",
     )
+
+
+def send(client: httpx.Client, x: float, y: float) -> None:
+    """Send the robot to a place (m) that it takes."""
+    answer = client.post("/api/goals", json={"x": x, "y": y})
+    assert answer.status_code == 200, answer.text
 
 
 def test_nobody_hears_the_state_without_login(console: Served) -> None:
@@ -186,7 +196,7 @@ def test_a_canceled_goal_is_told_so(
     socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
     ready(client)
-    client.post("/api/goals", json={"x": 3.0, "y": 2.0})
+    send(client, 3.0, 2.0)
     until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
     assert client.post("/api/goals/cancel").status_code == 202
     until(socket, lambda s: s["goal"]["phase"] == "canceled" and "operator" in s["goal"]["message"])
@@ -228,7 +238,7 @@ def test_stop_ends_the_drive_and_stays_until_released(
     socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
     ready(client)
-    client.post("/api/goals", json={"x": 3.0, "y": 2.0})
+    send(client, 3.0, 2.0)
     until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
     assert client.post("/api/stop", json={"reason": "test"}).json()["accepted"]
     state = until(socket, lambda s: s["drive"]["stopped"] and s["drive"]["standstill"])
@@ -436,7 +446,7 @@ def test_a_console_that_comes_later_finds_the_goal_that_runs(
     tmp_path: Path, domain: int, socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
     ready(client)
-    client.post("/api/goals", json={"x": 3.0, "y": 2.0})
+    send(client, 3.0, 2.0)
     until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
     with (
         serving(tmp_path / "second.jsonl", domain) as second,
@@ -454,7 +464,7 @@ def test_a_goal_whose_planner_was_killed_is_told_as_lost_once_there_is_another(
     socket: ClientConnection, client: httpx.Client, stack: Stack
 ) -> None:
     ready(client)
-    client.post("/api/goals", json={"x": 3.0, "y": 2.0})
+    send(client, 3.0, 2.0)
     until(socket, lambda s: s["goal"] and s["goal"]["phase"] == "driving")
     stack.kill()
     with running_stack():
