@@ -2,9 +2,9 @@ import { useMediaQuery } from "@mantine/hooks";
 import { type ComponentProps, useEffect, useState } from "react";
 import type { Place } from "../api/types";
 import { CoordinatesForm } from "../goal/CoordinatesForm";
+import { GestureHint } from "../goal/GestureHint";
 import { GestureOverlay, type PickOf } from "../goal/GestureOverlay";
 import { GoalCard } from "../goal/GoalCard";
-import { GoalHint } from "../goal/GoalHint";
 import { consideredOf, pointOf } from "../goal/onMap";
 import { type GoalTool, useGoalTool } from "../goal/useGoalTool";
 import { HandProvider, useHand } from "../hand/HandContext";
@@ -275,7 +275,11 @@ function SceneStack({
               {gestures((start, end) => ({ view: view.id, start, end }))}
             </>
           )}
-          {goal.active && goal.draft === null && <GoalHint tool={goal} />}
+          {goal.active && goal.draft === null && (
+            <GestureHint name="goal" tool={goal}>
+              <span>Tap the floor, or press, drag to the heading and release.</span>
+            </GestureHint>
+          )}
           {goal.active && goal.typing && goal.draft === null && (
             <CoordinatesForm label="Goal coordinates" tool={goal} view={view.id} />
           )}

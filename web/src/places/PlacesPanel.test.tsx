@@ -1,9 +1,8 @@
-import { MantineProvider } from "@mantine/core";
-import { QueryClient, QueryClientProvider } from "@tanstack/react-query";
-import { cleanup, fireEvent, render, screen, waitFor } from "@testing-library/react";
+import { cleanup, fireEvent, screen, waitFor } from "@testing-library/react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { ApiError } from "../api/errors";
 import type { Place, PlaceList } from "../api/types";
+import { renderPlain } from "../ui/testing";
 import { PlacesPanel } from "./PlacesPanel";
 
 const { editPlace, deletePlace, restorePlace, asked } = vi.hoisted(() => ({
@@ -44,21 +43,6 @@ beforeEach(() => {
     places: [place(1, "Dock"), place(2, "Attic", false)],
   };
   for (const each of [editPlace, deletePlace, restorePlace]) each.mockReset();
-  // Mantine asks for the system's theme; jsdom has no such things.
-  vi.stubGlobal("matchMedia", () => ({
-    matches: false,
-    addEventListener: () => {},
-    removeEventListener: () => {},
-  }));
-  vi.stubGlobal(
-    "ResizeObserver",
-    class {
-      observe() {}
-      unobserve() {}
-      disconnect() {}
-    },
-  );
-  Element.prototype.scrollIntoView = () => {};
 });
 afterEach(() => {
   cleanup();
@@ -66,11 +50,7 @@ afterEach(() => {
 });
 
 const panel = (onGo: ((place: Place) => void) | null, count = 0) => (
-  <QueryClientProvider client={new QueryClient()}>
-    <MantineProvider env="test">
-      <PlacesPanel onGo={onGo} asked={count} />
-    </MantineProvider>
-  </QueryClientProvider>
+  <PlacesPanel onGo={onGo} asked={count} />
 );
 const go = (name: string) => screen.queryByRole("button", { name: `Go to ${name}` });
 
@@ -82,7 +62,7 @@ async function choose(name: string, item: RegExp) {
 test("a place of another map waits apart, is not gone to, and can be taken along", async () => {
   const onGo = vi.fn();
   editPlace.mockResolvedValue(place(2, "Attic"));
-  render(panel(onGo));
+  renderPlain(panel(onGo));
   expect(screen.queryByText("Attic")).toBeNull();
   fireEvent.click(screen.getByRole("button", { name: "1 place of other maps" }));
   expect(screen.getByText(/Of a map of 9.0 × 7.0 m/)).toBeTruthy();
@@ -97,14 +77,14 @@ test("a place of another map waits apart, is not gone to, and can be taken along
 
 test("a viewer sees the places, and nothing to press", () => {
   asked.role = "viewer";
-  render(panel(vi.fn()));
+  renderPlain(panel(vi.fn()));
   expect(screen.getByText("Dock")).toBeTruthy();
   expect(go("Dock")).toBeNull();
   expect(screen.queryByRole("button", { name: /More for|Save where/ })).toBeNull();
 });
 
 test("where a drill is played in the robot's place nobody is sent anywhere", () => {
-  render(panel(null));
+  renderPlain(panel(null));
   expect(go("Dock")).toBeNull();
   expect(screen.getByRole("button", { name: "Save where the robot stands" })).toBeTruthy();
 });
@@ -113,7 +93,7 @@ test("undo brings back what was deleted; why it cannot is told beside it", async
   deletePlace.mockResolvedValue(place(1, "Dock"));
   restorePlace.mockRejectedValueOnce(new ApiError(409, "The name is taken.", "Choose another."));
   restorePlace.mockResolvedValueOnce(place(1, "Dock"));
-  render(panel(vi.fn()));
+  renderPlain(panel(vi.fn()));
   await choose("Dock", /Delete/);
   fireEvent.click(await screen.findByRole("button", { name: "Undo" }));
   expect((await screen.findByRole("alert")).textContent).toBe("The name is taken. Choose another.");
@@ -129,13 +109,13 @@ test("a robot that keeps no places says why, and offers to save none", () => {
     problem: "places cannot be kept: the disk is full",
     places: [],
   };
-  render(panel(vi.fn()));
+  renderPlain(panel(vi.fn()));
   expect(screen.getByText(/the disk is full/)).toBeTruthy();
   expect(screen.queryByRole("button", { name: /Save where/ })).toBeNull();
 });
 
 test("whoever asks for the places by key is brought to the first", () => {
-  const { rerender } = render(panel(vi.fn()));
+  const { rerender } = renderPlain(panel(vi.fn()));
   expect(document.activeElement).toBe(document.body);
   rerender(panel(vi.fn(), 1));
   expect(document.activeElement).toBe(go("Dock"));

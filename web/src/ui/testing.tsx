@@ -21,9 +21,11 @@ export function renderPlain(children: ReactNode) {
   );
   Element.prototype.scrollIntoView = () => {};
   const client = new QueryClient();
-  return render(
-    <QueryClientProvider client={client}>
-      <MantineProvider env="test">{children}</MantineProvider>
-    </QueryClientProvider>,
-  );
+  return render(children, {
+    wrapper: ({ children: within }) => (
+      <QueryClientProvider client={client}>
+        <MantineProvider env="test">{within}</MantineProvider>
+      </QueryClientProvider>
+    ),
+  });
 }

@@ -1,8 +1,7 @@
-import { MantineProvider } from "@mantine/core";
-import { QueryClient, QueryClientProvider } from "@tanstack/react-query";
-import { cleanup, fireEvent, render, screen, waitFor } from "@testing-library/react";
+import { cleanup, fireEvent, screen, waitFor } from "@testing-library/react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { Rule, RuleStatus } from "../../api/ruleTypes";
+import { renderPlain } from "../../ui/testing";
 import { UsedUp } from "./UsedUp";
 
 const { resetRule, may } = vi.hoisted(() => ({ resetRule: vi.fn(), may: { edit: true } }));
@@ -13,12 +12,6 @@ vi.mock("../../state/RobotContext", () => ({ useNow: () => 1060 }));
 beforeEach(() => {
   may.edit = true;
   resetRule.mockReset();
-  // Mantine asks for the system's theme; jsdom has no such thing.
-  vi.stubGlobal("matchMedia", () => ({
-    matches: false,
-    addEventListener: () => {},
-    removeEventListener: () => {},
-  }));
 });
 afterEach(() => {
   cleanup();
@@ -29,13 +22,7 @@ const rule = { id: "mapper-lost", name: "Mapper lost" } as Rule;
 
 function show(state: RuleStatus["state"]) {
   const status = { rule_id: rule.id, state, last_fired: 1000 } as RuleStatus;
-  render(
-    <QueryClientProvider client={new QueryClient()}>
-      <MantineProvider>
-        <UsedUp rule={rule} status={status} />
-      </MantineProvider>
-    </QueryClientProvider>,
-  );
+  renderPlain(<UsedUp rule={rule} status={status} />);
 }
 
 test("a rule that is spent says so, and one press resets it", async () => {

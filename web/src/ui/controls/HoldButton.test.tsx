@@ -1,16 +1,10 @@
-import { MantineProvider } from "@mantine/core";
-import { act, cleanup, fireEvent, render, screen } from "@testing-library/react";
+import { act, cleanup, fireEvent, screen } from "@testing-library/react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { renderPlain } from "../testing";
 import { HOLD_MS, HoldButton } from "./HoldButton";
 
 beforeEach(() => {
   vi.useFakeTimers();
-  // Mantine asks for the system's theme; jsdom has no such thing.
-  vi.stubGlobal("matchMedia", () => ({
-    matches: false,
-    addEventListener: () => {},
-    removeEventListener: () => {},
-  }));
 });
 afterEach(() => {
   cleanup();
@@ -20,12 +14,10 @@ afterEach(() => {
 
 function button() {
   const onHeld = vi.fn();
-  render(
-    <MantineProvider>
-      <HoldButton label="Release" onHeld={onHeld}>
-        Hold
-      </HoldButton>
-    </MantineProvider>,
+  renderPlain(
+    <HoldButton label="Release" onHeld={onHeld}>
+      Hold
+    </HoldButton>,
   );
   return { onHeld, element: screen.getByRole("button", { name: "Release" }) };
 }
