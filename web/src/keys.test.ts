@@ -29,6 +29,25 @@ test("an open menu knows best what a key means, also while its button has the fo
   expect(isInMenu(document.body)).toBe(false);
 });
 
+test("Escape closes a menu that has opened and has not taken the focus yet", () => {
+  const handle = vi.fn(() => true);
+  const { unmount } = renderHook(() => useKeys(handle));
+  const button = document.createElement("button");
+  const pressed = vi.fn();
+  button.addEventListener("click", pressed);
+  button.setAttribute("aria-haspopup", "menu");
+  document.body.append(button);
+  const leave = () => {
+    button.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape", bubbles: true }));
+    return [pressed.mock.calls.length, handle.mock.calls.length];
+  };
+  button.setAttribute("aria-expanded", "true");
+  expect(leave()).toEqual([1, 0]);
+  button.setAttribute("aria-expanded", "false");
+  expect(leave()).toEqual([1, 1]);
+  unmount();
+});
+
 test("keys are taken from this console's own scene only", () => {
   const message = (origin: string, data: unknown) => new MessageEvent("message", { origin, data });
   expect(forwardedKey(message(location.origin, { kompass: "key", key: " " }))).toBe(" ");

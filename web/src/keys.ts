@@ -43,6 +43,12 @@ export function isInMenu(target: EventTarget | null): boolean {
   return target instanceof Element && target.closest(MENU) !== null;
 }
 
+/** The button whose menu is open while it still has the focus itself, or null. */
+function menuButton(target: EventTarget | null): HTMLElement | null {
+  if (!(target instanceof Element)) return null;
+  return target.closest<HTMLElement>("[aria-haspopup=menu][aria-expanded=true]");
+}
+
 /** A key of the scene's frame that drives by hand, or null for any other message. */
 export function forwardedHand(
   event: MessageEvent<unknown>,
@@ -78,6 +84,13 @@ export function useKeys(handle: (press: KeyPress) => boolean): void {
     const onKeyDown = (event: KeyboardEvent) => {
       if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return;
       if (event.repeat || isStopKey(event)) return;
+      // A menu hears Escape only when it has taken the focus, a moment after it has opened.
+      const opener = event.key === "Escape" ? menuButton(event.target) : null;
+      if (opener !== null) {
+        event.preventDefault();
+        opener.click();
+        return;
+      }
       const onControl =
         event.target instanceof Element &&
         event.target.closest("button, a, [role=menuitemcheckbox]") !== null;

@@ -152,7 +152,11 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
         else locate.set();
         return true;
       case "escape":
-        if (inMenu || layersOpen) return false;
+        if (inMenu) return false;
+        if (layersOpen) {
+          setLayersOpen(false);
+          return true;
+        }
         if (hand.yours) {
           hand.give();
           return true;
