@@ -402,6 +402,9 @@ def test_rules_are_a_tab_of_a_small_screen_and_stop_stays_free(
             assert box is not None
             assert min(box["width"], box["height"]) >= 44, button
             assert box["x"] + box["width"] <= width
+    way_out = rules.get("rules-close").bounding_box()
+    assert way_out is not None
+    assert width - 8 <= way_out["x"] + way_out["width"] <= width
     _stop_is_free(page.get("stop-button"))
     rules.edit(STUCK)
     expect(rules.get("cooldown")).to_be_visible()
