@@ -3,7 +3,7 @@
 import os
 import signal
 import uuid
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 
 import pytest
 
@@ -12,6 +12,8 @@ from tests.support.domains import next_domain
 from tests.support.keys import give_key
 from tests.support.order import rank
 from tests.support.processes import ended, marked
+from tests.support.stack import Stack
+from tests.support.tester import Tester
 
 # Inherited by everything that a test starts, so that orphans can be told from strangers.
 MARK = f"KOMPASS_TEST_RUN={uuid.uuid4().hex}"
@@ -32,6 +34,22 @@ def pytest_configure() -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Files that take longest come first; within a file the order stays."""
     items.sort(key=lambda item: rank(item.path))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item,
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """A failure beside a stack shows what that said, and where its robot was."""
+    report = yield
+    if report.failed:
+        for name, value in getattr(item, "funcargs", {}).items():
+            if isinstance(value, Stack):
+                report.sections.append((f"what {name} printed last", value.output[-6000:]))
+            elif isinstance(value, Tester):
+                where = f"truth {value.truth}, speed {value.speed}, contacts {value.contacts}"
+                report.sections.append((f"where {name} was", where))
+    return report
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -123,7 +123,7 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
     revision = rules.apply("shelves ahead")
 
     # A place 24 cm from a pillar.
-    robot.click(-1.1, -0.39)
+    robot.click(-1.1, -0.39, taker="monitor")
     rules.get("rules-tab-firings").click()
     firing = rules.get("firing-too-near-stop").first
     expect(firing).to_contain_text("ok", timeout=30_000)

@@ -166,7 +166,7 @@ class Reality:
         goals = itertools.cycle([(-0.5, -0.55), (-1.6, 0.5), (-0.5, 0.55), (-1.6, -0.5)])
         for count in itertools.count():
             if count % 2 == 1:
-                self._robot.click(*next(goals))
+                self._robot.click(*next(goals), taker="planner")
             if count % 5 == 3:
                 request = SetFault.Request(fault="lidar_unplugged", on=True, duration=1.0)
                 assert self._robot.call(SetFault, "/simulator/set_fault", request).success

@@ -17,7 +17,7 @@ REFUSED, STOPPED = 1, 3
 
 
 def test_a_clicked_point_from_another_process_moves_the_robot_there(robot: Robot) -> None:
-    robot.click(0.55, -0.5)
+    robot.click(0.55, -0.5, taker="planner")
     wait_until(lambda: robot.distance_to(0.55, -0.5) < 0.10, 30, "arrival at the clicked point")
     # The next test begins with a robot that stands.
     wait_until(lambda: robot.newest["/drive_state"].standstill, 10, "a measured standstill")
@@ -80,7 +80,7 @@ def test_stop_halts_the_robot_and_holds_it_until_a_person_releases(robot: Robot)
     stood = robot.truth
     refused = robot.result(robot.send_goal(-0.5, -0.55), timeout=5)
     assert (refused.status, refused.result.outcome) == (ABORTED, STOPPED)
-    robot.click(-0.5, -0.55)
+    robot.click(-0.5, -0.55, taker="planner")
     assert max(math.dist(at[:2], stood[:2]) for at in robot.watch(1.5)) < 0.01
     assert robot.newest["/drive_state"].stopped_by == "tester"
 

@@ -45,7 +45,7 @@ def recording(stack: Stack, robot: Robot) -> Path:
     """The robot is sent to a place, loses its lidar on the way, and arrives."""
     robot.ready()
     robot.wait_for_listeners("/clicked_point", "planner", "monitor")
-    robot.click(*GOAL)
+    robot.click(*GOAL, taker="planner")
     away = robot.distance_to(*GOAL)
     wait_until(lambda: robot.distance_to(*GOAL) < away - 0.2, 30, "that it has set off")
     fault = SetFault.Request(fault="lidar_unplugged", on=True, duration=BROKEN)

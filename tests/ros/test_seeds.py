@@ -72,7 +72,7 @@ def test_a_clicked_point_drives_the_robot_there_and_the_goal_succeeds(
     assert ("components is process" in stack.output) == run.single
     firings: list[RuleFiring] = []
     robot.node.create_subscription(RuleFiring, "/monitor/firings", firings.append, 100)
-    robot.click(*GOAL)
+    robot.click(*GOAL, taker="monitor")
     wait_until(lambda: robot.distance_to(*GOAL) < 0.10, 40, "arrival at the clicked point")
     wait_until(
         lambda: any(f.phase == "done" and "rviz" in f.rule_id for f in firings),

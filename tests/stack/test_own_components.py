@@ -60,7 +60,7 @@ def test_a_low_battery_has_the_place_marked_and_a_fresh_one_has_it_forgotten(
     assert not refused.success
     assert "lasts_metres" in refused.error_msg
     assert change(battery, "battery", "lasts_metres", "0.2").success
-    battery.click(-1.5, 0.5)
+    battery.click(-1.5, 0.5, taker="planner")
     ended = journal.done("battery-low", timeout=40)
     assert [(step.ok, step.text) for step in journal.actions(ended) if not step.ok] == []
     battery.wait_until(lambda: "/places" in battery.newest, 10, "the marked place")

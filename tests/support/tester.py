@@ -65,15 +65,14 @@ class Tester(Client):
 
         self.wait_until(known, 20, f"{', '.join(nodes)} to listen to {topic}")
 
-    def click(self, x: float, y: float) -> None:
-        """Publish Point, as RViz does."""
+    def click(self, x: float, y: float, taker: str) -> None:
+        """Publish Point, as RViz does, once the node that makes a goal of it is there to hear it:
+        a recorder or a console that was found first makes none."""
         message = PointStamped()
         message.header.frame_id = "map"
         message.header.stamp = self.node.get_clock().now().to_msg()
         message.point.x, message.point.y = x, y
-        self.wait_until(
-            lambda: self._clicks.get_subscription_count() > 0, 10, "a listener for clicks"
-        )
+        self.wait_for_listeners("/clicked_point", taker)
         self._clicks.publish(message)
 
     def stop(self) -> StopRobot.Response:
