@@ -10,15 +10,12 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
-from multiprocessing import get_context
 
-from kompass.drills.runner.worker import ENVIRONMENT
+from kompass.drills.runner.worker import ENVIRONMENT, worker_pool
 
 NICENESS = 10
-# What takes time to import: our own, and what rclpy needs when a type of message is first used.
-PRELOADED = ["tests.drills.random_drives", "rosidl_generator_py", "rosidl_parser.parser"]
 PROGRESS = 10.0  # s between two lines of it
 
 
@@ -49,11 +46,8 @@ def make(seeds: Iterable[int], jobs: int, until: float = float("inf")) -> Iterat
     until
         Monotonic time after which none is begun [s].
     """
-    os.environ |= ENVIRONMENT
-    context = get_context("forkserver")
-    context.set_forkserver_preload(PRELOADED)
     waiting = iter(seeds)
-    with ProcessPoolExecutor(jobs, mp_context=context, max_tasks_per_child=1) as pool:
+    with worker_pool(jobs, "tests.drills.random_drives") as pool:
         under_way: dict[Future[Driven], int] = {}
 
         def begin() -> None:

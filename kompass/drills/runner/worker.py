@@ -162,15 +162,21 @@ def _why(error: BaseException) -> str:
     return text if isinstance(error, ValueError) else f"{type(error).__name__}: {text}"
 
 
-def worker_pool(jobs: int) -> ProcessPoolExecutor:
+def worker_pool(jobs: int, *also: str) -> ProcessPoolExecutor:
     """So many processes at a time, a new one for each call, which all end with this one.
 
     Those who drive in them keep to what the module's ENVIRONMENT and NICENESS say.
+
+    Parameters
+    ----------
+    also
+        Modules that the calls need besides.
     """
     # Taken over by the process that all others are forked from.
     os.environ |= ENVIRONMENT | {ASKS: str(os.getpid())}
     context = get_context("forkserver")
-    context.set_forkserver_preload(PRELOADED)
+    *first, warm = PRELOADED
+    context.set_forkserver_preload([*first, *also, warm])
     return ProcessPoolExecutor(
         jobs, mp_context=context, max_tasks_per_child=1, initializer=_end_with_server
     )

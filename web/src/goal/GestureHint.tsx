@@ -1,0 +1,39 @@
+import { Button } from "@mantine/core";
+import { IconKeyboard, IconX } from "@tabler/icons-react";
+import type { ReactNode } from "react";
+import classes from "./Goal.module.css";
+
+interface Props {
+  /** Names its elements. */
+  name: string;
+  tool: { typing: boolean; type: (open: boolean) => void; toggle: () => void };
+  children: ReactNode;
+}
+
+/** What the hand can do while a tool of the scene is on, and the ways without a hand on it. */
+export function GestureHint({ name, tool, children }: Props) {
+  return (
+    <div className={classes.hint}>
+      {children}
+      <span className={classes.hintActions}>
+        <Button
+          size="compact-md"
+          variant="default"
+          leftSection={<IconKeyboard size={18} aria-hidden />}
+          onClick={() => tool.type(!tool.typing)}
+          data-testid={`${name}-type`}
+        >
+          Type coordinates
+        </Button>
+        <Button
+          size="compact-md"
+          variant="default"
+          leftSection={<IconX size={18} aria-hidden />}
+          onClick={tool.toggle}
+        >
+          Done
+        </Button>
+      </span>
+    </div>
+  );
+}
