@@ -75,19 +75,24 @@ class Made(NamedTuple):
     second: Path
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
-    folder = tmp_path_factory.mktemp("recordings")
-    files = folder / "first.mcap", folder / "second.mcap"
+def make(scenario: Scenario, *files: Path) -> list[DriveResult]:
+    """Make a drive without a recording, and once with each."""
     # In a process of its own: what forks the drives lives as long as who asked for them.
     done = subprocess.run(
-        [sys.executable, "-c", MAKE, str(RECIPE), scenario_text(SCENARIO), *map(str, files)],
+        [sys.executable, "-c", MAKE, str(RECIPE), scenario_text(scenario), *map(str, files)],
         capture_output=True,
         text=True,
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    plain, first, second = map(DriveResult.model_validate_json, done.stdout.splitlines())
+    return [DriveResult.model_validate_json(line) for line in done.stdout.splitlines()]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    folder = tmp_path_factory.mktemp("recordings")
+    files = folder / "first.mcap", folder / "second.mcap"
+    plain, first, second = make(SCENARIO, *files)
     assert first == second
     return Made(plain, first, *files)
 
@@ -102,6 +107,19 @@ def events(file: Path) -> list[object]:
 def test_a_recorded_drive_goes_the_same_way_and_its_file_is_the_same_every_time(made: Made) -> None:
     assert made.recorded == made.result
     assert made.first.read_bytes() == made.second.read_bytes()
+
+
+def test_a_robot_whose_disk_is_full_is_recorded_to_the_end_of_its_drive(tmp_path: Path) -> None:
+    full = ScheduledFault(name="disk_full", at=1.0)  # before there is a path, and its channel
+    goals = (Goal(x=0.7, y=-0.5, at=2.0),)
+    drive = Scenario(name="full", world="hexagon", goals=goals, faults=(full,), limit=8.0)
+    file = tmp_path / "full.mcap"
+    plain, recorded = make(drive, file)
+    assert recorded == plain
+    with Recording([file]) as recording:
+        planned = list(messages(recording.files, lambda track: track.topic == "/plan"))
+        assert planned
+        assert recording.end_time - planned[0].log_time > 4e9
 
 
 def test_functions_that_sleep_and_wait_take_virtual_time(made: Made) -> None:
