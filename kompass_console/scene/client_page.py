@@ -36,6 +36,9 @@ html[data-mantine-color-scheme="dark"] canvas[data-engine] {{ background: {FLOOR
 # viser's own shortcuts (a command palette) are kept from it. While the page drives by hand, the
 # keys that drive are told by their place, down and up, and move no camera; who leaves the frame
 # with one of them held has let go.
+# requestAnimationFrame: the scene is drawn whenever something in it has moved, some 25 times a
+# second. Where there is no graphics processor that takes more than one of the machine's others, so
+# there it is drawn ten times a second while nobody turns it, which is enough to see a robot drive.
 # Function: as it starts, viser compiles what calls its sorter of Gaussian splats from strings,
 # which the policy refuses, and the browser's console shows an error at each load. There are no
 # splats here: these calls are made of nothing. All other strings are left to the policy.
@@ -84,6 +87,47 @@ window.Function = new Proxy(Function, {
     });
   });
   watch.observe(document, { childList: true, subtree: true });
+})();
+(function () {
+  var period = 100, turning = 1000, opening = 5000;  // ms
+  var gl = document.createElement("canvas").getContext("webgl");
+  if (gl === null) return;
+  var told = gl.getExtension("WEBGL_debug_renderer_info");
+  var renderer = gl.getParameter(told === null ? gl.RENDERER : told.UNMASKED_RENDERER_WEBGL);
+  var free = gl.getExtension("WEBGL_lose_context");
+  if (free !== null) free.loseContext();
+  if (!/swiftshader|llvmpipe|softpipe|basic render/i.test(renderer)) return;
+  var native = window.requestAnimationFrame.bind(window);
+  var waiting = new Map(), last = 0, asked = false;
+  var drawn = -period, hurried = performance.now() + opening;
+  function draw(now) {
+    asked = false;
+    drawn = now;
+    var due = Array.from(waiting.values());
+    waiting.clear();
+    due.forEach(function (each) {
+      try { each(now); } catch (error) { reportError(error); }
+    });
+  }
+  window.requestAnimationFrame = function (callback) {
+    waiting.set(++last, callback);
+    if (!asked) {
+      asked = true;
+      var now = performance.now();
+      var rest = now < hurried ? 0 : drawn + period - now;
+      // The next turn of the screen comes some milliseconds after it is asked for.
+      if (rest > 8) setTimeout(native, rest - 8, draw);
+      else native(draw);
+    }
+    return last;
+  };
+  window.cancelAnimationFrame = function (id) { waiting.delete(id); };
+  ["pointerdown", "pointermove", "wheel", "keydown"].forEach(function (kind) {
+    window.addEventListener(kind, function (event) {
+      if (kind !== "pointermove" || event.buttons !== 0)
+        hurried = Math.max(hurried, performance.now() + turning);
+    }, { capture: true, passive: true });
+  });
 })();
 """
 

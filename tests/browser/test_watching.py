@@ -145,6 +145,27 @@ def test_the_map_is_drawn_where_it_is_and_the_robots_pose_is_told(
     assert told[2] == pytest.approx(yaw * 57.3, abs=3)
 
 
+FRAMES = """(seconds) => new Promise((done) => {
+  const end = performance.now() + 1000 * seconds;
+  let frames = 0;
+  const count = () => {
+    frames += 1;
+    performance.now() < end ? requestAnimationFrame(count) : done(frames);
+  };
+  requestAnimationFrame(count);
+})"""
+
+
+def test_a_scene_that_the_processor_has_to_draw_leaves_it_time_for_others(
+    page: ConsolePage,
+) -> None:
+    page.await_scene()
+    scene = next(frame for frame in page.page.frames if "/scene/" in frame.url)
+    # While it opens it is drawn as fast as it can be.
+    wait_until(lambda: scene.evaluate(FRAMES, 1.0) <= 12, 10, "ten pictures a second")
+    assert scene.evaluate(FRAMES, 2.0) <= 22
+
+
 def test_a_dead_console_freezes_the_view_visibly_and_comes_back_by_itself(
     page: ConsolePage, stack: Stack
 ) -> None:

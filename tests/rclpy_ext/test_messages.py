@@ -37,7 +37,7 @@ from tests.support.fields import (
     message_misfits,
     sendable_types,
 )
-from tests.support.properties import few_or_many
+from tests.support.properties import MANY, few_or_many
 
 TYPES = sendable_types()
 HALF = r"\ud800"  # of a surrogate pair, as Python shows it
@@ -88,7 +88,7 @@ def test_there_are_types_of_all_packages() -> None:
     assert len(TYPES) > 200
 
 
-@few_or_many(40, few=2)
+@few_or_many(MANY // 8, few=2)
 @EVERY_TYPE
 def test_what_fits_arrives_as_it_was_written(type_name: str, examples: int) -> None:
     @tried(examples)
@@ -102,7 +102,7 @@ def test_what_fits_arrives_as_it_was_written(type_name: str, examples: int) -> N
     check()
 
 
-@few_or_many(40, few=2)
+@few_or_many(MANY // 8, few=2)
 @EVERY_TYPE
 def test_what_is_taken_from_a_message_arrives_as_it_was_there(
     type_name: str, examples: int
@@ -121,7 +121,7 @@ def test_what_is_taken_from_a_message_arrives_as_it_was_there(
     check()
 
 
-@few_or_many(40, few=2)
+@few_or_many(MANY // 8, few=2)
 @EVERY_TYPE
 def test_what_does_not_fit_is_refused_before_anything_is_sent(
     type_name: str, examples: int
