@@ -230,7 +230,9 @@ class Soak:
 
     def drive(self) -> None:
         """To the next corner; now and then blind for a moment."""
-        self.robot.click(*self.chance.choice([(-0.5, -0.55), (-1.6, 0.5), (-0.5, 0.55)]))
+        self.robot.click(
+            *self.chance.choice([(-0.5, -0.55), (-1.6, 0.5), (-0.5, 0.55)]), taker="planner"
+        )
         if self.chance.random() < 0.3:
             request = SetFault.Request(fault="lidar_unplugged", on=True, duration=1.0)
             self.robot.call(SetFault, "/simulator/set_fault", request)

@@ -1,4 +1,4 @@
-"""The command line: ``kompass-console run | demo | attach | rules | drill | bench-nav | audit``."""
+"""The command line: ``kompass-console run | demo | attach | rules | drill | …``."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from kompass_console.domain import (
 from kompass_console.drill_cli import app as drill
 from kompass_console.drill_cli import recipe_first
 from kompass_console.rules_cli.app import app as rules
+from kompass_console.users_cli import app as users
 
 # What each command needs is imported when it runs: help answers at once, and Ctrl-C during the
 # imports finds somebody who knows what it means.
@@ -50,6 +51,7 @@ app = typer.Typer(
 app.add_typer(rules)
 app.add_typer(audit)
 app.add_typer(drill)
+app.add_typer(users)
 app.command("bench-nav", epilog=BENCH_EXIT_CODES)(bench_nav)
 
 Host = Annotated[

@@ -16,6 +16,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from kompass.supervisor.heartbeat import send_heartbeat
+from kompass_console.accounts.accounts import Accounts
 from kompass_console.api.app import create_app
 from kompass_console.api.sockets import largest_message
 from kompass_console.audit.log import AuditLog
@@ -93,6 +94,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
     auth = Authenticator(
         settings.access_tokens,
         SessionRecords(settings.sessions_file, time.time()),
+        Accounts(settings.accounts_file),
         lifetime=settings.session_lifetime,
         idle_limit=settings.idle_limit,
     )
@@ -112,6 +114,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
             settings=settings,
             auth=auth,
             limiter=LoginLimiter(),
+            passwords=asyncio.Semaphore(1),
             audit=AuditTrail(audit_log),
             world=world,
             link=link,

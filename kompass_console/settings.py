@@ -68,7 +68,9 @@ class ConsoleSettings(BaseModel):
     Attributes
     ----------
     access_tokens
-        The secret of each role that may log in.
+        The secret of each role that may log in by it.
+    accounts_file
+        Who may log in by name; None for nobody.
     allow_hosts
         Names that a browser may use in the address bar besides loopback names and literal
         addresses.
@@ -94,7 +96,8 @@ class ConsoleSettings(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     robot_name: str = "robot"
-    access_tokens: dict[Role, str] = Field(min_length=1)
+    access_tokens: dict[Role, str]
+    accounts_file: Path | None = None
     theme: Theme = "light"
     topics: TopicOverrides = TopicOverrides()
     allow_hosts: tuple[str, ...] = ()
@@ -136,6 +139,12 @@ class ConsoleSettings(BaseModel):
                     "127.0.0.1 (names and networks are not taken)"
                 ) from None
         return proxies
+
+    @model_validator(mode="after")
+    def _somebody_can_log_in(self) -> Self:
+        if not self.access_tokens and self.accounts_file is None:
+            raise ValueError("access_tokens is empty and accounts_file is not given; give one")
+        return self
 
     @model_validator(mode="after")
     def _tls_is_whole(self) -> Self:

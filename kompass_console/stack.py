@@ -101,13 +101,26 @@ class ConsoleListener:
         if self.token is not None and len(self.token) < 16:
             raise CliError(2, "--token is too short: give at least 16 characters, or leave it out")
         self.drill: DrillSubject | None = None
+        self.accounts = _accounts_file()
+        self.tokens = self._tokens(by_name=_anybody_in(self.accounts))
         self.socket = self._listen()
         self.port = self.socket.getsockname()[1]
-        self.tokens = {
-            "operator": self.token or secrets.token_urlsafe(24),
-            "viewer": secrets.token_urlsafe(24),
-            "engineer": secrets.token_urlsafe(24),
-        }
+
+    def _tokens(self, *, by_name: bool) -> dict[str, str]:
+        """What opens the console to whoever has it; where people log in by name, what was given
+        only."""
+        given = {} if self.token is None else {"operator": self.token}
+        if by_name:
+            return given
+        if self.token is None and not _is_loopback(self.host):
+            raise CliError(
+                2,
+                f"--host {self.host} lets others in, and nobody has said who: add an account with "
+                "'kompass-console users add NAME --role engineer', or give a token of your own "
+                "with --token or KOMPASS_CONSOLE_TOKEN",
+            )
+        made = {role: secrets.token_urlsafe(24) for role in ("operator", "viewer", "engineer")}
+        return made | given
 
     def _listen(self) -> socket.socket:
         family = socket.AF_INET6 if ":" in self.host else socket.AF_INET
@@ -126,7 +139,7 @@ class ConsoleListener:
         return listening
 
     def url(self, role: str = "operator", *, here: bool = True) -> str:
-        """The address with the token of a role.
+        """The address, with the token of a role where there is one.
 
         Parameters
         ----------
@@ -137,16 +150,20 @@ class ConsoleListener:
         if host in _LOOPBACK:
             host = _LOOPBACK[host] if here else outward_address(host)
         shown = f"[{host}]" if ":" in host else host
-        return f"{self.door.scheme}://{shown}:{self.port}/#token={self.tokens[role]}"
+        token = self.tokens.get(role)
+        return f"{self.door.scheme}://{shown}:{self.port}/" + (f"#token={token}" if token else "")
 
     def announce(self) -> None:
         """Print the addresses."""
-        typer.echo(
-            f"\n  Console:    {self.url(here=False)}"
-            f"\n  To watch:   {self.url('viewer', here=False)}"
-            f"\n  Engineer:   {self.url('engineer', here=False)}"
-            f"\n  Robot:      {self.ros}\n"
-        )
+        if "viewer" in self.tokens:
+            ways = (
+                f"\n  Console:    {self.url(here=False)}"
+                f"\n  To watch:   {self.url('viewer', here=False)}"
+                f"\n  Engineer:   {self.url('engineer', here=False)}"
+            )
+        else:
+            ways = f"\n  Console:    {self.url(here=False)}\n  Log in:     by name and password"
+        typer.echo(f"{ways}\n  Robot:      {self.ros}\n")
         if self.door.scheme == "http" and not _is_loopback(self.host):
             typer.echo(
                 "  Without TLS, whoever can listen in on this network reads tokens, sessions and "
@@ -170,6 +187,7 @@ class ConsoleListener:
                 "recordings": None if report is None else _recordings(),
                 "drill": self.drill,
                 "audit_folder": _audit_folder(self.robot_name),
+                "accounts_file": self.accounts,
                 "sessions_file": _sessions_file(),
                 "idle_limit": self.door.idle_hours * 3600.0,
                 "trusted_proxies": tuple(self.door.trusted_proxies),
@@ -210,6 +228,28 @@ def _audit_folder(robot: str) -> Path | None:
         return audit_folder({**os.environ, ROBOT_NAME: robot})
     except StoreUnwritable:  # the console says so
         return None
+
+
+def _accounts_file() -> Path | None:
+    """Where it is kept who may log in by name; None where nothing can be kept."""
+    from kompass.store.errors import StoreUnwritable
+    from kompass.store.paths import data_dir
+    from kompass_console.accounts.accounts import FILE
+
+    try:
+        return data_dir() / FILE
+    except StoreUnwritable:
+        return None
+
+
+def _anybody_in(file: Path | None) -> bool:
+    """Whether there is an account; a file that cannot be read keeps all out, and is told."""
+    from kompass_console.accounts.accounts import Accounts, AccountsUnreadable
+
+    try:
+        return bool(Accounts(file).all())
+    except AccountsUnreadable as error:
+        raise CliError(2, str(error)) from None
 
 
 def _sessions_file() -> Path | None:

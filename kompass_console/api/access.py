@@ -8,6 +8,7 @@ from typing import Annotated, cast
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
+from kompass_console.schema.models import SessionInfo
 from kompass_console.schema.roles import Role
 from kompass_console.web.auth import LoginSession
 from kompass_console.web.console import Console
@@ -39,9 +40,14 @@ def session_of(connection: HTTPConnection) -> LoginSession:
         raise ConsoleError(
             401,
             "You are not logged in to this console.",
-            "Log in with the token that the console printed when it started.",
+            "Log in by name, or with the token that the console printed when it started.",
         )
     return session
+
+
+def info_of(session: LoginSession) -> SessionInfo:
+    """What a page is told of who uses it."""
+    return SessionInfo(user=session.user, role=session.role, account=session.account is not None)
 
 
 def at_least(role: Role) -> Callable[[HTTPConnection], LoginSession]:
@@ -53,7 +59,7 @@ def at_least(role: Role) -> Callable[[HTTPConnection], LoginSession]:
             raise ConsoleError(
                 403,
                 f"You are logged in as {session.role}, and this takes {_article(role)} {role}.",
-                f"Log in with {_article(role)} {role}'s token, or ask one to do it.",
+                f"Log in as {_article(role)} {role}, or ask one to do it.",
             )
         return session
 

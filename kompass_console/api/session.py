@@ -1,4 +1,4 @@
-"""Log in, see who is logged in, log out."""
+"""Log in by token or by name, see who is logged in, log out here or everywhere."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import asyncio
 from fastapi import APIRouter, Request, Response
 from fastapi.concurrency import run_in_threadpool
 
-from kompass_console.api.access import CurrentConsole, LoggedIn, session_cookie
-from kompass_console.schema.models import Login, SessionInfo
+from kompass_console.accounts.accounts import AccountRefused
+from kompass_console.api.access import CurrentConsole, LoggedIn, info_of, session_cookie
+from kompass_console.schema.models import Login, LoginWays, SessionInfo
 from kompass_console.web.auth import LoginSession
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
@@ -20,42 +21,45 @@ router = APIRouter(prefix="/api", tags=["session"])
 async def log_in(
     login: Login, request: Request, response: Response, console: CurrentConsole
 ) -> SessionInfo:
-    """Exchange a role's token for a session cookie."""
+    """Exchange a role's token, or a name and its password, for a session cookie."""
     address = request.client.host if request.client is not None else "?"
     _refuse_if_failing(console, address)
     if (delay := console.limiter.delay()) > 0.0:
         await asyncio.sleep(delay)
         _refuse_if_failing(console, address)
     before = console.auth.session(request.cookies.get(session_cookie(request)))
-    session = console.auth.log_in(login.token, login.user, before)
+    if login.token is not None:
+        session = console.auth.log_in(login.token, login.user, before)
+        wrong, title = "wrong token", "This token is not one of this console's."
+        remedy = "Copy the token that the console printed when it started."
+    else:
+        name, password = login.user or "", login.password or ""
+        async with console.passwords:
+            session = await run_in_threadpool(console.auth.log_in_by_name, name, password, before)
+        wrong, title = "wrong name or password", "This name and this password do not fit."
+        remedy = "Try again; on the robot, 'kompass-console users passwd' gives a new password."
     if session is None:
         console.limiter.failed(address)
-        console.audit.record(None, "log in", "wrong token", who=login.user or "")
-        raise ConsoleError(
-            403,
-            "This token is not one of this console's.",
-            "Copy the token that the console printed when it started.",
-        )
+        console.audit.record(None, "log in", wrong, who=login.user or "")
+        raise ConsoleError(403, title, remedy)
     console.audit.record(session, "log in", "ok")
     if before is not None and before.id != session.id:
         # The page goes on as somebody else: nothing of who it was before stays open.
         await run_in_threadpool(_end, console, before)
-    response.set_cookie(
-        session_cookie(request),
-        console.auth.cookie(session),
-        max_age=int(console.auth.lifetime),
-        httponly=True,
-        samesite="strict",
-        secure=request.url.scheme == "https",
-        path="/",
-    )
-    return SessionInfo(user=session.user, role=session.role)
+    _keep(session, request, response, console)
+    return info_of(session)
+
+
+@router.get("/login")
+def ways_in(console: CurrentConsole) -> LoginWays:
+    """How one may log in: what the page asks for."""
+    return LoginWays(accounts=console.auth.has_accounts, tokens=console.auth.has_tokens)
 
 
 @router.get("/session")
 def current_session(session: LoggedIn) -> SessionInfo:
     """Who is logged in."""
-    return SessionInfo(user=session.user, role=session.role)
+    return info_of(session)
 
 
 @router.post("/logout", status_code=204)
@@ -66,6 +70,36 @@ def log_out(
     _end(console, session)
     console.audit.record(session, "log out", "ok")
     response.delete_cookie(session_cookie(request), path="/")
+
+
+@router.post("/logout/others", status_code=204)
+def log_out_others(
+    session: LoggedIn, request: Request, response: Response, console: CurrentConsole
+) -> None:
+    """End all other sessions of this account, on whatever device; their cookies are refused."""
+    try:
+        mine = console.auth.end_others(session)
+    except AccountRefused as error:
+        console.audit.record(session, "log out others", str(error))
+        raise ConsoleError(
+            409,
+            f"Other sessions go on: {error}.",
+            "Start the console again, or give it another token, and all sessions by tokens end.",
+        ) from error
+    _keep(mine, request, response, console)
+    console.audit.record(session, "log out others", "ok")
+
+
+def _keep(session: LoginSession, request: Request, response: Response, console: Console) -> None:
+    response.set_cookie(
+        session_cookie(request),
+        console.auth.cookie(session),
+        max_age=int(console.auth.lifetime),
+        httponly=True,
+        samesite="strict",
+        secure=request.url.scheme == "https",
+        path="/",
+    )
 
 
 def _end(console: Console, session: LoginSession) -> None:
@@ -82,7 +116,7 @@ def _refuse_if_failing(console: Console, address: str) -> None:
     if wait > 0.0:
         raise ConsoleError(
             429,
-            "Too many wrong tokens came from your address.",
-            f"Wait {wait:.0f} s, then log in with the token that the console printed.",
+            "Too many wrong log-ins came from your address.",
+            f"Wait {wait:.0f} s, then try again.",
             {"Retry-After": str(int(wait) + 1)},
         )

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from kompass.algorithms.planning.failure import Reason
 from kompass_console.schema.plain import plain
@@ -36,17 +36,35 @@ class ErrorAnswer(BaseModel):
 
 
 class Login(In):
-    """A role's token, and the name to show for who uses it."""
+    """A role's token, and the name to show for who uses it; or the name of an account and its
+    password."""
 
-    token: str = Field(max_length=400)
+    token: str | None = Field(default=None, max_length=400)
     user: str | None = Field(default=None, max_length=400)
+    password: str | None = Field(default=None, max_length=400)
+
+    @model_validator(mode="after")
+    def _one_proof(self) -> Self:
+        if (self.token is None) == (self.password is None):
+            raise ValueError("give a token, or a user and a password")
+        if self.password is not None and not self.user:
+            raise ValueError("give the user whose password it is")
+        return self
+
+
+class LoginWays(BaseModel):
+    """How one may log in here: by name and password, by a token."""
+
+    accounts: bool
+    tokens: bool
 
 
 class SessionInfo(BaseModel):
-    """Who is logged in."""
+    """Who is logged in; `account` says whether by name and password."""
 
     user: str
     role: Role
+    account: bool = False
 
 
 class Layers(BaseModel):

@@ -1,8 +1,9 @@
-"""Log-in: role tokens in, signed session cookies out.
+"""Log-in: tokens of roles or names and passwords in, signed session cookies out.
 
 A session is a signed cookie, not a row in a table: the console may be killed and started again
-(its supervisor does that) and nobody who was driving has to find the token first. The signing key
-is derived from the role's token, so changing a token ends the sessions that were opened with it.
+(its supervisor does that) and nobody who was driving has to log in first. The signing key is
+derived from the role's token or from the account, so changing a token, a password or a role ends
+the sessions that were opened with it.
 """
 
 from __future__ import annotations
@@ -16,8 +17,11 @@ import secrets
 import time
 from collections import OrderedDict, deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
+from kompass_console.accounts.account import Account
+from kompass_console.accounts.accounts import AccountRefused, Accounts
+from kompass_console.accounts.passwords import fits
 from kompass_console.schema.plain import LONGEST_NAME, plain
 from kompass_console.schema.roles import Role
 from kompass_console.web.addresses import one_client
@@ -31,19 +35,25 @@ _LONGEST_COOKIE = 1000  # characters
 
 @dataclass(frozen=True, slots=True)
 class LoginSession:
-    """Who is logged in: display name, role, and the id and time (epoch s) of the log-in."""
+    """Who is logged in: display name, role, and the id and time (epoch s) of the log-in.
+
+    `account` is the key of the account that it belongs to; None for one by a token.
+    """
 
     user: str
     role: Role
     id: str
     issued: float
+    account: bytes | None = field(default=None, repr=False)
 
 
 class Authenticator:
-    """Checks tokens and cookies. Keeps no secret but the tokens it was given.
+    """Checks tokens, passwords and cookies. Keeps no secret but the tokens it was given.
 
     Parameters
     ----------
+    accounts
+        Who may log in by name; None for nobody.
     records
         Who has logged out and who was seen; None to keep that in memory.
     lifetime, idle_limit
@@ -54,6 +64,7 @@ class Authenticator:
         self,
         access_tokens: Mapping[Role, str],
         records: SessionRecords | None = None,
+        accounts: Accounts | None = None,
         *,
         lifetime: float = SESSION_LIFETIME,
         idle_limit: float = IDLE_LIMIT,
@@ -61,6 +72,7 @@ class Authenticator:
     ) -> None:
         self._tokens = dict(access_tokens)
         self._records = SessionRecords(None, now()) if records is None else records
+        self._accounts = Accounts(None) if accounts is None else accounts
         self.lifetime = lifetime
         self._idle_limit = idle_limit
         self._now = now
@@ -80,14 +92,47 @@ class Authenticator:
         if found is None:
             return None
         name = _clean_name(user) or str(found)
-        same = before is not None and (before.role, before.user) == (found, name)
-        session_id = before.id if same and before is not None else secrets.token_hex(8)
-        return LoginSession(name, found, session_id, self._now())
+        if self._accounts.find(name) is not None:
+            name = f"{name} (token)"  # nobody passes for somebody else
+        return self._open(name, found, None, before)
+
+    def log_in_by_name(
+        self, name: str, password: str, before: LoginSession | None = None
+    ) -> LoginSession | None:
+        """Session for the right password of an account, None for all else. Takes as long for a name
+        that there is not; some 50 ms of a processor, so not on the web server's loop."""
+        account = self._accounts.find(name)
+        if not fits(None if account is None else account.password, password) or account is None:
+            return None
+        return self._open(account.name, account.role, account.key, before)
+
+    @property
+    def has_accounts(self) -> bool:
+        """Whether anybody may log in by name."""
+        return bool(self._accounts.all())
+
+    @property
+    def has_tokens(self) -> bool:
+        """Whether anybody may log in by a token."""
+        return bool(self._tokens)
+
+    def end_others(self, session: LoginSession) -> LoginSession:
+        """End all other sessions of an account, and give this one a new cookie.
+
+        Raises
+        ------
+        AccountRefused
+            When it cannot be kept, or the session is one by a token.
+        """
+        if session.account is None:
+            raise AccountRefused("this is a log-in by a token, which many people may have")
+        return replace(session, issued=self._accounts.end_sessions(session.user))
 
     def cookie(self, session: LoginSession) -> str:
         """Signed cookie value of a session."""
         body = json.dumps([session.user, session.role, session.id, session.issued]).encode()
-        return f"{_encode(body)}.{_encode(self._sign(session.role, body))}"
+        key = self._key_of(session.role) if session.account is None else session.account
+        return f"{_encode(body)}.{_encode(_sign(key, body))}"
 
     def session(self, cookie: str | None) -> LoginSession | None:
         """Session of a cookie, or None when it is missing, forged, expired or logged out."""
@@ -97,6 +142,10 @@ class Authenticator:
     def is_open(self, session: LoginSession) -> bool:
         """Whether a session has not ended yet; asking counts as using it."""
         now = self._now()
+        if session.account is not None:
+            account = next((a for a in self._accounts.all() if a.key == session.account), None)
+            if account is None or session.issued < account.not_before:
+                return False
         if self._records.is_revoked(session.role, session.id, session.issued):
             return False
         if now - session.issued > self.lifetime:
@@ -124,15 +173,34 @@ class Authenticator:
             body, signed = _decode(encoded), _decode(signature)
         except (ValueError, binascii.Error):
             return None
-        signers = [r for r in self._tokens if hmac.compare_digest(signed, self._sign(r, body))]
-        if not signers:
+        signer = self._signer(body, signed)
+        if signer is None:
             return None
-        user, _, session_id, issued = json.loads(body)
-        return LoginSession(user, signers[0], session_id, issued)
+        user, role, session_id, issued = json.loads(body)
+        account = signer.key if isinstance(signer, Account) else None
+        return LoginSession(user, Role(role), session_id, issued, account)
 
-    def _sign(self, role: Role, body: bytes) -> bytes:
-        key = hashlib.sha256(b"kompass-console session " + self._tokens[role].encode()).digest()
-        return hmac.digest(key, body, "sha256")
+    def _signer(self, body: bytes, signed: bytes) -> Role | Account | None:
+        """Whose key it was signed with; who has signed told the name and the role of its own."""
+        for role in self._tokens:
+            if hmac.compare_digest(signed, _sign(self._key_of(role), body)):
+                return role
+        for account in self._accounts.all():
+            if hmac.compare_digest(signed, _sign(account.key, body)):
+                return account
+        return None
+
+    def _open(
+        self, name: str, role: Role, account: bytes | None, before: LoginSession | None
+    ) -> LoginSession:
+        same = before is not None and (before.role, before.user, before.account) == (
+            *(role, name, account),
+        )
+        session_id = before.id if same and before is not None else secrets.token_hex(8)
+        return LoginSession(name, role, session_id, self._now(), account)
+
+    def _key_of(self, role: Role) -> bytes:
+        return hashlib.sha256(b"kompass-console session " + self._tokens[role].encode()).digest()
 
 
 class LoginLimiter:
@@ -203,6 +271,10 @@ class LoginLimiter:
     def _forget(self, failures: deque[float]) -> None:
         while failures and self._now() - failures[0] > self._period:
             failures.popleft()
+
+
+def _sign(key: bytes, body: bytes) -> bytes:
+    return hmac.digest(key, body, "sha256")
 
 
 def _clean_name(user: str | None) -> str:

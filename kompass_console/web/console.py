@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from dataclasses import dataclass
 
 from kompass_console.drills.drills import Drills
@@ -31,6 +32,7 @@ class Console:
     settings: ConsoleSettings
     auth: Authenticator
     limiter: LoginLimiter
+    passwords: asyncio.Semaphore  # one is proved at a time: it takes 64 MiB and a processor
     audit: AuditTrail
     world: WorldModel
     link: RosLink

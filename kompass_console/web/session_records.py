@@ -6,18 +6,15 @@ logged out. This is kept in a small file, which only its owner may read.
 
 from __future__ import annotations
 
-import contextlib
-import fcntl
 import logging
-import os
 import threading
 from collections import OrderedDict
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from kompass_console.private_file import alone_in, replace_file
 from kompass_console.schema.roles import Role
 
 MOST_REVOKED = 5000  # of each role
@@ -105,12 +102,12 @@ class SessionRecords:
                     return
                 self._changed = False
             try:
-                with _alone(self._file.parent):
+                with alone_in(self._file.parent):
                     written = _of_others(self._file)
                     with self._lock:
                         self._take(written)
                         text = self._kept().model_dump_json()
-                    _replace(self._file, text)
+                    replace_file(self._file, text)
             except OSError as error:
                 with self._lock:
                     self._changed = True
@@ -171,28 +168,3 @@ def _of_others(file: Path) -> _Kept:
         return _read(file)
     except (FileNotFoundError, ValueError):
         return _Kept()
-
-
-@contextlib.contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """No other console writes here for as long as the block lasts."""
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(descriptor)
-
-
-def _replace(file: Path, text: str) -> None:
-    """Write whole or not at all; only the owner may read it."""
-    fresh = file.with_name(f".{file.name}.{os.getpid()}")
-    with contextlib.suppress(FileNotFoundError):
-        fresh.unlink()
-    descriptor = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
-    with os.fdopen(descriptor, "w", encoding="utf-8") as writing:
-        writing.write(text)
-        writing.flush()
-        os.fsync(writing.fileno())
-    fresh.replace(file)

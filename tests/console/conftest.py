@@ -88,11 +88,10 @@ def serving(
     listening = socket.create_server(("127.0.0.1", 0))
     settings = ConsoleSettings(
         robot_name="test robot",
-        access_tokens=TOKENS,
         audit_folder=audit_folder,
         domain_id=domain_id,
         recordings=recordings,
-        **more,
+        **{"access_tokens": TOKENS, **more},
     )
     stop = threading.Event()
     thread = threading.Thread(target=run_console, args=(listening, settings), kwargs={"stop": stop})

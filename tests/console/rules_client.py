@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import httpx
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from tests.console.conftest import Served, cookie_of, running
@@ -53,6 +54,15 @@ def opened(console: Served, path: str, client: httpx.Client) -> Iterator[ClientC
         close_timeout=1.0,
     ) as socket:
         yield socket
+
+
+def closed_with(socket: ClientConnection) -> int:
+    """Read until the console closes; its code."""
+    with contextlib.suppress(ConnectionClosed):
+        while True:
+            socket.recv(timeout=patient(10.0))
+    assert socket.close_code is not None
+    return int(socket.close_code)
 
 
 def until(socket: ClientConnection, good: Callable[[Json], object], timeout: float = 8.0) -> Json:

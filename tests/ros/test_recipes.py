@@ -33,8 +33,12 @@ def robot(request: pytest.FixtureRequest) -> Iterator[Robot]:
         assert stack.close() == 0, stack.output
 
 
-def test_a_click_drives_the_robot_there(robot: Robot, request: pytest.FixtureRequest) -> None:
-    by_rule = request.node.callspec.params["robot"].stem == BY_RULE
-    robot.click(-1.6, 0.0, taker="monitor" if by_rule else "planner")
+def drives_to_a_click(robot: Robot, taker: str = "planner") -> None:
+    robot.click(-1.6, 0.0, taker)
     wait_until(lambda: robot.distance_to(-1.6, 0.0) < 0.10, 45, "arrival at the clicked point")
     assert robot.contacts == 0
+
+
+def test_a_click_drives_the_robot_there(robot: Robot, request: pytest.FixtureRequest) -> None:
+    by_rule = request.node.callspec.params["robot"].stem == BY_RULE
+    drives_to_a_click(robot, "monitor" if by_rule else "planner")

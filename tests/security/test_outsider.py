@@ -36,6 +36,7 @@ from tests.support.processes import wait_until
 
 pytestmark = pytest.mark.ros
 
+GIVEN = "a token that somebody gave"
 LOOPBACK = "127.0.0.1"
 
 
@@ -496,7 +497,7 @@ def test_without_tls_nothing_is_said_that_only_tls_can_keep(console: Served) -> 
 def test_who_opens_the_console_to_a_network_is_told_what_is_overheard(
     host: str, warned: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    listener = ConsoleListener(host, 0, False, "ava", None, "here")
+    listener = ConsoleListener(host, 0, False, "ava", GIVEN, "here")
     with listener.socket:
         listener.announce()
     assert ("Without TLS" in capsys.readouterr().out) is warned
@@ -505,7 +506,7 @@ def test_who_opens_the_console_to_a_network_is_told_what_is_overheard(
 def test_the_printed_address_is_one_that_others_on_the_network_can_open(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    listener = ConsoleListener("0.0.0.0", 0, False, "ava", None, "here")
+    listener = ConsoleListener("0.0.0.0", 0, False, "ava", GIVEN, "here")
     with listener.socket:
         listener.announce()
         hosts = set(re.findall(r"http://([^/:]+):", capsys.readouterr().out))
@@ -519,7 +520,7 @@ def test_the_printed_address_is_one_that_others_on_the_network_can_open(
 def test_with_tls_the_address_says_so_and_nothing_is_warned_of(
     pair: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    listener = ConsoleListener("0.0.0.0", 0, False, "ava", None, "here", Door(*pair))
+    listener = ConsoleListener("0.0.0.0", 0, False, "ava", GIVEN, "here", Door(*pair))
     with listener.socket:
         listener.announce()
     said = capsys.readouterr().out

@@ -25,7 +25,7 @@ from kompass_console.settings import ConnectionLimits
 from kompass_console.web.auth import Authenticator
 from kompass_console.web.session_records import MOST_REVOKED, MOST_SEEN, SessionRecords
 from tests.console.conftest import TOKENS, Served, cookie_of, serving
-from tests.console.rules_client import opened, until
+from tests.console.rules_client import closed_with, opened, until
 from tests.console.scene_client import SceneClient, camera_message
 from tests.support.patience import patient
 from tests.support.processes import wait_until
@@ -51,15 +51,6 @@ def scene(console: Served, client: httpx.Client, view: str | None = None) -> Ite
 
 def new_view(client: httpx.Client) -> str:
     return str(client.post("/api/views").json()["id"])
-
-
-def closed_with(socket: ClientConnection) -> int:
-    """Read until the console closes; its code."""
-    with contextlib.suppress(ConnectionClosed):
-        while True:
-            socket.recv(timeout=patient(10.0))
-    assert socket.close_code is not None
-    return int(socket.close_code)
 
 
 def scene_closed_with(page: SceneClient) -> int:

@@ -17,7 +17,7 @@ async function enter(token: string | null): Promise<Gate> {
   let notice: string | null = null;
   if (token !== null) {
     try {
-      return { at: "inside", session: await login(token) };
+      return { at: "inside", session: await login({ token }) };
     } catch (error) {
       const { title, remedy } = asApiError(error);
       notice = `${title} ${remedy}`;

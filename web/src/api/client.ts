@@ -14,11 +14,16 @@ import type {
 
 /** A goal is checked and sent by way of the robot's planner. */
 const GOAL_MS = 8000;
+/** Passwords are proved one after the other, and slowly on purpose. */
+const LOGIN_MS = 8000;
 /** The drive manager has 1 s to answer the console; a little more for the network. */
 const STOP_MS = 2000;
 
-export const login = (token: string) =>
-  answer(http.POST("/api/login", { body: { token, user: null }, signal: within(QUICK_MS) }));
+export const login = (proof: { token: string } | { user: string; password: string }) =>
+  answer(http.POST("/api/login", { body: proof, signal: within(LOGIN_MS) }));
+
+/** How one may log in to this console. */
+export const waysIn = () => answer(http.GET("/api/login", { signal: within(QUICK_MS) }));
 
 /** The session of this browser's cookie, or null when it has none. */
 export async function currentSession(): Promise<Session | null> {
@@ -31,6 +36,10 @@ export async function currentSession(): Promise<Session | null> {
 }
 
 export const logout = () => answer(http.POST("/api/logout", { signal: within(QUICK_MS) }));
+
+/** Ends all other sessions of this account; this one goes on. */
+export const logoutOthers = () =>
+  answer(http.POST("/api/logout/others", { signal: within(QUICK_MS) }));
 
 export const createView = () => answer(http.POST("/api/views", { signal: within(QUICK_MS) }));
 

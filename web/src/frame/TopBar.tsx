@@ -2,12 +2,15 @@ import { ActionIcon, Menu, UnstyledButton } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import {
   IconChevronDown,
+  IconDevicesOff,
   IconLogout,
   IconMoon,
   IconSun,
   IconSunMoon,
   IconUser,
 } from "@tabler/icons-react";
+import { useMutation } from "@tanstack/react-query";
+import { logoutOthers } from "../api/client";
 import { DrivenBy } from "../hand/DrivenBy";
 import { RevisionBadge } from "../rules/bands/RevisionBadge";
 import { useSession } from "../session/SessionContext";
@@ -116,8 +119,9 @@ function UserMenu() {
   const { version, state } = useRobot();
   const theme = useThemeWords();
   const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
+  const others = useMutation({ mutationFn: logoutOthers });
   return (
-    <Menu position="bottom-end" width={240}>
+    <Menu position="bottom-end" width={240} onOpen={others.reset}>
       <Menu.Target>
         <UnstyledButton
           className={classes.user}
@@ -154,6 +158,23 @@ function UserMenu() {
           </Menu.Item>
         )}
         <Menu.Divider />
+        {session.account && (
+          <Menu.Item
+            closeMenuOnClick={false}
+            leftSection={<IconDevicesOff size={18} aria-hidden />}
+            onClick={() => others.mutate()}
+            disabled={others.isPending || others.isSuccess}
+            mih={44}
+            data-testid="logout-others"
+          >
+            {others.isSuccess ? "Logged out elsewhere" : "Log out elsewhere"}
+          </Menu.Item>
+        )}
+        {others.error !== null && (
+          <Menu.Label role="alert">
+            {others.error.title} {others.error.remedy}
+          </Menu.Label>
+        )}
         <Menu.Item
           leftSection={<IconLogout size={18} aria-hidden />}
           onClick={logout}

@@ -1,7 +1,7 @@
-import { Button, Code, PasswordInput, Text, Title } from "@mantine/core";
-import { useMutation } from "@tanstack/react-query";
+import { Anchor, Button, Code, PasswordInput, Text, TextInput, Title } from "@mantine/core";
+import { useMutation, useQuery } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
-import { login } from "../api/client";
+import { login, waysIn } from "../api/client";
 import type { Session } from "../api/types";
 import { Mark } from "../ui/Mark";
 import classes from "./LoginPage.module.css";
@@ -12,14 +12,29 @@ interface Props {
   onLogin: (session: Session) => void;
 }
 
+/** Asks for name and password where there are accounts, else for a token. */
 export function LoginPage({ notice, onLogin }: Props) {
+  const ways = useQuery({ queryKey: ["ways in"], queryFn: waysIn, retry: false });
+  const [asked, setAsked] = useState<"name" | "token" | null>(null);
   const [token, setToken] = useState("");
-  const enter = useMutation({ mutationFn: () => login(tokenFrom(token)), onSuccess: onLogin });
+  const [user, setUser] = useState("");
+  const [password, setPassword] = useState("");
+  const byName = asked === null ? ways.data?.accounts === true : asked === "name";
+  const enter = useMutation({
+    mutationFn: () => login(byName ? { user, password } : { token: tokenFrom(token) }),
+    onSuccess: onLogin,
+  });
   const { error } = enter;
+  const problem = error === null ? null : `${error.title} ${error.remedy}`;
+  const complete = byName ? user.trim() !== "" && password !== "" : token.trim() !== "";
 
   const submit = (event: FormEvent) => {
     event.preventDefault();
     enter.mutate();
+  };
+  const ask = (way: "name" | "token") => {
+    setAsked(way);
+    enter.reset();
   };
 
   return (
@@ -36,31 +51,79 @@ export function LoginPage({ notice, onLogin }: Props) {
             {notice}
           </Text>
         )}
-        <PasswordInput
-          label="Token"
-          description="From the address that the console printed when it started; the whole address works too."
-          autoComplete="off"
-          autoFocus
-          data-testid="login-token"
-          size="md"
-          value={token}
-          onChange={(event) => setToken(event.currentTarget.value)}
-          error={error === null ? null : `${error.title} ${error.remedy}`}
-          errorProps={{ role: "alert", "data-testid": "login-error" }}
-        />
+        {ways.isPending ? null : byName ? (
+          <>
+            <TextInput
+              label="Name"
+              autoComplete="username"
+              autoCapitalize="none"
+              autoFocus
+              data-testid="login-name"
+              size="md"
+              value={user}
+              onChange={(event) => setUser(event.currentTarget.value)}
+            />
+            <PasswordInput
+              label="Password"
+              autoComplete="current-password"
+              data-testid="login-password"
+              size="md"
+              value={password}
+              onChange={(event) => setPassword(event.currentTarget.value)}
+              error={problem}
+              errorProps={{ role: "alert", "data-testid": "login-error" }}
+            />
+          </>
+        ) : (
+          <PasswordInput
+            label="Token"
+            description="From the address that the console printed when it started; the whole address works too."
+            autoComplete="off"
+            autoFocus
+            data-testid="login-token"
+            size="md"
+            value={token}
+            onChange={(event) => setToken(event.currentTarget.value)}
+            error={problem}
+            errorProps={{ role: "alert", "data-testid": "login-error" }}
+          />
+        )}
         <Button
           type="submit"
           size="md"
           loading={enter.isPending}
-          disabled={token.trim() === ""}
+          disabled={!complete}
           data-testid="login-submit"
         >
           Open the console
         </Button>
-        <Text size="sm" className={classes.help}>
-          No token at hand? On the robot, look for the line with <Code>#token=</Code> in the output
-          of <Code>kompass-console</Code>, or start it again for a new one.
-        </Text>
+        {byName ? (
+          <Text size="sm" className={classes.help}>
+            No account, or no password any more? Whoever looks after the robot gives you one:{" "}
+            <Code>kompass-console users</Code>.
+            {ways.data?.tokens && (
+              <>
+                {" "}
+                <Anchor component="button" type="button" size="sm" onClick={() => ask("token")}>
+                  Log in with a token
+                </Anchor>
+              </>
+            )}
+          </Text>
+        ) : (
+          <Text size="sm" className={classes.help}>
+            No token at hand? On the robot, look for the line with <Code>#token=</Code> in the
+            output of <Code>kompass-console</Code>, or start it again for a new one.
+            {ways.data?.accounts && (
+              <>
+                {" "}
+                <Anchor component="button" type="button" size="sm" onClick={() => ask("name")}>
+                  Log in by name
+                </Anchor>
+              </>
+            )}
+          </Text>
+        )}
       </form>
     </main>
   );
