@@ -14,6 +14,8 @@ from kompass.algorithms.geometry import Floats, transform_points
 UNKNOWN = -1
 FREE = 0
 OCCUPIED = 100
+# Of cells a robot drives by [m]; beyond them a number is a slip, or in another unit.
+FINEST, COARSEST = 0.001, 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +36,10 @@ class Grid:
             raise ValueError(
                 f"cells: shape {self.cells.shape} is no map; give rows and columns, (H, W) ≥ (1, 1)"
             )
-        if not (math.isfinite(self.resolution) and self.resolution > 0):
-            raise ValueError(f"resolution: {self.resolution} m; give a cell size above 0")
+        if not FINEST <= self.resolution <= COARSEST:  # nor NaN
+            raise ValueError(
+                f"resolution: {self.resolution:g} m; give cells of {FINEST:g} to {COARSEST:g} m"
+            )
         if not all(math.isfinite(value) for value in self.origin):
             raise ValueError(f"origin: {self.origin}; give finite x, y [m] and yaw [rad]")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import shutil
 import sqlite3
 import time
@@ -13,6 +14,7 @@ from typing import Literal, NamedTuple
 
 from kompass.store.durable import sync_folder
 from kompass.store.errors import StoreCorrupt, StoreTooNew, StoreUnwritable
+from kompass.store.lock import take_lock
 from kompass.store.private import private_folder
 
 _logger = logging.getLogger("kompass.store")
@@ -75,6 +77,42 @@ def open_database(path: Path, kind: Format) -> tuple[sqlite3.Connection, str]:
         ) from None
     except (sqlite3.Error, OSError) as error:
         raise unwritable(path, error) from None
+
+
+def open_alone(
+    path: Path, kind: Format, lock: str, what: str
+) -> tuple[int, sqlite3.Connection, str]:
+    """Open a file that one process at a time has; its folder is made when missing.
+
+    Parameters
+    ----------
+    lock
+        Name of the file that is locked beside it.
+    what
+        It is, for people.
+
+    Returns
+    -------
+    tuple
+        The descriptor that holds the lock until it is closed, and what :func:`open_database` gives.
+
+    Raises
+    ------
+    StoreBusy
+        When another process has it.
+    StoreTooNew, StoreUnwritable
+        As :func:`open_database`.
+    """
+    try:
+        private_folder(path.parent)
+    except OSError as error:
+        raise unwritable(path.parent, error) from None
+    held = take_lock(path.parent, lock, what)
+    try:
+        return held, *open_database(path, kind)
+    except BaseException:
+        os.close(held)
+        raise
 
 
 def unwritable(path: Path, error: Exception) -> StoreUnwritable:

@@ -7,10 +7,8 @@ from pathlib import Path
 
 from kompass.store.errors import StoreBusy, StoreUnwritable
 
-NAME = "store.lock"
 
-
-def take_lock(folder: Path, name: str = NAME, what: str = "rule store") -> int:
+def take_lock(folder: Path, name: str, what: str) -> int:
     """Take a lock of a folder until the descriptor is closed, or the process ends in any way.
 
     Parameters

@@ -25,10 +25,8 @@ from kompass.places.place import (
     PlacePose,
     same_name,
 )
-from kompass.store.database import Format, open_database, transaction, unwritable
+from kompass.store.database import Format, open_alone, transaction
 from kompass.store.errors import NoSuchPlace, PlaceRefused, StalePlace, StoreClosed, StoreCorrupt
-from kompass.store.lock import take_lock
-from kompass.store.private import private_folder
 from kompass.store.schema import PLACES, PLACES_ID
 
 FILE = "places.db"
@@ -51,16 +49,7 @@ class PlaceStore:
     def __init__(self, folder: Path, clock: Callable[[], float]) -> None:
         self._path, self._clock = folder / FILE, clock
         self._guard = threading.RLock()
-        try:
-            private_folder(folder)
-        except OSError as error:
-            raise unwritable(folder, error) from None
-        self._lock = take_lock(folder, LOCK, "store of places")
-        try:
-            self._sql, self.notice = open_database(self._path, FORMAT)
-        except BaseException:
-            os.close(self._lock)
-            raise
+        self._lock, self._sql, self.notice = open_alone(self._path, FORMAT, LOCK, "store of places")
         self._closed = False
 
     @classmethod

@@ -23,7 +23,7 @@ from kompass.rulebook.schema.revision import History, Origin, Revision
 from kompass.rules.schema.table import Table, table_hash
 from kompass.store.backup import backup_of, read_backup, write_backup
 from kompass.store.boot import Boot, StoreFacts, choose
-from kompass.store.database import Format, open_database, transaction, unwritable
+from kompass.store.database import Format, open_alone, transaction
 from kompass.store.errors import (
     StaleRevision,
     StoreClosed,
@@ -32,8 +32,6 @@ from kompass.store.errors import (
     StoreUnwritable,
 )
 from kompass.store.journal import DEFAULT_BOUNDS, JournalBounds, JournalFile, Refusal
-from kompass.store.lock import take_lock
-from kompass.store.private import private_folder
 from kompass.store.rebuild import rebuild
 from kompass.store.revisions import Outcome, RevisionEntry, Revisions
 from kompass.store.schema import RULES, RULES_ID
@@ -41,6 +39,7 @@ from kompass.store.session import MONITOR, this_machine
 
 _logger = logging.getLogger("kompass.store")
 FILE = "rules.db"
+LOCK = "store.lock"
 FORMAT = Format(RULES_ID, RULES, "FULL")
 HANGING = 0.5  # s after which a disk is not waited for
 
@@ -61,19 +60,11 @@ class RuleStore:
         self._active = self._confirmed = self._copied = 0
         # A start that the disk has not taken yet, and when it was.
         self._unnoted: tuple[Boot, float] | None = None
+        self._lock, self._sql, notice = open_alone(self._path, FORMAT, LOCK, "rule store")
         try:
-            private_folder(folder)
-        except OSError as error:
-            raise unwritable(folder, error) from None
-        self._lock = take_lock(folder)
-        try:
-            self._sql, notice = open_database(self._path, FORMAT)
-            try:
-                self._journal = JournalFile(folder, bounds)
-            except BaseException:
-                self._sql.close()
-                raise
+            self._journal = JournalFile(folder, bounds)
         except BaseException:
+            self._sql.close()
             os.close(self._lock)
             raise
         self._revisions, self._closed = Revisions(self._sql), False

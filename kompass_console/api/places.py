@@ -66,18 +66,19 @@ async def edit_place(
     """Rename a place, move it, write a note on it, or take it along to the map of now."""
 
     async def begin() -> PlaceChange:
-        here = await _map_of_now(console) if body.here or body.pose else None
+        pose = _where_it_stands(console) if body.to_robot else body.pose
+        here = await _map_of_now(console) if body.here or pose else None
         if here is not None:
             place = _known(console, place_id)
             if not body.here and place.map.id != here.id:
                 raise _elsewhere(place)
-            _check_on_map(console, body.pose or place.pose)
+            _check_on_map(console, pose or place.pose)
         given = body.model_dump(include={"name", "note"}, exclude_none=True)
         return _made(
             EditPlace,
             id=place_id,
             version=body.version,
-            pose=body.pose,
+            pose=pose,
             map=here if body.here else None,
             **given,
         )

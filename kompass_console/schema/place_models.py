@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, model_validator
 
 from kompass.places.change import PlaceId, Version
 from kompass.places.place import LONGEST_NAME, LONGEST_NOTE, MapIdentity, PlacePose
@@ -26,13 +26,21 @@ class PlaceSave(In):
 
 class PlaceEdit(In):
     """What to change of a place; what is left out stays. `version` is of the place that was looked
-    at. `here` takes it along to the map that the robot has now, with the same coordinates."""
+    at. `here` takes it along to the map that the robot has now, with the same coordinates;
+    `to_robot` moves it to where the robot stands, with its heading."""
 
     version: Version
     name: AnyName | None = None
     note: AnyNote | None = None
     pose: PlacePose | None = None
     here: bool = False
+    to_robot: bool = False
+
+    @model_validator(mode="after")
+    def _one_pose(self) -> Self:
+        if self.to_robot and self.pose is not None:
+            raise ValueError("give a pose, or to_robot")
+        return self
 
 
 class PlaceInfo(BaseModel):

@@ -44,7 +44,7 @@ def test_a_truncated_message_is_refused_by_name_and_number() -> None:
         Grid.from_row_major([0] * 5, 3, 2, 0.05, (0, 0, 0))
 
 
-@pytest.mark.parametrize("resolution", [0.0, -1.0, float("nan")])
-def test_a_grid_without_a_cell_size_is_refused(resolution: float) -> None:
-    with pytest.raises(ValueError, match="resolution"):
+@pytest.mark.parametrize("resolution", [0.0, -1.0, float("nan"), float("inf"), 1e-9, 0.00099, 50.0])
+def test_a_grid_whose_cells_are_none_to_drive_by_is_refused(resolution: float) -> None:
+    with pytest.raises(ValueError, match=r"resolution: .* give cells of 0\.001 to 10 m"):
         Grid(np.zeros((2, 2), np.int8), resolution)

@@ -162,6 +162,12 @@ def test_where_the_robot_stands_is_saved_without_giving_a_pose(
     place = save(ava, name="Here", pose=None)
     for key in ("x", "y", "yaw"):
         assert place["pose"][key] == pytest.approx(stands[key], abs=0.05)
+    there = save(ava, name="There", pose={"x": 1.0, "y": 0.6})
+    moved = edit(ava, there, to_robot=True).json()
+    assert (moved["name"], moved["version"]) == ("There", 2)
+    assert moved["pose"] == pytest.approx(place["pose"], abs=0.05)
+    both = edit(ava, moved, to_robot=True, pose={"x": 1.0, "y": 0.6})
+    assert both.status_code == 422
 
 
 def test_a_place_is_renamed_moved_deleted_and_brought_back(ava: httpx.Client) -> None:

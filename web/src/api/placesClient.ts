@@ -18,7 +18,7 @@ export const editPlace = (place: Place, change: PlaceChange) =>
   answer(
     http.PATCH("/api/places/{place_id}", {
       params: { path: { place_id: place.id } },
-      body: { here: false, ...change, version: place.version },
+      body: { here: false, to_robot: false, ...change, version: place.version },
       signal: within(CHANGE_MS),
     }),
   );

@@ -1,5 +1,12 @@
 import { ActionIcon, Menu, UnstyledButton } from "@mantine/core";
-import { IconDots, IconMap2, IconMapPin, IconPencil, IconTrash } from "@tabler/icons-react";
+import {
+  IconDots,
+  IconMap2,
+  IconMapPin,
+  IconMapPinShare,
+  IconPencil,
+  IconTrash,
+} from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
 import { memo, useState } from "react";
 import { deletePlace, editPlace, type PlaceChange } from "../api/placesClient";
@@ -15,10 +22,12 @@ interface Props {
   /** Looks at the way there; null where the robot cannot be sent. */
   onGo: ((place: Place) => void) | null;
   onDeleted: (place: Place) => void;
+  /** Given the place as it was, and as it is. */
+  onMoved: (before: Place, after: Place) => void;
 }
 
 /** One place: a tap shows the way to it, and the menu has the rest. */
-export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, onDeleted }: Props) {
+export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }: Props) {
   const [editing, setEditing] = useState(false);
   const edit = useMutation({
     mutationFn: (change: PlaceChange) => editPlace(place, change),
@@ -26,7 +35,11 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, onDeleted
   });
   const remove = useMutation({
     mutationFn: () => deletePlace(place),
-    onSuccess: () => onDeleted(place),
+    onSuccess: () => told.onDeleted(place),
+  });
+  const move = useMutation({
+    mutationFn: () => editPlace(place, { to_robot: true }),
+    onSuccess: (moved) => told.onMoved(place, moved),
   });
   const { name, note, pose, here, map } = place;
   const text = (
@@ -85,7 +98,7 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, onDeleted
                 color="gray"
                 className={classes.more}
                 aria-label={`More for ${name}`}
-                loading={edit.isPending || remove.isPending}
+                loading={edit.isPending || remove.isPending || move.isPending}
                 data-testid="place-menu"
               >
                 <IconDots size={18} aria-hidden />
@@ -103,6 +116,16 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, onDeleted
               >
                 Change name or note
               </Menu.Item>
+              {here && (
+                <Menu.Item
+                  leftSection={<IconMapPinShare size={16} aria-hidden />}
+                  mih={44}
+                  onClick={() => move.mutate()}
+                  data-testid="place-move"
+                >
+                  Move to where the robot stands
+                </Menu.Item>
+              )}
               {!here && (
                 <Menu.Item
                   leftSection={<IconMap2 size={16} aria-hidden />}
@@ -126,7 +149,7 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, onDeleted
           </Menu>
         )}
       </div>
-      <Problem error={edit.error ?? remove.error} />
+      <Problem error={edit.error ?? remove.error ?? move.error} />
     </li>
   );
 });

@@ -102,6 +102,20 @@ test("undo brings back what was deleted; why it cannot is told beside it", async
   expect(restorePlace.mock.calls.map(([of]) => of.name)).toEqual(["Dock", "Dock"]);
 });
 
+test("a place is moved to where the robot stands, and back again", async () => {
+  const moved = { ...place(1, "Dock"), version: 2, pose: { x: 3, y: 4, yaw: 0 } };
+  editPlace.mockResolvedValueOnce(moved);
+  editPlace.mockResolvedValueOnce({ ...place(1, "Dock"), version: 3 });
+  renderPlain(panel(vi.fn()));
+  await choose("Dock", /Move to where the robot stands/);
+  fireEvent.click(await screen.findByRole("button", { name: "Undo" }));
+  await waitFor(() => expect(screen.queryByRole("button", { name: "Undo" })).toBeNull());
+  expect(editPlace.mock.calls).toEqual([
+    [place(1, "Dock"), { to_robot: true }],
+    [moved, { pose: place(1, "Dock").pose }],
+  ]);
+});
+
 test("a robot that keeps no places says why, and offers to save none", () => {
   asked.list = {
     ...(asked.list as PlaceList),

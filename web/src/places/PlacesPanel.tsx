@@ -2,7 +2,7 @@ import { Button, TextInput } from "@mantine/core";
 import { IconMapPinPlus, IconSearch } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
 import { memo, type ReactNode, useCallback, useEffect, useRef, useState } from "react";
-import { restorePlace } from "../api/placesClient";
+import { editPlace, restorePlace } from "../api/placesClient";
 import type { Place, PlaceList } from "../api/types";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
@@ -49,6 +49,12 @@ export function PlacesPanel({ onGo, asked }: Props) {
   );
 }
 
+/** What can be taken back: a place as it was, and as it is; null when it is deleted. */
+interface Done {
+  before: Place;
+  after: Place | null;
+}
+
 interface ContentsProps {
   list: PlaceList;
   onGo: Props["onGo"];
@@ -59,17 +65,18 @@ interface ContentsProps {
 const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps) {
   const [search, setSearch] = useState("");
   const [naming, setNaming] = useState(false);
-  const [deleted, setDeleted] = useState<Place | null>(null);
+  const [done, setDone] = useState<Done | null>(null);
   const [others, setOthers] = useState(false);
   const undo = useMutation({
-    mutationFn: (place: Place) => restorePlace(place),
-    onSuccess: () => setDeleted(null),
+    mutationFn: ({ before, after }: Done) =>
+      after === null ? restorePlace(before) : editPlace(after, { pose: before.pose }),
+    onSuccess: () => setDone(null),
   });
   const { reset } = undo;
   const remember = useCallback(
-    (place: Place) => {
+    (before: Place, after: Place | null = null) => {
       reset();
-      setDeleted(place);
+      setDone({ before, after });
     },
     [reset],
   );
@@ -80,7 +87,14 @@ const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps)
   const mayEdit = operator && list.available;
   const rows = (places: Place[]) =>
     places.map((place) => (
-      <PlaceRow key={place.id} place={place} mayEdit={mayEdit} onGo={onGo} onDeleted={remember} />
+      <PlaceRow
+        key={place.id}
+        place={place}
+        mayEdit={mayEdit}
+        onGo={onGo}
+        onDeleted={remember}
+        onMoved={remember}
+      />
     ));
   return (
     <>
@@ -107,14 +121,16 @@ const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps)
       <ul className={classes.list} aria-label="Places of this map">
         {rows(searches ? found : all)}
       </ul>
-      {deleted !== null && (
+      {done !== null && (
         <div className={classes.undo} role="status">
-          <span className={classes.text}>Deleted {deleted.name}.</span>
+          <span className={classes.text}>
+            {done.after === null ? "Deleted" : "Moved"} {done.before.name}.
+          </span>
           <Button
             variant="default"
             size="compact-md"
             loading={undo.isPending}
-            onClick={() => undo.mutate(deleted)}
+            onClick={() => undo.mutate(done)}
             data-testid="place-undo"
           >
             Undo
