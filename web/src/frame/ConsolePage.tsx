@@ -147,9 +147,10 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
         return true;
       case "enter":
         // A focused button knows best what Enter means.
-        if (onControl || (goal.draft === null && locate.draft === null)) return false;
+        if (onControl) return false;
         if (goal.draft !== null) goal.go();
-        else locate.set();
+        else if (locate.draft?.check?.note === "") locate.set();
+        else return false;
         return true;
       case "escape":
         if (inMenu) return false;

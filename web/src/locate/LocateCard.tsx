@@ -14,7 +14,9 @@ export function LocateCard({ tool, draft }: { tool: LocateTool; draft: LocateDra
   const { anchor, check, error, phase } = draft;
   const { card, place, style } = useCardPlace(anchor, [phase, check, error]);
   const told = phase === "told";
-  const ready = told || (phase === "checked" && check?.ok === true && error === null);
+  // What is doubted takes a press: Enter alone does not set it.
+  const sure = check?.ok === true && check.note === "";
+  const ready = told || (phase === "checked" && sure && error === null);
 
   useLayoutEffect(() => {
     if (ready && place !== null) first.current?.focus({ preventScroll: true });
@@ -52,12 +54,13 @@ export function LocateCard({ tool, draft }: { tool: LocateTool; draft: LocateDra
               <Button
                 ref={first}
                 size="md"
+                variant={sure ? "filled" : "default"}
                 className={check.best ? classes.wide : undefined}
                 onClick={() => tool.set()}
                 loading={phase === "sending" && error === null}
                 data-testid="locate-set"
               >
-                {check.best ? "Set the best place" : "Set"}
+                {check.best ? "Set the best place" : sure ? "Set" : "Set all the same"}
               </Button>
             )}
             {check?.ok && check.best && (
