@@ -46,8 +46,8 @@ class Account(BaseModel):
         As Argon2 writes it down, with salt and parameters.
     created
         Epoch s.
-    not_before
-        Epoch s; sessions from before it have ended.
+    sessions
+        Another word each time that all sessions end; no clock, for a robot's may go back.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -56,11 +56,11 @@ class Account(BaseModel):
     role: Role
     password: str
     created: Time
-    not_before: Time = 0.0
+    sessions: str = ""
 
     @property
     def key(self) -> bytes:
         """What sessions of this account are signed with: another one for another password or role,
-        so that a change of either ends them."""
-        secret = "\0".join((self.name, self.role, self.password))
+        so that a change of either ends them, also when it is changed back."""
+        secret = "\0".join((self.name, self.role, self.password, self.sessions))
         return hashlib.sha256(b"kompass-console account " + secret.encode()).digest()

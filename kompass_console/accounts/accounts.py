@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import secrets
+import stat
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -121,9 +123,9 @@ class Accounts:
         """Another role; sessions of the account end."""
         return self._change(name, {"role": role})
 
-    def end_sessions(self, name: str) -> float:
-        """End all sessions of an account that are older than the returned time [epoch s]."""
-        return self._change(name, {"not_before": self._now()}).not_before
+    def end_sessions(self, name: str) -> Account:
+        """End all sessions of an account."""
+        return self._change(name, {})
 
     def remove(self, name: str) -> Account:
         """Let somebody in no more; sessions of the account end."""
@@ -134,13 +136,16 @@ class Accounts:
     def _change(self, name: str, change: dict[str, object]) -> Account:
         with self._changing() as accounts:
             index = self._index(accounts, name)
-            accounts[index] = accounts[index].model_copy(update=change)
+            ended = {"sessions": secrets.token_hex(8)}
+            accounts[index] = accounts[index].model_copy(update=change | ended)
             return accounts[index]
 
     def _index(self, accounts: list[Account], name: str) -> int:
-        for index, account in enumerate(accounts):
-            if same_person(account.name, " ".join(name.split())):
-                return index
+        with contextlib.suppress(ValueError):
+            wanted = account_name(name)
+            for index, account in enumerate(accounts):
+                if same_person(account.name, wanted):
+                    return index
         known = ", ".join(account.name for account in accounts)
         raise AccountRefused(
             f"there is no account {name!r}; "
@@ -177,6 +182,11 @@ def _stamp(file: Path) -> _Stamp | None:
 
 def _read(file: Path) -> tuple[Account, ...]:
     try:
+        if (mode := stat.S_IMODE(file.stat().st_mode)) & 0o077:
+            raise AccountsUnreadable(
+                f"{file} is open to others (mode {mode:o}): anybody may have been let in; look "
+                f"through it with 'kompass-console users list' after chmod 600 {file}"
+            )
         return _Kept.model_validate_json(file.read_bytes()).accounts
     except FileNotFoundError:
         return ()

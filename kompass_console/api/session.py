@@ -35,6 +35,7 @@ async def log_in(
     else:
         name, password = login.user or "", login.password or ""
         async with console.passwords:
+            _refuse_if_failing(console, address)  # others of this address may have failed meanwhile
             session = await run_in_threadpool(console.auth.log_in_by_name, name, password, before)
         wrong, title = "wrong name or password", "This name and this password do not fit."
         remedy = "Try again; on the robot, 'kompass-console users passwd' gives a new password."
@@ -86,6 +87,7 @@ def log_out_others(
             f"Other sessions go on: {error}.",
             "Start the console again, or give it another token, and all sessions by tokens end.",
         ) from error
+    console.sockets.renew(mine)
     _keep(mine, request, response, console)
     console.audit.record(session, "log out others", "ok")
 

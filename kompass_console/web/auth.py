@@ -126,7 +126,7 @@ class Authenticator:
         """
         if session.account is None:
             raise AccountRefused("this is a log-in by a token, which many people may have")
-        return replace(session, issued=self._accounts.end_sessions(session.user))
+        return replace(session, account=self._accounts.end_sessions(session.user).key)
 
     def cookie(self, session: LoginSession) -> str:
         """Signed cookie value of a session."""
@@ -142,10 +142,10 @@ class Authenticator:
     def is_open(self, session: LoginSession) -> bool:
         """Whether a session has not ended yet; asking counts as using it."""
         now = self._now()
-        if session.account is not None:
-            account = next((a for a in self._accounts.all() if a.key == session.account), None)
-            if account is None or session.issued < account.not_before:
-                return False
+        if session.account is not None and all(
+            account.key != session.account for account in self._accounts.all()
+        ):
+            return False
         if self._records.is_revoked(session.role, session.id, session.issued):
             return False
         if now - session.issued > self.lifetime:

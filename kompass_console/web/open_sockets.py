@@ -68,6 +68,12 @@ class OpenSockets:
             with contextlib.suppress(RuntimeError):  # closed between the question and the call
                 loop.call_soon_threadsafe(self._close_those_of, session.id)
 
+    def renew(self, session: LoginSession) -> None:
+        """Have the websockets of a session go on under its new cookie. Any thread."""
+        for each in list(self._open):
+            if each.session.id == session.id:
+                each.session = session
+
     async def run(self) -> None:
         """Look again and again at who may still listen, until cancelled."""
         self._loop = asyncio.get_running_loop()

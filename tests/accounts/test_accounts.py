@@ -54,13 +54,27 @@ def test_a_change_names_who_there_is_when_it_means_nobody(accounts: Accounts) ->
         accounts.remove("ben")
 
 
-def test_a_key_changes_with_role_and_password_and_with_nothing_else(accounts: Accounts) -> None:
-    key = accounts.add("ava", Role.VIEWER, "hash").key
-    accounts.end_sessions("ava")
-    assert accounts.all()[0].key == key
-    assert accounts.set_role("ava", Role.OPERATOR).key != key
-    assert accounts.set_role("ava", Role.VIEWER).key == key
-    assert accounts.set_password("ava", "other").key != key
+def test_what_ends_sessions_ends_them_for_good(accounts: Accounts) -> None:
+    keys = [
+        accounts.add("ava", Role.ENGINEER, "hash").key,
+        accounts.set_role("ava", Role.VIEWER).key,
+        accounts.set_role("ava", Role.ENGINEER).key,  # as it was before
+        accounts.set_password("ava", "hash").key,
+        accounts.end_sessions("ava").key,
+    ]
+    accounts.add("ben", Role.VIEWER, "hash")
+    assert len(set(keys)) == len(keys)
+    found = accounts.find("ava")
+    assert found is not None
+    assert found.key == keys[-1]
+
+
+def test_who_was_added_by_a_name_is_found_by_it_for_every_change(accounts: Accounts) -> None:
+    decomposed = "Jose\u0301"
+    accounts.add(decomposed, Role.VIEWER, "hash")
+    assert accounts.set_role(decomposed, Role.OPERATOR).role is Role.OPERATOR
+    accounts.remove(decomposed)
+    assert accounts.all() == ()
 
 
 def test_two_who_change_at_once_lose_nothing(accounts: Accounts, tmp_path: Path) -> None:
@@ -102,6 +116,14 @@ def test_a_broken_file_is_named_and_lets_in_who_was_let_in(
     with pytest.raises(AccountRefused, match="mend it"):
         accounts.add("ben", Role.VIEWER, "hash")
     assert "king" in file.read_text()
+
+
+def test_a_file_that_others_may_write_lets_nobody_in(accounts: Accounts, tmp_path: Path) -> None:
+    accounts.add("ava", Role.VIEWER, "hash")
+    file = tmp_path / "robots" / "accounts.json"
+    file.chmod(0o666)
+    with pytest.raises(AccountsUnreadable, match=r"mode 666.*chmod 600"):
+        Accounts(file)
 
 
 def test_a_password_fits_itself_alone_however_its_letters_were_typed() -> None:

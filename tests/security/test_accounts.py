@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -96,6 +97,13 @@ def test_who_guesses_passwords_waits(served: Served) -> None:
     assert codes == [403] * 10 + [429]
 
 
+def test_who_guesses_many_passwords_at_once_waits_too(served: Served) -> None:
+    with ExitStack() as kept, ThreadPoolExecutor(30) as pool:
+        clients = [kept.enter_context(served.client()) for _ in range(30)]
+        codes = list(pool.map(lambda client: log_in(client, password="?").status_code, clients))
+    assert sorted(codes) == [403] * 10 + [429] * 20
+
+
 def test_a_session_by_name_outlives_the_console_and_its_tokens(
     tmp_path: Path, domain: int, accounts: Accounts
 ) -> None:
@@ -134,9 +142,14 @@ def test_one_logs_out_elsewhere_and_stays_where_one_is(served: Served) -> None:
     with served.client() as here, served.client() as there:
         log_in(here)
         log_in(there)
-        assert here.post("/api/logout/others").status_code == 204
-        assert is_in(here)
-        assert not is_in(there)
+        with opened(served, "/api/state", here) as mine, opened(served, "/api/state", there) as far:
+            assert here.post("/api/logout/others").status_code == 204
+            assert is_in(here)
+            assert not is_in(there)
+            assert closed_with(far) == 4401
+            mine.send('{"type": "ping", "t": 4242.5}')
+            while "4242.5" not in str(mine.recv(timeout=patient(5.0))):
+                pass  # the robot's state is told, too
     with served.client(Role.OPERATOR) as by_token:
         refused = by_token.post("/api/logout/others")
         assert refused.status_code == 409
