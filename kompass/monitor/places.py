@@ -19,7 +19,7 @@ from kompass.places.place import LONGEST_AUTHOR, PlaceBook
 from kompass.rclpy_ext.deferred_service import answered_by_worker, create_deferred_service
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.topic import LATCHED
-from kompass.store.errors import NoSuchPlace, PlaceRefused, StalePlace, StoreError
+from kompass.store.errors import EntryRefused, NoSuchEntry, StaleEntry, StoreError
 from kompass.store.place_store import PlaceStore
 
 TOPIC = "places"
@@ -99,7 +99,7 @@ class Places:
         try:
             place = self._store.change(change, who.name[:LONGEST_AUTHOR])
             book = self._store.book()
-        except (NoSuchPlace, StalePlace, PlaceRefused) as error:
+        except (NoSuchEntry, StaleEntry, EntryRefused) as error:
             # Theirs to mend; what else goes wrong is logged, too.
             response.success, response.message = False, str(error)
             return response

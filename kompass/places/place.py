@@ -43,6 +43,7 @@ def _author(text: str) -> str:
 # A text of megabytes is not looked at as a whole.
 PlaceName = Annotated[str, Field(max_length=10 * LONGEST_NAME), AfterValidator(_name)]
 PlaceNote = Annotated[str, Field(max_length=10 * LONGEST_NOTE), AfterValidator(_note)]
+AuthorName = Annotated[str, AfterValidator(_author)]
 MapId = Annotated[str, Field(pattern=r"^[0-9a-f]{32}$")]
 Metres = Annotated[float, Field(ge=-_FARTHEST, le=_FARTHEST)]
 Radians = Annotated[float, Field(ge=-100.0, le=100.0)]
@@ -97,7 +98,7 @@ class Place(Model):
     note: PlaceNote
     pose: PlacePose
     map: MapIdentity
-    author: Annotated[str, AfterValidator(_author)]
+    author: AuthorName
     time: float
 
 

@@ -1,12 +1,13 @@
-"""The robot's own store of its rules and its places. No ROS: SQLite, a thread for the journal."""
+"""The robot's own store of rules, places and missions. No ROS: SQLite, a thread for the journal."""
 
 from kompass.store.boot import Boot, choose
 from kompass.store.errors import (
+    ChangeRefused,
+    EntryRefused,
     MalformedTable,
-    NoSuchPlace,
+    NoSuchEntry,
     NoSuchRevision,
-    PlaceRefused,
-    StalePlace,
+    StaleEntry,
     StaleRevision,
     StoreBusy,
     StoreClosed,
@@ -16,21 +17,24 @@ from kompass.store.errors import (
     StoreUnwritable,
 )
 from kompass.store.journal import JournalBounds, Refusal
+from kompass.store.mission_store import MissionStore
 from kompass.store.paths import data_dir, robot_folder, safe_name
 from kompass.store.place_store import PlaceStore
 from kompass.store.store import RuleStore
 
 __all__ = [
     "Boot",
+    "ChangeRefused",
+    "EntryRefused",
     "JournalBounds",
     "MalformedTable",
-    "NoSuchPlace",
+    "MissionStore",
+    "NoSuchEntry",
     "NoSuchRevision",
-    "PlaceRefused",
     "PlaceStore",
     "Refusal",
     "RuleStore",
-    "StalePlace",
+    "StaleEntry",
     "StaleRevision",
     "StoreBusy",
     "StoreClosed",

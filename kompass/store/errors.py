@@ -37,13 +37,17 @@ class StaleRevision(StoreError):
     """Another revision is in force than the one that a change began from."""
 
 
-class NoSuchPlace(StoreError):
-    """There is no place with this number."""
+class ChangeRefused(StoreError):
+    """Whoever asked for a change can mend what is wrong with it."""
 
 
-class StalePlace(StoreError):
-    """Somebody else has changed the place since a change of it began."""
+class NoSuchEntry(ChangeRefused):
+    """There is no place, or no mission, with this number."""
 
 
-class PlaceRefused(StoreError):
-    """The name is taken, or there are as many places as there may be."""
+class StaleEntry(ChangeRefused):
+    """Somebody else has changed the place or mission since a change of it began."""
+
+
+class EntryRefused(ChangeRefused):
+    """The name is taken, or there are as many as there may be."""

@@ -6,12 +6,8 @@ returns when that has reached the disk, and either all of it is stored or nothin
 
 from __future__ import annotations
 
-import os
-import sqlite3
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -25,9 +21,10 @@ from kompass.places.place import (
     PlacePose,
     same_name,
 )
-from kompass.store.database import Format, open_alone, transaction
-from kompass.store.errors import NoSuchPlace, PlaceRefused, StalePlace, StoreClosed, StoreCorrupt
+from kompass.store.database import Format
+from kompass.store.errors import EntryRefused, NoSuchEntry, StaleEntry
 from kompass.store.schema import PLACES, PLACES_ID
+from kompass.store.sole_file import SoleFile
 
 FILE = "places.db"
 LOCK = "places.lock"
@@ -47,10 +44,9 @@ class PlaceStore:
     """
 
     def __init__(self, folder: Path, clock: Callable[[], float]) -> None:
-        self._path, self._clock = folder / FILE, clock
-        self._guard = threading.RLock()
-        self._lock, self._sql, self.notice = open_alone(self._path, FORMAT, LOCK, "store of places")
-        self._closed = False
+        self._clock = clock
+        self._file = SoleFile(folder / FILE, FORMAT, LOCK, "store of places")
+        self._sql, self.notice = self._file.sql, self._file.notice
 
     @classmethod
     def open(cls, folder: Path, *, clock: Callable[[], float] = time.time) -> Self:
@@ -74,11 +70,7 @@ class PlaceStore:
 
     def close(self) -> None:
         """Close the file; nothing is lost by not doing so."""
-        with self._guard:
-            if not self._closed:
-                self._closed = True
-                self._sql.close()
-                os.close(self._lock)
+        self._file.close()
 
     def __enter__(self) -> Self:
         return self
@@ -99,16 +91,12 @@ class PlaceStore:
         StoreCorrupt
             When they cannot be read.
         """
-        with self._guard:
-            self._check_open()
-            try:
-                (revision,) = self._sql.execute("SELECT revision FROM counter").fetchone()
-                rows = self._sql.execute(
-                    f"SELECT {_COLUMNS} FROM places WHERE deleted IS NULL ORDER BY id"
-                ).fetchall()
-                places = tuple(_place(row) for row in rows)
-            except (sqlite3.Error, ValueError) as error:
-                raise StoreCorrupt(f"cannot read {self._path}: {error}; check the disk") from None
+        with self._file.reading():
+            (revision,) = self._sql.execute("SELECT revision FROM counter").fetchone()
+            rows = self._sql.execute(
+                f"SELECT {_COLUMNS} FROM places WHERE deleted IS NULL ORDER BY id"
+            ).fetchall()
+            places = tuple(_place(row) for row in rows)
         return PlaceBook(revision=revision, problem=self.notice, places=places)
 
     def change(self, change: PlaceChange, author: str) -> Place:
@@ -116,16 +104,16 @@ class PlaceStore:
 
         Raises
         ------
-        NoSuchPlace
+        NoSuchEntry
             When it is not there.
-        StalePlace
+        StaleEntry
             When another version of it is there than the change began from.
-        PlaceRefused
+        EntryRefused
             When its name is taken on its map, or there are too many.
         StoreError
             When it could not be stored. Whatever is raised, nothing was changed.
         """
-        with self._writing():
+        with self._file.writing():
             match change:
                 case SavePlace():
                     place = self._save(change, author)
@@ -185,7 +173,7 @@ class PlaceStore:
     def _restore(self, change: RestorePlace, author: str) -> Place:
         before = self._row(change.id, "deleted IS NOT NULL")
         if before is None:
-            raise NoSuchPlace(
+            raise NoSuchEntry(
                 f"place {change.id} is not among the last {MOST_DELETED} that were deleted; "
                 "look whether it is there already, or save it anew"
             )
@@ -201,7 +189,7 @@ class PlaceStore:
     def _fresh(self, place_id: int, version: int) -> Place:
         place = self._found(place_id)
         if place.version != version:
-            raise StalePlace(
+            raise StaleEntry(
                 f"the place {place.name!r} was changed meanwhile, by {place.author or 'somebody'}; "
                 "look at it as it is now, and try again"
             )
@@ -210,7 +198,7 @@ class PlaceStore:
     def _found(self, place_id: int) -> Place:
         place = self._row(place_id, "deleted IS NULL")
         if place is None:
-            raise NoSuchPlace(
+            raise NoSuchEntry(
                 f"there is no place {place_id} any more, somebody has deleted it; "
                 "look at the others"
             )
@@ -229,27 +217,16 @@ class PlaceStore:
             (of_map.id, same_name(name), but),
         ).fetchone()
         if row is not None:
-            raise PlaceRefused(
+            raise EntryRefused(
                 f"the name {name!r} is taken by a place of this map ({row[0]!r}); choose another"
             )
 
     def _check_room(self) -> None:
         (count,) = self._sql.execute("SELECT count(*) FROM places WHERE deleted IS NULL").fetchone()
         if count >= MOST_PLACES:
-            raise PlaceRefused(
+            raise EntryRefused(
                 f"there are {count} places, and no robot keeps more; delete those that nobody needs"
             )
-
-    @contextmanager
-    def _writing(self) -> Iterator[None]:
-        with self._guard:
-            self._check_open()
-            with transaction(self._sql, self._path):
-                yield
-
-    def _check_open(self) -> None:
-        if self._closed:
-            raise StoreClosed(f"the store {self._path} is closed")
 
 
 def _place(row: tuple[Any, ...]) -> Place:

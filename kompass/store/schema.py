@@ -3,6 +3,7 @@
 RULES_ID = 0x6B727331  # "krs1": marks a file as ours
 JOURNAL_ID = 0x6B726A31  # "krj1"
 PLACES_ID = 0x6B706C31  # "kpl1"
+MISSIONS_ID = 0x6B6D6931  # "kmi1"
 
 # Rules are kept once each, by content: a revision is a list of them, so that an edit of one rule
 # of a hundred adds one. Nothing in here is ever changed or deleted but pointers and lives.
@@ -122,5 +123,25 @@ PLACES = (
     CREATE UNIQUE INDEX names_of_map ON places (map, same_name) WHERE deleted IS NULL;
     CREATE TABLE counter (revision INTEGER NOT NULL);
     INSERT INTO counter VALUES (0);
+    """,
+)
+
+# What a mission is stands in one text: whoever reads a part of it reads the whole.
+MISSIONS = (
+    """
+    CREATE TABLE missions (
+        id INTEGER PRIMARY KEY AUTOINCREMENT,
+        version INTEGER NOT NULL,
+        same_name TEXT NOT NULL,
+        plan TEXT NOT NULL,        -- JSON: MissionPlan
+        author TEXT NOT NULL,
+        role TEXT NOT NULL,
+        time REAL NOT NULL,
+        deleted REAL               -- when; none of those that are there
+    );
+    CREATE UNIQUE INDEX names ON missions (same_name) WHERE deleted IS NULL;
+    CREATE TABLE counter (revision INTEGER NOT NULL);
+    INSERT INTO counter VALUES (0);
+    CREATE TABLE state (json TEXT NOT NULL);  -- MissionState; at most one row
     """,
 )

@@ -17,11 +17,11 @@ import pytest
 from kompass.places.change import DeletePlace, EditPlace, RestorePlace, SavePlace
 from kompass.places.place import MOST_PLACES, MapIdentity, Place, PlacePose
 from kompass.store import (
-    NoSuchPlace,
-    PlaceRefused,
+    NoSuchEntry,
+    EntryRefused,
     PlaceStore,
     RuleStore,
-    StalePlace,
+    StaleEntry,
     StoreBusy,
     StoreError,
 )
@@ -103,13 +103,13 @@ def test_killed_at_any_moment_it_keeps_all_that_was_acknowledged(
 
 def test_a_name_is_there_once_on_a_map_and_again_on_another(store: PlaceStore) -> None:
     first = store.change(save("Dock"), "ava")
-    with pytest.raises(PlaceRefused, match=r"'dOCK' is taken .* \('Dock'\); choose another"):
+    with pytest.raises(EntryRefused, match=r"'dOCK' is taken .* \('Dock'\); choose another"):
         store.change(save("dOCK"), "ava")
     other = store.change(save("Dock", THERE), "ava")
-    with pytest.raises(PlaceRefused, match="taken"):
+    with pytest.raises(EntryRefused, match="taken"):
         store.change(EditPlace(id=other.id, version=1, map=HERE), "ava")
     second = store.change(save("Door"), "ava")
-    with pytest.raises(PlaceRefused, match="taken"):
+    with pytest.raises(EntryRefused, match="taken"):
         store.change(EditPlace(id=second.id, version=1, name="DOCK"), "ava")
     assert store.change(EditPlace(id=first.id, version=1, name="dock"), "ava").name == "dock"
     assert names(store) == ["dock", "Dock", "Door"]
@@ -121,9 +121,9 @@ def test_a_change_of_an_older_version_is_refused_and_names_who_was_faster(
 ) -> None:
     place = store.change(save("Dock"), "ava")
     store.change(EditPlace(id=place.id, version=1, name="Dock A"), "ben")
-    with pytest.raises(StalePlace, match="'Dock A' was changed meanwhile, by ben"):
+    with pytest.raises(StaleEntry, match="'Dock A' was changed meanwhile, by ben"):
         store.change(EditPlace(id=place.id, version=1, name="Dock B"), "ava")
-    with pytest.raises(StalePlace, match="ben"):
+    with pytest.raises(StaleEntry, match="ben"):
         store.change(delete(place), "ava")
     assert names(store) == ["Dock A"]
 
@@ -138,11 +138,11 @@ def test_a_deleted_place_comes_back_as_it_was_and_once(store: PlaceStore) -> Non
     place = store.change(save("Dock"), "ava")
     assert store.change(delete(place), "ava") == place
     assert names(store) == []
-    with pytest.raises(NoSuchPlace, match="somebody has deleted it"):
+    with pytest.raises(NoSuchEntry, match="somebody has deleted it"):
         store.change(EditPlace(id=place.id, version=1, name="x"), "ava")
     back = store.change(RestorePlace(id=place.id), "ben")
     assert (back.id, back.name, back.pose) == (place.id, "Dock", place.pose)
-    with pytest.raises(NoSuchPlace, match="is there already"):
+    with pytest.raises(NoSuchEntry, match="is there already"):
         store.change(RestorePlace(id=place.id), "ben")
 
 
@@ -152,7 +152,7 @@ def test_a_name_that_was_given_away_meanwhile_keeps_a_place_from_coming_back(
     place = store.change(save("Dock"), "ava")
     store.change(delete(place), "ava")
     store.change(save("Dock"), "ben")
-    with pytest.raises(PlaceRefused, match="taken"):
+    with pytest.raises(EntryRefused, match="taken"):
         store.change(RestorePlace(id=place.id), "ava")
 
 
@@ -162,11 +162,11 @@ def test_there_is_an_end_to_places_and_to_those_that_were_deleted(
     monkeypatch.setattr(module, "MOST_PLACES", 3)
     monkeypatch.setattr(module, "MOST_DELETED", 2)
     places = [store.change(save(name), "ava") for name in "abc"]
-    with pytest.raises(PlaceRefused, match="there are 3 places, and no robot keeps more; delete"):
+    with pytest.raises(EntryRefused, match="there are 3 places, and no robot keeps more; delete"):
         store.change(save("d"), "ava")
     for place in places:
         store.change(delete(place), "ava")
-    with pytest.raises(NoSuchPlace, match="save it anew"):
+    with pytest.raises(NoSuchEntry, match="save it anew"):
         store.change(RestorePlace(id=places[0].id), "ava")
     for place in places[1:]:
         store.change(RestorePlace(id=place.id), "ava")

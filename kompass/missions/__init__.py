@@ -1,0 +1,1 @@
+"""Missions: lists of places that the robot goes to, and what it does there. Pure."""
