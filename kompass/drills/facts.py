@@ -12,7 +12,7 @@ from dataclasses import astuple, dataclass
 from itertools import groupby
 from typing import Literal, TypeAlias, TypeVar, get_args
 
-# The names of kompass.components.planner.mission.GoalOutcome, in the order of their numbers.
+# The names of kompass.components.planner.goal_progress.GoalOutcome, in the order of their numbers.
 GOAL_OUTCOMES = (
     "arrived",
     "refused",

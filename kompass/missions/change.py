@@ -68,8 +68,14 @@ class Unqueue(Model):
     number: RunNumber
 
 
+class StartNext(Model):
+    """Begin the first of the queue, which waits since a run before it was cancelled or failed."""
+
+    kind: Literal["next"] = "next"
+
+
 MissionEdit = SaveMission | EditMission | DeleteMission | RestoreMission
 MissionChange = Annotated[
-    MissionEdit | StartMission | SteerRun | Unqueue, Field(discriminator="kind")
+    MissionEdit | StartMission | StartNext | SteerRun | Unqueue, Field(discriminator="kind")
 ]
 MISSION_CHANGE: TypeAdapter[MissionChange] = TypeAdapter(MissionChange)

@@ -44,6 +44,9 @@ class MissionState(Model):
         How many there have been.
     left
         Of a wait that is under way [s]; told, and not kept.
+    notice
+        What an operator must hear: what did not begin and why, or that nothing can be written
+        down; empty when all is well. Told, and not kept.
     """
 
     runs: Annotated[int, Field(ge=0)] = 0
@@ -51,6 +54,7 @@ class MissionState(Model):
     run: Run | None = None
     queue: Annotated[tuple[Queued, ...], Field(max_length=MOST_QUEUED)] = ()
     left: float | None = None
+    notice: str = ""
 
     @property
     def busy(self) -> bool:

@@ -147,6 +147,10 @@ class MissionRun:
                 now,
             )
 
+    def awaits(self, ticket: int) -> bool:
+        """Whether that drive or action is still the one that is wanted."""
+        return ticket == self._ticket and self.run.phase in ("driving", "acting")
+
     @property
     def due(self) -> float | None:
         """When :meth:`tick` has something to do (monotonic, s); None for never."""
@@ -163,7 +167,7 @@ class MissionRun:
 
     def drive_ended(self, ticket: int, end: DriveEnd, reason: str, now: Now) -> tuple[Effect, ...]:
         """The drive has come to its end."""
-        if ticket != self._ticket or self.run.phase != "driving":
+        if not self.awaits(ticket):
             return ()
         if end == "arrived":
             self._set(arrivals=self.run.arrivals + 1, attempt=1)
@@ -177,7 +181,7 @@ class MissionRun:
 
     def task_ended(self, ticket: int, ok: bool, reason: str, now: Now) -> tuple[Effect, ...]:
         """What was to be performed has been, or has failed."""
-        if ticket != self._ticket or self.run.phase != "acting":
+        if not self.awaits(ticket):
             return ()
         halted = isinstance(self.run.task, Halt)
         if not ok:

@@ -16,6 +16,7 @@ from kompass_interfaces.action import BacktestRules
 from kompass_interfaces.msg import RuleFiring, RulesState
 from kompass_interfaces.srv import (
     ApplyRules,
+    ChangeMissions,
     ChangePlaces,
     CheckRules,
     ConfirmRules,
@@ -34,6 +35,8 @@ from std_msgs.msg import String
 from kompass.access.signer import Signer
 from kompass.backtest.report import BacktestReport
 from kompass.bus.node import ActionClient, Node
+from kompass.missions.change import MissionChange
+from kompass.missions.mission import Mission
 from kompass.places.change import PlaceChange
 from kompass.places.place import Place
 from kompass.rclpy_ext.reply import NoAnswer, Reply
@@ -65,6 +68,7 @@ _SERVICES: dict[Any, tuple[str, float]] = {
     GetFirings: ("get_firings", 5.0),
     DescribeGraph: ("describe_graph", 10.0),
     SaveRecording: ("save_recording", 60.0),
+    ChangeMissions: ("change_missions", 5.0),
     ChangePlaces: ("change_places", 5.0),
 }
 _ACCEPT_LIMIT = 10.0  # s for a back-test to be taken
@@ -429,6 +433,18 @@ class MonitorClient:
         request = ChangePlaces.Request(change=change.model_dump_json(), author=author, role=role)
         return self.request(request, read)
 
+    def change_mission(
+        self, change: MissionChange, *, author: str, role: str
+    ) -> Reply[Mission | None]:
+        """Edit a mission, start one, or steer the run; the mission that it was about, if any."""
+
+        def read(answer: Any) -> Mission | None:
+            _message(answer)
+            return Mission.model_validate_json(answer.answer) if answer.answer else None
+
+        request = ChangeMissions.Request(change=change.model_dump_json(), author=author, role=role)
+        return self.request(request, read)
+
     # -- back-tests -------------------------------------------------------------------------------
 
     @property
@@ -507,6 +523,12 @@ class MonitorClient:
     def watch_places(self, heard: Callable[[str], None]) -> None:
         """Hear of all places (JSON: PlaceBook), from what was said last on."""
         self._subscribe(String, "places", lambda message: heard(str(message.data)), LATCHED)
+
+    def watch_missions(self, book: Callable[[str], None], state: Callable[[str], None]) -> None:
+        """Hear of all missions (JSON: MissionBook) and of what runs (JSON: MissionState), from what
+        was said last on."""
+        self._subscribe(String, "missions", lambda message: book(str(message.data)), LATCHED)
+        self._subscribe(String, "mission_state", lambda message: state(str(message.data)), LATCHED)
 
     # -- pieces -----------------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import partial
+from typing import NamedTuple
 
 from builtin_interfaces.msg import Time
 
@@ -22,6 +23,7 @@ from kompass.monitor.inputs.rule_inputs import RuleInputs
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.introspection.graph import Graph
 from kompass.monitor.live_engine import LiveEngine
+from kompass.monitor.missions.missions import Missions
 from kompass.monitor.places import Places
 from kompass.monitor.recording import FlightRecording
 from kompass.monitor.reporting.alarms import Alarms
@@ -46,7 +48,7 @@ from kompass.recipe.table import RecipeRules
 from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Table, table_hash
-from kompass.store import PlaceStore, RuleStore
+from kompass.store import MissionStore, PlaceStore, RuleStore
 from kompass.supervisor.news import ProcessNews
 
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
@@ -56,6 +58,19 @@ JOURNAL_PERIOD = 1.0  # s between looks at whether firings can be written down
 SUPERVISOR_PERIOD = 0.5  # s between looks at whether the supervisor shows life
 STORE_PERIOD = 5.0  # s between tries to write on a disk that was full at the start
 PROBATION_PERIOD = 0.2  # s between looks at the end of a probation
+
+
+class Memory(NamedTuple):
+    """What the robot keeps beside its rules, each in a file of its own that may be damaged alone.
+
+    Attributes
+    ----------
+    places, missions
+        Open them.
+    """
+
+    places: Callable[[], PlaceStore]
+    missions: Callable[[], MissionStore]
 
 
 class Monitor:
@@ -86,8 +101,8 @@ class Monitor:
         To components; what they answer is for :meth:`component_answered`.
     supervisor_silent
         For how long the supervisor has shown no life [s]; None where it always does.
-    open_places
-        Opens the robot's places; None where nobody keeps any.
+    memory
+        Opens the robot's places and missions; None where nobody keeps any.
     """
 
     def __init__(
@@ -103,7 +118,7 @@ class Monitor:
         recording: FlightRecording | None = None,
         channels: Channels | None = None,
         supervisor_silent: Callable[[], float] | None = None,
-        open_places: Callable[[], PlaceStore] | None = None,
+        memory: Memory | None = None,
     ) -> None:
         def stamp() -> Time:
             return node.get_clock().now().to_msg()
@@ -182,9 +197,13 @@ class Monitor:
         self._services = Services(
             *(node, main, gatekeeper, self._worker, tables, previews.hear, sources)
         )
-        self._places = (
-            Places(node, main, gatekeeper, open_places) if open_places is not None else None
-        )
+        self._places = self._missions = None
+        if memory is not None:
+            self._places = Places(node, main, gatekeeper, memory.places)
+            self._missions = Missions(
+                *(node, executor, main, timers, gatekeeper, self._runner, catalog, permissions),
+                *(self._places, memory.missions),
+            )
         if recording:
             recording.start(node, executor, store, gatekeeper)
 
@@ -219,6 +238,8 @@ class Monitor:
         news = ProcessNews.of_line(line)
         self._runner.channels.changed(news)
         self._processes.changed(news)
+        if self._missions is not None:
+            self._missions.process_changed(news)
 
     def component_answered(self, packet: bytes) -> None:
         """Take what a component sent over its channel."""
@@ -233,6 +254,8 @@ class Monitor:
         self._main.close()
         self._worker.close()
         self._services.close()
+        if self._missions is not None:
+            self._missions.close()
         if self._places is not None:
             self._places.close()
         self._runs.close()

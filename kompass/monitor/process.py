@@ -20,14 +20,14 @@ from kompass.channel.life import own_life
 from kompass.channel.packet import send_packet
 from kompass.monitor.incoming import incoming
 from kompass.monitor.introspection.catalog import RecipeCatalog
-from kompass.monitor.monitor import Monitor
+from kompass.monitor.monitor import Memory, Monitor
 from kompass.monitor.recording import FlightRecording
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import start_from_store
 from kompass.rclpy_ext.executor import MIDDLEWARE_ERRORS, TaskExecutor
 from kompass.rclpy_ext.node import PlainNode
 from kompass.recipe.table import RecipeRules
-from kompass.store import PlaceStore, robot_folder
+from kompass.store import MissionStore, PlaceStore, robot_folder
 from kompass.supervisor.heartbeat import send_heartbeat
 from kompass.supervisor.process import Report
 
@@ -82,7 +82,7 @@ def run_monitor(
         *(node, executor, recipe, catalog, start, store, settings, report, recording),
         Channels(own_life(), senders),
         supervisor_silent,
-        lambda: PlaceStore.open(robot_folder()),
+        Memory(lambda: PlaceStore.open(robot_folder()), lambda: MissionStore.open(robot_folder())),
     )
     monitor.reach_components(recipe.components)
 

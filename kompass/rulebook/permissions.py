@@ -50,7 +50,10 @@ _SETTING_TYPES = frozenset(
 )
 _TABLE_TYPES = frozenset(
     f"kompass_interfaces/srv/{name}"
-    for name in ("ApplyRules", "ConfirmRules", "RollbackRules", "ResetRule", "ChangePlaces")
+    for name in (
+        *("ApplyRules", "ConfirmRules", "RollbackRules", "ResetRule"),
+        *("ChangePlaces", "ChangeMissions"),
+    )
 )
 _OF_MONITOR = frozenset(
     {"save_recording", "get_rules", "get_history", "get_firings", "explain_rule", "check_rules"}
@@ -264,7 +267,7 @@ class Permissions:
         elif _odd(service):
             yield _odd_name("service", service)
         elif action.type in _TABLE_TYPES or (owner == MONITOR and name not in _OF_MONITOR):
-            text = "a rule may not change rules or places"
+            text = "a rule may not change rules, places or missions"
             remedy = "leave it out: a person edits them"
             yield Refusal("changes-rules", "service", service, text, remedy)
         elif owner in self.gates and name not in _ASKING_OF_GATE:

@@ -126,7 +126,7 @@ class MissionStore:
         StoreError
             When it could not be stored.
         """
-        text = state.model_copy(update={"left": None}).model_dump_json()
+        text = state.model_copy(update={"left": None, "notice": ""}).model_dump_json()
         with self._file.writing():
             self._sql.execute("DELETE FROM state")
             self._sql.execute("INSERT INTO state VALUES (?)", (text,))

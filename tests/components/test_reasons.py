@@ -6,7 +6,7 @@ from kompass_interfaces.action import PlanPath
 from kompass_interfaces.srv import CheckGoal
 
 from kompass.algorithms.planning.failure import REASONS, code_of
-from kompass.components.planner.mission import GoalOutcome
+from kompass.components.planner.goal_progress import GoalOutcome
 from kompass_console.schema.models import GoalReason
 
 

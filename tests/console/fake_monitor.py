@@ -24,7 +24,7 @@ from rclpy.signals import SignalHandlerOptions
 from kompass.access.gatekeeper import Gatekeeper
 from kompass.backtest.report import BacktestReport
 from kompass.monitor.introspection.catalog import RecipeCatalog
-from kompass.monitor.monitor import Monitor
+from kompass.monitor.monitor import Memory, Monitor
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import Start
 from kompass.rclpy_ext.executor import TaskExecutor
@@ -37,7 +37,7 @@ from kompass.rules.schema.conditions import Absent, Compare
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.signals import Signal
 from kompass.rules.schema.table import Rule, Table
-from kompass.store import PlaceStore, RuleStore, StoreUnwritable
+from kompass.store import MissionStore, PlaceStore, RuleStore, StoreUnwritable
 
 NEAR = Rule(
     id="near",
@@ -184,7 +184,7 @@ def run(folder: Path, ending: threading.Event) -> None:
             MonitorSettings(robot="fake"),
             ask=lambda _: None,
             recording=NoFiles(),
-            open_places=lambda: PlaceStore.open(folder),
+            memory=Memory(lambda: PlaceStore.open(folder), lambda: MissionStore.open(folder)),
         )
         monitor.process_changed(json.dumps(PLANNER))
         while not ending.is_set():

@@ -53,7 +53,7 @@ X, Y = 2.5, 1.0  # where it stops on the way
 
 
 def test_goals_end_here_as_they_do_in_the_planner() -> None:
-    from kompass.components.planner.mission import GoalOutcome
+    from kompass.components.planner.goal_progress import GoalOutcome
 
     assert [outcome.name.lower() for outcome in GoalOutcome] == list(GOAL_OUTCOMES)
 

@@ -194,6 +194,9 @@ def test_a_fallback_restarts_what_hangs_before_the_supervisor_loses_patience(
     # What is asked before it is found goes to the dead one, whom DDS remembers for a while.
     robot.newest.pop("/planner/status", None)
     wait_until(lambda: robot.level("planner") == HEALTHY, 20, "a planner with map and pose")
+    wait_until(
+        lambda: robot.node.get_node_names().count("planner") == 1, 40, "the dead one forgotten"
+    )
 
 
 def test_a_blind_mapper_is_answered_within_a_second(robot: Watched) -> None:

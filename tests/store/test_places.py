@@ -17,8 +17,8 @@ import pytest
 from kompass.places.change import DeletePlace, EditPlace, RestorePlace, SavePlace
 from kompass.places.place import MOST_PLACES, MapIdentity, Place, PlacePose
 from kompass.store import (
-    NoSuchEntry,
     EntryRefused,
+    NoSuchEntry,
     PlaceStore,
     RuleStore,
     StaleEntry,

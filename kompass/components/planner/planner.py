@@ -30,8 +30,13 @@ from kompass.components.base.convert import grid_of, path_msg, pose_of, quaterni
 from kompass.components.base.location_source import LocationSource
 from kompass.components.planner.config import PlannerConfig, usable_planner
 from kompass.components.planner.goal_check import check_goal
+from kompass.components.planner.goal_progress import (
+    FREE_HEADING,
+    GoalOutcome,
+    GoalProgress,
+    Tolerance,
+)
 from kompass.components.planner.live_map import LiveMap
-from kompass.components.planner.mission import FREE_HEADING, GoalOutcome, Mission, Tolerance
 from kompass.printable import printable
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 
@@ -112,7 +117,7 @@ class Planner(Component):
         self._live: LiveMap | None = None
         self._failed = -math.inf  # when it found no way
         self._kept = self.config.clearance  # by the path that is driven [m]
-        self._mission: Mission | None = None
+        self._pursued: GoalProgress | None = None
         self._handle: ServerGoalHandle | None = None
         self._ended: Future | None = None
         self._turn = 0
@@ -198,11 +203,11 @@ class Planner(Component):
         except (TransformError, ValueError) as error:
             self.warn(f"/{self._topics_in['sensor_data'][0].name}: {error}")
             return
-        mission = self._mission
-        if mission is None or mission.path is None:
+        pursued = self._pursued
+        if pursued is None or pursued.path is None:
             return
         near = self.config.described_robot.radius + self._kept / 2
-        if live.threatens(mission.ahead(pose), near):
+        if live.threatens(pursued.ahead(pose), near):
             self._replan(now)
 
     def _on_map(self, message: Any) -> None:
@@ -342,7 +347,7 @@ class Planner(Component):
             stated.lateral_distance_error or self.config.distance_tolerance,
             stated.orientation_error or self.config.orientation_tolerance,
         )
-        self._mission = Mission(pose_of(goal.goal), tolerance, self.config.patience)
+        self._pursued = GoalProgress(pose_of(goal.goal), tolerance, self.config.patience)
         if self._stopped:
             self._end(
                 GoalOutcome.STOPPED, f"{self._stopped}; a person must release it before a new goal."
@@ -353,16 +358,16 @@ class Planner(Component):
             self._end(GoalOutcome.REFUSED, told)
             return
         self._plan(self.clock.monotonic())
-        if self._mission is not None:
+        if self._pursued is not None:
             self._progress.reset()
 
     def _end(self, outcome: GoalOutcome, message: str) -> None:
-        mission, self._mission = self._mission, None
-        if mission is None:
+        pursued, self._pursued = self._pursued, None
+        if pursued is None:
             return
         self._progress.cancel()
         pose = self._location.pose()
-        displacement = mission.errors(pose) if pose is not None else (math.inf, math.inf)
+        displacement = pursued.errors(pose) if pose is not None else (math.inf, math.inf)
         self.publish("plan", self._path_msg(np.empty((0, 3))))
         self.publish("reached_end", Bool(data=outcome is GoalOutcome.ARRIVED))
         self.node.get_logger().info(f"goal ended: {outcome.name}: {printable(message)}")
@@ -374,68 +379,68 @@ class Planner(Component):
     # -- planning -----------------------------------------------------------------------------
 
     def _plan(self, now: float) -> None:
-        """Plan to the goal of the mission, or judge why not."""
-        mission = self._mission
-        assert mission is not None
+        """Plan to the goal that is pursued, or judge why not."""
+        pursued = self._pursued
+        assert pursued is not None
         try:
-            plan = self._find(mission)
+            plan = self._find(pursued)
         except PlanningFailure as failure:
-            self._fail(mission, failure, now)
+            self._fail(pursued, failure, now)
             return
         self.health.set_healthy()
-        mission.planned(plan.poses, now)
+        pursued.planned(plan.poses, now)
         self._drive(plan)
 
     def _drive(self, plan: Plan) -> None:
         self._kept = min(self.config.clearance, max(0.0, plan.room))
         self.publish("plan", self._path_msg(plan.poses))
 
-    def _fail(self, mission: Mission, failure: PlanningFailure, now: float) -> None:
+    def _fail(self, pursued: GoalProgress, failure: PlanningFailure, now: float) -> None:
         """There is no way: stand, and wait for one as long as patience lasts."""
         self._failed = now
         self._judge(failure)
-        over = mission.unplanned(now)
+        over = pursued.unplanned(now)
         self.publish("plan", self._path_msg(np.empty((0, 3))))
         # On the way, even a goal that is now out of reach may come back: a door, a person.
-        if over or not (mission.under_way or failure.reason in MAY_PASS):
-            outcome = GoalOutcome.BLOCKED if mission.under_way else GoalOutcome.REFUSED
+        if over or not (pursued.under_way or failure.reason in MAY_PASS):
+            outcome = GoalOutcome.BLOCKED if pursued.under_way else GoalOutcome.REFUSED
             self._end(outcome, failure.message)
 
     def _replan(self, now: float) -> None:
         """Look for a better path than the one that is driven."""
-        mission, live, pose = self._mission, self._live, self._location.pose()
-        if mission is None or live is None or pose is None:
+        pursued, live, pose = self._pursued, self._live, self._location.pose()
+        if pursued is None or live is None or pose is None:
             return
-        if mission.path is None:
+        if pursued.path is None:
             if now - self._failed >= RETRY:
                 self._plan(now)
             return
-        ahead = mission.ahead(pose)
-        if not live.is_worth_a_plan(now) and not mission.strayed(pose, STRAYED):
+        ahead = pursued.ahead(pose)
+        if not live.is_worth_a_plan(now) and not pursued.strayed(pose, STRAYED):
             return
         planner = None
         try:
-            planner, _ = self._ready(mission.goal)
-            holds = not (planner.blocked(ahead, self._kept / 2) or mission.strayed(pose, STRAYED))
+            planner, _ = self._ready(pursued.goal)
+            holds = not (planner.blocked(ahead, self._kept / 2) or pursued.strayed(pose, STRAYED))
             # Only a way with all of the clearance is better than one that holds.
-            plan = self._find(mission, narrow=not holds)
+            plan = self._find(pursued, narrow=not holds)
         except PlanningFailure as failure:
             # A path that the body still fits through is better than none.
             if planner is None or planner.blocked(ahead):
-                self._fail(mission, failure, now)
+                self._fail(pursued, failure, now)
             return
         finally:
             live.planned(now)
         self.health.set_healthy()
         if holds and planner.cost(plan.poses) > (1.0 - BETTER) * planner.cost(ahead):
             return
-        mission.replanned(plan.poses, pose)
+        pursued.replanned(plan.poses, pose)
         self._drive(plan)
 
-    def _find(self, mission: Mission, *, narrow: bool = True) -> Plan:
-        x, y, yaw = mission.goal
-        heading = yaw if mission.tolerance.heading_matters else None
-        planner, pose = self._ready(mission.goal)
+    def _find(self, pursued: GoalProgress, *, narrow: bool = True) -> Plan:
+        x, y, yaw = pursued.goal
+        heading = yaw if pursued.tolerance.heading_matters else None
+        planner, pose = self._ready(pursued.goal)
         try:
             return planner.plan(pose, (x, y, heading))
         except PlanningFailure as failure:
@@ -452,7 +457,7 @@ class Planner(Component):
         # The way round may lead further away than was thought of so far.
         if not self._live.widen():
             raise told
-        return self._find(mission)
+        return self._find(pursued)
 
     @property
     def _start_slack(self) -> float:
@@ -492,11 +497,11 @@ class Planner(Component):
     def _execution_step(self) -> None:
         """The slow loop: is the map there, does the path still hold?"""
         now = self.clock.monotonic()
-        mission = self._mission
-        if mission is None:
+        pursued = self._pursued
+        if pursued is None:
             self._judge_inputs()
             return
-        if mission.path is None:
+        if pursued.path is None:
             if self._live is None or now - self._failed >= RETRY:
                 self._plan(now)
             return
@@ -505,7 +510,7 @@ class Planner(Component):
         pose = self._location.pose()
         if pose is None or self._planner is None:
             return
-        if self._planner.blocked(mission.ahead(pose)) or mission.strayed(pose, STRAYED):
+        if self._planner.blocked(pursued.ahead(pose)) or pursued.strayed(pose, STRAYED):
             self._plan(now)
 
     def _judge_inputs(self) -> None:
@@ -521,8 +526,8 @@ class Planner(Component):
 
     def _follow(self) -> None:
         """The fast loop, only while a goal is pursued: canceled, arrived, stuck, feedback."""
-        mission = self._mission
-        if mission is None:
+        pursued = self._pursued
+        if pursued is None:
             return
         if self._handle is not None and self._handle.is_cancel_requested:
             self._end(GoalOutcome.CANCELED, "Canceled.")
@@ -531,11 +536,11 @@ class Planner(Component):
         if pose is None:
             return
         standing = self._standstill.reached(now, self.config.location_timeout)
-        if mission.arrived(pose, standing, now):
-            distance, _ = mission.errors(pose)
+        if pursued.arrived(pose, standing, now):
+            distance, _ = pursued.errors(pose)
             self._end(GoalOutcome.ARRIVED, f"Arrived, {100 * distance:.0f} cm off.")
             return
-        if mission.stuck(pose, now):
+        if pursued.stuck(pose, now):
             text = f"No progress for {self.config.patience:.0f} s{self._because}."
             self.health.set_fail_algorithm([self.config.chosen_planner], text)
             self._end(GoalOutcome.STUCK, text)
@@ -544,10 +549,10 @@ class Planner(Component):
         if self._live is not None and self._turn % REPLAN_EVERY == 0:
             self._replan(now)
         if self._handle is not None and self._turn % FEEDBACK_EVERY == 0:
-            self._handle.publish_feedback(self._feedback(mission, pose))
+            self._handle.publish_feedback(self._feedback(pursued, pose))
 
-    def _feedback(self, mission: Mission, pose: Pose2D) -> PlanPath.Feedback:
-        feedback = PlanPath.Feedback(distance_left=mission.distance_left(pose))
+    def _feedback(self, pursued: GoalProgress, pose: Pose2D) -> PlanPath.Feedback:
+        feedback = PlanPath.Feedback(distance_left=pursued.distance_left(pose))
         current = PoseStamped()
         current.header.frame_id = self.frames.world
         current.header.stamp = self.node.get_clock().now().to_msg()

@@ -17,7 +17,7 @@ from kompass.access.signer import Signer
 from kompass.bus.node import ActionClient, Node, Publisher
 from kompass.components.base.component import Component
 from kompass.components.base.convert import quaternion_msg
-from kompass.components.planner.mission import FREE_HEADING
+from kompass.components.planner.goal_progress import FREE_HEADING
 from kompass.drills.facts import GOAL_OUTCOMES, FaultBegan, FaultFailed, GoalEnded, GoalSent
 from kompass.drills.runner.goal_watch import GoalWatch
 from kompass.drills.runner.observer import Observer

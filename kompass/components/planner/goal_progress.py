@@ -16,7 +16,7 @@ FREE_HEADING = math.pi  # rad; a tolerance from here on asks for no heading
 
 
 class GoalOutcome(enum.IntEnum):
-    """How a mission ended; the numbers are those of PlanPath's result."""
+    """How a goal ended; the numbers are those of PlanPath's result."""
 
     ARRIVED = 0
     REFUSED = 1
@@ -42,7 +42,7 @@ class Tolerance:
 
 
 @dataclass
-class Mission:
+class GoalProgress:
     """Follows the robot on its way to a goal.
 
     Parameters

@@ -5,70 +5,70 @@ import math
 import numpy as np
 import pytest
 
-from kompass.components.planner.mission import Mission, Tolerance
+from kompass.components.planner.goal_progress import GoalProgress, Tolerance
 
 STRAIGHT = np.stack([np.linspace(0, 2, 21), np.zeros(21), np.zeros(21)], axis=1)
 
 
-def mission(heading: float = 0.2, distance: float = 0.05) -> Mission:
-    made = Mission((2.0, 0.0, 0.0), Tolerance(distance, heading), patience=10.0)
+def progress(heading: float = 0.2, distance: float = 0.05) -> GoalProgress:
+    made = GoalProgress((2.0, 0.0, 0.0), Tolerance(distance, heading), patience=10.0)
     made.planned(STRAIGHT, now=0.0)
     return made
 
 
 def test_a_robot_that_stands_within_both_tolerances_has_arrived() -> None:
-    assert mission().arrived((1.97, 0.01, 0.1), standing=True, now=1.0)
+    assert progress().arrived((1.97, 0.01, 0.1), standing=True, now=1.0)
 
 
 @pytest.mark.parametrize("pose", [(1.9, 0.0, 0.0), (2.0, 0.0, 0.3), (2.0, 0.0, math.pi)])
 def test_a_robot_outside_a_tolerance_has_not_arrived(pose: tuple[float, float, float]) -> None:
-    assert not mission().arrived(pose, standing=True, now=1.0)
+    assert not progress().arrived(pose, standing=True, now=1.0)
 
 
 def test_heading_does_not_matter_when_none_is_asked_for() -> None:
-    assert mission(heading=math.pi).arrived((2.0, 0.0, 3.0), standing=True, now=1.0)
+    assert progress(heading=math.pi).arrived((2.0, 0.0, 3.0), standing=True, now=1.0)
 
 
 def test_a_robot_still_moving_through_the_goal_gets_time_to_settle() -> None:
-    made = mission()
+    made = progress()
     assert not made.arrived((2.0, 0.0, 0.0), standing=False, now=1.0)
     assert not made.arrived((2.0, 0.0, 0.0), standing=False, now=2.0)
     assert made.arrived((2.0, 0.0, 0.0), standing=False, now=3.0)
 
 
 def test_leaving_the_tolerance_starts_the_settling_anew() -> None:
-    made = mission()
+    made = progress()
     made.arrived((2.0, 0.0, 0.0), standing=False, now=1.0)
     made.arrived((1.5, 0.0, 0.0), standing=False, now=2.0)
     assert not made.arrived((2.0, 0.0, 0.0), standing=False, now=3.1)
 
 
 def test_distance_left_is_the_length_of_the_path_ahead() -> None:
-    assert mission().distance_left((0.5, 0.3, 0.0)) == pytest.approx(1.5)
-    assert mission().distance_left((2.0, 0.0, 0.0)) == 0.0
+    assert progress().distance_left((0.5, 0.3, 0.0)) == pytest.approx(1.5)
+    assert progress().distance_left((2.0, 0.0, 0.0)) == 0.0
 
 
 def test_a_robot_that_comes_no_nearer_is_stuck_after_its_patience() -> None:
-    made = mission()
+    made = progress()
     assert not made.stuck((0.5, 0.0, 0.0), now=1.0)
     assert not made.stuck((0.5, 0.0, 0.0), now=10.9)
     assert made.stuck((0.5, 0.0, 0.0), now=11.0)
 
 
 def test_slow_progress_is_not_being_stuck() -> None:
-    made = mission()
+    made = progress()
     for second in range(60):
         assert not made.stuck((second * 0.02, 0.0, 0.0), now=float(second))
 
 
 def test_turning_to_the_goals_heading_is_progress() -> None:
-    made = mission()
+    made = progress()
     for second in range(30):
         assert not made.stuck((2.0, 0.0, 3.0 - 0.1 * second), now=float(second))
 
 
 def test_turning_towards_a_path_that_leads_straight_back_is_progress() -> None:
-    made = mission()
+    made = progress()
     for second in range(40):  # half a turn in 39 s, with a patience of 10
         yaw = math.pi - 0.08 * second
         assert not made.stuck((0.0, 0.0, max(yaw, 0.0)), now=float(second))
@@ -78,19 +78,19 @@ def test_turning_towards_a_path_that_leads_straight_back_is_progress() -> None:
 
 
 def test_turning_to_and_fro_is_no_progress() -> None:
-    made = mission()
+    made = progress()
     stuck = [made.stuck((0.0, 0.0, 2.0 + math.sin(0.7 * s)), now=float(s)) for s in range(25)]
     assert any(stuck)
 
 
 def test_turning_away_from_the_path_is_no_progress() -> None:
-    made = mission()
+    made = progress()
     stuck = [made.stuck((0.0, 0.0, 0.25 * second), now=float(second)) for second in range(12)]
     assert stuck[-1]
 
 
 def test_patience_without_a_path_counts_from_the_first_failure() -> None:
-    made = mission()
+    made = progress()
     assert not made.unplanned(now=100.0)
     assert not made.unplanned(now=109.0)
     assert made.unplanned(now=110.0)
@@ -99,12 +99,12 @@ def test_patience_without_a_path_counts_from_the_first_failure() -> None:
 
 
 def test_a_robot_far_from_its_path_has_strayed() -> None:
-    assert mission().strayed((1.0, 0.6, 0.0), limit=0.5)
-    assert not mission().strayed((1.0, 0.4, 0.0), limit=0.5)
+    assert progress().strayed((1.0, 0.6, 0.0), limit=0.5)
+    assert not progress().strayed((1.0, 0.4, 0.0), limit=0.5)
 
 
 def test_another_path_is_no_progress_by_itself() -> None:
-    made = mission()
+    made = progress()
     pose = (0.5, 0.0, 0.0)
     detour = np.array([[0.5, 0.0, 0.0], [0.5, 3.0, 0.0], [2.0, 3.0, 0.0], [2.0, 0.0, 0.0]])
     assert not made.stuck(pose, now=1.0)
@@ -115,7 +115,7 @@ def test_another_path_is_no_progress_by_itself() -> None:
 
 
 def test_driving_along_another_path_is_progress_though_it_is_longer() -> None:
-    made = mission()
+    made = progress()
     assert not made.stuck((0.5, 0.0, 0.0), now=1.0)
     ways = np.linspace(0.0, 3.0, 31)
     out = np.stack([np.full(31, 0.5), ways, np.zeros(31)], axis=1)

@@ -1,0 +1,1 @@
+"""The robot's missions, kept and driven by the monitor."""
