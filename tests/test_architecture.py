@@ -29,6 +29,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ),
         ("channel", "field_types"),
         ("expressions", "places", "robot", "rulebook"),
+        ("missions",),
         ("rclpy_ext",),
         ("virtual",),
         ("backtest",),

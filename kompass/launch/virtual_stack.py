@@ -23,7 +23,7 @@ from kompass.launch.processes import process_name
 from kompass.launch.stack import Monitored, Stack
 from kompass.launch.virtual_faults import SIMULATOR, VirtualFaults
 from kompass.launch.virtual_program import DEAF, Ears, Main, Program
-from kompass.monitor.monitor import Monitor
+from kompass.monitor.monitor import Memory, Monitor
 from kompass.monitor.process import NAME as MONITOR
 from kompass.monitor.recording import FlightRecording
 from kompass.monitor.settings import MonitorSettings
@@ -35,7 +35,7 @@ from kompass.simulation.faults.fault_names import FaultOrder
 from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 from kompass.simulation.simulator import Simulator
 from kompass.simulation.worlds.world import World as Place
-from kompass.store import RuleStore
+from kompass.store import MissionStore, PlaceStore, RuleStore
 from kompass.store.robot_key import robot_key
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.news import ProcessNews
@@ -114,6 +114,8 @@ class VirtualStack:
         Given to each monitor; None for none.
     embedded
         The robot, and its map.
+    remembers
+        Whether places and missions are kept in the folder, too.
     """
 
     def __init__(
@@ -128,7 +130,9 @@ class VirtualStack:
         folder: Path | None = None,
         recording: FlightRecording | None = None,
         embedded: Embedded = USUAL,
+        remembers: bool = False,
     ) -> None:
+        self._remembers = remembers
         self._world, self._stack, self._place, self._seed = world, stack, place, seed
         self._embedded = embedded
         self._table, self._orders, self._folder = table, orders, folder
@@ -376,6 +380,7 @@ class VirtualStack:
         monitor = Monitor(
             *(node, executor, rules, monitored.catalog, start, store, settings, self._asked),
             recording=self._recording,
+            memory=self._memory(process) if self._remembers else None,
             channels=Channels(
                 _name_of(life),
                 {one.node_name: partial(self._send, one.node_name) for one in rules.components},
@@ -388,6 +393,23 @@ class VirtualStack:
             partial(executor.create_task, monitor.process_changed),
             partial(executor.create_task, monitor.component_answered),
         )
+
+    def _memory(self, process: VirtualProcess) -> Memory:
+        """Places and missions of the folder, as long as the process lives."""
+        folder, clock = self._folder, self._world.clock.wall
+        assert folder is not None  # whoever is to remember is told where
+
+        def places() -> PlaceStore:
+            store = PlaceStore.open(folder, clock=clock)
+            process.at_death(store.close)
+            return store
+
+        def missions() -> MissionStore:
+            store = MissionStore.open(folder, clock=clock)
+            process.at_death(store.close)
+            return store
+
+        return Memory(places, missions)
 
     def _simulate(self, process: VirtualProcess, _: Life) -> Ears:
         node = VirtualNode(process, SIMULATOR)

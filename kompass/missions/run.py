@@ -137,7 +137,7 @@ class MissionRun:
 
     def __init__(self, run: Run, now: Now) -> None:
         self.run = run
-        self._ticket = 0
+        self._ticket, self._under_way = 0, False
         self._wait_began: float | None = None
         if not run.over and run.phase != "paused":
             self._pause(
@@ -149,7 +149,7 @@ class MissionRun:
 
     def awaits(self, ticket: int) -> bool:
         """Whether that drive or action is still the one that is wanted."""
-        return ticket == self._ticket and self.run.phase in ("driving", "acting")
+        return self._under_way and ticket == self._ticket
 
     @property
     def due(self) -> float | None:
@@ -169,6 +169,7 @@ class MissionRun:
         """The drive has come to its end."""
         if not self.awaits(ticket):
             return ()
+        self._under_way = False
         if end == "arrived":
             self._set(arrivals=self.run.arrivals + 1, attempt=1)
             return self._go_on(now)
@@ -183,7 +184,7 @@ class MissionRun:
         """What was to be performed has been, or has failed."""
         if not self.awaits(ticket):
             return ()
-        halted = isinstance(self.run.task, Halt)
+        self._under_way, halted = False, isinstance(self.run.task, Halt)
         if not ok:
             return self._failed(reason, now)
         self._set(tasks_done=self.run.tasks_done + 1)
@@ -294,7 +295,7 @@ class MissionRun:
         return bool(self.run.tasks_done) and self.run.task is None
 
     def _set_off(self, now: Now) -> tuple[Effect, ...]:
-        self._ticket += 1
+        self._ticket, self._under_way = self._ticket + 1, True
         self._enter("driving", now, reason="")
         return (GoTo(self._ticket, self.run.here.place),)
 
@@ -310,7 +311,7 @@ class MissionRun:
         if isinstance(task, Ask):
             self._enter("asking", now)
             return ()
-        self._ticket += 1
+        self._ticket, self._under_way = self._ticket + 1, True
         self._enter("acting", now)
         return (Perform(self._ticket, task),)
 
@@ -360,9 +361,9 @@ class MissionRun:
         return ceased
 
     def _cease(self) -> tuple[Effect, ...]:
-        """What was awaited is no more."""
-        self._ticket += 1
-        return (Cease(),) if self.run.phase in ("driving", "acting") else ()
+        """What is under way is awaited no more."""
+        under_way, self._under_way = self._under_way, False
+        return (Cease(),) if under_way else ()
 
 
 _DOING: dict[Phase, str] = {

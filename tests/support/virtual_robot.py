@@ -44,6 +44,8 @@ class VirtualRobot(InVirtualTime, Tester):
         Of all that is left to chance.
     table
         The rules in force; the recipe's own when left out.
+    remembers
+        Whether its monitor keeps rules, places and missions.
     environment
         Variables while it runs.
 
@@ -63,8 +65,10 @@ class VirtualRobot(InVirtualTime, Tester):
         start: tuple[float, float, float] | None = None,
         seed: int = 0,
         table: Table | None = None,
+        remembers: bool = False,
         **environment: str,
     ) -> None:
+        self._remembers = remembers
         self._ending = ExitStack()
         try:
             where = world(place) if start is None else replace(world(place), start=start)
@@ -89,7 +93,14 @@ class VirtualRobot(InVirtualTime, Tester):
         self.world = self._ending.enter_context(World(seed))
         orders = [parse_fault(fault) for fault in faults]
         self.stack = VirtualStack(
-            self.world, stack_of(recipe), place, seed=seed, table=table, orders=orders
+            self.world,
+            stack_of(recipe),
+            place,
+            seed=seed,
+            table=table,
+            orders=orders,
+            folder=Path(folder) / "robot" if self._remembers else None,
+            remembers=self._remembers,
         )
         self.news: list[ProcessNews] = []
         self.stack.on_news = self.news.append

@@ -20,7 +20,9 @@ DEPTH = 1000
 DEPTH_OF_LARGE = 10
 # Messages of before that a latched reader may be given again: publishers keep one as a rule.
 RECENT = 2
-TOGETHER = 0.05  # s within which two readers are handed the same message
+# s within which two readers are handed the same message. A reliable one that has just found the
+# publisher gets it by asking for it again, and a busy machine takes its time between the two.
+TOGETHER = 0.25
 LARGE = ("Image", "CompressedImage", "PointCloud2", "OccupancyGrid")
 # Topic, type, message, and the bytes that it came as.
 Receive = Callable[[str, str, Any, bytes], None]

@@ -1,0 +1,373 @@
+"""Missions on a whole robot in virtual time: driven, steered, interrupted, never by surprise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import closing
+from datetime import datetime
+from typing import Any
+
+import pytest
+from kompass_interfaces.srv import ChangeMissions, ChangePlaces
+from nav_msgs.msg import OccupancyGrid
+from std_msgs.msg import String
+
+from kompass.components.base.convert import grid_of
+from kompass.missions.change import (
+    EditMission,
+    MissionChange,
+    SaveMission,
+    StartMission,
+    StartNext,
+    SteerRun,
+    Unqueue,
+)
+from kompass.missions.mission import (
+    Act,
+    Ask,
+    Halt,
+    Mission,
+    MissionBook,
+    MissionPlan,
+    Schedule,
+    Task,
+    Wait,
+    Waypoint,
+)
+from kompass.missions.queue import MissionState
+from kompass.missions.run import Run
+from kompass.places.change import DeletePlace, EditPlace, PlaceChange, SavePlace
+from kompass.places.map_identity import identify
+from kompass.places.place import MapIdentity, Place, PlacePose
+from kompass.rules.schema.actions import CallService, Log, Method, RaiseAlarm
+from tests.support.client import LATCHED
+from tests.support.hand import Hand
+from tests.support.virtual_robot import VirtualRobot
+
+NORTH, WEST = (0.5, 0.5), (-1.5, 0.5)
+
+
+class MissionRobot(VirtualRobot):
+    """A robot with two places, and what is done with its missions."""
+
+    def __init__(self) -> None:
+        super().__init__(remembers=True)
+        self.subscribe(String, "/monitor/missions", LATCHED)
+        self.subscribe(String, "/monitor/mission_state", LATCHED)
+        self.subscribe(String, "/monitor/alarms", LATCHED)
+        self.subscribe(OccupancyGrid, "/map", LATCHED)
+        self.ready()
+        self.wait_until(lambda: "/map" in self.newest, 10, "the map")
+        self.map = identify(grid_of(self.newest["/map"]))
+        self.north = self.place("North", *NORTH)
+        self.west = self.place("West", *WEST)
+
+    def place(self, name: str, x: float, y: float) -> Place:
+        return self.change_place(SavePlace(name=name, pose=PlacePose(x=x, y=y), map=self.map))
+
+    def change_place(self, change: PlaceChange) -> Place:
+        request = ChangePlaces.Request(
+            change=change.model_dump_json(), author="ava", role="operator"
+        )
+        answer = self.call(ChangePlaces, "/monitor/change_places", request)
+        assert answer.success, answer.message
+        return Place.model_validate_json(answer.answer)
+
+    def asks(self, change: MissionChange, role: str = "operator", author: str = "ava") -> Any:
+        """The answer to a change."""
+        request = ChangeMissions.Request(change=change.model_dump_json(), author=author, role=role)
+        return self.call(ChangeMissions, "/monitor/change_missions", request)
+
+    def change(self, change: MissionChange, role: str = "operator", author: str = "ava") -> Any:
+        """Have it done; the mission that it was about."""
+        answer = self.asks(change, role, author)
+        assert answer.success, answer.message
+        return Mission.model_validate_json(answer.answer) if answer.answer else None
+
+    def plan(self, *stops: tuple[Place, tuple[Task, ...]], **fields: object) -> MissionPlan:
+        waypoints = tuple(Waypoint(place=place.id, tasks=tasks) for place, tasks in stops)
+        given = {"name": "Round", "map": self.map, "waypoints": waypoints, **fields}
+        return MissionPlan.model_validate(given)
+
+    def saved(self, *stops: tuple[Place, tuple[Task, ...]], **fields: object) -> Mission:
+        mission = self.change(SaveMission(plan=self.plan(*stops, **fields)))
+        assert isinstance(mission, Mission)
+        return mission
+
+    def start(self, mission: Mission) -> None:
+        self.change(StartMission(id=mission.id, version=mission.version))
+
+    def steer(self, verb: str, author: str = "ben") -> None:
+        change = SteerRun.model_validate({"verb": verb, "run": self.run.number})
+        self.change(change, author=author)
+
+    @property
+    def state(self) -> MissionState:
+        return MissionState.model_validate_json(self.newest["/monitor/mission_state"].data)
+
+    @property
+    def book(self) -> MissionBook:
+        return MissionBook.model_validate_json(self.newest["/monitor/missions"].data)
+
+    @property
+    def run(self) -> Run:
+        run = self.state.run
+        assert run is not None
+        return run
+
+    def until(self, phase: str, timeout: float = 60.0) -> Run:
+        self.wait_until(
+            lambda: self.state.run is not None and self.run.phase == phase,
+            timeout,
+            f"a mission that is {phase}",
+        )
+        return self.run
+
+    def moves(self) -> None:
+        self.wait_until(lambda: self.speed > 0.1, 20, "motion")
+
+    def stands(self, seconds: float = 3.0) -> None:
+        """It comes to rest, and stays."""
+        self.wait_until(lambda: self.speed < 0.01, 3, "a standstill")
+        x, y, _ = self.truth
+        assert max(math.hypot(at[0] - x, at[1] - y) for at in self.watch(seconds)) < 0.01
+
+
+@pytest.fixture
+def robot() -> Iterator[MissionRobot]:
+    with closing(MissionRobot()) as client:
+        yield client
+
+
+def test_it_goes_round_its_places_waits_and_does_what_is_to_be_done_there(
+    robot: MissionRobot,
+) -> None:
+    alarm = Act(action=RaiseAlarm(alarm="at-north", text="Look at the north wall"))
+    mission = robot.saved((robot.north, (Wait(seconds=4.0), alarm)), (robot.west, ()), rounds=2)
+    robot.start(mission)
+    waiting = robot.until("waiting")
+    assert robot.distance_to(*NORTH) < 0.15
+    assert (waiting.round, waiting.waypoint, waiting.by) == (1, 0, "ava")
+    began = robot.clock.monotonic()
+    robot.until("driving")
+    assert robot.clock.monotonic() - began == pytest.approx(4.0, abs=0.5)
+    assert "Look at the north wall" in robot.newest["/monitor/alarms"].data
+    robot.wait_until(lambda: robot.run.round == 2, 60, "the second round")
+    assert robot.distance_to(*WEST) < 0.3
+    done = robot.until("done", 120)
+    assert (done.round, done.skipped) == (2, ())
+    assert robot.distance_to(*WEST) < 0.15
+    assert robot.contacts == 0
+
+
+def test_people_pause_resume_skip_confirm_and_cancel_it(robot: MissionRobot) -> None:
+    mission = robot.saved((robot.north, (Ask(text="Load it"),)), (robot.west, ()))
+    robot.start(mission)
+    robot.moves()
+    robot.steer("pause")
+    assert robot.until("paused", 5).decided_by == "ben"
+    robot.stands()
+    robot.steer("resume")
+    robot.until("asking")
+    robot.stands(5.0)
+    robot.steer("confirm")
+    robot.until("driving", 5)
+    robot.moves()
+    robot.steer("skip")
+    skipped = robot.until("done", 5)
+    assert skipped.skipped[0].reason == "ben skipped it"
+    robot.stands()
+
+    refused = robot.asks(SteerRun(verb="pause", run=1))
+    assert not refused.success
+    assert refused.message == "the mission is over (done); start it again"
+    robot.start(robot.saved((robot.west, ()), name="Second"))
+    robot.moves()
+    robot.steer("cancel")
+    assert robot.until("canceled", 5).decided_by == "ben"
+    robot.stands()
+
+
+def test_after_stop_only_a_person_sets_it_in_motion_again(robot: MissionRobot) -> None:
+    robot.start(robot.saved((robot.north, ()), (robot.west, ())))
+    robot.moves()
+    assert robot.stop().success
+    paused = robot.until("paused", 3)
+    assert "tester pressed STOP" in paused.reason
+    robot.stands()
+    robot.steer("resume")
+    robot.wait_until(lambda: robot.run.phase == "paused", 5, "a robot that says why it stands")
+    assert "tester pressed STOP" in robot.until("paused", 5).reason
+    assert robot.release().success
+    robot.stands(4.0)
+    assert robot.run.phase == "paused"
+    robot.steer("resume")
+    robot.until("done", 90)
+
+
+def test_stop_while_it_waits_pauses_it_too(robot: MissionRobot) -> None:
+    robot.start(robot.saved((robot.north, (Wait(seconds=5.0),)), (robot.west, ())))
+    robot.until("waiting")
+    assert robot.stop().success
+    robot.until("paused", 3)
+    assert robot.release().success
+    robot.stands(8.0)
+    robot.steer("resume")
+    robot.until("done", 90)
+
+
+def test_the_stop_of_a_mission_is_the_robots_own(robot: MissionRobot) -> None:
+    robot.start(robot.saved((robot.north, (Halt(), Ask())), (robot.west, ())))
+    robot.until("paused")
+    assert robot.newest["/drive_state"].stopped_by == "mission Round"
+    assert robot.release().success
+    robot.stands()
+    robot.steer("resume")
+    robot.until("asking", 10)
+
+
+def test_who_sends_another_goal_or_takes_the_wheel_has_the_robot(robot: MissionRobot) -> None:
+    robot.start(robot.saved((robot.north, ()), (robot.west, ())))
+    robot.moves()
+    other = robot.send_goal(-1.0, -0.5)
+    assert "newer goal" in robot.until("paused", 5).reason
+    assert robot.result(other).result.reached_end
+    robot.stands(2.0)
+    robot.steer("resume")
+    robot.moves()
+    ava = Hand(robot, "ava")
+    ava.take()
+    assert "ava" in robot.until("paused", 5).reason
+    robot.stands(2.0)
+
+
+def test_a_monitor_that_dies_leaves_the_mission_paused_and_the_goal_under_way(
+    robot: MissionRobot,
+) -> None:
+    robot.start(robot.saved((robot.north, ()), (robot.west, ())))
+    robot.moves()
+    before = robot.run
+    robot.newest.pop("/monitor/mission_state")
+    robot.stack.kill("monitor")
+    robot.wait_until(lambda: "/monitor/mission_state" in robot.newest, 20, "another monitor")
+    found = robot.until("paused", 5)
+    assert (found.number, found.waypoint) == (before.number, before.waypoint)
+    assert "ended while it was driving" in found.reason
+    robot.wait_until(lambda: robot.distance_to(*NORTH) < 0.15, 60, "the goal that was under way")
+    robot.stands()
+    assert robot.book.missions[0].name == "Round"
+    robot.steer("resume")
+    robot.until("done", 90)
+
+
+def test_a_planner_that_dies_leaves_the_mission_paused(robot: MissionRobot) -> None:
+    robot.start(robot.saved((robot.north, ()), (robot.west, ())))
+    robot.moves()
+    robot.stack.kill("planner")
+    assert "planner, which had the goal, was lost" in robot.until("paused", 5).reason
+    robot.rest(15.0)  # it is started again, and asks for nothing
+    assert robot.run.phase == "paused"
+    robot.steer("resume")
+    robot.until("done", 90)
+
+
+def test_missions_wait_for_their_turn_and_after_a_cancelled_one_for_a_person(
+    robot: MissionRobot,
+) -> None:
+    first = robot.saved((robot.north, ()))
+    second = robot.saved((robot.west, ()), name="Second")
+    for mission in (first, second, first):
+        robot.start(mission)
+    assert [each.mission for each in robot.state.queue] == [second.id, first.id]
+    robot.wait_until(lambda: robot.run.mission.id == second.id, 60, "the second mission")
+    robot.change(Unqueue(number=robot.state.queue[0].number))
+    robot.start(first)
+    robot.moves()
+    robot.steer("cancel")
+    robot.stands(3.0)
+    assert [each.mission for each in robot.state.queue] == [first.id]
+    robot.change(StartNext(), author="ben")
+    done = robot.until("done")
+    assert (done.mission.id, done.by, robot.state.queue) == (first.id, "ben", ())
+
+
+def test_a_place_that_was_moved_is_where_it_goes_and_one_that_was_deleted_is_told_of(
+    robot: MissionRobot,
+) -> None:
+    mission = robot.saved((robot.north, ()), (robot.west, ()))
+    moved = EditPlace(id=robot.north.id, version=1, pose=PlacePose(x=0.0, y=-0.5))
+    robot.change_place(moved)
+    robot.start(mission)
+    robot.wait_until(lambda: robot.run.waypoint == 1, 60, "the first place")
+    assert robot.distance_to(0.0, -0.5) < 0.3
+    robot.steer("pause")
+    robot.change_place(DeletePlace(id=robot.west.id, version=1))
+    robot.steer("resume")
+    assert "has been deleted" in robot.until("paused", 5).reason
+
+
+def test_it_drives_on_its_own_map_only(robot: MissionRobot) -> None:
+    mission = robot.saved((robot.north, ()))
+    elsewhere = MapIdentity(id="0" * 32, label="9 × 9 m")
+    moved = EditPlace(id=robot.north.id, version=1, map=elsewhere)
+    robot.change_place(moved)
+    robot.start(mission)
+    assert "is a place of another map by now" in robot.until("paused", 5).reason
+    edit = EditMission(id=mission.id, version=1, plan=robot.plan((robot.north, ())))
+    assert "is on another map" in robot.asks(edit).message
+    plan = robot.plan((robot.north, ()), map=elsewhere)
+    robot.steer("cancel")
+    edited = robot.change(EditMission(id=mission.id, version=1, plan=plan))
+    robot.start(edited)
+    assert "another map now than the one of the mission" in robot.until("paused", 5).reason
+    robot.stands()
+
+
+def test_it_begins_at_its_hour_by_itself(robot: MissionRobot) -> None:
+    soon = datetime.fromtimestamp(robot.clock.wall() + 65).astimezone()
+    schedule = Schedule(at=soon.strftime("%H:%M"), days=(soon.weekday(),))
+    robot.saved((robot.north, ()), schedule=schedule)
+    assert robot.state.run is None
+    done = robot.until("done", 150)
+    assert (done.by, datetime.fromtimestamp(done.started).minute) == ("the clock", soon.minute)
+    robot.rest(70)
+    assert robot.state.runs == 1
+
+
+FOREIGN = CallService(
+    service="/drive_manager/release_stop", type="kompass_interfaces/srv/ReleaseStop"
+)
+
+
+@pytest.mark.parametrize(
+    ("action", "told"),
+    [
+        (FOREIGN, "it would let the robot move again after STOP"),
+        (Method(component="nobody", method="stop"), "nobody"),
+        (
+            Method(
+                component="planner",
+                method="trigger_main_action_server",
+                kwargs={"goal_x": "$msg.x", "goal_y": 0.0},
+            ),
+            "at a place there is none",
+        ),
+    ],
+    ids=["forbidden", "unknown", "of a message"],
+)
+def test_an_action_that_it_could_not_do_or_may_not_is_refused_when_it_is_saved(
+    robot: MissionRobot, action: Any, told: str
+) -> None:
+    plan = robot.plan((robot.north, (Act(action=Log(text="hi")), Act(action=action))))
+    answer = robot.asks(SaveMission(plan=plan))
+    assert not answer.success
+    assert answer.message.startswith("place 1, task 2: ")
+    assert told in answer.message
+    assert robot.book.missions == ()
+
+
+def test_viewers_change_nothing(robot: MissionRobot) -> None:
+    answer = robot.asks(SaveMission(plan=robot.plan((robot.north, ()))), role="viewer")
+    assert not answer.success
+    assert "may look at missions and change none" in answer.message
