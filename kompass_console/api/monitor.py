@@ -62,6 +62,29 @@ async def asked(
         raise ConsoleError(status, sentence(str(error)), remedy) from error
 
 
+async def kept(
+    console: Console, question: Callable[[MonitorClient], Reply[_T]], what: str, remedy: str
+) -> _T:
+    """The monitor's answer to a change of what it keeps for people: ``what``, in the plural.
+
+    Raises
+    ------
+    ConsoleError
+        503 when there is no answer; 409 when it refuses, with its own remedy or else ``remedy``.
+    """
+    try:
+        return await question(console.link.monitor.client).answer()
+    except NoAnswer as error:
+        raise ConsoleError(
+            503,
+            f"The robot's {what} cannot be reached: {error.why}.",
+            "Wait a few seconds and try again; if it stays so, look at the health of the monitor.",
+        ) from error
+    except Refused as error:
+        why, _, own = str(error).partition("; ")
+        raise ConsoleError(409, sentence(why), sentence(own or remedy)) from error
+
+
 def no_monitor(error: NoAnswer) -> ConsoleError:
     """The answer when nobody who keeps rules answers."""
     return ConsoleError(503, f"The robot's rules cannot be reached: {error.why}.", _WAIT)

@@ -10,12 +10,10 @@ from fastapi import APIRouter, Path, Query
 from pydantic import ValidationError
 
 from kompass.invalid import first_invalid
-from kompass.monitor.client import Refused
 from kompass.places.change import DeletePlace, EditPlace, PlaceChange, RestorePlace, SavePlace
 from kompass.places.place import MOST_PLACES, MapIdentity, Place, PlacePose
-from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
-from kompass_console.api.monitor import sentence
+from kompass_console.api.monitor import kept, sentence
 from kompass_console.link.goal_check import cell_at
 from kompass_console.schema.place_models import PlaceEdit, PlaceInfo, PlaceList, PlaceSave
 from kompass_console.web.auth import LoginSession
@@ -51,7 +49,7 @@ async def save_place(body: PlaceSave, session: Operator, console: CurrentConsole
     """Keep a place of the map that the robot has now; on the robot's disk when this is answered."""
 
     async def begin() -> PlaceChange:
-        here = await _map_of_now(console)
+        here = await map_of_now(console)
         pose = body.pose or _where_it_stands(console)
         _check_on_map(console, pose)
         return _made(SavePlace, name=body.name, note=body.note, pose=pose, map=here)
@@ -67,7 +65,7 @@ async def edit_place(
 
     async def begin() -> PlaceChange:
         pose = _where_it_stands(console) if body.to_robot else body.pose
-        here = await _map_of_now(console) if body.here or pose else None
+        here = await map_of_now(console) if body.here or pose else None
         if here is not None:
             place = _known(console, place_id)
             if not body.here and place.map.id != here.id:
@@ -130,7 +128,7 @@ async def place_to_go(console: Console, place_id: int, version: int) -> Place:
             f"The place {place.name!r} was changed meanwhile, by {place.author or 'somebody'}.",
             _LOOK,
         )
-    here = await _map_of_now(console)
+    here = await map_of_now(console)
     if place.map.id != here.id:
         raise _elsewhere(place)
     return place
@@ -152,27 +150,17 @@ async def _carry_out(
         details["before"] = _brief(known)
     try:
         change: PlaceChange = await begin()
-        place = await _changed(console, change, session)
+        place = await kept(
+            console,
+            lambda monitor: monitor.change_place(change, author=session.user, role=session.role),
+            "places",
+            _LOOK,
+        )
     except ConsoleError as error:
         console.audit.record(session, what, error.title, **details)
         raise
     console.audit.record(session, what, "done", **details, after=_brief(place))
     return _info(place, await asyncio.to_thread(console.link.places.here))
-
-
-async def _changed(console: Console, change: PlaceChange, session: LoginSession) -> Place:
-    try:
-        monitor = console.link.monitor.client
-        return await monitor.change_place(change, author=session.user, role=session.role).answer()
-    except NoAnswer as error:
-        raise ConsoleError(
-            503,
-            f"The robot's places cannot be reached: {error.why}.",
-            "Wait a few seconds and try again; if it stays so, look at the health of the monitor.",
-        ) from error
-    except Refused as error:
-        why, _, remedy = str(error).partition("; ")
-        raise ConsoleError(409, sentence(why), sentence(remedy or _LOOK)) from error
 
 
 def _made(kind: type[SavePlace] | type[EditPlace], **fields: Any) -> PlaceChange:
@@ -185,11 +173,18 @@ def _made(kind: type[SavePlace] | type[EditPlace], **fields: Any) -> PlaceChange
         ) from None
 
 
-async def _map_of_now(console: Console) -> MapIdentity:
+async def map_of_now(console: Console) -> MapIdentity:
+    """The map that the robot has.
+
+    Raises
+    ------
+    ConsoleError
+        409 when it has none.
+    """
     here = await asyncio.to_thread(console.link.places.here)
     if here is None:
         raise ConsoleError(
-            409, "The robot has no map, and a place is one of a map.", "Load a map, then try again."
+            409, "The robot has no map, and places are of a map.", "Load a map, then try again."
         )
     return here
 

@@ -26,6 +26,7 @@ from kompass_console.link.graph import convert
 from kompass_console.link.graph.discovery import NODE_NAME
 from kompass_console.link.graph.services import ServicePool
 from kompass_console.link.initial_pose import InitialPose
+from kompass_console.link.missions import MissionsWatch
 from kompass_console.link.places import PlacesWatch
 from kompass_console.link.processes import Processes
 from kompass_console.link.rules.backtests import Backtests
@@ -108,6 +109,7 @@ class RosLink:
         self.initial_pose = InitialPose(self._node)
         self.rules = RulesWatch(changed, rules_said)
         self.places = PlacesWatch(world, changed)
+        self.missions = MissionsWatch(self.places, changed)
         self.monitor = MonitorLink(self._node, self._follow)
         self.backtests = Backtests(self.monitor)
         self.topics = TopicWatch(self._node, self._run)
@@ -202,3 +204,4 @@ class RosLink:
     def _follow(self, monitor: MonitorClient) -> None:
         self.rules.follow(monitor)
         self.places.follow(monitor)
+        self.missions.follow(monitor)

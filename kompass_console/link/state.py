@@ -60,6 +60,7 @@ def build_state(
         simulation=None if rate is None else SimulationInfo(rate=rate.value, age=rate.age()),
         rules=link.rules.info(),
         places=link.places.info(),
+        missions=link.missions.info(),
         processes=link.processes.infos(),
         ros=RosInfo(domain_id=link.domain_id, middleware=link.middleware),
         viewers=viewers,

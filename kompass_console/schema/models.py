@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from kompass.algorithms.planning.failure import Reason
+from kompass.missions.run import Phase
 from kompass_console.schema.plain import plain
 from kompass_console.schema.roles import Role
 
@@ -428,6 +429,54 @@ class PlacesInfo(BaseModel):
     map: str | None = None
 
 
+class MissionRunInfo(BaseModel):
+    """The mission that runs or ran last.
+
+    `waypoint` counts from 1 to `waypoints`, `round` from 1 to `rounds` (0: without end). `place` is
+    where it goes or is; empty when that was deleted. `task` is what is done there now, `ask` what a
+    person is to confirm, `left` how long a wait still lasts (s). `elapsed` is the time (s) since
+    the phase began. `reason` is why it is paused or over, `decided_by` who wanted that.
+    """
+
+    number: int
+    mission: int
+    name: str
+    by: str
+    phase: Phase
+    elapsed: float
+    round: int
+    rounds: int
+    waypoint: int
+    waypoints: int
+    attempt: int
+    place: str
+    task: str
+    ask: str
+    left: float | None
+    reason: str
+    decided_by: str
+    skipped: list[str] = Field(default_factory=list)
+
+
+class QueuedMission(BaseModel):
+    """A mission that waits for its turn."""
+
+    number: int
+    name: str
+    by: str
+
+
+class MissionsInfo(BaseModel):
+    """What runs, and what waits. `revision` changes whenever the list of missions does. `notice`
+    is what an operator must hear; empty when all is well."""
+
+    available: bool = False
+    revision: int = 0
+    notice: str = ""
+    run: MissionRunInfo | None = None
+    queue: list[QueuedMission] = Field(default_factory=list)
+
+
 class RosInfo(BaseModel):
     """Where on DDS the console listens."""
 
@@ -454,6 +503,7 @@ class State(BaseModel):
     simulation: SimulationInfo | None
     rules: RulesInfo
     places: PlacesInfo
+    missions: MissionsInfo
     processes: list[ProcessInfo]
     ros: RosInfo
     viewers: int

@@ -9,6 +9,7 @@ import pytest
 
 from kompass_console.schema.models import (
     LocalisationInfo,
+    MissionsInfo,
     PlacesInfo,
     RobotInfo,
     RosInfo,
@@ -32,6 +33,7 @@ def build(seq: int, viewers: int) -> State:
         simulation=None,
         rules=RulesInfo(),
         places=PlacesInfo(),
+        missions=MissionsInfo(),
         processes=[],
         ros=RosInfo(domain_id=0, middleware="none"),
         viewers=viewers,

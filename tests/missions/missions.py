@@ -9,10 +9,12 @@ from kompass.places.place import MapIdentity
 MAP = MapIdentity(id="0" * 32, label="4.0 × 3.0 m")
 
 
-def plan(*tasks: tuple[Task, ...], name: str = "Round", **fields: object) -> MissionPlan:
+def plan(*tasks: tuple[Task, ...], **fields: object) -> MissionPlan:
     """A mission with a waypoint for each tuple of tasks; its places are 1, 2, 3 …"""
     waypoints = tuple(Waypoint(place=n, tasks=each) for n, each in enumerate(tasks, 1))
-    return MissionPlan.model_validate({"name": name, "map": MAP, "waypoints": waypoints, **fields})
+    return MissionPlan.model_validate(
+        {"name": "Round", "map": MAP, "waypoints": waypoints, **fields}
+    )
 
 
 def mission(*tasks: tuple[Task, ...], **fields: object) -> Mission:

@@ -18,6 +18,9 @@ export function within(ms: number, signal?: AbortSignal): AbortSignal {
 /** Time for an answer that needs no thought. */
 export const QUICK_MS = 5000;
 
+/** A change is on the robot's disk before it is answered, which the console awaits for 5 s. */
+export const CHANGE_MS = 8000;
+
 /**
  * An answer of the server. Its schema calls every field with a default optional; in an answer the
  * server sends them all.

@@ -1,10 +1,7 @@
-import { answer, http, QUICK_MS, within } from "./http";
+import { answer, CHANGE_MS, http, QUICK_MS, within } from "./http";
 import type { Place, PlaceEdit, PlaceSave } from "./types";
 
 export type PlaceChange = Partial<Omit<PlaceEdit, "version">>;
-
-/** A change is on the robot's disk before it is answered, which the console awaits for 5 s. */
-const CHANGE_MS = 8000;
 
 export const listPlaces = (signal: AbortSignal) =>
   answer(http.GET("/api/places", { signal: within(QUICK_MS, signal) }));

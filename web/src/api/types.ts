@@ -33,6 +33,15 @@ export type Place = PlaceList["places"][number];
 export type PlaceSave = Schemas["PlaceSave"];
 export type PlaceEdit = Schemas["PlaceEdit"];
 
+export type MissionList = Sent<Schemas["MissionList"]>;
+export type Mission = MissionList["missions"][number];
+export type MissionSave = Schemas["MissionSave"];
+export type Waypoint = Schemas["Waypoint"];
+export type MissionTask = NonNullable<Waypoint["tasks"]>[number];
+export type Missions = State["missions"];
+export type MissionRun = NonNullable<Missions["run"]>;
+export type RunVerb = "pause" | "resume" | "skip" | "confirm" | "cancel";
+
 /** How well scan and map agree, as the robot thinks. */
 export type Localisation = State["localisation"];
 export type LocateCheck = Sent<Schemas["LocateCheck"]>;

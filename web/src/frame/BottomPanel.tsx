@@ -5,6 +5,8 @@ import type { Place } from "../api/types";
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
+import { MissionStatus } from "../missions/MissionStatus";
+import { MissionsPanel } from "../missions/MissionsPanel";
 import { PlacesPanel } from "../places/PlacesPanel";
 import { StoppedByRule } from "../rules/bands/StoppedByRule";
 import { OPENERS, useNav } from "../rules/context/RulesNav";
@@ -55,7 +57,12 @@ export function BottomPanel({ phone, onGo, asked }: Props) {
     <aside className={classes.bottom} aria-label="Robot">
       {open !== null && (
         <div className={classes.sheet} id="sheet">
-          {open === "places" && <PlacesPanel onGo={onGo === null ? null : go} asked={asked} />}
+          {open === "places" && (
+            <>
+              <PlacesPanel onGo={onGo === null ? null : go} asked={asked} />
+              <MissionsPanel />
+            </>
+          )}
           {open === "health" && (
             <>
               <HealthPanel />
@@ -81,6 +88,7 @@ export function BottomPanel({ phone, onGo, asked }: Props) {
       )}
       <div className={classes.bar}>
         <div className={classes.left}>
+          <MissionStatus />
           <GoalStatus />
           <div className={classes.tabs}>
             {TABS.map(({ key, label, Icon }) => (

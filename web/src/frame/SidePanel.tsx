@@ -2,6 +2,8 @@ import type { Place } from "../api/types";
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
+import { MissionStatus } from "../missions/MissionStatus";
+import { MissionsPanel } from "../missions/MissionsPanel";
 import { PlacesPanel } from "../places/PlacesPanel";
 import { useNav } from "../rules/context/RulesNav";
 import { DraftBar } from "../rules/DraftBar";
@@ -29,6 +31,7 @@ export function SidePanel({ onGo, asked }: Props) {
         <RulesSheet />
         <div className={classes.foot}>
           <div className={classes.footText}>
+            <MissionStatus />
             <GoalStatus />
             <DraftBar />
           </div>
@@ -41,9 +44,11 @@ export function SidePanel({ onGo, asked }: Props) {
     <aside className={classes.side} aria-label="Robot">
       <div className={classes.scroll}>
         <div className={classes.goal}>
+          <MissionStatus />
           <GoalStatus />
         </div>
         <PlacesPanel onGo={onGo} asked={asked} />
+        <MissionsPanel />
         <HealthPanel />
         <FiringsPanel />
         <DataPanel />

@@ -2,16 +2,15 @@ import { IconArrowDown, IconArrowUp, IconTrash } from "@tabler/icons-react";
 import { useMemo } from "react";
 import type { Action, Condition } from "../../../api/ruleTypes";
 import { useSession } from "../../../session/SessionContext";
-import { Choice } from "../../../ui/controls/Choice";
 import { IconButton } from "../../../ui/controls/IconButton";
-import { Picker } from "../../../ui/controls/Picker";
 import { findingsAt } from "../../changes/findings";
-import { type ActionChoice, actionChoices, actionText, choiceKey } from "../../model/actions";
+import { actionChoices } from "../../model/actions";
 import { references } from "../../model/arguments";
 import { FindingList } from "../../parts/FindingList";
 import classes from "../form/Editor.module.css";
 import { useEditor } from "../form/EditorContext";
 import { ActionEditor } from "./ActionEditor";
+import { ActionPicker } from "./ActionPicker";
 
 interface Props {
   actions: Action[];
@@ -83,46 +82,5 @@ export function ActionList({ actions, condition, onChange }: Props) {
         testId="add-action"
       />
     </>
-  );
-}
-
-interface PickerProps {
-  label: string;
-  choices: ActionChoice[];
-  action: Action | null;
-  onChoose: (choice: ActionChoice) => void;
-  testId?: string;
-}
-
-function ActionPicker({ label, choices, action, onChoose, testId }: PickerProps) {
-  const key = action === null ? null : choiceKey(action);
-  const known = key === null || choices.some((choice) => choice.key === key);
-  const groups = [...new Set(choices.map((choice) => choice.group))].map((group) => ({
-    group,
-    items: choices
-      .filter((choice) => choice.group === group)
-      .map((choice) => ({ value: choice.key, label: choice.label })),
-  }));
-  const data =
-    known || action === null
-      ? groups
-      : [...groups, { group: "As it is", items: [{ value: key, label: actionText(action) }] }];
-  const choose = (chosen: string) => {
-    const choice = choices.find((each) => each.key === chosen);
-    if (choice !== undefined && chosen !== key) onChoose(choice);
-  };
-  const shared = {
-    className: classes.spring,
-    "aria-label": label,
-    placeholder: label,
-    data,
-    maxDropdownHeight: 340,
-    nothingFoundMessage: "Nothing like that on this robot",
-    "data-testid": testId,
-  };
-  return key === null ? (
-    <Picker {...shared} onPick={choose} />
-  ) : (
-    <Choice {...shared} searchable value={key} onChange={choose} />
   );
 }

@@ -1,0 +1,231 @@
+import { Button, Chip, TextInput } from "@mantine/core";
+import { IconArrowDown, IconArrowUp, IconTrash } from "@tabler/icons-react";
+import { type FormEvent, useId, useState } from "react";
+import type { ApiError } from "../api/errors";
+import type { Mission, MissionSave, Place, Waypoint } from "../api/types";
+import { Choice } from "../ui/controls/Choice";
+import { IconButton } from "../ui/controls/IconButton";
+import { NumberField } from "../ui/controls/NumberField";
+import { Picker } from "../ui/controls/Picker";
+import { Toggle } from "../ui/controls/Toggle";
+import { Problem } from "../ui/Problem";
+import classes from "./Missions.module.css";
+import { DAY_NAMES, missionProblem, nameOf } from "./missionText";
+import { TaskList } from "./TaskList";
+
+interface Props {
+  /** To begin with; null for a new one. */
+  mission: Mission | null;
+  /** Of the map that the robot has now. */
+  places: Place[];
+  busy: boolean;
+  error: ApiError | null;
+  onSave: (mission: MissionSave) => void;
+  onCancel: () => void;
+}
+
+const FAILURES = [
+  { value: "pause", label: "wait for a person" },
+  { value: "skip", label: "leave it out and go on" },
+  { value: "end", label: "end the mission" },
+];
+const ALL_DAYS = [0, 1, 2, 3, 4, 5, 6];
+
+/** The places of a mission in their order, and what is done at each. */
+export function MissionForm({ mission, places, busy, error, onSave, onCancel }: Props) {
+  const [draft, setDraft] = useState<MissionSave>(() => beginning(mission));
+  const [asked, setAsked] = useState(false);
+  const atId = useId();
+  const change = (part: Partial<MissionSave>) => setDraft({ ...draft, ...part });
+  const wrong = missionProblem(draft, places);
+  const { waypoints, schedule } = draft;
+  const rounds = draft.rounds ?? 1;
+  const put = (index: number, waypoint: Waypoint) =>
+    change({ waypoints: waypoints.map((each, at) => (at === index ? waypoint : each)) });
+  const move = (index: number, by: number) => {
+    const next = [...waypoints];
+    const [taken] = next.splice(index, 1);
+    if (taken !== undefined) next.splice(index + by, 0, taken);
+    change({ waypoints: next });
+  };
+  const options = places.map(({ id, name }) => ({ value: String(id), label: name }));
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    setAsked(true);
+    if (wrong === null) onSave({ ...draft, name: draft.name.trim() });
+  };
+  return (
+    <form
+      className={classes.form}
+      onSubmit={submit}
+      aria-label={mission === null ? "New mission" : `Change ${mission.name}`}
+      noValidate
+      onKeyDown={(event) => {
+        if (event.key !== "Escape" || event.defaultPrevented) return;
+        event.stopPropagation();
+        onCancel();
+      }}
+    >
+      <TextInput
+        label="Name"
+        value={draft.name}
+        autoFocus
+        autoComplete="off"
+        onChange={(event) => change({ name: event.currentTarget.value })}
+        data-testid="mission-name"
+      />
+      <ol className={classes.waypoints} aria-label="Places of the mission">
+        {waypoints.map((waypoint, index) => (
+          // biome-ignore lint/suspicious/noArrayIndexKey: a waypoint is known by its place in the list
+          <li key={index} className={classes.waypoint} data-testid={`waypoint-${index}`}>
+            <div className={classes.head}>
+              <span className={classes.number}>{index + 1}</span>
+              <Choice
+                aria-label={`Place ${index + 1}`}
+                searchable
+                data={
+                  nameOf(places, waypoint.place) === null
+                    ? [...options, { value: String(waypoint.place), label: "a place that is gone" }]
+                    : options
+                }
+                value={String(waypoint.place)}
+                onChange={(id) => put(index, { ...waypoint, place: Number(id) })}
+              />
+              <IconButton
+                label={`Place ${index + 1} earlier`}
+                disabled={index === 0}
+                onClick={() => move(index, -1)}
+                Icon={IconArrowUp}
+              />
+              <IconButton
+                label={`Place ${index + 1} later`}
+                disabled={index === waypoints.length - 1}
+                onClick={() => move(index, 1)}
+                Icon={IconArrowDown}
+              />
+              <IconButton
+                label={`Remove place ${index + 1}`}
+                onClick={() => change({ waypoints: waypoints.filter((_, at) => at !== index) })}
+                Icon={IconTrash}
+              />
+            </div>
+            <TaskList
+              tasks={waypoint.tasks ?? []}
+              where={`place ${index + 1}`}
+              onChange={(tasks) => put(index, { ...waypoint, tasks })}
+            />
+          </li>
+        ))}
+      </ol>
+      <Picker
+        aria-label="Add a place"
+        placeholder={waypoints.length === 0 ? "Choose the first place" : "And then to …"}
+        data={options}
+        nothingFoundMessage="No place is called like that"
+        onPick={(id) => change({ waypoints: [...waypoints, { place: Number(id), tasks: [] }] })}
+        data-testid="add-waypoint"
+      />
+      <div className={classes.fields}>
+        <Toggle
+          on={rounds === 0}
+          label="Round and round"
+          onChange={(on) => change({ rounds: on ? 0 : 1 })}
+        >
+          until somebody cancels it
+        </Toggle>
+        {rounds !== 0 && (
+          <NumberField
+            label="Rounds"
+            w={88}
+            min={1}
+            max={1000}
+            allowDecimal={false}
+            value={rounds}
+            onChange={(next) => change({ rounds: next })}
+            testId="mission-rounds"
+          />
+        )}
+      </div>
+      <div className={classes.fields}>
+        <Choice
+          label="If a place cannot be reached"
+          data={FAILURES}
+          value={draft.on_failure ?? "pause"}
+          onChange={(next) => change({ on_failure: next as MissionSave["on_failure"] })}
+        />
+        <NumberField
+          label="After tries"
+          w={88}
+          min={1}
+          max={10}
+          allowDecimal={false}
+          value={draft.attempts ?? 1}
+          onChange={(attempts) => change({ attempts })}
+        />
+      </div>
+      <Toggle
+        on={schedule != null}
+        label="It begins by itself"
+        onChange={(on) => change({ schedule: on ? { at: "08:00", days: ALL_DAYS } : null })}
+        testId="mission-scheduled"
+      >
+        it begins by itself
+      </Toggle>
+      {schedule != null && (
+        <>
+          <TextInput
+            id={atId}
+            label="At (the robot's time)"
+            type="time"
+            w={140}
+            value={schedule.at}
+            onChange={(event) =>
+              change({ schedule: { ...schedule, at: event.currentTarget.value } })
+            }
+          />
+          <fieldset className={classes.days} aria-label="Days on which it begins">
+            {DAY_NAMES.map((name, day) => {
+              const days = schedule.days ?? ALL_DAYS;
+              const on = days.includes(day);
+              const next = on ? days.filter((each) => each !== day) : [...days, day].sort();
+              return (
+                <Chip
+                  key={name}
+                  size="xs"
+                  checked={on}
+                  aria-label={name}
+                  onChange={() => change({ schedule: { ...schedule, days: next } })}
+                >
+                  {name.slice(0, 2)}
+                </Chip>
+              );
+            })}
+          </fieldset>
+        </>
+      )}
+      {asked && wrong !== null && (
+        <p className={classes.warning} role="alert">
+          {wrong}
+        </p>
+      )}
+      <Problem error={error} testId="mission-form-problem" />
+      <div className={classes.buttons}>
+        <Button type="submit" size="compact-md" loading={busy} data-testid="mission-save">
+          Save
+        </Button>
+        <Button variant="default" size="compact-md" onClick={onCancel}>
+          Leave it
+        </Button>
+      </div>
+    </form>
+  );
+}
+
+function beginning(mission: Mission | null): MissionSave {
+  if (mission === null) {
+    const nothing = { rounds: 1, attempts: 1, on_failure: "pause", schedule: null } as const;
+    return { name: "", waypoints: [], ...nothing };
+  }
+  const { name, waypoints, rounds, attempts, on_failure, schedule } = mission;
+  return { name, waypoints, rounds, attempts, on_failure, schedule };
+}

@@ -1,0 +1,85 @@
+import { Button, CloseButton } from "@mantine/core";
+import { useMutation } from "@tanstack/react-query";
+import { useState } from "react";
+import { steerMission } from "../api/missionsClient";
+import type { MissionRun, RunVerb } from "../api/types";
+import goal from "../goal/Goal.module.css";
+import { useSession } from "../session/SessionContext";
+import { useRobot } from "../state/RobotContext";
+import { Problem } from "../ui/Problem";
+import classes from "./Missions.module.css";
+import { isOver, progressText, runLine } from "./missionText";
+
+/** What ended so long (s) ago is no news. */
+const OLD_NEWS_S = 600;
+
+/** The mission that runs, for everybody; who may, steers it. */
+export function MissionStatus() {
+  const { state, elapsed, frozen } = useRobot();
+  const { session } = useSession();
+  const [dismissed, setDismissed] = useState(0);
+  const run = state?.missions.run ?? null;
+  if (run === null) return null;
+  const over = isOver(run);
+  if (over && (run.number === dismissed || run.elapsed + elapsed > OLD_NEWS_S)) return null;
+  const line = runLine(run, elapsed);
+  return (
+    <section
+      className={goal.status}
+      data-testid="mission-status"
+      data-phase={run.phase}
+      data-tone={line.tone}
+      data-under-way={!over || undefined}
+      data-stale={frozen || undefined}
+      aria-label="Mission"
+    >
+      <div className={goal.statusText} role="status">
+        <strong>{line.text}</strong>
+        {line.more !== "" && <span className={goal.detail}>{line.more}</span>}
+        <span className={goal.detail}>
+          {run.name} · {progressText(run)}
+        </span>
+        <span className={goal.place}>begun by {run.by}</span>
+      </div>
+      {over ? (
+        <CloseButton
+          size="lg"
+          aria-label="Hide this mission"
+          onClick={() => setDismissed(run.number)}
+        />
+      ) : (
+        session.role !== "viewer" && <Controls run={run} />
+      )}
+    </section>
+  );
+}
+
+function Controls({ run }: { run: MissionRun }) {
+  const steer = useMutation({
+    mutationFn: (verb: RunVerb) => steerMission(run.number, verb),
+  });
+  const button = (verb: RunVerb, label: string, primary = false) => (
+    <Button
+      size="md"
+      variant={primary ? "filled" : "default"}
+      loading={steer.isPending && steer.variables === verb}
+      disabled={steer.isPending}
+      onClick={() => steer.mutate(verb)}
+      data-testid={`mission-${verb}`}
+    >
+      {label}
+    </Button>
+  );
+  return (
+    <>
+      <div className={classes.controls}>
+        {run.phase === "paused" && button("resume", "Resume", true)}
+        {run.phase === "asking" && button("confirm", "Go on", true)}
+        {run.phase !== "paused" && button("pause", "Pause")}
+        {button("skip", "Skip")}
+        {button("cancel", "Cancel")}
+      </div>
+      <Problem error={steer.error} testId="mission-problem" />
+    </>
+  );
+}
