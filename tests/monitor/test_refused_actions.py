@@ -24,7 +24,7 @@ OLD = {
     "apply": (
         CallService(service="monitor/apply_rules", type="kompass_interfaces/srv/ApplyRules"),
         "engineer",
-        "a rule may not change rules or places (this rule has the rights of an engineer)",
+        "a rule may not change rules, places or missions (this rule has the rights of an engineer)",
     ),
     "blind": (
         Publish(topic="scan", type="sensor_msgs/msg/LaserScan"),

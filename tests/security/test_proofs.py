@@ -13,6 +13,7 @@ from kompass_interfaces.action import BacktestRules
 from kompass_interfaces.msg import HandCommand
 from kompass_interfaces.srv import (
     ApplyRules,
+    ChangeMissions,
     ChangePlaces,
     CheckGoal,
     ConfirmRules,
@@ -39,7 +40,7 @@ SERVICE = "/monitor/apply_rules"
 KINDS = [
     *(ApplyRules.Request, RollbackRules.Request, ConfirmRules.Request, ResetRule.Request),
     *(ReleaseStop.Request, SaveRecording.Request, GetHistory.Request, SignedCall.Request),
-    *(TakeWheel.Request, ChangePlaces.Request),
+    *(TakeWheel.Request, ChangePlaces.Request, ChangeMissions.Request),
     *(BacktestRules.Goal, CheckGoal.Request, GetCmdList.Request),
 ]
 TEXTS = st.text(st.characters(blacklist_characters="\0", blacklist_categories=["Cs"]), max_size=20)

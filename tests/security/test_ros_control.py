@@ -25,6 +25,7 @@ from automatika_ros_sugar.srv import (
 )
 from kompass_interfaces.srv import (
     ApplyRules,
+    ChangeMissions,
     ChangePlaces,
     ConfirmRules,
     GetHistory,
@@ -104,6 +105,7 @@ SERVICES: dict[type, tuple[Any, str]] = {
         ConfirmRules: "confirm_rules",
         ResetRule: "reset_rule",
         SaveRecording: "save_recording",
+        ChangeMissions: "change_missions",
         ChangePlaces: "change_places",
         GetRules: "get_rules",
         GetHistory: "get_history",
@@ -173,6 +175,9 @@ CHANGES = [
     ConfirmRules.Request(revision=1, author="chief", role="engineer"),
     ResetRule.Request(rule_id="near", author="chief", role="engineer"),
     SaveRecording.Request(name="mine"),
+    ChangeMissions.Request(
+        change='{"kind":"start","id":1,"version":1}', author="chief", role="engineer"
+    ),
     ChangePlaces.Request(
         change='{"kind":"restore","id":1}',
         author="chief",

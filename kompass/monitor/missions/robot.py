@@ -217,7 +217,9 @@ class MissionRobot:
     async def _perform(self, task: Act | Halt, mission: Mission) -> tuple[bool, str]:
         at = self._node.clock.monotonic()
         firing = firing_of(mission, mission.role, task, self._gate, at)
-        return await self._runner.run(firing, lambda outcome: None)
+        ok, error = await self._runner.run(firing, lambda outcome: None)
+        # Of several actions of a rule the next would go on, and so does the mission.
+        return ok or firing.actions[0].on_error == "continue", error
 
     def _server(self) -> tuple[str, str] | None:
         """Name of the action that takes goals, and of the component that serves it, if any does."""

@@ -1,4 +1,4 @@
-import { UnstyledButton } from "@mantine/core";
+import { SegmentedControl, UnstyledButton } from "@mantine/core";
 import { IconBolt, IconDatabase, IconHeartbeat, IconMapPins } from "@tabler/icons-react";
 import { useState } from "react";
 import type { Place } from "../api/types";
@@ -38,10 +38,12 @@ const TABS: { key: Tab; label: string; Icon: typeof IconHeartbeat }[] = [
 export function BottomPanel({ phone, onGo, asked }: Props) {
   const rules = useNav();
   const [tab, setTab] = useState<Tab | null>(phone ? null : "health");
+  const [missions, setMissions] = useState(false);
   const [answered, setAnswered] = useState(asked);
   if (asked !== answered) {
     setAnswered(asked);
     setTab("places");
+    setMissions(false);
   }
   // On a phone the answer is shown where the list was.
   const go = (place: Place) => {
@@ -59,8 +61,19 @@ export function BottomPanel({ phone, onGo, asked }: Props) {
         <div className={classes.sheet} id="sheet">
           {open === "places" && (
             <>
-              <PlacesPanel onGo={onGo === null ? null : go} asked={asked} />
-              <MissionsPanel />
+              <SegmentedControl
+                className={classes.switch}
+                fullWidth
+                aria-label="Places or missions"
+                data={["Places", "Missions"]}
+                value={missions ? "Missions" : "Places"}
+                onChange={(shown) => setMissions(shown === "Missions")}
+              />
+              {missions ? (
+                <MissionsPanel />
+              ) : (
+                <PlacesPanel onGo={onGo === null ? null : go} asked={asked} />
+              )}
             </>
           )}
           {open === "health" && (

@@ -33,7 +33,7 @@ const failed: Goal = {
   ended: 4,
 };
 const show = (goal: Goal) => {
-  robot.state = { goal } as State;
+  robot.state = { goal, missions: { run: null } } as State;
   return renderPlain(<GoalStatus />);
 };
 

@@ -2,6 +2,7 @@ import { Button, CloseButton } from "@mantine/core";
 import { useState } from "react";
 import { cancelGoal, sendGoal } from "../api/client";
 import { type ApiError, asApiError } from "../api/errors";
+import { tellsGoal } from "../missions/missionText";
 import { placeAt } from "../places/placeText";
 import { usePlaces } from "../places/usePlaces";
 import { useSession } from "../session/SessionContext";
@@ -27,6 +28,7 @@ export function GoalStatus() {
   const ended = goal?.ended == null ? null : goal.ended + elapsed;
   const before = ended === null ? 0 : ended - (performance.now() - opened) / 1000;
   if (goal === null || goal.id === dismissed || before > OLD_NEWS_S) return null;
+  if (tellsGoal(state?.missions.run ?? null, isUnderWay(goal))) return null;
 
   const line = goalLine(goal, drive, cause);
   const limit = isUnderWay(goal) ? limitText(drive) : null;

@@ -85,7 +85,8 @@ function offText(error: number): string {
   return Math.abs(error) < 0.005 ? "less than 1 cm" : distanceText(error);
 }
 
-function remaining(goal: Goal): string {
+/** `1.2 m left, about 8 s`. */
+export function remaining(goal: Goal): string {
   if (goal.distance_left === null) return "On the way";
   const left = `${distanceText(goal.distance_left)} left`;
   return goal.eta === null ? left : `${left}, about ${durationText(goal.eta)}`;

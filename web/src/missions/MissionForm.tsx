@@ -35,6 +35,7 @@ const ALL_DAYS = [0, 1, 2, 3, 4, 5, 6];
 export function MissionForm({ mission, places, busy, error, onSave, onCancel }: Props) {
   const [draft, setDraft] = useState<MissionSave>(() => beginning(mission));
   const [asked, setAsked] = useState(false);
+  const [again, setAgain] = useState(draft.rounds !== 1);
   const atId = useId();
   const change = (part: Partial<MissionSave>) => setDraft({ ...draft, ...part });
   const wrong = missionProblem(draft, places);
@@ -125,27 +126,28 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
         onPick={(id) => change({ waypoints: [...waypoints, { place: Number(id), tasks: [] }] })}
         data-testid="add-waypoint"
       />
-      <div className={classes.fields}>
-        <Toggle
-          on={rounds === 0}
-          label="Round and round"
-          onChange={(on) => change({ rounds: on ? 0 : 1 })}
-        >
-          until somebody cancels it
-        </Toggle>
-        {rounds !== 0 && (
-          <NumberField
-            label="Rounds"
-            w={88}
-            min={1}
-            max={1000}
-            allowDecimal={false}
-            value={rounds}
-            onChange={(next) => change({ rounds: next })}
-            testId="mission-rounds"
-          />
-        )}
-      </div>
+      <Toggle
+        on={again}
+        label="Again and again"
+        onChange={(on) => {
+          setAgain(on);
+          change({ rounds: on ? 0 : 1 });
+        }}
+        testId="mission-again"
+      >
+        again and again
+      </Toggle>
+      {again && (
+        <NumberField
+          label="Rounds; 0 until somebody cancels it"
+          min={0}
+          max={1000}
+          allowDecimal={false}
+          value={rounds}
+          onChange={(next) => change({ rounds: next })}
+          testId="mission-rounds"
+        />
+      )}
       <div className={classes.fields}>
         <Choice
           label="If a place cannot be reached"

@@ -4,8 +4,10 @@ import { useState } from "react";
 import { steerMission } from "../api/missionsClient";
 import type { MissionRun, RunVerb } from "../api/types";
 import goal from "../goal/Goal.module.css";
+import { isUnderWay, limitText, remaining } from "../goal/goalText";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
+import { useStop } from "../stop/StopContext";
 import { Problem } from "../ui/Problem";
 import classes from "./Missions.module.css";
 import { isOver, progressText, runLine } from "./missionText";
@@ -17,12 +19,16 @@ const OLD_NEWS_S = 600;
 export function MissionStatus() {
   const { state, elapsed, frozen } = useRobot();
   const { session } = useSession();
+  const { drive } = useStop();
   const [dismissed, setDismissed] = useState(0);
   const run = state?.missions.run ?? null;
   if (run === null) return null;
   const over = isOver(run);
   if (over && (run.number === dismissed || run.elapsed + elapsed > OLD_NEWS_S)) return null;
   const line = runLine(run, elapsed);
+  // Its goal is told of here, and by nobody else.
+  const its = run.phase === "driving" ? (state?.goal ?? null) : null;
+  const limit = its !== null && isUnderWay(its) ? limitText(drive) : null;
   return (
     <section
       className={goal.status}
@@ -35,6 +41,8 @@ export function MissionStatus() {
     >
       <div className={goal.statusText} role="status">
         <strong>{line.text}</strong>
+        {its?.phase === "driving" && <span>{remaining(its)}</span>}
+        {limit !== null && <span className={goal.limit}>▲ {limit}</span>}
         {line.more !== "" && <span className={goal.detail}>{line.more}</span>}
         <span className={goal.detail}>
           {run.name} · {progressText(run)}

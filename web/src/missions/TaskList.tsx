@@ -7,13 +7,12 @@ import { useRules } from "../rules/context/RulesContext";
 import { ActionEditor } from "../rules/editor/action/ActionEditor";
 import { ActionPicker } from "../rules/editor/action/ActionPicker";
 import { type Editor, EditorProvider } from "../rules/editor/form/EditorContext";
-import { actionChoices } from "../rules/model/actions";
+import { type ActionChoice, actionChoices, grouped } from "../rules/model/actions";
 import { useSession } from "../session/SessionContext";
 import { DurationField } from "../ui/controls/DurationField";
 import { IconButton } from "../ui/controls/IconButton";
 import { Picker } from "../ui/controls/Picker";
 import classes from "./Missions.module.css";
-import { taskLabel } from "./missionText";
 
 interface Props {
   tasks: MissionTask[];
@@ -22,20 +21,26 @@ interface Props {
   onChange: (tasks: MissionTask[]) => void;
 }
 
-const KINDS = ["wait", "ask", "act", "stop"] as const;
-
-const begun: Record<(typeof KINDS)[number], MissionTask> = {
-  wait: { kind: "wait", seconds: 30 },
-  ask: { kind: "ask", text: "" },
-  stop: { kind: "stop" },
-  act: {
-    kind: "act",
-    action: { kind: "log", text: "", level: "info", timeout: 10, on_error: "abort" },
-  },
-};
+const OWN: { value: string; label: string; task: MissionTask }[] = [
+  { value: "wait", label: "Wait", task: { kind: "wait", seconds: 30 } },
+  { value: "ask", label: "Wait for a person", task: { kind: "ask", text: "" } },
+  { value: "stop", label: "Press STOP", task: { kind: "stop" } },
+];
 
 /** What is done at a place, one after the other. */
 export function TaskList({ tasks, where, onChange }: Props) {
+  const { graph, reloadGraph } = useRules();
+  const { session } = useSession();
+  useEffect(reloadGraph, [reloadGraph]);
+  const who = session.role === "engineer" ? "engineer" : "edited";
+  const choices = useMemo(() => actionChoices(graph, who), [graph, who]);
+  const editor = useMemo<Editor>(() => ({ graph, findings: [] }), [graph]);
+  const add = (key: string) => {
+    const action = choices.find((choice) => choice.key === key)?.make();
+    const own = OWN.find(({ value }) => value === key)?.task;
+    if (action !== undefined) onChange([...tasks, { kind: "act", action }]);
+    else if (own !== undefined) onChange([...tasks, own]);
+  };
   const put = (index: number, task: MissionTask) =>
     onChange(tasks.map((each, at) => (at === index ? task : each)));
   return (
@@ -43,11 +48,14 @@ export function TaskList({ tasks, where, onChange }: Props) {
       {tasks.map((task, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: a task is known by its place in the list
         <li key={index} className={classes.task}>
-          <TaskFields
-            task={task}
-            label={`Task ${index + 1} at ${where}`}
-            onChange={(next) => put(index, next)}
-          />
+          <EditorProvider value={editor}>
+            <TaskFields
+              task={task}
+              label={`Task ${index + 1} at ${where}`}
+              choices={choices}
+              onChange={(next) => put(index, next)}
+            />
+          </EditorProvider>
           <IconButton
             label={`Remove task ${index + 1} at ${where}`}
             onClick={() => onChange(tasks.filter((_, at) => at !== index))}
@@ -59,9 +67,14 @@ export function TaskList({ tasks, where, onChange }: Props) {
         <Picker
           aria-label={`Add what is done at ${where}`}
           placeholder={tasks.length === 0 ? "Do nothing there" : "And then …"}
-          data={KINDS.map((kind) => ({ value: kind, label: taskLabel(kind) }))}
-          searchable={false}
-          onPick={(kind) => onChange([...tasks, begun[kind as keyof typeof begun]])}
+          data={[
+            { group: "At this place", items: OWN.map(({ value, label }) => ({ value, label })) },
+            ...grouped(choices),
+          ]}
+          maxDropdownHeight={340}
+          nothingFoundMessage="Nothing like that on this robot"
+          onPick={add}
+          data-testid="add-task"
         />
       </li>
     </ol>
@@ -71,10 +84,11 @@ export function TaskList({ tasks, where, onChange }: Props) {
 interface FieldsProps {
   task: MissionTask;
   label: string;
+  choices: ActionChoice[];
   onChange: (task: MissionTask) => void;
 }
 
-function TaskFields({ task, label, onChange }: FieldsProps) {
+function TaskFields({ task, label, choices, onChange }: FieldsProps) {
   switch (task.kind) {
     case "wait":
       return (
@@ -99,42 +113,21 @@ function TaskFields({ task, label, onChange }: FieldsProps) {
       );
     case "stop":
       return <span>Press STOP; a person releases it and resumes the mission</span>;
-    case "act":
+    case "act": {
+      // There is no message to take a value from: a rule's references have no place here.
+      const action = task.action as Action;
+      const put = (next: Action) => onChange({ kind: "act", action: next });
       return (
-        <ActFields
-          action={task.action as Action}
-          label={label}
-          onChange={(action) => onChange({ kind: "act", action: action as typeof task.action })}
-        />
+        <div className={classes.form}>
+          <ActionPicker
+            label={label}
+            choices={choices}
+            action={action}
+            onChoose={(choice) => put(choice.make())}
+          />
+          <ActionEditor action={action} references={[]} onChange={put} />
+        </div>
       );
+    }
   }
-}
-
-interface ActProps {
-  action: Action;
-  label: string;
-  onChange: (action: Action) => void;
-}
-
-/** What a rule could do; there is no message to take a value from. */
-function ActFields({ action, label, onChange }: ActProps) {
-  const { graph, reloadGraph } = useRules();
-  const { session } = useSession();
-  useEffect(reloadGraph, [reloadGraph]);
-  const who = session.role === "engineer" ? "engineer" : "edited";
-  const choices = useMemo(() => actionChoices(graph, who), [graph, who]);
-  const editor = useMemo<Editor>(() => ({ graph, findings: [] }), [graph]);
-  return (
-    <EditorProvider value={editor}>
-      <div className={classes.form}>
-        <ActionPicker
-          label={label}
-          choices={choices}
-          action={action}
-          onChoose={(choice) => onChange(choice.make())}
-        />
-        <ActionEditor action={action} references={[]} onChange={onChange} />
-      </div>
-    </EditorProvider>
-  );
 }

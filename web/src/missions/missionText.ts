@@ -1,4 +1,4 @@
-import type { Mission, MissionRun, MissionSave, MissionTask, Place } from "../api/types";
+import type { Mission, MissionRun, MissionSave, Place } from "../api/types";
 import { durationText } from "../format";
 
 /** How a line is meant: calm, good news, or something for a person. */
@@ -12,6 +12,11 @@ export interface RunLine {
 }
 
 const OVER = new Set(["done", "failed", "canceled"]);
+
+/** Whether the goal that is followed is that of the mission, and told of with it. */
+export function tellsGoal(run: MissionRun | null, goalUnderWay: boolean): boolean {
+  return run !== null && !isOver(run) && (run.phase === "driving" || !goalUnderWay);
+}
 
 export const isOver = (run: MissionRun) => OVER.has(run.phase);
 
@@ -100,20 +105,6 @@ function scheduleText({ at, days }: NonNullable<Mission["schedule"]>): string {
   if (text === "0,1,2,3,4,5,6") return `daily at ${at}`;
   if (text === "0,1,2,3,4") return `Mon to Fri at ${at}`;
   return `${days.map((day) => DAYS[day]).join(", ")} at ${at}`;
-}
-
-/** `wait 30 s`, `wait for a person`. */
-export function taskLabel(kind: MissionTask["kind"]): string {
-  switch (kind) {
-    case "wait":
-      return "Wait";
-    case "ask":
-      return "Wait for a person";
-    case "stop":
-      return "Press STOP";
-    case "act":
-      return "Do something";
-  }
 }
 
 export const nameOf = (places: readonly Place[], id: number) =>

@@ -60,6 +60,15 @@ export interface ActionChoice {
 
 const COMMON = { timeout: 10, on_error: "abort" } as const;
 
+/** The choices as a list to choose from shows them. */
+export const grouped = (choices: readonly ActionChoice[]) =>
+  [...new Set(choices.map((choice) => choice.group))].map((group) => ({
+    group,
+    items: choices
+      .filter((choice) => choice.group === group)
+      .map((choice) => ({ value: choice.key, label: choice.label })),
+  }));
+
 /** Methods that have an action of their own kind, or are of no use in a rule. */
 const OTHERWISE = new Set([
   "start",

@@ -1,7 +1,7 @@
 import type { Action } from "../../../api/ruleTypes";
 import { Choice } from "../../../ui/controls/Choice";
 import { Picker } from "../../../ui/controls/Picker";
-import { type ActionChoice, actionText, choiceKey } from "../../model/actions";
+import { type ActionChoice, actionText, choiceKey, grouped } from "../../model/actions";
 import classes from "../form/Editor.module.css";
 
 interface Props {
@@ -16,12 +16,7 @@ interface Props {
 export function ActionPicker({ label, choices, action, onChoose, testId }: Props) {
   const key = action === null ? null : choiceKey(action);
   const known = key === null || choices.some((choice) => choice.key === key);
-  const groups = [...new Set(choices.map((choice) => choice.group))].map((group) => ({
-    group,
-    items: choices
-      .filter((choice) => choice.group === group)
-      .map((choice) => ({ value: choice.key, label: choice.label })),
-  }));
+  const groups = grouped(choices);
   const data =
     known || action === null
       ? groups
