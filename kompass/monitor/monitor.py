@@ -204,6 +204,7 @@ class Monitor:
                 *(node, executor, main, timers, gatekeeper, self._runner, catalog, permissions),
                 *(self._places, memory.missions),
             )
+            self._runner.start_mission = self._missions.start
         if recording:
             recording.start(node, executor, store, gatekeeper)
 

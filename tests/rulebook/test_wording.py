@@ -16,6 +16,7 @@ from kompass.rules.schema.actions import (
     RaiseAlarm,
     Reconfigure,
     SendGoal,
+    StartMission,
     UpdateParameters,
 )
 from tests.rules.building import compare, rule
@@ -54,6 +55,7 @@ from tests.rules.building import compare, rule
         (CancelGoal(action="go"), "cancel goals of /go"),
         (RaiseAlarm(alarm="stuck"), 'raise alarm "stuck"'),
         (ClearAlarm(alarm="stuck"), 'clear alarm "stuck"'),
+        (StartMission(mission="Night"), 'start mission "Night"'),
         (Python(name="shout"), "run shout of the recipe"),
     ],
 )

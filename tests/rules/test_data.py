@@ -34,6 +34,7 @@ ACTIONS: list[dict[str, Any]] = [
     {"kind": "cancel_goal", "action": "/p"},
     {"kind": "raise_alarm", "alarm": "stuck", "text": "the robot is stuck"},
     {"kind": "clear_alarm", "alarm": "stuck"},
+    {"kind": "start_mission", "mission": "Night round"},
     {"kind": "python", "name": "recipe.py:goal", "timeout": None, "on_error": "continue"},
 ]
 

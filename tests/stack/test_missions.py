@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from kompass_interfaces.srv import ChangeMissions, ChangePlaces
 from nav_msgs.msg import OccupancyGrid
-from std_msgs.msg import String
+from std_msgs.msg import Empty, String
 
 from kompass.components.base.convert import grid_of
 from kompass.missions.change import (
@@ -41,6 +41,11 @@ from kompass.places.change import DeletePlace, EditPlace, PlaceChange, SavePlace
 from kompass.places.map_identity import identify
 from kompass.places.place import MapIdentity, Place, PlacePose
 from kompass.rules.schema.actions import CallService, Log, Method, RaiseAlarm
+from kompass.rules.schema.actions import StartMission as StartMissionAction
+from kompass.rules.schema.conditions import Received
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Table
 from tests.support.client import LATCHED
 from tests.support.hand import Hand
 from tests.support.virtual_robot import VirtualRobot
@@ -51,8 +56,9 @@ NORTH, WEST = (0.5, 0.5), (-1.5, 0.5)
 class MissionRobot(VirtualRobot):
     """A robot with two places, and what is done with its missions."""
 
-    def __init__(self) -> None:
-        super().__init__(remembers=True)
+    def __init__(self, table: Table | None = None) -> None:
+        super().__init__(remembers=True, table=table)
+        self._go = self.node.create_publisher(Empty, "/test/go", 10)
         self.subscribe(String, "/monitor/missions", LATCHED)
         self.subscribe(String, "/monitor/mission_state", LATCHED)
         self.subscribe(String, "/monitor/alarms", LATCHED)
@@ -62,6 +68,11 @@ class MissionRobot(VirtualRobot):
         self.map = identify(grid_of(self.newest["/map"]))
         self.north = self.place("North", *NORTH)
         self.west = self.place("West", *WEST)
+
+    def go(self) -> None:
+        """Say what the rule waits for."""
+        self.wait_for_listeners("/test/go", "monitor")
+        self._go.publish(Empty())
 
     def place(self, name: str, x: float, y: float) -> Place:
         return self.change_place(SavePlace(name=name, pose=PlacePose(x=x, y=y), map=self.map))
@@ -333,6 +344,28 @@ def test_it_begins_at_its_hour_by_itself(robot: MissionRobot) -> None:
     assert (done.by, datetime.fromtimestamp(done.started).minute) == ("the clock", soon.minute)
     robot.rest(70)
     assert robot.state.runs == 1
+
+
+def test_a_rule_begins_a_mission_by_its_name_and_not_against_stop() -> None:
+    signal = Signal(topic="test/go", type="std_msgs/msg/Empty")
+    rule = Rule(
+        id="go",
+        name="Go",
+        event=Event(condition=Received(signal=signal)),
+        actions=(StartMissionAction(mission="ROUND"),),
+    )
+    with closing(MissionRobot(Table(rules=(rule,)))) as robot:
+        robot.go()
+        robot.wait_for_line("there is no mission called 'ROUND'", 5)
+        robot.saved((robot.north, ()))
+        robot.go()
+        assert robot.until("done").by == "rule Go"
+        assert robot.stop().success
+        robot.go()
+        robot.wait_until(lambda: robot.run.number == 2, 5, "the second run")
+        assert "pressed STOP" in robot.until("paused", 5).reason
+        assert robot.release().success
+        robot.stands(5.0)
 
 
 FOREIGN = CallService(

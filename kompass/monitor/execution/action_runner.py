@@ -60,6 +60,9 @@ _UNSIGNABLE = frozenset(
 THREADS = 64  # functions of the recipe at a time, in each lane
 
 
+StartMission = Callable[[str, str, Callable[[str], None]], None]
+
+
 class Failed(Exception):
     """An action did not do what it should; the message says why.
 
@@ -99,7 +102,12 @@ class ActionRunner:
         To the components.
     publishers
         Of the rules in force.
+    start_mission
+        Begins a mission: takes its name, who wants it, and what to call, on any thread, with why it
+        did not begin (empty when it did). None where nobody keeps missions.
     """
+
+    start_mission: StartMission | None = None
 
     def __init__(
         self,
@@ -299,6 +307,8 @@ class ActionRunner:
                     action.alarm, action.text, firing.rule_id, firing.severity.name.lower()
                 )
                 return action.text or "raised"
+            case kinds.StartMission():
+                return await self._mission(action, firing)
             case kinds.ClearAlarm():
                 return "cleared" if self._alarms.clear(action.alarm) else "was not raised"
             case kinds.Method():
@@ -460,6 +470,16 @@ class ActionRunner:
             return config
         kwargs = {"new_config": config, "keep_alive": action.keep_alive}
         return await self._method(action.component, "reconfigure", kwargs, action.timeout)
+
+    async def _mission(self, action: kinds.StartMission, firing: Firing) -> str:
+        if self.start_mission is None:
+            raise Failed("nobody keeps missions here")
+        told = self._awaitables.future()
+        self.start_mission(action.mission, _who(firing), told.set_result)
+        why = await self._awaitables.result(told, action.timeout, "the mission did not begin")
+        if why:
+            raise Failed(why)
+        return "begun, or in the queue"
 
     async def _goal(self, action: kinds.SendGoal, goal: Any) -> str:
         kind = ros_class(action.type)

@@ -48,7 +48,7 @@ from kompass.monitor.places import Places
 from kompass.monitor.signed_changes import SignedChanges
 from kompass.monitor.tables.types import Who
 from kompass.monitor.worker_thread import WorkerThread
-from kompass.places.place import LONGEST_AUTHOR
+from kompass.places.place import LONGEST_AUTHOR, same_name
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.timers import MovableTimer, Timers
 from kompass.rclpy_ext.topic import LATCHED
@@ -120,13 +120,13 @@ class Missions:
         self._store: MissionStore | None = None
         self._state = MissionState()
         self._looked = self._hour()
-        problem = ""
+        self._problem = problem = ""
         try:
             store = open_store()
             book, self._state = store.book(), store.state()
             self._store = store
         except (StoreError, OSError) as error:
-            problem = f"missions cannot be kept: {error}"
+            self._problem = problem = f"missions cannot be kept: {error}"
             self._log.error(problem)
             book = MissionBook(problem=problem, available=False)
         self._run: MissionRun | None = None
@@ -153,6 +153,31 @@ class Missions:
     def process_changed(self, news: ProcessNews) -> None:
         """A process lives, or has died."""
         self._robot.process_changed(news)
+
+    def start(self, name: str, by: str, told: Callable[[str], None]) -> None:
+        """Begin the mission of that name, or let it wait for its turn; for rules.
+
+        Parameters
+        ----------
+        told
+            Called on a worker, with why it did not begin; with an empty text when it did.
+        """
+
+        def begin() -> None:
+            if self._problem:
+                told(self._problem)
+                return
+            try:
+                mission = self._main.call(lambda: self._named(name))
+                if mission is None:
+                    raise NoSuchEntry(f"there is no mission called {name!r}; look at the others")
+                self._durably(lambda: self._take_on(mission, by[:LONGEST_AUTHOR]))
+            except (StoreError, RuntimeError) as error:
+                told(str(error))
+            else:
+                told("")
+
+        self._worker.post(begin)
 
     # -- what people do, on the worker --------------------------------------------------------
 
@@ -300,6 +325,11 @@ class Missions:
                 return run.confirm(by, now)
             case "cancel":
                 return run.cancel(by, now)
+
+    def _named(self, name: str) -> Mission | None:
+        wanted = same_name(name)
+        missions = self._book.missions
+        return next((each for each in missions if same_name(each.name) == wanted), None)
 
     def _find(self, mission_id: int) -> Mission | None:
         missions = self._book.missions

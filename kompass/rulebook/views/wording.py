@@ -17,6 +17,7 @@ from kompass.rules.schema.actions import (
     RaiseAlarm,
     Reconfigure,
     SendGoal,
+    StartMission,
     UpdateParameters,
 )
 from kompass.rules.schema.arguments import is_reference, meant
@@ -56,6 +57,8 @@ def describe_action(action: Action) -> str:
         return f'raise alarm "{action.alarm}"'
     if isinstance(action, ClearAlarm):
         return f'clear alarm "{action.alarm}"'
+    if isinstance(action, StartMission):
+        return f'start mission "{action.mission}"'
     return f"run {action.name} of the recipe"
 
 

@@ -132,6 +132,13 @@ class ClearAlarm(_Action):
     text: str = ""
 
 
+class StartMission(_Action):
+    """Begin the mission of that name, or let it wait for its turn behind the one that runs."""
+
+    kind: Literal["start_mission"] = "start_mission"
+    mission: Name
+
+
 class Python(_Action):
     """Call a function of the recipe, known by name; its code cannot be edited."""
 
@@ -152,6 +159,7 @@ Action: TypeAlias = Annotated[
     | CancelGoal
     | RaiseAlarm
     | ClearAlarm
+    | StartMission
     | Python,
     Field(discriminator="kind"),
 ]

@@ -55,6 +55,9 @@ function actionGap(action: Action): [string, string] | null {
   if ((action.kind === "raise_alarm" || action.kind === "clear_alarm") && action.alarm === "") {
     return ["The alarm has no name.", "Name it."];
   }
+  if (action.kind === "start_mission" && action.mission === "") {
+    return ["No mission is chosen.", "Choose which one."];
+  }
   if (action.kind === "update_parameters" && Object.keys(action.parameters).length === 0) {
     return ["No parameter is chosen.", "Choose which one to set, and to what."];
   }

@@ -30,6 +30,8 @@ export function actionText(action: Action): string {
       return `raise alarm "${action.alarm}"`;
     case "clear_alarm":
       return `clear alarm "${action.alarm}"`;
+    case "start_mission":
+      return `start mission "${action.mission}"`;
     case "python":
       return `run ${action.name} of the recipe`;
   }
@@ -106,6 +108,11 @@ function allChoices(graph: Graph | null): ActionChoice[] {
       kind: "log",
       text: "",
       level: "warning",
+    })),
+    choice("start_mission", "General", "Start a mission", () => ({
+      ...COMMON,
+      kind: "start_mission",
+      mission: "",
     })),
     choice("clear_alarm", "General", "Clear an alarm", () => ({
       ...COMMON,

@@ -15,6 +15,7 @@ import {
 import classes from "../form/Editor.module.css";
 import { useEditor } from "../form/EditorContext";
 import { ArgumentList } from "./ArgumentList";
+import { MissionChoice } from "./MissionChoice";
 
 interface Props {
   action: Action;
@@ -222,6 +223,13 @@ function Fields({ action, references, onChange }: Props) {
       );
     case "python":
       return <p className={page.muted}>Code of the recipe: it cannot be edited here.</p>;
+    case "start_mission":
+      return (
+        <MissionChoice
+          mission={action.mission}
+          onChange={(mission) => onChange({ ...action, mission })}
+        />
+      );
     case "lifecycle":
     case "cancel_goal":
       return null;
