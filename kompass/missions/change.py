@@ -54,11 +54,20 @@ class StartMission(Model):
 
 
 class SteerRun(Model):
-    """Pause, resume, skip, confirm or cancel the run of that number."""
+    """Pause, resume, skip, confirm or cancel the run of that number.
+
+    Attributes
+    ----------
+    step
+        Of the run that was looked at. What lets it go on is refused when it has come further
+        meanwhile: a second press would confirm what nobody has read. To pause and to cancel are
+        never too late.
+    """
 
     kind: Literal["steer"] = "steer"
     verb: Literal["pause", "resume", "skip", "confirm", "cancel"]
     run: RunNumber
+    step: Annotated[int, Field(ge=0, le=2**53)]
 
 
 class Unqueue(Model):

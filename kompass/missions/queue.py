@@ -14,6 +14,7 @@ from kompass.rules.schema.model import Model
 
 MOST_QUEUED = 20
 LATEST = timedelta(seconds=90)  # after its hour at which a mission is still begun
+SET_BACK = timedelta(hours=1)  # by which a clock is set back at the end of summer
 
 
 class Queued(Model):
@@ -62,7 +63,21 @@ class MissionState(Model):
         return self.run is not None and not self.run.over
 
 
-def is_due(schedule: Schedule, before: datetime, now: datetime) -> bool:
+def looked_at(before: datetime, now: datetime) -> datetime:
+    """The hour up to which schedules have been looked at, local time.
+
+    A clock that is set back, as at the end of summer, comes to the same hours again: they are not
+    due twice. One that was wrong by more than that begins anew.
+
+    Parameters
+    ----------
+    before, now
+        Of the last look and of this one, local time without a zone.
+    """
+    return before if now < before <= now + SET_BACK else now
+
+
+def is_due(schedule: Schedule, saved: datetime, before: datetime, now: datetime) -> bool:
     """Whether the hour of a schedule has come since the last look.
 
     An hour that passed while nobody looked (the robot was off, its clock was set) is left out: a
@@ -70,11 +85,16 @@ def is_due(schedule: Schedule, before: datetime, now: datetime) -> bool:
 
     Parameters
     ----------
-    before, now
-        Of the last look and of this one, local time.
+    saved
+        When the mission was changed last: an hour before that was none of it. All three are local
+        time without a zone.
+    before
+        Of :func:`looked_at`.
+    now
+        Of this look.
     """
     hour = time.fromisoformat(schedule.at)
-    due = datetime.combine(now.date(), hour, tzinfo=now.tzinfo)
+    due = datetime.combine(now.date(), hour)
     if due > now:
         due -= timedelta(days=1)
-    return due.weekday() in schedule.days and before < due and now - due <= LATEST
+    return due.weekday() in schedule.days and max(before, saved) < due and now - due <= LATEST

@@ -38,6 +38,8 @@ class Run(Model):
         Who began it, and when (s since the epoch).
     phase, since
         What goes on, and from when on (s since the epoch).
+    step
+        Counts the phases: who decides about one says which.
     round
         From 1.
     waypoint
@@ -62,6 +64,7 @@ class Run(Model):
     started: float
     phase: Phase
     since: float
+    step: Annotated[int, Field(ge=0)] = 0
     round: Annotated[int, Field(ge=1)] = 1
     waypoint: Annotated[int, Field(ge=0)] = 0
     tasks_done: Annotated[int, Field(ge=0)] = 0
@@ -289,7 +292,7 @@ class MissionRun:
 
     def _enter(self, phase: Phase, now: Now, **fields: object) -> None:
         self._wait_began = None
-        self._set(phase=phase, since=now.wall, **fields)
+        self._set(phase=phase, since=now.wall, step=self.run.step + 1, **fields)
 
     def _all_done_here(self) -> bool:
         return bool(self.run.tasks_done) and self.run.task is None

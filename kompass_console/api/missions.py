@@ -32,6 +32,7 @@ from kompass_console.schema.mission_models import (
     MissionList,
     MissionSave,
     MissionVersion,
+    RunStep,
     RunVerb,
 )
 from kompass_console.web.auth import LoginSession
@@ -116,7 +117,7 @@ async def start_mission(
 
 @router.post("/run/{number}/{verb}", status_code=204)
 async def steer_mission(
-    number: Number, verb: RunVerb, session: Operator, console: CurrentConsole
+    number: Number, verb: RunVerb, body: RunStep, session: Operator, console: CurrentConsole
 ) -> None:
     """Pause the run of that number, resume it, skip what it does, confirm what it asks, or cancel
     it."""
@@ -125,7 +126,7 @@ async def steer_mission(
         _check_free(console, session, what, number)
     run = console.link.missions.state.run
     name = run.mission.name if run is not None and run.number == number else number
-    await _carry_out(console, session, what, SteerRun(verb=verb, run=number), name)
+    await _carry_out(console, session, what, SteerRun(verb=verb, run=number, step=body.step), name)
 
 
 @router.post("/queue/next", status_code=204)

@@ -83,6 +83,7 @@ class MissionsWatch:
             name=plain(run.mission.name),
             by=plain(run.by),
             phase=run.phase,
+            step=run.step,
             elapsed=max(0.0, time.time() - run.since),
             round=run.round,
             rounds=run.mission.rounds,

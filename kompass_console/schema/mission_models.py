@@ -74,3 +74,9 @@ class MissionList(BaseModel):
 
 
 RunVerb = Literal["pause", "resume", "skip", "confirm", "cancel"]
+
+
+class RunStep(BaseModel):
+    """The step of the run that was looked at; to pause and to cancel are never too late."""
+
+    step: Annotated[int, Field(ge=0, le=2**53)]

@@ -435,7 +435,8 @@ class MissionRunInfo(BaseModel):
     `waypoint` counts from 1 to `waypoints`, `round` from 1 to `rounds` (0: without end). `place` is
     where it goes or is; empty when that was deleted. `task` is what is done there now, `ask` what a
     person is to confirm, `left` how long a wait still lasts (s). `elapsed` is the time (s) since
-    the phase began. `reason` is why it is paused or over, `decided_by` who wanted that.
+    the phase began; `step` counts the phases, and goes with what a person decides about one.
+    `reason` is why it is paused or over, `decided_by` who wanted that.
     """
 
     number: int
@@ -443,6 +444,7 @@ class MissionRunInfo(BaseModel):
     name: str
     by: str
     phase: Phase
+    step: int
     elapsed: float
     round: int
     rounds: int

@@ -26,7 +26,7 @@ CHANGES: list[tuple[str, str, Json]] = [
     ("DELETE", "/api/missions/1?version=1", {}),
     ("POST", "/api/missions/1/restore", {}),
     ("POST", "/api/missions/1/start", {"version": 1}),
-    ("POST", "/api/missions/run/1/resume", {}),
+    ("POST", "/api/missions/run/1/resume", {"step": 1}),
     ("POST", "/api/missions/queue/next", {}),
     ("DELETE", "/api/missions/queue/1", {}),
 ]
@@ -157,11 +157,15 @@ def test_what_runs_is_told_to_all_and_steered_by_number(robot: Served, ava: http
         run = state(lambda now: now["run"] and now["run"]["phase"] == "asking")["run"]
         assert (run["name"], run["by"], run["place"]) == ("Round", "ava", "Dock")
         assert (run["task"], run["ask"]) == ("wait for a person", "Load it")
-        refused(ava.post("/api/missions/run/999/skip"), 409, "That run is over")
-        steer = f"/api/missions/run/{run['number']}"
-        assert ava.post(f"{steer}/pause").status_code == 204
-        refused(ava.post(f"{steer}/confirm"), 409, "waits for nobody")
-        assert ava.post(f"{steer}/dance").status_code == 422
+        refused(ava.post("/api/missions/run/999/skip", json={"step": 1}), 409, "That run is over")
+        steer, seen = f"/api/missions/run/{run['number']}", {"step": run["step"]}
+        assert ava.post(f"{steer}/pause").status_code == 422
+        assert ava.post(f"{steer}/pause", json=seen).status_code == 204
+        refused(ava.post(f"{steer}/confirm", json=seen), 409, "has gone on meanwhile")
+        paused = state(lambda now: now["run"]["phase"] == "paused")["run"]
+        now = {"step": paused["step"]}
+        refused(ava.post(f"{steer}/confirm", json=now), 409, "waits for nobody")
+        assert ava.post(f"{steer}/dance", json=now).status_code == 422
         # A second one waits for its turn.
         again = ava.post(f"/api/missions/{mission['id']}/start", json={"version": 1})
         assert again.status_code == 200
@@ -170,7 +174,7 @@ def test_what_runs_is_told_to_all_and_steered_by_number(robot: Served, ava: http
         refused(ava.post("/api/missions/queue/next"), 409, "A mission runs")
         assert ava.delete(f"/api/missions/queue/{waits['number']}").status_code == 204
         refused(ava.delete(f"/api/missions/queue/{waits['number']}"), 409, "waits no more")
-        assert ava.post(f"{steer}/cancel").status_code == 204
+        assert ava.post(f"{steer}/cancel", json=seen).status_code == 204
         ended = state(lambda now: now["run"]["phase"] == "canceled")
         assert (ended["run"]["decided_by"], ended["queue"]) == ("ava", [])
         refused(ava.post("/api/missions/queue/next"), 409, "No mission waits")

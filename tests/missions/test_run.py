@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from datetime import datetime
+from zoneinfo import ZoneInfo
 
 import pytest
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from kompass.missions.mission import Act, Ask, Halt, Schedule, Wait
-from kompass.missions.queue import is_due
+from kompass.missions.queue import is_due, looked_at
 from kompass.missions.run import Cease, GoTo, MissionRefused, MissionRun, Perform
 from kompass.rules.schema.actions import Log
 from tests.missions.missions import at, fresh, mission, plan
@@ -268,4 +269,24 @@ def test_a_schedule_is_due_once_at_its_hour_and_not_for_an_hour_that_nobody_saw(
     before: str, now: str, due: bool
 ) -> None:
     schedule = Schedule(at="08:00", days=(0, 1, 2, 3, 4))
-    assert is_due(schedule, datetime.fromisoformat(before), datetime.fromisoformat(now)) is due
+    saved, last = datetime(2026, 11, 1), datetime.fromisoformat(before)
+    assert is_due(schedule, saved, last, datetime.fromisoformat(now)) is due
+
+
+def test_a_mission_that_is_saved_just_after_its_hour_is_due_at_the_next() -> None:
+    schedule = Schedule(at="08:00")
+    before, saved, now = (datetime(2026, 11, 23, 8, 0, second) for second in (0, 1, 4))
+    assert not is_due(schedule, saved, before.replace(minute=59, hour=7), now)
+    assert is_due(schedule, saved, before.replace(day=24, hour=7), now.replace(day=24))
+
+
+def test_the_hour_that_comes_twice_at_the_end_of_summer_is_due_once() -> None:
+    zone, schedule = ZoneInfo("Europe/Berlin"), Schedule(at="02:30")
+    begun = datetime(2026, 10, 25, 1, 0, tzinfo=zone).timestamp()
+    looked, due = datetime(2026, 10, 25, 1, 0), 0
+    for seconds in range(0, 4 * 3600, 5):
+        now = datetime.fromtimestamp(begun + seconds, zone).replace(tzinfo=None)
+        due += is_due(schedule, datetime(2026, 10, 1), looked, now)
+        looked = looked_at(looked, now)
+    assert (due, looked.hour) == (1, 3)
+    assert looked_at(datetime(2027, 1, 1), now) == now  # a clock that was wrong

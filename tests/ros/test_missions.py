@@ -89,7 +89,7 @@ def test_a_killed_console_holds_no_mission_up_and_a_killed_monitor_pauses_it(
 
         # The page comes back by itself, and a person resumes.
         asked(console, "POST", "/api/login", token=TOKEN, user="ben")
-        asked(console, "POST", f"/api/missions/run/{found.number}/resume")
+        asked(console, "POST", f"/api/missions/run/{found.number}/resume", step=found.step)
         wait_until(lambda: run(robot).phase == "done", 90, "the end of the mission")
         assert robot.distance_to(*PLACES["Dock"]) < 0.15
         assert robot.contacts == 0

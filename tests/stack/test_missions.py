@@ -110,7 +110,8 @@ class MissionRobot(VirtualRobot):
         self.change(StartMission(id=mission.id, version=mission.version))
 
     def steer(self, verb: str, author: str = "ben") -> None:
-        change = SteerRun.model_validate({"verb": verb, "run": self.run.number})
+        steer = {"verb": verb, "run": self.run.number, "step": self.run.step}
+        change = SteerRun.model_validate(steer)
         self.change(change, author=author)
 
     @property
@@ -190,7 +191,7 @@ def test_people_pause_resume_skip_confirm_and_cancel_it(robot: MissionRobot) -> 
     assert skipped.skipped[0].reason == "ben skipped it"
     robot.stands()
 
-    refused = robot.asks(SteerRun(verb="pause", run=1))
+    refused = robot.asks(SteerRun(verb="pause", run=1, step=0))
     assert not refused.success
     assert refused.message == "the mission is over (done); start it again"
     robot.start(robot.saved((robot.west, ()), name="Second"))
@@ -251,6 +252,29 @@ def test_who_sends_another_goal_or_takes_the_wheel_has_the_robot(robot: MissionR
     ava.take()
     assert "ava" in robot.until("paused", 5).reason
     robot.stands(2.0)
+
+
+def test_who_sends_a_goal_while_it_waits_has_the_robot(robot: MissionRobot) -> None:
+    robot.start(robot.saved((robot.north, (Wait(seconds=4.0),)), (robot.west, ())))
+    robot.until("waiting")
+    other = robot.send_goal(-1.0, -0.5)
+    assert "sent the robot elsewhere" in robot.until("paused", 5).reason
+    assert robot.result(other).result.reached_end
+    robot.stands(6.0)
+    robot.steer("resume")
+    robot.until("done", 90)
+
+
+def test_what_lets_it_go_on_is_for_the_step_that_was_looked_at(robot: MissionRobot) -> None:
+    robot.start(robot.saved((robot.north, (Ask(text="one"), Ask(text="two"))), (robot.west, ())))
+    first = robot.until("asking")
+    press = SteerRun(verb="confirm", run=first.number, step=first.step)
+    robot.change(press)
+    again = robot.asks(press)
+    assert "has gone on meanwhile; look" in again.message
+    assert (robot.run.phase, robot.run.tasks_done) == ("asking", 1)
+    robot.change(SteerRun(verb="pause", run=first.number, step=first.step))
+    assert robot.until("paused", 5).decided_by == "ava"
 
 
 def test_a_monitor_that_dies_leaves_the_mission_paused_and_the_goal_under_way(
@@ -346,6 +370,20 @@ def test_it_begins_at_its_hour_by_itself(robot: MissionRobot) -> None:
     assert robot.state.runs == 1
 
 
+def test_its_hour_takes_the_robot_from_nobody(robot: MissionRobot) -> None:
+    due = (robot.clock.wall() // 60 + 2) * 60
+    schedule = Schedule(at=datetime.fromtimestamp(due).strftime("%H:%M"))
+    robot.saved((robot.north, ()), schedule=schedule)
+    robot.rest(due - 3.0 - robot.clock.wall())
+    other = robot.send_goal(-1.5, 0.5)
+    paused = robot.until("paused", 20)
+    assert "a goal that somebody gave it" in paused.reason
+    assert robot.result(other).result.reached_end
+    robot.stands()
+    robot.steer("resume")
+    robot.until("done", 90)
+
+
 def test_a_rule_begins_a_mission_by_its_name_and_not_against_stop() -> None:
     signal = Signal(topic="test/go", type="std_msgs/msg/Empty")
     rule = Rule(
@@ -359,7 +397,11 @@ def test_a_rule_begins_a_mission_by_its_name_and_not_against_stop() -> None:
         robot.wait_for_line("there is no mission called 'ROUND'", 5)
         robot.saved((robot.north, ()))
         robot.go()
+        robot.moves()
+        robot.go()
+        robot.wait_for_line("runs or waits already", 5)
         assert robot.until("done").by == "rule Go"
+        assert robot.state.runs == 1
         assert robot.stop().success
         robot.go()
         robot.wait_until(lambda: robot.run.number == 2, 5, "the second run")

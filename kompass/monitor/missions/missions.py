@@ -29,7 +29,7 @@ from kompass.missions.change import (
     Unqueue,
 )
 from kompass.missions.mission import Editor, Mission, MissionBook, MissionPlan
-from kompass.missions.queue import MOST_QUEUED, MissionState, Queued, is_due
+from kompass.missions.queue import MOST_QUEUED, MissionState, Queued, is_due, looked_at
 from kompass.missions.run import (
     Cease,
     DriveEnd,
@@ -118,12 +118,14 @@ class Missions:
         self._books = node.create_publisher(String, f"{node.get_name()}/{BOOK}", LATCHED.to_ros())
         self._states = node.create_publisher(String, f"{node.get_name()}/{STATE}", LATCHED.to_ros())
         self._store: MissionStore | None = None
-        self._state = MissionState()
+        self._state = self._written = MissionState()
+        self._unwritten = ""
         self._looked = self._hour()
         self._problem = problem = ""
         try:
             store = open_store()
             book, self._state = store.book(), store.state()
+            self._written = self._state
             self._store = store
         except (StoreError, OSError) as error:
             self._problem = problem = f"missions cannot be kept: {error}"
@@ -171,7 +173,7 @@ class Missions:
                 mission = self._main.call(lambda: self._named(name))
                 if mission is None:
                     raise NoSuchEntry(f"there is no mission called {name!r}; look at the others")
-                self._durably(lambda: self._take_on(mission, by[:LONGEST_AUTHOR]))
+                self._durably(lambda: self._take_on_once(mission, by[:LONGEST_AUTHOR]))
             except (StoreError, RuntimeError) as error:
                 told(str(error))
             else:
@@ -250,7 +252,7 @@ class Missions:
         except MissionRefused as error:
             raise EntryRefused(str(error)) from None
         try:
-            self._kept().keep(state)
+            self._write(state)
         except StoreError as error:
             why = str(error)
             self._main.call(lambda: self._stand(f"It could not be written down: {why}"))
@@ -273,6 +275,17 @@ class Missions:
         self._set(queuings=number, queue=(*self._state.queue, waits))
         return ()
 
+    def _take_on_once(self, mission: Mission, by: str) -> tuple[Effect, ...]:
+        """As a rule does, which may fire again and again."""
+        if self._is_on(mission):
+            raise MissionRefused(f"{mission.name!r} runs or waits already")
+        return self._take_on(mission, by)
+
+    def _is_on(self, mission: Mission) -> bool:
+        run = self._state.run if self._state.busy else None
+        on = {each.mission for each in self._state.queue} | ({run.mission.id} if run else set())
+        return mission.id in on
+
     def _begin(self, mission: Mission, by: str) -> tuple[Effect, ...]:
         now, number = self._now(), self._state.runs + 1
         run = Run(
@@ -286,7 +299,11 @@ class Missions:
         self._run = MissionRun(run, now)
         self._set(runs=number, notice="")
         self._robot.listen()
-        return self._run.begin(now)
+        effects = self._run.begin(now)
+        if by == CLOCK and self._robot.pursues_other_goals:
+            self._run.interrupted("the robot was on its way to a goal that somebody gave it", now)
+            return ()
+        return effects
 
     def _begin_next(self, by: str) -> tuple[Effect, ...]:
         if self._state.busy:
@@ -314,6 +331,10 @@ class Missions:
         if run is None or run.run.number != change.run:
             raise MissionRefused("that run is over; look at what runs now")
         now = self._now()
+        if change.verb not in ("pause", "cancel") and change.step != run.run.step:
+            raise MissionRefused(
+                "the mission has gone on meanwhile; look at what it does now, and decide again"
+            )
         match change.verb:
             case "pause":
                 return run.pause(by, now)
@@ -380,15 +401,15 @@ class Missions:
                 self._robot.perform(effect, self._run.run.mission)
 
     def _look_at_schedules(self) -> None:
-        before, self._looked = self._looked, self._hour()
+        before, now = self._looked, self._hour()
+        self._looked = looked_at(before, now)
         for mission in self._book.missions:
-            if mission.schedule is not None and is_due(mission.schedule, before, self._looked):
+            saved = self._local(mission.time)
+            if mission.schedule is not None and is_due(mission.schedule, saved, before, now):
                 self._due(mission)
 
     def _due(self, mission: Mission) -> None:
-        waiting = {each.mission for each in self._state.queue}
-        running = self._state.run if self._state.busy else None
-        if mission.id in waiting or (running is not None and running.mission.id == mission.id):
+        if self._is_on(mission):
             self._set(notice=f"{mission.name!r} was due, and has not ended since the last time.")
             self._changed()
             return
@@ -414,25 +435,32 @@ class Missions:
                 self._robot.rest()
         self._states.publish(String(data=self._state.model_dump_json()))
         if keep and self._store is not None:
-            state = self._state
-            self._worker.post(lambda: self._keep(state))
+            self._worker.post(self._keep)
 
-    def _keep(self, state: MissionState) -> None:
-        if self._superseded(state):
+    def _keep(self) -> None:
+        """Write the newest down; on the worker, as all that is written."""
+        state = self._state
+        if state is self._written:
             return
         try:
-            self._kept().keep(state)
+            self._write(state)
         except StoreError as error:
             notice = f"what the mission does cannot be written down: {error}"
             self._log.error(notice)
-            self._main.post(lambda: self._tell_notice(notice))
+            self._main.post(lambda: self._tell_unwritten(notice))
+        else:
+            if self._unwritten:
+                self._main.post(lambda: self._tell_unwritten(""))
 
-    def _superseded(self, state: MissionState) -> bool:
-        return state is not self._state
+    def _write(self, state: MissionState) -> None:
+        self._kept().keep(state)
+        self._written = state
 
-    def _tell_notice(self, notice: str) -> None:
-        self._set(notice=notice)
-        self._states.publish(String(data=self._state.model_dump_json()))
+    def _tell_unwritten(self, notice: str) -> None:
+        if notice or self._state.notice == self._unwritten:
+            self._set(notice=notice)
+            self._states.publish(String(data=self._state.model_dump_json()))
+        self._unwritten = notice
 
     def _tell_book(self, book: MissionBook) -> None:
         self._book = book
@@ -449,7 +477,10 @@ class Missions:
         return Now(self._clock.monotonic(), self._clock.wall())
 
     def _hour(self) -> datetime:
-        return datetime.fromtimestamp(self._clock.wall()).astimezone(self._zone)
+        return self._local(self._clock.wall())
+
+    def _local(self, wall: float) -> datetime:
+        return datetime.fromtimestamp(wall, self._zone).replace(tzinfo=None)
 
 
 def _editor(who: Who) -> Editor:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Collection, Coroutine
+from functools import partial
 from typing import Any
 
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from kompass_interfaces.action import PlanPath
 from kompass_interfaces.msg import DriveState
 from nav_msgs.msg import OccupancyGrid
+from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 
 from kompass.bus.node import ActionClient, Executor, Node
@@ -33,6 +37,8 @@ TRIES = 3  # to give the planner a goal
 MAP = "map"  # of several topics with maps, this one
 _NOTHING = 0  # the ticket of nothing; those of runs count from 1
 _TYPE = "kompass_interfaces/action/PlanPath"
+_REMEMBERED = 64  # ids of goals
+_UNDER_WAY = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING)
 _OUTCOMES: dict[int, DriveEnd] = {
     PlanPath.Result.OUTCOME_ARRIVED: "arrived",
     PlanPath.Result.OUTCOME_STOPPED: "interrupted",
@@ -61,7 +67,7 @@ class MissionRobot:
     drive_ended, task_ended
         Told of ends, with the ticket of the beginning.
     interrupted
-        Told when somebody presses STOP or takes the wheel.
+        Told when somebody presses STOP, takes the wheel, or sends the robot elsewhere.
     """
 
     def __init__(
@@ -96,6 +102,22 @@ class MissionRobot:
         self._driver = ""  # node name of who has the goal
         self._listening: Any = None
         self._drive: DriveState | None = None
+        # By action: the goals that others have the robot pursue.
+        self._others: dict[str, frozenset[bytes]] = {}
+        self._own = deque[bytes](maxlen=_REMEMBERED)  # ids of the goals of missions
+        self._sending = False  # a goal whose id is not yet known
+        for action in self._servers:
+            node.create_subscription(
+                GoalStatusArray,
+                f"/{action}/_action/status",
+                partial(self._on_goals, action),
+                qos_profile_action_status_default,
+            )
+
+    @property
+    def pursues_other_goals(self) -> bool:
+        """Whether the robot is on its way to a goal that no mission gave it."""
+        return any(self._others.values())
 
     def close(self) -> None:
         """Nothing is driven or done any more."""
@@ -117,7 +139,7 @@ class MissionRobot:
             self._node.destroy_subscription(self._listening)
             self._listening = self._drive = None
 
-    async def hindrance(self) -> str:
+    async def _hindrance(self) -> str:
         """Why the robot would not set off now; empty when it would."""
         self.listen()
         try:
@@ -143,6 +165,10 @@ class MissionRobot:
 
     def process_changed(self, news: ProcessNews) -> None:
         """A process that had the goal may have died with it: nobody will tell its end."""
+        if news.is_lost:
+            for action in self._others:
+                if self._servers[action] in news.nodes:
+                    self._others[action] = frozenset()
         if self._driver and news.is_lost and self._driver in news.nodes:
             ticket, driver = self._ticket, self._driver
             self.cease()
@@ -178,7 +204,7 @@ class MissionRobot:
         place = self._find_place(place_id)
         if place is None:
             return "failed", "the place has been deleted; take it out of the mission"
-        why = await self._elsewhere(place, of_map) or await self.hindrance()
+        why = await self._elsewhere(place, of_map) or await self._hindrance()
         if why:
             return "interrupted", why
         server = self._server()
@@ -202,7 +228,9 @@ class MissionRobot:
 
     async def _goal(self, client: ActionClient, goal: PlanPath.Goal) -> tuple[DriveEnd, str]:
         await self._awaitables.until(client.server_is_ready, SEARCH, "")
+        self._sending = True
         sent = client.send_goal_async(goal)
+        sent.add_done_callback(self._on_sent)
         try:
             handle = await self._awaitables.result(sent, SEARCH, "")
             if not handle.accepted:
@@ -211,6 +239,7 @@ class MissionRobot:
         except BaseException:
             # Nobody follows it any more, so it must not go on; it may not have been taken yet.
             sent.add_done_callback(_cancel)
+            self._sending = False
             raise
         return _OUTCOMES.get(ended.result.outcome, "failed"), ended.result.message
 
@@ -279,6 +308,26 @@ class MissionRobot:
             return MAP
         heard = frozenset[str]().union(*(self._hears[each] for each in self._servers.values()))
         return next((name for name in names if name in heard), None)
+
+    def _on_sent(self, sent: Future) -> None:
+        self._sending = False
+        if sent.exception() is None:
+            own = bytes(sent.result().goal_id.uuid)
+            self._own.append(own)
+            self._others = {action: ids - {own} for action, ids in self._others.items()}
+
+    def _on_goals(self, action: str, goals: GoalStatusArray) -> None:
+        under_way = frozenset(
+            bytes(goal.goal_info.goal_id.uuid)
+            for goal in goals.status_list
+            if goal.status in _UNDER_WAY
+        )
+        before = self._others.get(action, frozenset())
+        self._others[action] = others = under_way.difference(self._own)
+        # While it drives for the mission the end of that drive is told, and what an action of the
+        # mission sets off is no surprise. A goal of ours may be told of before its id is known.
+        if others - before and self._ticket == _NOTHING and not self._sending:
+            self._interrupted("somebody sent the robot elsewhere")
 
     def _on_drive_state(self, state: DriveState) -> None:
         before, self._drive = self._drive, state

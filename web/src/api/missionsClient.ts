@@ -1,5 +1,5 @@
 import { answer, CHANGE_MS, http, QUICK_MS, within } from "./http";
-import type { Mission, MissionSave, RunVerb } from "./types";
+import type { Mission, MissionRun, MissionSave, RunVerb } from "./types";
 
 export const listMissions = (signal: AbortSignal) =>
   answer(http.GET("/api/missions", { signal: within(QUICK_MS, signal) }));
@@ -43,10 +43,11 @@ export const startMission = (mission: Mission) =>
     }),
   );
 
-export const steerMission = (number: number, verb: RunVerb) =>
+export const steerMission = (run: MissionRun, verb: RunVerb) =>
   answer(
     http.POST("/api/missions/run/{number}/{verb}", {
-      params: { path: { number, verb } },
+      params: { path: { number: run.number, verb } },
+      body: { step: run.step },
       signal: within(CHANGE_MS),
     }),
   );

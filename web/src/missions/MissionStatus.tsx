@@ -64,7 +64,7 @@ export function MissionStatus() {
 
 function Controls({ run }: { run: MissionRun }) {
   const steer = useMutation({
-    mutationFn: (verb: RunVerb) => steerMission(run.number, verb),
+    mutationFn: (verb: RunVerb) => steerMission(run, verb),
   });
   const button = (verb: RunVerb, label: string, primary = false) => (
     <Button

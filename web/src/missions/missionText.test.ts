@@ -8,6 +8,7 @@ const run = (part: Partial<MissionRun> = {}): MissionRun => ({
   name: "Round",
   by: "ava",
   phase: "driving",
+  step: 1,
   elapsed: 0,
   round: 1,
   rounds: 1,
