@@ -37,6 +37,7 @@ from kompass_console.web.connections import (
     GatedWebSocket,
 )
 from kompass_console.web.console import Console
+from kompass_console.web.control import Control
 from kompass_console.web.hands import Hands
 from kompass_console.web.open_sockets import OpenSockets
 from kompass_console.web.rules_feed import RulesFeed
@@ -110,18 +111,20 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
         closing.callback(localisation.stop)
         drills = Drills(settings.drill)
         closing.callback(drills.close)
+        audit, sockets, hands = AuditTrail(audit_log), OpenSockets(auth, settings.limits), Hands()
         yield Console(
             settings=settings,
             auth=auth,
             limiter=LoginLimiter(),
             passwords=asyncio.Semaphore(1),
-            audit=AuditTrail(audit_log),
+            audit=audit,
             world=world,
             link=link,
             checker=GoalChecker(link, world),
             localisation=localisation,
-            sockets=OpenSockets(auth, settings.limits),
-            hands=Hands(),
+            sockets=sockets,
+            hands=hands,
+            control=Control(sockets, hands, audit, feed.changed),
             views=views,
             scene=scene,
             feed=feed,

@@ -12,6 +12,7 @@ from kompass_console.schema.models import SessionInfo
 from kompass_console.schema.roles import Role
 from kompass_console.web.auth import LoginSession
 from kompass_console.web.console import Console
+from kompass_console.web.control import key_of
 from kompass_console.web.errors import ConsoleError
 
 
@@ -47,7 +48,12 @@ def session_of(connection: HTTPConnection) -> LoginSession:
 
 def info_of(session: LoginSession) -> SessionInfo:
     """What a page is told of who uses it."""
-    return SessionInfo(user=session.user, role=session.role, account=session.account is not None)
+    return SessionInfo(
+        user=session.user,
+        key=key_of(session.id),
+        role=session.role,
+        account=session.account is not None,
+    )
 
 
 def at_least(role: Role) -> Callable[[HTTPConnection], LoginSession]:

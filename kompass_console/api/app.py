@@ -18,6 +18,7 @@ from kompass_console import __version__
 from kompass_console.api import (
     audit,
     backtests,
+    control,
     drills,
     flat_map,
     goals,
@@ -112,6 +113,7 @@ def create_app(console: Console | None) -> FastAPI:
         places.router,
         localisation.router,
         stop.router,
+        control.router,
         hand.router,
         live.router,
         probe.router,
@@ -164,6 +166,7 @@ def _builder(console: Console) -> Any:
         console.link,
         console.localisation,
         viewers,
+        control=console.control.info(),
         audit_problem=console.audit.log.problem,
     )
 

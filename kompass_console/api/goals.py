@@ -68,6 +68,7 @@ async def send(
         refusal = refusal or ConsoleError(409, checked.check.message, _REMEDIES["nobody_listens"])
         console.audit.record(session, "send goal", refusal.title, **what)
         raise refusal
+    console.control.require(session, "send goal", what)
     answer = checked.check
     speed = None
     if answer.length is not None and answer.duration:

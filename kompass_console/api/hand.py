@@ -17,6 +17,7 @@ from kompass_console.schema.hand_models import HandAnswer, HandRequest
 from kompass_console.schema.roles import Role
 from kompass_console.web.auth import LoginSession
 from kompass_console.web.console import Console
+from kompass_console.web.errors import ConsoleError
 
 router = APIRouter()
 
@@ -42,7 +43,17 @@ class HandPage:
         self._moves = False
         self._delay = Delay()
         self._answers: asyncio.Queue[HandAnswer] = asyncio.Queue()
+        self._leaving: asyncio.Task[None] | None = None
         self._tell()
+
+    @property
+    def session_id(self) -> str:
+        """Of the log-in that it is a page of."""
+        return self._session.id
+
+    def lost_control(self, by: str) -> None:
+        """Somebody else has control of the robot now: stand, and give the wheel up."""
+        self._leaving = asyncio.ensure_future(self._leave(by))
 
     def asked(self, by: str) -> None:
         """Somebody else asks for the wheel."""
@@ -63,6 +74,7 @@ class HandPage:
             self._ask()
         elif request.type == "give":
             await self._give("given up")
+            self._console.control.gave_wheel(self._session)
         else:
             await self._take(over=request.type == "take over")
 
@@ -122,6 +134,14 @@ class HandPage:
             self._tell()
             return
         try:
+            if over:
+                self._console.control.take(self._session, "took the wheel over")
+            else:
+                self._console.control.require(self._session, deed, {"before": before})
+        except ConsoleError as error:
+            self._tell(f"{error.title} {error.remedy}")
+            return
+        try:
             hold = await self._console.link.wheel.take(self._session.user, over=over)
         except (NoAnswer, WheelRefused) as error:
             why = error.why if isinstance(error, NoAnswer) else str(error)
@@ -153,7 +173,12 @@ class HandPage:
         if not driver:
             self._tell("Nobody has the wheel: take it.")
         elif self._console.hands.ask(self._session.user):
-            self._tell(f"{driver} has been asked.")
+            try:
+                self._console.control.ask(self._session)
+            except ConsoleError as error:
+                self._tell(f"{error.title} {error.remedy}")
+            else:
+                self._tell(f"{driver} has been asked.")
         else:
             self._tell(f"{driver} drives from another console, and cannot be asked from here.")
 
@@ -168,6 +193,11 @@ class HandPage:
         drive = self._console.link.drive.info()
         other = "" if drive is None else drive.driven_by
         self._lose(f"{other} took it over" if other else "the drive manager gave it up")
+
+    async def _leave(self, by: str) -> None:
+        await self._give("control was given up" if by == "" else f"{by} has control now")
+        if by != "":
+            self._tell(f"{by} has control of the robot now.")
 
     def _lose(self, why: str) -> None:
         self._drop()

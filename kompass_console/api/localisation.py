@@ -90,6 +90,9 @@ async def set_pose(body: RobotPose, session: Operator, console: CurrentConsole) 
     motion = console.world.motion.get()
     before = None if motion is None else [round(each, 3) for each in motion.value.pose]
     refusal = _refusal(console, body)
+    if refusal is None:
+        told = {"x": body.x, "y": body.y, "yaw": body.yaw}
+        console.control.require(session, "locate robot", told)
     outcome = "told" if refusal is None else refusal.title
     console.audit.record(
         session, "locate robot", outcome, x=body.x, y=body.y, yaw=body.yaw, before=before

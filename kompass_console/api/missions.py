@@ -124,6 +124,8 @@ async def steer_mission(
     what = f"{verb} mission"
     if verb == "resume":
         _check_free(console, session, what, number)
+    elif verb == "skip":
+        console.control.require(session, what, {"mission": number})
     run = console.link.missions.state.run
     name = run.mission.name if run is not None and run.number == number else number
     await _carry_out(console, session, what, SteerRun(verb=verb, run=number, step=body.step), name)
@@ -163,7 +165,7 @@ async def _plan(
 
 
 def _check_free(console: Console, session: LoginSession, what: str, mission: object) -> None:
-    """The robot is nobody's: neither STOP nor a hand holds it.
+    """The robot is nobody's else: neither STOP nor a hand holds it, nor has another control.
 
     Raises
     ------
@@ -181,6 +183,7 @@ def _check_free(console: Console, session: LoginSession, what: str, mission: obj
     if error is not None:
         console.audit.record(session, what, error.title, mission=mission)
         raise error
+    console.control.require(session, what, {"mission": mission})
 
 
 async def _edited(

@@ -106,6 +106,7 @@ def _keep(session: LoginSession, request: Request, response: Response, console: 
 
 def _end(console: Console, session: LoginSession) -> None:
     """Refuse a session from now on, and close and drop what it has."""
+    console.control.left(session)
     console.auth.log_out(session)
     console.sockets.end(session)
     console.views.end(session)

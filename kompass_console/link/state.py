@@ -8,6 +8,7 @@ import numpy as np
 
 from kompass_console.link.link import RosLink
 from kompass_console.link.localisation import Localisation
+from kompass_console.schema.control_models import ControlInfo
 from kompass_console.schema.models import PoseInfo, RobotInfo, RosInfo, SimulationInfo, State
 from kompass_console.schema.plain import plain
 from kompass_console.schema.world import WorldModel
@@ -29,6 +30,7 @@ def build_state(
     localisation: Localisation,
     viewers: int,
     *,
+    control: ControlInfo | None = None,
     audit_problem: str = "",
 ) -> State:
     """One snapshot; ages are measured from when each value was received."""
@@ -64,5 +66,6 @@ def build_state(
         processes=link.processes.infos(),
         ros=RosInfo(domain_id=link.domain_id, middleware=link.middleware),
         viewers=viewers,
+        control=control or ControlInfo(),
         audit_problem=audit_problem,
     )

@@ -8,6 +8,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 from kompass.algorithms.planning.failure import Reason
 from kompass.missions.run import Phase
+from kompass_console.schema.control_models import ControlInfo
 from kompass_console.schema.plain import plain
 from kompass_console.schema.roles import Role
 
@@ -61,9 +62,10 @@ class LoginWays(BaseModel):
 
 
 class SessionInfo(BaseModel):
-    """Who is logged in; `account` says whether by name and password."""
+    """Who is logged in; `account` says whether by name and password, `key` which log-in it is."""
 
     user: str
+    key: str
     role: Role
     account: bool = False
 
@@ -509,6 +511,7 @@ class State(BaseModel):
     processes: list[ProcessInfo]
     ros: RosInfo
     viewers: int
+    control: ControlInfo = ControlInfo()
     audit_problem: str = ""
 
 

@@ -15,6 +15,7 @@ from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
 from kompass_console.web.audit import AuditTrail
 from kompass_console.web.auth import Authenticator, LoginLimiter
+from kompass_console.web.control import Control
 from kompass_console.web.hands import Hands
 from kompass_console.web.open_sockets import OpenSockets
 from kompass_console.web.rules_feed import RulesFeed
@@ -40,6 +41,7 @@ class Console:
     localisation: Localisation
     sockets: OpenSockets
     hands: Hands
+    control: Control
     views: ViewRegistry
     scene: Scene
     feed: StateFeed

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
+import time
+from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -15,6 +18,7 @@ from kompass_console.web.auth import Authenticator, LoginSession
 
 NOT_LOGGED_IN = 4401  # close code
 
+_REMEMBERED = 1000  # sessions
 _PERIOD = 1.0  # s between two looks at who may still listen
 _SAVE_PERIOD = 600.0  # s between two times at which it is written down who was seen
 
@@ -36,6 +40,7 @@ class OpenSockets:
         self._auth = auth
         self._limits = limits
         self._open: set[_Open] = set()
+        self._seen: OrderedDict[str, float] = OrderedDict()  # by session, when its last one closed
         self._closing: set[asyncio.Task[None]] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
 
@@ -60,6 +65,16 @@ class OpenSockets:
             yield
         finally:
             self._open.discard(opened)
+            self._seen[opened.session.id] = time.monotonic()
+            self._seen.move_to_end(opened.session.id)
+            if len(self._seen) > _REMEMBERED:
+                self._seen.popitem(last=False)
+
+    def last_seen(self, session_id: str) -> float:
+        """When a session had a websocket open last (monotonic s); any thread."""
+        if any(each.session.id == session_id for each in tuple(self._open)):
+            return time.monotonic()
+        return self._seen.get(session_id, -math.inf)
 
     def end(self, session: LoginSession) -> None:
         """Close all websockets of a session. Any thread."""

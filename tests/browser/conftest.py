@@ -46,6 +46,8 @@ def opening(name: str, stack: Stack, robot: Robot, browser: Browser) -> Iterator
     for number, page in enumerate(made):
         page.keep(f"{name}-{number}" if number else name)
         wrong += page.errors + page.policy_violations()
+        # Whoever goes without a word keeps control of the robot for a while.
+        page.page.context.request.post(f"{stack.url}/api/logout", headers={"Origin": stack.url})
         page.page.context.close()
     assert not wrong, "the page's script failed, or tried what its content policy refuses"
 

@@ -14,6 +14,7 @@ export type Pose = NonNullable<State["pose"]>;
 export type Stream = State["streams"][number];
 export type Component = State["components"][number];
 export type Drive = NonNullable<State["drive"]>;
+export type Control = State["control"];
 export type Goal = NonNullable<State["goal"]>;
 export type GoalCheck = Sent<Schemas["GoalCheck"]>;
 

@@ -1,6 +1,7 @@
 import { useMediaQuery } from "@mantine/hooks";
 import { type ComponentProps, useEffect, useState } from "react";
 import type { Place } from "../api/types";
+import { ControlBand } from "../control/ControlBand";
 import { CoordinatesForm } from "../goal/CoordinatesForm";
 import { GestureHint } from "../goal/GestureHint";
 import { GestureOverlay, type PickOf } from "../goal/GestureOverlay";
@@ -302,6 +303,7 @@ function SceneStack({
         <CauseBand />
         <StaleBand />
         {!covered && <DriveBand />}
+        <ControlBand />
         <AuditBand />
         <AlarmsBand />
         {!rulesOpen && <ProbationBand />}

@@ -1,4 +1,5 @@
 import type { Localisation, Pose } from "../api/types";
+import { ControlLine } from "../control/ControlLine";
 import { ageText, degreesText, signed } from "../format";
 import { DrivenBy } from "../hand/DrivenBy";
 import { mapFit } from "../state/localisation";
@@ -21,6 +22,7 @@ export function StatusLine() {
         <span className={classes.extra}>scan {ageText(scan.age + elapsed)}</span>
       )}
       <span className={classes.gap} />
+      <ControlLine />
       <DrivenBy place="line" />
       {state !== null && (
         <span className={classes.extra}>

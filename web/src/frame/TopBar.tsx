@@ -11,6 +11,7 @@ import {
 } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
 import { logoutOthers } from "../api/client";
+import { ControlBadge } from "../control/ControlBadge";
 import { DrivenBy } from "../hand/DrivenBy";
 import { RevisionBadge } from "../rules/bands/RevisionBadge";
 import { useSession } from "../session/SessionContext";
@@ -35,6 +36,7 @@ export function TopBar() {
       </span>
       <OverallState />
       <span className={classes.gap} />
+      <ControlBadge />
       <RevisionBadge />
       <SimulationRate />
       {/* On a phone it is in the menu: the robot's name needs the room. */}

@@ -56,6 +56,15 @@ export const robot = (part: Partial<State> = {}): State => ({
   simulation: null,
   places: { available: false, revision: 0, map: null },
   missions: { available: false, revision: 0, notice: "", run: null, queue: [] },
+  control: {
+    holder: "",
+    holder_key: "",
+    asked_by: "",
+    asked_key: "",
+    asked: 0,
+    taken_from: "",
+    reason: "",
+  },
   rules: {
     available: false,
     revision: 0,
