@@ -155,13 +155,13 @@ class HandPage:
         self._console.hands.took(self)
         self._tell()
 
-    async def _give(self, why: str) -> None:
+    async def _give(self, why: str, message: str = "") -> None:
         hold = self._drop()
         if hold is None:
             return
         hold.drive(0.0, 0.0, 0.0)
         self._console.audit.record(self._session, "give up the wheel", why)
-        self._tell()
+        self._tell(message)
         try:
             await self._console.link.wheel.give(hold, self._session.user)
         except NoAnswer as error:
@@ -195,9 +195,10 @@ class HandPage:
         self._lose(f"{other} took it over" if other else "the drive manager gave it up")
 
     async def _leave(self, by: str) -> None:
-        await self._give("control was given up" if by == "" else f"{by} has control now")
-        if by != "":
-            self._tell(f"{by} has control of the robot now.")
+        if by == "":
+            await self._give("control was given up")
+        else:
+            await self._give(f"{by} has control now", f"{by} has control of the robot now.")
 
     def _lose(self, why: str) -> None:
         self._drop()

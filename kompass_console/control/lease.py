@@ -74,7 +74,7 @@ class NotInControl(Exception):
 
 
 def looked_at(lease: Lease, holder_seen: float, asker_seen: float, now: float) -> Lease:
-    """The lease without those who have gone.
+    """The lease without those who have gone; who asked one of them gets what he asked for.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def looked_at(lease: Lease, holder_seen: float, asker_seen: float, now: float) -
     if ask is not None and (now - ask.since > ASK_LASTS or now - asker_seen > AWAY):
         lease = replace(lease, ask=None)
     if lease.holder is not None and now - holder_seen > AWAY:
-        return Lease(ask=lease.ask)
+        return Lease(None if lease.ask is None else lease.ask.person)
     return lease
 
 

@@ -80,10 +80,12 @@ class Control:
             return after if now - self._sockets.last_seen(session.id) <= AWAY else lease
 
         try:
-            self._change(session, act)
+            before, after = self._change(session, act)
         except ConsoleError as error:
             self._audit.record(session, what, error.title, **details)
             raise
+        if after.holder != before.holder:
+            self._audit.record(session, "take control", "nobody had it")
 
     def ask(self, session: LoginSession) -> None:
         """Ask for control."""
@@ -163,11 +165,8 @@ class Control:
                 after = self._lease = change(before, _person(session), now)
             except NotInControl as error:
                 raise ConsoleError(409, error.why, error.remedy) from None
-        if after.holder != before.holder:
-            if before.holder is not None:
-                self._hands.lose(before.holder.session, _holder(after))
-            elif after.holder is not None:
-                self._audit.record(session, "take control", "nobody had it")
+        if before.holder not in (None, after.holder):
+            self._hands.lose(before.holder.session, _holder(after))
         if after != before:
             self._changed()
         return before, after

@@ -298,7 +298,9 @@ class FakeStack:
         mine = request.session == self.hand_session
         if request.what == TakeWheel.Request.GIVE:
             if mine:
+                # As a drive manager does: the last command, zero, may come after this.
                 self.driven_by = self.hand_session = ""
+                self.v = 0.0
         elif self.driven_by and not mine and request.what != TakeWheel.Request.TAKE_OVER:
             response.message = f"{self.driven_by} drives by hand"
             return response

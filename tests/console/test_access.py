@@ -92,7 +92,8 @@ def test_the_cookie_is_out_of_reach_of_scripts_and_other_sites(console: Served) 
     with console.client() as client:
         token = "operator-token-for-tests"
         answer = client.post("/api/login", json={"token": token, "user": "ava"})
-    assert answer.json() == {"user": "ava", "role": "operator", "account": False}
+    key = answer.json()["key"]
+    assert answer.json() == {"user": "ava", "key": key, "role": "operator", "account": False}
     cookie = answer.headers["set-cookie"].lower()
     assert "httponly" in cookie
     assert "samesite=strict" in cookie

@@ -85,8 +85,8 @@ def test_an_account_takes_it_from_itself_and_a_name_without_a_password_does_not(
 def test_who_has_gone_has_it_no_more_and_an_ask_lapses() -> None:
     lease = asked(acting(Lease(), AVA), BEN, 0.0)
     assert looked_at(lease, 0.0, 0.0, AWAY) == lease
-    gone = looked_at(lease, 0.0, AWAY, AWAY + 0.1)
-    assert gone.holder is None
+    assert looked_at(lease, 0.0, AWAY, AWAY + 0.1) == Lease(BEN)
+    gone = looked_at(acting(Lease(), AVA), 0.0, 0.0, AWAY + 0.1)
     assert is_mine(acting(gone, BEN), BEN)
     now = ASK_LASTS + 1.0
     assert looked_at(lease, now, now, now) == acting(Lease(), AVA)
