@@ -56,12 +56,12 @@ class Lease:
     ask
         Who asks for it.
     taken_from, reason
-        From whom it was taken, and why; empty when it was given, or free.
+        From whom it was taken, and why; None and empty when it was given, or free.
     """
 
     holder: Person | None = None
     ask: Ask | None = None
-    taken_from: str = ""
+    taken_from: Person | None = None
     reason: str = ""
 
 
@@ -157,7 +157,7 @@ def taken(lease: Lease, person: Person, reason: str, now: float) -> Lease:
         raise NotInControl(
             f"Control is taken from {holder.name} and nobody said why.", "Give a reason."
         )
-    return Lease(person, None, holder.name, " ".join(reason.split()))
+    return Lease(person, None, holder, " ".join(reason.split()))
 
 
 def may_take_in(lease: Lease, person: Person, now: float) -> float | None:

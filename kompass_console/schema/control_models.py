@@ -12,8 +12,8 @@ from kompass_console.control.lease import LONGEST_REASON
 class ControlInfo(BaseModel):
     """Who has control of the robot; `holder` is empty when nobody has.
 
-    `holder_key` and `asked_key` are the `key` of a session. `asked_by` asks for it since `asked`
-    seconds. `taken_from` had it before, and `reason` says why it was taken.
+    `holder_key`, `asked_key` and `taken_key` are the `key` of a session. `asked_by` asks for it
+    since `asked` seconds. `taken_from` had it before, and `reason` says why it was taken.
     """
 
     holder: str = ""
@@ -22,6 +22,7 @@ class ControlInfo(BaseModel):
     asked_key: str = ""
     asked: float = 0.0
     taken_from: str = ""
+    taken_key: str = ""
     reason: str = ""
 
 

@@ -126,14 +126,15 @@ class Control:
         with self._lock:
             now = self._now()
             lease = self._looked_at(now)
-        holder, ask = lease.holder, lease.ask
+        holder, ask, lost = lease.holder, lease.ask, lease.taken_from
         return ControlInfo(
             holder="" if holder is None else holder.name,
             holder_key="" if holder is None else key_of(holder.session),
             asked_by="" if ask is None else ask.person.name,
             asked_key="" if ask is None else key_of(ask.person.session),
             asked=0.0 if ask is None else now - ask.since,
-            taken_from=lease.taken_from,
+            taken_from="" if lost is None else lost.name,
+            taken_key="" if lost is None else key_of(lost.session),
             reason=lease.reason,
         )
 

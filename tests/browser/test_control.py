@@ -41,6 +41,7 @@ def test_control_is_seen_asked_for_kept_given_and_taken(new_page: OpenPage, robo
     desk.get("control-keep").click()
     expect(asked).to_be_hidden()
     expect(phone.get("control-waits")).to_be_hidden()
+    phone.get("control-badge").tap()
     phone.get("control-ask").tap()
     desk.get("control-give").click()
     expect(phone.get("control-line")).to_be_hidden()
@@ -49,7 +50,6 @@ def test_control_is_seen_asked_for_kept_given_and_taken(new_page: OpenPage, robo
     # Nobody answers on the phone: it may be taken, and the phone is told why.
     desk.get("control-badge").click()
     desk.get("control-ask").click()
-    desk.page.keyboard.press("Escape")
     expect(desk.get("control-unanswered")).to_contain_text("Nobody has answered.", timeout=40_000)
     desk.get("control-reason").fill("the phone lies in the hall")
     desk.get("control-take").click()

@@ -62,7 +62,10 @@ def test_a_mission_made_at_a_desk_is_steered_from_a_phone(new_page: OpenPage, ro
     assert desk.get("goal-status").count() == 0  # the mission's goal is told of with it
     phone.get("mission-pause").tap()
     expect(desk.get("mission-status")).to_contain_text("Paused by ben")
+    # It goes on by who has control; who has not is told so, and may pause and cancel it.
     desk.get("mission-resume").click()
+    expect(desk.get("mission-problem")).to_contain_text("ben has control of the robot.")
+    phone.get("mission-resume").tap()
     expect(viewer_sees).to_contain_text("Waits for a person at Gate", timeout=60_000)
     expect(viewer_sees).to_contain_text("Load the boxes")
     assert robot.distance_to(*GATE) < 0.15

@@ -103,6 +103,7 @@ def test_an_engineer_takes_it_with_a_reason_that_is_told_and_written_down(robot:
         assert eve.post("take", reason="it turns wrong").status_code == 204
         told = ava.control(holder="eve")
         assert (told["taken_from"], told["reason"]) == ("ava", "it turns wrong")
+        assert told["taken_key"] == ava.key
     line = next(line for line in robot.audited() if line.get("after") == "eve")
     assert (line["before"], line["reason"]) == ("ava", "it turns wrong")
 

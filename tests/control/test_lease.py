@@ -63,7 +63,7 @@ def test_it_is_taken_after_an_ask_that_nobody_answered_and_with_a_reason() -> No
     assert "Wait for 5 s more" in refused(lambda: taken(asks, BEN, "why", ANSWER - 5.0))
     assert "Give a reason" in refused(lambda: taken(asks, BEN, " ", ANSWER))
     got = taken(asks, BEN, " nobody\nthere ", ANSWER)
-    assert (got.holder, got.taken_from, got.reason) == (BEN, "ava", "nobody there")
+    assert (got.holder, got.taken_from, got.reason) == (BEN, AVA, "nobody there")
     assert "Ask for it first" in refused(lambda: taken(kept(asks, AVA), BEN, "why", ANSWER))
 
 

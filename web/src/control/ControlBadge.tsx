@@ -1,5 +1,5 @@
 import { Button, Popover, UnstyledButton } from "@mantine/core";
-import { IconKey } from "@tabler/icons-react";
+import { IconUserCheck } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { askForControl, giveControl, takeControl } from "../api/controlClient";
@@ -30,12 +30,16 @@ export function ControlBadge() {
           aria-expanded={open}
           onClick={() => setOpen(!open)}
         >
-          <IconKey size={18} aria-hidden />
+          <IconUserCheck size={18} aria-hidden />
           <span className={classes.badgeText}>{control.text}</span>
         </UnstyledButton>
       </Popover.Target>
       <Popover.Dropdown data-testid="control-panel">
-        {mine ? <Mine onDone={() => setOpen(false)} /> : <Others control={control} />}
+        {mine ? (
+          <Mine onDone={() => setOpen(false)} />
+        ) : (
+          <Others control={control} onDone={() => setOpen(false)} />
+        )}
       </Popover.Dropdown>
     </Popover>
   );
@@ -60,10 +64,10 @@ function Mine({ onDone }: { onDone: () => void }) {
   );
 }
 
-function Others({ control }: { control: ControlView }) {
+function Others({ control, onDone }: { control: ControlView; onDone: () => void }) {
   const { session } = useSession();
-  const ask = useMutation({ mutationFn: askForControl });
-  const take = useMutation({ mutationFn: takeControl });
+  const ask = useMutation({ mutationFn: askForControl, onSuccess: onDone });
+  const take = useMutation({ mutationFn: takeControl, onSuccess: onDone });
   if (session.role === "viewer") {
     return <p className={classes.only}>{control.text}. STOP works for everybody.</p>;
   }
@@ -97,7 +101,7 @@ function Others({ control }: { control: ControlView }) {
         </Button>
       )}
       <Problem error={ask.error} testId="control-problem" />
-      {session.role === "engineer" && <TakeForm />}
+      {session.role === "engineer" && <TakeForm onDone={onDone} />}
     </div>
   );
 }

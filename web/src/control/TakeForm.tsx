@@ -6,9 +6,9 @@ import { Problem } from "../ui/Problem";
 import classes from "./Control.module.css";
 
 /** Takes control from another person, and says why. */
-export function TakeForm() {
+export function TakeForm({ onDone }: { onDone?: () => void }) {
   const [reason, setReason] = useState("");
-  const take = useMutation({ mutationFn: takeControl });
+  const take = useMutation({ mutationFn: takeControl, onSuccess: () => onDone?.() });
   return (
     <form
       className={classes.take}

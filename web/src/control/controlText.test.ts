@@ -31,10 +31,11 @@ describe("control of the robot", () => {
       holder: "ben",
       holder_key: "b1",
       taken_from: "ava",
+      taken_key: "a1",
       reason: "the dock is free",
     });
     expect(controlView(taken, AVA, 0).lost).toEqual({ by: "ben", reason: "the dock is free" });
-    expect(controlView(taken, { ...AVA, user: "cleo" }, 0).lost).toBeNull();
+    expect(controlView(taken, { ...AVA, key: "a2" }, 0).lost).toBeNull();
   });
 
   it("of an account on another device is one's own", () => {

@@ -19,10 +19,10 @@ export interface ControlView {
 }
 
 export function controlView(control: Control, session: Session, elapsed: number): ControlView {
-  const { holder, holder_key, asked_by, asked_key, asked, taken_from, reason } = control;
+  const { holder, holder_key, asked_by, asked_key, asked, taken_key, reason } = control;
   const mine = holder !== "" && holder_key === session.key;
   const asks = asked_by !== "" && asked_key === session.key;
-  const lost = !mine && holder !== "" && taken_from === session.user && !own(control, session);
+  const lost = holder !== "" && taken_key === session.key;
   return {
     whose: holder === "" ? "nobody" : mine ? "mine" : "other",
     text: mine ? "You have control" : `${holder} has control`,

@@ -16,13 +16,13 @@ export function StatusLine() {
       <span className={classes.link} data-frozen={frozen || undefined}>
         {frozen ? (connected ? "No data" : "Disconnected") : "Live"}
       </span>
+      <ControlLine />
       <PoseText pose={state?.pose ?? null} elapsed={elapsed} />
       {state !== null && <FitText localisation={state.localisation} elapsed={elapsed} />}
       {scan?.age != null && (
         <span className={classes.extra}>scan {ageText(scan.age + elapsed)}</span>
       )}
       <span className={classes.gap} />
-      <ControlLine />
       <DrivenBy place="line" />
       {state !== null && (
         <span className={classes.extra}>

@@ -63,6 +63,7 @@ export const robot = (part: Partial<State> = {}): State => ({
     asked_key: "",
     asked: 0,
     taken_from: "",
+    taken_key: "",
     reason: "",
   },
   rules: {
