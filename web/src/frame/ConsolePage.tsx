@@ -15,6 +15,7 @@ import { LocateCard } from "../locate/LocateCard";
 import { LocateHint } from "../locate/LocateHint";
 import { consideredOf as locatedOn } from "../locate/onMap";
 import { type LocateTool, useLocateTool } from "../locate/useLocateTool";
+import { NotifyProvider } from "../notify/Notifier";
 import { usePlaces } from "../places/usePlaces";
 import { AlarmsBand } from "../rules/bands/AlarmsBand";
 import { ProbationBand } from "../rules/bands/ProbationBand";
@@ -50,15 +51,17 @@ import { TopBar } from "./TopBar";
 export function ConsolePage({ onRefused }: { onRefused: () => void }) {
   return (
     <RobotProvider onRefused={onRefused}>
-      <StopProvider>
-        <RulesNavProvider>
-          <RulesProvider>
-            <HandProvider>
-              <Workplace />
-            </HandProvider>
-          </RulesProvider>
-        </RulesNavProvider>
-      </StopProvider>
+      <NotifyProvider>
+        <StopProvider>
+          <RulesNavProvider>
+            <RulesProvider>
+              <HandProvider>
+                <Workplace />
+              </HandProvider>
+            </RulesProvider>
+          </RulesNavProvider>
+        </StopProvider>
+      </NotifyProvider>
     </RobotProvider>
   );
 }

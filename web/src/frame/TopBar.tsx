@@ -1,6 +1,7 @@
 import { ActionIcon, Menu, UnstyledButton } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import {
+  IconBell,
   IconChevronDown,
   IconDevicesOff,
   IconLogout,
@@ -10,9 +11,11 @@ import {
   IconUser,
 } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
+import { useState } from "react";
 import { logoutOthers } from "../api/client";
 import { ControlBadge } from "../control/ControlBadge";
 import { DrivenBy } from "../hand/DrivenBy";
+import { NotifyDialog } from "../notify/NotifyDialog";
 import { RevisionBadge } from "../rules/bands/RevisionBadge";
 import { useSession } from "../session/SessionContext";
 import { lastRestart } from "../state/causes";
@@ -28,6 +31,7 @@ import classes from "./TopBar.module.css";
 export function TopBar() {
   const { state } = useRobot();
   const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
+  const [notify, setNotify] = useState(false);
   return (
     <header className={classes.bar}>
       <span className={classes.robot}>
@@ -41,7 +45,8 @@ export function TopBar() {
       <SimulationRate />
       {/* On a phone it is in the menu: the robot's name needs the room. */}
       {!phone && <ThemeToggle />}
-      <UserMenu />
+      <UserMenu onNotify={() => setNotify(true)} />
+      <NotifyDialog opened={notify} onClose={() => setNotify(false)} />
     </header>
   );
 }
@@ -116,7 +121,7 @@ function ThemeToggle() {
   );
 }
 
-function UserMenu() {
+function UserMenu({ onNotify }: { onNotify: () => void }) {
   const { session, logout } = useSession();
   const { version, state } = useRobot();
   const theme = useThemeWords();
@@ -160,6 +165,14 @@ function UserMenu() {
           </Menu.Item>
         )}
         <Menu.Divider />
+        <Menu.Item
+          leftSection={<IconBell size={18} aria-hidden />}
+          onClick={onNotify}
+          mih={44}
+          data-testid="notify-item"
+        >
+          Notifications
+        </Menu.Item>
         {session.account && (
           <Menu.Item
             closeMenuOnClick={false}
