@@ -22,7 +22,13 @@ const canMessage = () => window.isSecureContext && "Notification" in window;
 /** How this browser tells of what happens to the robot. */
 export function NotifyDialog({ opened, onClose }: { opened: boolean; onClose: () => void }) {
   return (
-    <Modal opened={opened} onClose={onClose} title="Notifications" data-testid="notify-dialog">
+    <Modal
+      opened={opened}
+      onClose={onClose}
+      title="Notifications"
+      closeButtonProps={{ "aria-label": "Close notifications" }}
+      data-testid="notify-dialog"
+    >
       <Settings />
     </Modal>
   );
