@@ -56,6 +56,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     ),
     "kompass.components": (("base", "topics_keys"), ("controller", "drive", "mapping", "planner")),
     "kompass_console": (
+        ("control",),
         ("audit", "cli_error", "private_file", "progress", "recordings", "schema"),
         ("accounts", "domain", "drills"),
         ("settings",),
