@@ -370,6 +370,19 @@ def test_it_begins_at_its_hour_by_itself(robot: MissionRobot) -> None:
     assert robot.state.runs == 1
 
 
+def test_an_hour_that_passed_while_the_monitor_was_started_is_told(robot: MissionRobot) -> None:
+    due = (robot.clock.wall() // 60 + 2) * 60
+    schedule = Schedule(at=datetime.fromtimestamp(due).strftime("%H:%M"))
+    robot.saved((robot.north, ()), schedule=schedule)
+    robot.rest(due - 0.05 - robot.clock.wall())
+    robot.newest.pop("/monitor/mission_state")
+    robot.stack.kill("monitor")
+    robot.wait_until(lambda: "/monitor/mission_state" in robot.newest, 20, "another monitor")
+    assert "'Round' was due while the robot's program was being started" in robot.state.notice
+    robot.rest(5.0)
+    assert robot.state.run is None
+
+
 def test_its_hour_takes_the_robot_from_nobody(robot: MissionRobot) -> None:
     due = (robot.clock.wall() // 60 + 2) * 60
     schedule = Schedule(at=datetime.fromtimestamp(due).strftime("%H:%M"))

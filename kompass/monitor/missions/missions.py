@@ -29,7 +29,7 @@ from kompass.missions.change import (
     Unqueue,
 )
 from kompass.missions.mission import Editor, Mission, MissionBook, MissionPlan
-from kompass.missions.queue import MOST_QUEUED, MissionState, Queued, is_due, looked_at
+from kompass.missions.queue import LATEST, MOST_QUEUED, MissionState, Queued, is_due, looked_at
 from kompass.missions.run import (
     Cease,
     DriveEnd,
@@ -135,6 +135,7 @@ class Missions:
         if self._state.run is not None:
             self._run = MissionRun(self._state.run, self._now())
         self._tell_book(book)
+        self._tell_missed()
         self._changed()
         SignedChanges(
             *(node, main, gatekeeper, self._worker, ChangeMissions, SERVICE, MISSION_CHANGE),
@@ -407,6 +408,19 @@ class Missions:
             saved = self._local(mission.time)
             if mission.schedule is not None and is_due(mission.schedule, saved, before, now):
                 self._due(mission)
+
+    def _tell_missed(self) -> None:
+        """What was due while this program was being started is not begun; say so."""
+        now, wall = self._hour(), self._clock.wall()
+        run = self._state.run
+        for mission in self._book.missions:
+            saved = self._local(mission.time)
+            if mission.schedule is None or not is_due(mission.schedule, saved, now - LATEST, now):
+                continue
+            last = None if run is None or run.mission.id != mission.id else run
+            if last is None or wall - last.started > LATEST.total_seconds():
+                notice = f"{mission.name!r} was due while the robot's program was being started."
+                self._set(notice=f"{notice} It did not begin; start it by hand.")
 
     def _due(self, mission: Mission) -> None:
         if self._is_on(mission):
