@@ -79,8 +79,12 @@ def drawn(
 
 
 @pytest.fixture
-def page(request: pytest.FixtureRequest, drawn: ConsolePage, robot: Robot) -> Iterator[ConsolePage]:
+def page(
+    request: pytest.FixtureRequest, stack: Stack, drawn: ConsolePage, robot: Robot
+) -> Iterator[ConsolePage]:
     """The page of the module, as the test before has left it."""
     yield drawn
     drawn.keep(request.node.name)
     release_if_stopped(robot)
+    # Whoever drove keeps control of the robot; pages of the next test are other people's.
+    drawn.page.context.request.post(f"{stack.url}/api/control/give", headers={"Origin": stack.url})

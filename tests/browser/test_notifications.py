@@ -31,7 +31,9 @@ def test_somebody_who_looks_elsewhere_is_told_that_the_robot_was_stopped(
     page.get("user-menu").click()
     page.get("notify-item").click()
     page.page.get_by_label("With a sound").check()
-    page.page.get_by_label("With a message, while I look elsewhere").check()
+    message = page.page.get_by_label("With a message, while I look elsewhere")
+    message.click()
+    expect(message).to_be_checked()  # once the browser has answered
     page.page.wait_for_function("told.length === 1")  # how it will be
     page.page.keyboard.press("Escape")
     page.page.reload()

@@ -57,7 +57,8 @@ def test_a_name_and_its_password_open_the_console_in_the_role_of_the_account(
     with served.client() as client:
         assert client.get("/api/login").json() == {"accounts": True, "tokens": True}
         answer = log_in(client, " AVA ")
-        assert answer.json() == {"user": "Ava", "role": "operator", "account": True}
+        told = {"user": "Ava", "role": "operator", "account": True}
+        assert answer.json() == {**told, "key": answer.json()["key"]}
         assert client.get("/api/session").json() == answer.json()
         assert client.get("/api/audit").status_code == 403  # for engineers
     lines = [(line["who"], line["role"], line["outcome"]) for line in served.audited()]
