@@ -29,7 +29,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ),
         ("channel", "field_types"),
         ("expressions", "places", "robot", "rulebook"),
-        ("missions",),
+        ("missions", "zones"),
         ("rclpy_ext",),
         ("virtual",),
         ("backtest",),

@@ -18,6 +18,7 @@ from kompass_interfaces.srv import (
     ApplyRules,
     ChangeMissions,
     ChangePlaces,
+    ChangeZones,
     CheckRules,
     ConfirmRules,
     DescribeGraph,
@@ -51,6 +52,8 @@ from kompass.rulebook.schema.revision import History
 from kompass.rulebook.schema.status import RuleStatus
 from kompass.rulebook.schema.table_view import TableView
 from kompass.store.robot_key import known_keys
+from kompass.zones.change import ZoneChange
+from kompass.zones.zone import Zone
 
 DEFAULT_PROBATION = -1.0  # s; the monitor's own
 
@@ -70,6 +73,7 @@ _SERVICES: dict[Any, tuple[str, float]] = {
     SaveRecording: ("save_recording", 60.0),
     ChangeMissions: ("change_missions", 5.0),
     ChangePlaces: ("change_places", 5.0),
+    ChangeZones: ("change_zones", 5.0),
 }
 _ACCEPT_LIMIT = 10.0  # s for a back-test to be taken
 _ALARMS = TypeAdapter(tuple[Alarm, ...])
@@ -433,6 +437,16 @@ class MonitorClient:
         request = ChangePlaces.Request(change=change.model_dump_json(), author=author, role=role)
         return self.request(request, read)
 
+    def change_zone(self, change: ZoneChange, *, author: str, role: str) -> Reply[Zone]:
+        """Save, edit, delete or restore a zone; as it is then, or was before it was deleted."""
+
+        def read(answer: Any) -> Zone:
+            _message(answer)
+            return Zone.model_validate_json(answer.answer)
+
+        request = ChangeZones.Request(change=change.model_dump_json(), author=author, role=role)
+        return self.request(request, read)
+
     def change_mission(
         self, change: MissionChange, *, author: str, role: str
     ) -> Reply[Mission | None]:
@@ -523,6 +537,10 @@ class MonitorClient:
     def watch_places(self, heard: Callable[[str], None]) -> None:
         """Hear of all places (JSON: PlaceBook), from what was said last on."""
         self._subscribe(String, "places", lambda message: heard(str(message.data)), LATCHED)
+
+    def watch_zones(self, heard: Callable[[str], None]) -> None:
+        """Hear of all zones (JSON: ZoneBook), from what was said last on."""
+        self._subscribe(String, "zones", lambda message: heard(str(message.data)), LATCHED)
 
     def watch_missions(self, book: Callable[[str], None], state: Callable[[str], None]) -> None:
         """Hear of all missions (JSON: MissionBook) and of what runs (JSON: MissionState), from what

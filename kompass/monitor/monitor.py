@@ -42,13 +42,14 @@ from kompass.monitor.tables.live_lints import LiveLints
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import InForce
 from kompass.monitor.worker_thread import WorkerThread
+from kompass.monitor.zones import Zones
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.timers import MovableTimer, Timers
 from kompass.recipe.table import RecipeRules
 from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Table, table_hash
-from kompass.store import MissionStore, PlaceStore, RuleStore
+from kompass.store import MissionStore, PlaceStore, RuleStore, ZoneStore
 from kompass.supervisor.news import ProcessNews
 
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
@@ -65,12 +66,13 @@ class Memory(NamedTuple):
 
     Attributes
     ----------
-    places, missions
+    places, missions, zones
         Open them.
     """
 
     places: Callable[[], PlaceStore]
     missions: Callable[[], MissionStore]
+    zones: Callable[[], ZoneStore]
 
 
 class Monitor:
@@ -102,7 +104,7 @@ class Monitor:
     supervisor_silent
         For how long the supervisor has shown no life [s]; None where it always does.
     memory
-        Opens the robot's places and missions; None where nobody keeps any.
+        Opens the robot's places, missions and zones; None where nobody keeps any.
     """
 
     def __init__(
@@ -197,7 +199,7 @@ class Monitor:
         self._services = Services(
             *(node, main, gatekeeper, self._worker, tables, previews.hear, sources)
         )
-        self._places = self._missions = None
+        self._places = self._missions = self._zones = None
         if memory is not None:
             self._places = Places(node, main, gatekeeper, memory.places)
             self._missions = Missions(
@@ -205,6 +207,7 @@ class Monitor:
                 *(self._places, memory.missions),
             )
             self._runner.start_mission = self._missions.start
+            self._zones = Zones(node, main, timers, gatekeeper, catalog, memory.zones)
         if recording:
             recording.start(node, executor, store, gatekeeper)
 
@@ -257,8 +260,9 @@ class Monitor:
         self._services.close()
         if self._missions is not None:
             self._missions.close()
-        if self._places is not None:
-            self._places.close()
+        for kept in (self._places, self._zones):
+            if kept is not None:
+                kept.close()
         self._runs.close()
         self._polled.close()
         self._runner.close()

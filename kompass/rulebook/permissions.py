@@ -52,7 +52,7 @@ _TABLE_TYPES = frozenset(
     f"kompass_interfaces/srv/{name}"
     for name in (
         *("ApplyRules", "ConfirmRules", "RollbackRules", "ResetRule"),
-        *("ChangePlaces", "ChangeMissions"),
+        *("ChangePlaces", "ChangeMissions", "ChangeZones"),
     )
 )
 _OF_MONITOR = frozenset(

@@ -42,11 +42,11 @@ class ChangeRefused(StoreError):
 
 
 class NoSuchEntry(ChangeRefused):
-    """There is no place, or no mission, with this number."""
+    """There is no place, mission or zone with this number."""
 
 
 class StaleEntry(ChangeRefused):
-    """Somebody else has changed the place or mission since a change of it began."""
+    """Somebody else has changed the place, mission or zone since a change of it began."""
 
 
 class EntryRefused(ChangeRefused):

@@ -4,6 +4,7 @@ RULES_ID = 0x6B727331  # "krs1": marks a file as ours
 JOURNAL_ID = 0x6B726A31  # "krj1"
 PLACES_ID = 0x6B706C31  # "kpl1"
 MISSIONS_ID = 0x6B6D6931  # "kmi1"
+ZONES_ID = 0x6B7A6F31  # "kzo1"
 
 # Rules are kept once each, by content: a revision is a list of them, so that an edit of one rule
 # of a hundred adds one. Nothing in here is ever changed or deleted but pointers and lives.
@@ -143,5 +144,23 @@ MISSIONS = (
     CREATE TABLE counter (revision INTEGER NOT NULL);
     INSERT INTO counter VALUES (0);
     CREATE TABLE state (json TEXT NOT NULL);  -- MissionState; at most one row
+    """,
+)
+
+ZONES = (
+    """
+    CREATE TABLE zones (
+        id INTEGER PRIMARY KEY AUTOINCREMENT,
+        version INTEGER NOT NULL,
+        same_name TEXT NOT NULL,   -- map and name
+        plan TEXT NOT NULL,        -- JSON: ZonePlan
+        author TEXT NOT NULL,
+        role TEXT NOT NULL,
+        time REAL NOT NULL,
+        deleted REAL               -- when; none of those that are there
+    );
+    CREATE UNIQUE INDEX names ON zones (same_name) WHERE deleted IS NULL;
+    CREATE TABLE counter (revision INTEGER NOT NULL);
+    INSERT INTO counter VALUES (0);
     """,
 )

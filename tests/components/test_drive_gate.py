@@ -204,3 +204,41 @@ def test_no_command_is_ever_beyond_the_limits_or_through_a_stop(
             assert verdict.twist[:2] == (0.0, 0.0)
         if stopped:
             assert verdict.twist == STILL
+
+
+def test_before_a_keep_out_zone_it_stands_and_no_emergency_is_told() -> None:
+    verdict = after(DriveGate(limits()), known(edges=WALL))
+    assert (verdict.factor, verdict.limited_by, verdict.emergency) == (0.0, "keep-out zone", False)
+    assert verdict.twist == STILL
+
+
+def test_it_keeps_out_with_the_safety_stop_off() -> None:
+    verdict = after(DriveGate(limits(safety_stop=False)), known(obstacles=None, edges=WALL))
+    assert (verdict.factor, verdict.limited_by) == (0.0, "keep-out zone")
+
+
+def test_it_may_turn_before_a_zone_and_drive_away_from_it() -> None:
+    turning = after(DriveGate(limits()), known((0.2, 0.0, 1.0), edges=WALL))
+    assert turning.twist == pytest.approx((0.0, 0.0, 1.0))
+    leaving = after(DriveGate(limits()), known((-0.2, 0.0, 0.0), edges=WALL))
+    assert (leaving.factor, leaving.limited_by) == (1.0, "")
+
+
+def test_in_a_speed_zone_it_is_as_fast_as_the_zone_allows_on_the_same_curve() -> None:
+    verdict = after(DriveGate(limits()), known((0.4, 0.0, 0.8), fastest=0.1))
+    assert verdict.factor == pytest.approx(0.25)
+    assert verdict.limited_by == "speed zone"
+    assert verdict.twist == pytest.approx((0.1, 0.0, 0.2))
+    assert after(DriveGate(limits()), known((0.0, 0.0, 1.0), fastest=0.1)).limited_by == ""
+
+
+def test_the_nearer_of_obstacle_and_zone_is_named() -> None:
+    both = known(obstacles=FARTHER, edges=WALL)
+    assert after(DriveGate(limits()), both).limited_by == "keep-out zone"
+    both = known(obstacles=WALL, edges=FARTHER)
+    assert after(DriveGate(limits()), both).limited_by == "obstacle"
+
+
+def test_with_zones_and_no_place_it_stands() -> None:
+    verdict = after(DriveGate(limits()), known(edges=None))
+    assert (verdict.factor, verdict.limited_by) == (0.0, "place unknown")

@@ -37,7 +37,7 @@ from kompass.rules.schema.conditions import Absent, Compare
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.signals import Signal
 from kompass.rules.schema.table import Rule, Table
-from kompass.store import MissionStore, PlaceStore, RuleStore, StoreUnwritable
+from kompass.store import MissionStore, PlaceStore, RuleStore, StoreUnwritable, ZoneStore
 
 NEAR = Rule(
     id="near",
@@ -184,7 +184,11 @@ def run(folder: Path, ending: threading.Event) -> None:
             MonitorSettings(robot="fake"),
             ask=lambda _: None,
             recording=NoFiles(),
-            memory=Memory(lambda: PlaceStore.open(folder), lambda: MissionStore.open(folder)),
+            memory=Memory(
+                lambda: PlaceStore.open(folder),
+                lambda: MissionStore.open(folder),
+                lambda: ZoneStore.open(folder),
+            ),
         )
         monitor.process_changed(json.dumps(PLANNER))
         while not ending.is_set():

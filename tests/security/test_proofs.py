@@ -15,6 +15,7 @@ from kompass_interfaces.srv import (
     ApplyRules,
     ChangeMissions,
     ChangePlaces,
+    ChangeZones,
     CheckGoal,
     ConfirmRules,
     GetCmdList,
@@ -40,7 +41,7 @@ SERVICE = "/monitor/apply_rules"
 KINDS = [
     *(ApplyRules.Request, RollbackRules.Request, ConfirmRules.Request, ResetRule.Request),
     *(ReleaseStop.Request, SaveRecording.Request, GetHistory.Request, SignedCall.Request),
-    *(TakeWheel.Request, ChangePlaces.Request, ChangeMissions.Request),
+    *(TakeWheel.Request, ChangePlaces.Request, ChangeMissions.Request, ChangeZones.Request),
     *(BacktestRules.Goal, CheckGoal.Request, GetCmdList.Request),
 ]
 TEXTS = st.text(st.characters(blacklist_characters="\0", blacklist_categories=["Cs"]), max_size=20)

@@ -27,6 +27,7 @@ from kompass_interfaces.srv import (
     ApplyRules,
     ChangeMissions,
     ChangePlaces,
+    ChangeZones,
     ConfirmRules,
     GetHistory,
     GetRules,
@@ -107,6 +108,7 @@ SERVICES: dict[type, tuple[Any, str]] = {
         SaveRecording: "save_recording",
         ChangeMissions: "change_missions",
         ChangePlaces: "change_places",
+        ChangeZones: "change_zones",
         GetRules: "get_rules",
         GetHistory: "get_history",
     }.items()
@@ -178,10 +180,9 @@ CHANGES = [
     ChangeMissions.Request(
         change='{"kind":"start","id":1,"version":1}', author="chief", role="engineer"
     ),
-    ChangePlaces.Request(
-        change='{"kind":"restore","id":1}',
-        author="chief",
-        role="engineer",
+    *(
+        kind.Request(change='{"kind":"restore","id":1}', author="chief", role="engineer")
+        for kind in (ChangePlaces, ChangeZones)
     ),
 ]
 

@@ -73,16 +73,19 @@ def test_a_deleted_mission_comes_back_with_the_rights_it_had(store: MissionStore
 
 
 def test_names_are_given_once_and_their_number_is_bounded(
-    store: MissionStore, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    store.change(save("Rounds"), "ava", "operator")
-    with pytest.raises(EntryRefused, match="taken by another mission"):
-        store.change(save("ROUNDS"), "ava", "operator")
     monkeypatch.setattr(mission_store, "MOST_MISSIONS", 1)
-    with pytest.raises(EntryRefused, match="delete those that nobody needs"):
-        store.change(save("Night"), "ava", "operator")
+    with MissionStore.open(tmp_path / "robot") as store:
+        store.change(save("Rounds"), "ava", "operator")
+        with pytest.raises(EntryRefused, match="delete those that nobody needs"):
+            store.change(save("Night"), "ava", "operator")
+    monkeypatch.undo()
     assert MOST_MISSIONS > 1
-    assert [each.name for each in store.book().missions] == ["Rounds"]
+    with MissionStore.open(tmp_path / "robot") as store:
+        with pytest.raises(EntryRefused, match="taken by another mission"):
+            store.change(save("ROUNDS"), "ava", "operator")
+        assert [each.name for each in store.book().missions] == ["Rounds"]
 
 
 def test_one_process_at_a_time_has_them(store: MissionStore, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_of, path_poses, quaternion_msg
 from kompass.components.base.location_source import LocationSource
+from kompass.components.base.zones_heard import ZonesHeard
 from kompass.components.controller.config import CmdPublishType, ControllerConfig
 from kompass.components.controller.controllers_id import ControllersID
 from kompass.components.controller.follower_settings import (
@@ -30,6 +31,7 @@ from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, QoSConfig, Topic
 
 STILL = Command()
 SENSORS = ("sensor_data", "local_map")
+EDGES = 5.0  # m up to which followers are shown the edges of zones
 MOST_POSES = 20_000  # of a path: to look at more takes so long that the controller seems to hang
 
 
@@ -142,6 +144,7 @@ class Controller(Component):
         self.node.create_subscription(
             DriveState, "drive_state", self._on_drive_state, LATCHED.to_ros()
         )
+        self._zones = ZonesHeard(self.node)
 
     def custom_on_activate(self) -> None:
         self._location = LocationSource(self)
@@ -267,7 +270,7 @@ class Controller(Component):
         vx, _, omega = self._location.speed()
         period = 1.0 / self.config.loop_rate
         try:
-            points = transform_points(inverse(pose), seen)
+            points = transform_points(inverse(pose), self._with_zones(seen, pose))
             moving = seen_from(pose, self._moving.at(self.clock.monotonic()))
             step = self._follower.step(pose, vx, omega, period, points, moving)
         except NoCommand as error:
@@ -324,6 +327,12 @@ class Controller(Component):
             reason = self._obstacles.problem or f"{old}, to see obstacles with"
             self.health.set_fail_system(topics=[topic], message=reason)
         return None
+
+    def _with_zones(self, seen: NDArray[np.float64], pose: Pose2D) -> NDArray[np.float64]:
+        """What is seen (N, 2), and the edges of keep-out zones, which are as much in the way."""
+        if not (self._zones.now and self._follower.needs_obstacles):
+            return seen
+        return np.concatenate([seen, self._zones.now.in_the_way(pose[0], pose[1], EDGES)])
 
     def _halt(self) -> None:
         if self._has_path:

@@ -4,7 +4,7 @@ No ROS and no clock: time is an argument [s].
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,9 @@ from kompass.components.drive.command_queue import STILL, Twist2D
 # A share of the wanted speed that counts as none: the ramp of the zone is only ever approached.
 BLOCKED_BELOW = 0.05
 TURNING = 0.1  # rad/s from which a command counts as a turn too
+KEEP_OUT, SPEED = "keep-out zone", "speed zone"  # what limits
 SETTLE = 0.5  # s of zero commands after the last motion
+_NO_EDGES: NDArray[np.float64] = np.empty((0, 2))
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,11 @@ class GateInput:
         Whether STOP is latched.
     intruded
         Whether others publish where only the gate, or only one, may.
+    edges
+        Points (N, 2) on the edges of keep-out zones, in the robot's frame [m]; None when there are
+        zones, and it is not known where the robot is.
+    fastest, slowed_by
+        What a zone allows [m/s], and of which kind it is.
     """
 
     wanted: Twist2D | None
@@ -82,6 +89,9 @@ class GateInput:
     odometry_age: float
     stopped: bool
     intruded: bool = False
+    edges: NDArray[np.float64] | None = field(default_factory=lambda: _NO_EDGES)
+    fastest: float = math.inf
+    slowed_by: str = SPEED
 
 
 @dataclass(frozen=True)
@@ -95,8 +105,8 @@ class Verdict:
     factor
         Share of the wanted twist that is allowed, 0 … 1.
     limited_by
-        "stop", "second publisher", "odometry stale", "scan stale", "obstacle" or "command stale";
-        empty when nothing holds the robot back.
+        "stop", "second publisher", "odometry stale", "place unknown", "scan stale", "obstacle",
+        "keep-out zone", "speed zone" or "command stale"; empty when nothing holds the robot back.
     emergency
         Whether a wanted motion is fully blocked by the stop zone, or, with none wanted, something
         is inside the critical zone the way that the robot went last.
@@ -147,12 +157,13 @@ class DriveGate:
         """
         wanted = given.wanted
         factor, limited_by = self._allowed(given)
-        blocked = limited_by == "obstacle" and factor == 0.0
+        blocked = limited_by in ("obstacle", KEEP_OUT) and factor == 0.0
         turn = wanted[2] if wanted and blocked else 0.0
-        if turn and given.obstacles is not None:
-            # What is blocked is the way, and the turn that is part of the command leads out of it:
-            # a round body that turns on the spot meets nothing, another one may.
-            turn *= self._zone.factor(given.obstacles, 0.0, 0.0, turn)
+        for points in (given.obstacles, given.edges):
+            if turn and points is not None:
+                # What is blocked is the way, and the turn that is part of the command leads out of
+                # it: a round body that turns on the spot meets nothing, another one may.
+                turn *= self._zone.factor(points, 0.0, 0.0, turn)
         turn = turn if abs(turn) >= TURNING else 0.0
         twist = STILL if given.stopped else self._twist(wanted, factor, turn, now)
         if twist is not None:
@@ -160,7 +171,7 @@ class DriveGate:
             if twist[0] or twist[1]:
                 self._direction = math.atan2(twist[1], twist[0])
         if wanted and any(wanted):
-            emergency = blocked and not turn
+            emergency = limited_by == "obstacle" and blocked and not turn
         else:
             emergency = self._too_close_ahead(given.obstacles)
         return Verdict(twist, factor, limited_by, emergency)
@@ -174,15 +185,24 @@ class DriveGate:
             return 0.0, "second publisher"
         if given.odometry_age > limits.odometry_timeout:
             return 0.0, "odometry stale"
-        if limits.safety_stop:
-            if given.obstacles is None:
-                if limits.needs_scan:
-                    return 0.0, "scan stale"
-            elif wanted is not None:
-                factor = self._zone.factor(given.obstacles, *wanted)
-                if factor < 1.0:
-                    return (0.0 if factor < BLOCKED_BELOW else factor), "obstacle"
-        return 1.0, "command stale" if given.command_stale else ""
+        if given.edges is None:
+            return 0.0, "place unknown"
+        if limits.safety_stop and given.obstacles is None and limits.needs_scan:
+            return 0.0, "scan stale"
+        factor, limited_by = 1.0, "command stale" if given.command_stale else ""
+        if wanted is None:
+            return factor, limited_by
+        for points, what in (
+            (given.obstacles if limits.safety_stop else None, "obstacle"),
+            (given.edges, KEEP_OUT),
+        ):
+            free = 1.0 if points is None else self._zone.factor(points, *wanted)
+            if free < factor:
+                factor, limited_by = (0.0 if free < BLOCKED_BELOW else free), what
+        speed = math.hypot(wanted[0], wanted[1])
+        if speed * factor > given.fastest:
+            factor, limited_by = given.fastest / speed, given.slowed_by
+        return factor, limited_by
 
     def _twist(
         self, wanted: Twist2D | None, factor: float, turn: float, now: float

@@ -4,6 +4,8 @@ import math
 import secrets
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,6 +20,7 @@ from std_msgs.msg import Bool
 
 from kompass.access.gatekeeper import UNSIGNED_HAND, NotAdmitted
 from kompass.algorithms.footprint import Footprint
+from kompass.algorithms.geometry import inverse, transform_points
 from kompass.algorithms.mapping.scan_points import scan_to_points
 from kompass.algorithms.safety.frozen_scan import FrozenScan
 from kompass.algorithms.safety.rhythm import Rhythm
@@ -29,15 +32,17 @@ from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.location_source import LocationSource
 from kompass.components.base.ports import Input
 from kompass.components.base.robot_limits import velocity_limits
+from kompass.components.base.zones_heard import ZonesHeard
 from kompass.components.drive.command_queue import STILL, CommandQueue, Twist2D
 from kompass.components.drive.config import DriveManagerConfig
-from kompass.components.drive.drive_gate import DriveGate, GateInput, GateLimits
+from kompass.components.drive.drive_gate import KEEP_OUT, SPEED, DriveGate, GateInput, GateLimits
 from kompass.components.drive.halt import HALT_NODE
 from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
 from kompass.components.drive.publisher_watch import PublisherWatch, WatchedTopic
 from kompass.components.drive.stop_file import StopFile, StopKeeper, stop_path
 from kompass.components.drive.stop_latch import StopLatch
 from kompass.components.drive.wheel import LAPSE, LOOK, Wheel
+from kompass.components.drive.zones_file import keep_zones, load_zones, zones_path
 from kompass.printable import printable
 from kompass.rclpy_ext.deferred_service import create_deferred_service
 from kompass.rclpy_ext.topic import LATCHED, SENSOR, AllowedTopics, Topic
@@ -136,6 +141,7 @@ class DriveManager(Component):
         self._ended: Future | None = None
         self._wheel = Wheel()
         self._is_cut = False  # and the wheels have been told
+        self._zones_path: Path | None = None
         self._ignored, self._ignored_told = 0, -float("inf")
 
     def _gate_limits(self) -> GateLimits:
@@ -172,6 +178,8 @@ class DriveManager(Component):
         self.node.create_service(TakeWheel, f"{name}/{TAKE_WHEEL}", self._on_wheel)
         self.node.create_subscription(HandCommand, f"{name}/{HAND}", self._on_hand, SENSOR.to_ros())
         self._restore_stop()
+        self._zones = ZonesHeard(self.node, self._keep_zones)
+        self._restore_zones()
 
     def custom_on_activate(self) -> None:
         self._location = LocationSource(self)
@@ -306,6 +314,52 @@ class DriveManager(Component):
             return str(await done)
         finally:
             self.node.destroy_timer(timer)
+
+    # -- zones --------------------------------------------------------------------------------
+
+    def _restore_zones(self) -> None:
+        """Come up with the zones of before: the monitor may be starting, too, or dead."""
+        log = self.node.get_logger()
+        try:
+            self._zones_path = zones_path(robot_folder(), self.node_name)
+            kept = load_zones(self._zones_path)
+        except (StoreUnwritable, ValueError) as error:
+            log.error(f"zones do not count before the monitor has told them: {error}")
+            return
+        self._zones_writer = self.node.threads(1, "zones file")
+        if kept is not None and self._zones.told is None:
+            self._zones.set(kept)
+
+    def _keep_zones(self) -> None:
+        path, told, log = self._zones_path, self._zones.told, self.node.get_logger()
+        if path is None or told is None:
+            return
+
+        def keep() -> None:
+            try:
+                keep_zones(path, told)
+            except OSError as error:
+                log.error(f"the zones are not kept over a restart: {error}")
+
+        self._zones_writer.submit(keep)
+
+    def _in_zones(self, given: GateInput) -> GateInput:
+        """What is known of this turn, with what the zones forbid where the robot is."""
+        zones, robot = self._zones.now, self.config.described_robot
+        if not zones:
+            return given
+        pose = self._location.pose()
+        if pose is None:
+            return replace(given, edges=None)
+        limits = velocity_limits(robot)
+        decel, top = limits.vx.max_decel, max(limits.vx.max_vel, limits.vy.max_vel)
+        reach = robot.radius + self.config.slowdown_zone_distance + 0.2 * top + top**2 / 2 / decel
+        limit = zones.limit(pose[0], pose[1], robot.radius, decel)
+        edges = transform_points(inverse(pose), zones.in_the_way(pose[0], pose[1], reach))
+        if limit is None:
+            return replace(given, edges=edges)
+        kind = KEEP_OUT if limit.zone.kind == "keep_out" else SPEED
+        return replace(given, edges=edges, fastest=limit.speed, slowed_by=kind)
 
     def _halt(self) -> None:
         self._queue.clear()
@@ -548,7 +602,7 @@ class DriveManager(Component):
             intruded=bool(intruders),
         )
         assert self._gate is not None
-        verdict = self._gate.judge(given, now)
+        verdict = self._gate.judge(self._in_zones(given), now)
         if verdict.twist is not None:
             self._send(self._worth_sending(verdict.twist))
         self._publish_emergency(now, verdict.emergency)

@@ -19,6 +19,7 @@ SHARE_OF_TOP_SPEED = 0.85  # what a robot keeps on average that slows for curves
 
 def check_goal(
     ready: Callable[[], tuple[GlobalPlanner, Pose2D]],
+    explain: Callable[[PlanningFailure], None],
     robot: RobotConfig,
     to_path: Callable[[Any], Path],
     request: CheckGoal.Request,
@@ -30,6 +31,8 @@ def check_goal(
     ----------
     ready
         Gives planner and pose, or raises PlanningFailure.
+    explain
+        Raises a failure anew where more can be said.
     robot
         For its speeds.
     to_path
@@ -38,7 +41,11 @@ def check_goal(
     x, y, yaw = pose_of(request.goal)
     try:
         planner, pose = ready()
-        plan = planner.plan(pose, (x, y, yaw if request.use_heading else None))
+        try:
+            plan = planner.plan(pose, (x, y, yaw if request.use_heading else None))
+        except PlanningFailure as failure:
+            explain(failure)
+            raise
     except PlanningFailure as failure:
         response.reachable = False
         response.reason = code_of(failure.reason)

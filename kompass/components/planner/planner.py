@@ -28,6 +28,7 @@ from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_of, path_msg, pose_of, quaternion_msg
 from kompass.components.base.location_source import LocationSource
+from kompass.components.base.zones_heard import ZonesHeard
 from kompass.components.planner.config import PlannerConfig, usable_planner
 from kompass.components.planner.goal_check import check_goal
 from kompass.components.planner.goal_progress import (
@@ -115,6 +116,7 @@ class Planner(Component):
     def init_variables(self) -> None:
         self._planner: GlobalPlanner | None = None
         self._live: LiveMap | None = None
+        self._map: Grid | None = None  # without a live one
         self._failed = -math.inf  # when it found no way
         self._kept = self.config.clearance  # by the path that is driven [m]
         self._pursued: GoalProgress | None = None
@@ -135,6 +137,7 @@ class Planner(Component):
         self.node.create_subscription(
             DriveState, "drive_state", self._on_drive_state, LATCHED.to_ros()
         )
+        self._zones = ZonesHeard(self.node, self._on_zones)
         if self._serves_action:
             self._server = self.node.create_action_server(
                 PlanPath,
@@ -219,9 +222,28 @@ class Planner(Component):
         if self._live is not None:
             self._live.set_map(grid)
         else:
+            self._map = grid
             self._planner = self._planner_on(grid)
 
+    def _on_zones(self) -> None:
+        """Others are in force: what leads through them is no path any more."""
+        self._planner = None
+        pursued = self._pursued
+        if not self.is_active or pursued is None or pursued.path is None:
+            return
+        pose = self._location.pose()
+        if pose is None:
+            return
+        try:
+            planner, _ = self._ready(pursued.goal)
+            holds = not planner.blocked(pursued.ahead(pose))
+        except PlanningFailure:
+            holds = False
+        if not holds:
+            self._plan(self.clock.monotonic())
+
     def _planner_on(self, grid: Grid, start_slack: float = 0.0) -> GlobalPlanner:
+        grid = self._zones.now.occupy(grid)
         robot = self.config.described_robot
         body = Footprint(robot.footprint)
         if not body.is_round:
@@ -444,6 +466,7 @@ class Planner(Component):
         try:
             return planner.plan(pose, (x, y, heading))
         except PlanningFailure as failure:
+            self._blame_zone(failure, pursued.goal)
             if self._live is None or failure.reason not in WIDER or not narrow:
                 raise
             told = failure
@@ -459,15 +482,34 @@ class Planner(Component):
             raise told
         return self._find(pursued)
 
+    def _blame_zone(self, failure: PlanningFailure, goal: Pose2D) -> None:
+        """Raise a failure anew, with the keep-out zone's name, where that is why."""
+        pose = self._location.pose()
+        if failure.reason in ("occupied", "too_close"):
+            place, what, remedy = goal, f"The goal ({goal[0]:.2f}, {goal[1]:.2f})", ""
+        elif failure.reason == "start_blocked" and pose is not None:
+            place, what, remedy = pose, "The robot", "; drive it away by hand"
+        else:
+            return
+        zones, near = self._zones.now, self.config.described_robot.radius + self.config.clearance
+        zone = zones.barred(*place[:2], near)
+        if zone is not None:
+            how = "inside" if zones.barred(*place[:2]) is zone else "too close to"
+            told = f"{what} is {how} the keep-out zone {zone.name!r}{remedy}."
+            raise PlanningFailure(failure.reason, told, failure.nearest)
+
     @property
     def _start_slack(self) -> float:
         return 0.0 if self._live is None else START_SLACK * self._live.model.resolution
 
     def _ready(self, goal: Pose2D | None = None) -> tuple[GlobalPlanner, Pose2D]:
-        if self._live is None and self._planner is None:
+        if self._live is None and self._map is None:
             raise PlanningFailure("no_map", "There is no map yet.")
         pose = self._pose()
-        if self._live is not None:
+        if self._live is None:
+            if self._planner is None and self._map is not None:
+                self._planner = self._planner_on(self._map)
+        else:
             now = self.clock.monotonic()
             grid = self._live.grid(pose, goal, now)
             if grid is not None or self._planner is None:
@@ -568,8 +610,12 @@ class Planner(Component):
             response.reason = code_of("no_pose")
             response.message = "The planner is not active; start it first."
             return response
-        ready = partial(self._ready, pose_of(request.goal))
-        return check_goal(ready, self.config.described_robot, self._path_msg, request, response)
+        goal = pose_of(request.goal)
+        return check_goal(
+            partial(self._ready, goal),
+            partial(self._blame_zone, goal=goal),
+            *(self.config.described_robot, self._path_msg, request, response),
+        )
 
     def _path_msg(self, poses: Any) -> Path:
         return path_msg(poses, self.frames.world, self.node.get_clock().now().to_msg())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Collection, Coroutine
+from collections.abc import Callable, Coroutine
 from functools import partial
 from typing import Any
 
@@ -21,6 +21,7 @@ from kompass.missions.mission import Act, Halt, Mission
 from kompass.missions.run import DriveEnd, GoTo, Perform
 from kompass.monitor.execution.action_runner import ActionRunner
 from kompass.monitor.introspection.catalog import RecipeCatalog
+from kompass.monitor.map_topic import map_topic
 from kompass.monitor.missions.actions import firing_of
 from kompass.monitor.worker_thread import WorkerThread
 from kompass.places.map_identity import identify
@@ -34,7 +35,6 @@ from kompass.supervisor.news import ProcessNews
 
 SEARCH = 3.0  # s in which a planner, a map or a drive manager must show up
 TRIES = 3  # to give the planner a goal
-MAP = "map"  # of several topics with maps, this one
 _NOTHING = 0  # the ticket of nothing; those of runs count from 1
 _TYPE = "kompass_interfaces/action/PlanPath"
 _REMEMBERED = 64  # ids of goals
@@ -91,11 +91,10 @@ class MissionRobot:
         self._worker, self._find_place = worker, find_place
         self._drive_ended, self._task_ended = drive_ended, task_ended
         self._interrupted = interrupted
-        components = catalog.components()
+        self._catalog = catalog
         self._servers = {
-            action: name for name, spec in components.items() for action in spec.serves
+            action: name for name, spec in catalog.components().items() for action in spec.serves
         }
-        self._hears = {name: spec.hears for name, spec in components.items()}
         self._clients: dict[str, ActionClient] = {}
         self._task: Task | None = None
         self._ticket = _NOTHING
@@ -267,7 +266,7 @@ class MissionRobot:
         """Why a place is none of the map that the robot has; empty when it is."""
         if place.map.id != of_map.id:
             return f"{place.name!r} is a place of another map by now; look at the mission"
-        topic = self._map_topic()
+        topic = map_topic(self._node, self._catalog)
         if topic is None:
             return "the robot has no map; load the one of the mission"
         heard: list[OccupancyGrid] = []
@@ -297,17 +296,6 @@ class MissionRobot:
         self._worker.post(look)
         found: MapIdentity | None = await made
         return found
-
-    def _map_topic(self) -> str | None:
-        names: Collection[str] = sorted(
-            name.removeprefix("/")
-            for name, types in self._node.get_topic_names_and_types()
-            if "nav_msgs/msg/OccupancyGrid" in types
-        )
-        if MAP in names:
-            return MAP
-        heard = frozenset[str]().union(*(self._hears[each] for each in self._servers.values()))
-        return next((name for name in names if name in heard), None)
 
     def _on_sent(self, sent: Future) -> None:
         self._sending = False

@@ -1,0 +1,207 @@
+"""Zones on a whole robot in virtual time: kept out of, slower in, at once and after a restart."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import closing
+from typing import Any
+
+import pytest
+from kompass_interfaces.srv import ChangeZones, CheckGoal
+from nav_msgs.msg import OccupancyGrid
+from std_msgs.msg import String
+
+from kompass.components.base.convert import grid_of
+from kompass.places.map_identity import identify
+from kompass.zones.change import DeleteZone, EditZone, RestoreZone, SaveZone, ZoneChange
+from kompass.zones.in_force import CREEP, Polygon
+from kompass.zones.zone import Corner, Zone, ZonePlan, ZonesNow
+from tests.support.client import LATCHED
+from tests.support.hand import Hand
+from tests.support.tester import pose
+from tests.support.virtual_robot import VirtualRobot
+
+SUCCEEDED = 4
+RADIUS = 0.105  # m, of the robot
+SLACK = 0.03  # m; edges are points, and what is seen of the robot is a step old
+# Across the straight way from the start to the goal, between two rows of pillars.
+ACROSS = ((-1.4, -0.8), (-0.9, -0.8), (-0.9, -0.25), (-1.4, -0.25))
+BEYOND = (-0.3, -0.55)
+
+
+class ZonedRobot(VirtualRobot):
+    """A robot, and what is done with its zones."""
+
+    def __init__(self) -> None:
+        super().__init__(remembers=True)
+        self.subscribe(OccupancyGrid, "/map", LATCHED)
+        self.subscribe(String, "/zones", LATCHED)
+        self.ready()
+        self.wait_until(lambda: "/map" in self.newest, 10, "the map")
+        self.map = identify(grid_of(self.newest["/map"]))
+
+    def asks(self, change: ZoneChange, role: str = "operator") -> Any:
+        """The answer to a change."""
+        request = ChangeZones.Request(change=change.model_dump_json(), author="ava", role=role)
+        return self.call(ChangeZones, "/monitor/change_zones", request)
+
+    def change(self, change: ZoneChange) -> Zone:
+        answer = self.asks(change)
+        assert answer.success, answer.message
+        return Zone.model_validate_json(answer.answer)
+
+    def plan(self, corners: tuple[Corner, ...] = ACROSS, **fields: object) -> ZonePlan:
+        given = {"name": "Wet floor", "kind": "keep_out", "map": self.map, "corners": corners}
+        return ZonePlan.model_validate(given | fields)
+
+    def zone(self, corners: tuple[Corner, ...] = ACROSS, **fields: object) -> Zone:
+        return self.change(SaveZone(plan=self.plan(corners, **fields)))
+
+    @property
+    def in_force(self) -> list[str]:
+        """What counts, as everybody is told."""
+        told = ZonesNow.model_validate_json(self.newest["/zones"].data)
+        return [zone.name for zone in told.zones]
+
+    def looks_at(self, x: float, y: float) -> CheckGoal.Response:
+        request = CheckGoal.Request(goal=pose(x, y, 0.0))
+        return self.call(CheckGoal, "/planner/check_goal", request)
+
+    def clearance(self, corners: tuple[Corner, ...] = ACROSS) -> float:
+        """Between the body and a polygon [m]."""
+        return Polygon(corners).distance(*self.truth[:2]) - RADIUS
+
+
+@pytest.fixture
+def robot() -> Iterator[ZonedRobot]:
+    with closing(ZonedRobot()) as client:
+        yield client
+
+
+def least_clearance(robot: ZonedRobot, handle: Any) -> float:
+    """Between body and zone on the way to a goal, which must be reached [m]."""
+    least = [math.inf]
+
+    def look() -> bool:
+        least[0] = min(least[0], robot.clearance())
+        return math.dist(robot.truth[:2], BEYOND) < 0.1
+
+    robot.wait_until(look, 120, "the robot behind the zone")
+    ended = robot.result(handle, timeout=30)
+    assert ended.status == SUCCEEDED, ended.result.message
+    return least[0]
+
+
+def test_it_drives_round_a_keep_out_zone(robot: ZonedRobot) -> None:
+    robot.zone()
+    assert least_clearance(robot, robot.send_goal(*BEYOND)) > 0.0
+    assert robot.contacts == 0
+
+
+def test_a_zone_that_is_drawn_before_it_while_it_drives_is_driven_round(robot: ZonedRobot) -> None:
+    handle = robot.send_goal(*BEYOND)
+    robot.wait_until(lambda: robot.speed > 0.15, 20, "motion")
+    robot.zone()
+    assert least_clearance(robot, handle) > -SLACK
+
+
+def test_a_goal_in_a_zone_is_refused_by_its_name_and_taken_when_it_is_deleted(
+    robot: ZonedRobot,
+) -> None:
+    zone = robot.zone()
+    refused = robot.looks_at(-1.15, -0.5)
+    assert not refused.reachable
+    assert "inside the keep-out zone 'Wet floor'" in refused.message
+    assert refused.has_nearest
+    robot.change(DeleteZone(id=zone.id, version=zone.version))
+    assert robot.looks_at(-1.15, -0.5).reachable
+    robot.change(RestoreZone(id=zone.id))
+    assert not robot.looks_at(-1.15, -0.5).reachable
+
+
+def test_no_hand_drives_it_in_and_whoever_is_in_is_driven_out_slowly(robot: ZonedRobot) -> None:
+    robot.zone()
+    ava = Hand(robot, "ava")
+    ava.take()
+    robot.rest(0.5)
+    ava.vx = 0.2
+    robot.wait_until(
+        lambda: robot.newest["/drive_state"].limited_by == "keep-out zone", 20, "the zone's edge"
+    )
+    least = min(Polygon(ACROSS).distance(*at[:2]) for at in robot.watch(5.0)) - RADIUS
+    assert -SLACK < least < 0.3
+    ava.vx = -0.2
+    robot.wait_until(lambda: robot.clearance() > 0.3, 20, "a way back")
+    ava.vx = 0.0
+    robot.rest(1.0)
+
+    x, y, _ = robot.truth
+    around = ((x - 0.5, y - 0.5), (x + 0.5, y - 0.5), (x + 0.5, y + 0.5), (x - 0.5, y + 0.5))
+    robot.zone(around, name="Around it")
+    refused = robot.looks_at(0.5, 0.5)
+    assert "The robot is inside the keep-out zone 'Around it'; drive it away by hand." in (
+        refused.message
+    )
+    ava.vx = 0.26
+    robot.wait_until(lambda: robot.speed > 0.5 * CREEP, 5, "motion")
+    speeds = []
+    for _ in range(20):
+        robot.rest(0.05)
+        speeds.append(robot.speed)
+    assert max(speeds) < CREEP + 0.02
+
+
+def test_in_a_speed_zone_it_is_slower_from_its_edge_on(robot: ZonedRobot) -> None:
+    robot.zone(kind="speed", speed=0.1)
+    handle = robot.send_goal(*BEYOND)
+    inside: list[float] = []
+
+    def look() -> bool:
+        if robot.clearance() < -0.02:
+            inside.append(robot.speed)
+        return math.dist(robot.truth[:2], BEYOND) < 0.1
+
+    robot.wait_until(look, 120, "the robot behind the zone")
+    assert robot.result(handle, timeout=30).status == SUCCEEDED
+    assert len(inside) > 20
+    assert max(inside) < 0.12
+
+
+def test_a_drive_manager_comes_up_with_the_zones_though_the_monitor_is_dead(
+    robot: ZonedRobot,
+) -> None:
+    robot.zone()
+    robot.rest(1.0)
+    robot.stack.stop("monitor")
+    robot.stack.kill("drive_manager")
+    robot.rest(1.0)
+    robot.wait_until(lambda: robot.newest["/drive_state"].limited_by != "stop", 10, "a gate")
+    ava = Hand(robot, "ava")
+    robot.wait_until(lambda: ava.ask().success, 10, "the wheel")
+    ava.take()
+    robot.rest(0.5)
+    ava.vx = 0.2
+    robot.wait_until(
+        lambda: robot.newest["/drive_state"].limited_by == "keep-out zone", 20, "the zone's edge"
+    )
+
+
+def test_a_monitor_that_starts_again_keeps_them_in_force(robot: ZonedRobot) -> None:
+    robot.zone()
+    robot.rest(1.0)
+    robot.newest.pop("/zones")
+    robot.stack.kill("monitor")
+    robot.wait_until(lambda: "/zones" in robot.newest, 30, "zones from the new monitor")
+    assert robot.in_force == ["Wet floor"]
+    assert not robot.looks_at(-1.15, -0.5).reachable
+
+
+def test_who_is_no_operator_changes_none_and_none_is_of_another_map(robot: ZonedRobot) -> None:
+    zone = robot.zone()
+    assert "viewer" in robot.asks(DeleteZone(id=1, version=1), role="viewer").message
+    other = robot.map.model_copy(update={"id": "0" * 32})
+    robot.wait_until(lambda: robot.in_force == ["Wet floor"], 5, "zones")
+    stray = robot.asks(EditZone(id=zone.id, version=1, plan=robot.plan(map=other)))
+    assert "another map" in stray.message
+    assert robot.in_force == ["Wet floor"]
