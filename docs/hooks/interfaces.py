@@ -19,9 +19,10 @@ Where a ROS installation has one of these packages, the definitions agree on the
 | `/<component>/signed_call` | `kompass_interfaces/srv/SignedCall`: those services, and `change_state`, for who has the [robot's key](../security.md#requests-are-signed) | each component |
 | `/<component>/challenge`, `/monitor/challenge` | `std_msgs/msg/String`: what a proof is made for; latched, exchanged every minute | each component, the monitor |
 | `/planner/plan_path` | action `kompass_interfaces/action/PlanPath` | a planner whose run type is `ActionServer` |
-| `/monitor/get_rules`, `check_rules`, `apply_rules`, `confirm_rules`, `rollback_rules`, `explain_rule`, `get_history`, `get_firings`, `reset_rule`, `describe_graph`, `save_recording`, `change_places`, `change_missions` | `kompass_interfaces/srv/…` | the monitor |
+| `/monitor/get_rules`, `check_rules`, `apply_rules`, `confirm_rules`, `rollback_rules`, `explain_rule`, `get_history`, `get_firings`, `reset_rule`, `describe_graph`, `save_recording`, `change_places`, `change_missions`, `change_zones` | `kompass_interfaces/srv/…` | the monitor |
 | `/monitor/backtest_rules` | action `kompass_interfaces/action/BacktestRules` | the monitor |
 | `/monitor/places` | `std_msgs/msg/String`: all named places, as JSON; latched | the monitor |
+| `/monitor/zones`, `/zones` | `std_msgs/msg/String`: all zones, and those that are in force, as JSON; latched | the monitor |
 | `/monitor/firings`, `/monitor/rules_state`, `/monitor/stack_state` | `kompass_interfaces/msg/…` | the monitor |
 """  # noqa: E501 - a row of a table is one line
 KINDS = (("msg", "Messages"), ("srv", "Services"), ("action", "Actions"))

@@ -35,6 +35,7 @@ from kompass_console.api import (
     scene,
     session,
     stop,
+    zones,
 )
 from kompass_console.api.access import LoggedIn
 from kompass_console.api.audited import AuditRequests
@@ -111,6 +112,7 @@ def create_app(console: Console | None) -> FastAPI:
         goals.router,
         missions.router,
         places.router,
+        zones.router,
         localisation.router,
         stop.router,
         control.router,

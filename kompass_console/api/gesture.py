@@ -24,12 +24,37 @@ async def on_floor(
     ConsoleError
         When there is no such view, or it does not show the robot.
     """
-    if console.views.get(gesture.view, session) is None:
+    points = await points_on_floor(gesture.view, gesture.start, gesture.end, session, console)
+    if points is None:
+        return None
+    start, end = points[0], points[1] or points[0]
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    yaw = math.atan2(dy, dx) if math.hypot(dx, dy) > _SHORTEST_DRAG else None
+    return GoalRequest(x=start[0], y=start[1], yaw=yaw, view=gesture.view)
+
+
+async def points_on_floor(
+    view: str,
+    start: tuple[float, float],
+    end: tuple[float, float] | None,
+    session: LoginSession,
+    console: Console,
+) -> tuple[tuple[float, float], tuple[float, float] | None] | None:
+    """Where a press and its release, fractions of the picture, are on the floor [m].
+
+    None when one of them is above the horizon.
+
+    Raises
+    ------
+    ConsoleError
+        When there is no such view, or it does not show the robot.
+    """
+    if console.views.get(view, session) is None:
         raise unknown_view()
     try:
         points = await console.scene.pick(
-            gesture.view,
-            [gesture.start] if gesture.end is None else [gesture.start, gesture.end],
+            view,
+            [start] if end is None else [start, end],
         )
     except PageNotConnected as error:
         raise ConsoleError(
@@ -39,9 +64,7 @@ async def on_floor(
         raise ConsoleError(
             409, "The scene shows a drill, and not the robot.", "Go back to the robot first."
         ) from error
-    start, end = points[0], points[-1]
-    if start is None or end is None:
+    first, last = points[0], points[-1]
+    if first is None or last is None:
         return None
-    dx, dy = end[0] - start[0], end[1] - start[1]
-    yaw = math.atan2(dy, dx) if math.hypot(dx, dy) > _SHORTEST_DRAG else None
-    return GoalRequest(x=start[0], y=start[1], yaw=yaw, view=gesture.view)
+    return first, None if end is None else last

@@ -35,6 +35,7 @@ from kompass_console.link.rules.topic_watch import TopicWatch
 from kompass_console.link.rules.watch import RulesWatch
 from kompass_console.link.streams import Streams
 from kompass_console.link.wheel import WheelLink
+from kompass_console.link.zones import ZonesWatch
 from kompass_console.schema.plain import plain
 from kompass_console.schema.world import WorldModel
 from kompass_console.settings import ConsoleSettings
@@ -109,6 +110,7 @@ class RosLink:
         self.initial_pose = InitialPose(self._node)
         self.rules = RulesWatch(changed, rules_said)
         self.places = PlacesWatch(world, changed)
+        self.zones = ZonesWatch(world, self.places, changed)
         self.missions = MissionsWatch(self.places, changed)
         self.monitor = MonitorLink(self._node, self._follow)
         self.backtests = Backtests(self.monitor)
@@ -200,8 +202,10 @@ class RosLink:
         self.backtests.refresh()
         self.topics.refresh(published)
         self.places.refresh()
+        self.zones.refresh()
 
     def _follow(self, monitor: MonitorClient) -> None:
         self.rules.follow(monitor)
         self.places.follow(monitor)
         self.missions.follow(monitor)
+        self.zones.follow(monitor)

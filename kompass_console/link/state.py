@@ -62,6 +62,7 @@ def build_state(
         simulation=None if rate is None else SimulationInfo(rate=rate.value, age=rate.age()),
         rules=link.rules.info(),
         places=link.places.info(),
+        zones=link.zones.info(),
         missions=link.missions.info(),
         processes=link.processes.infos(),
         ros=RosInfo(domain_id=link.domain_id, middleware=link.middleware),

@@ -17,7 +17,7 @@ from kompass_console.scene.layers.shapes import Vertices
 from kompass_console.scene.layers.trail import Trail
 from kompass_console.scene.urdf import BadDescription, Description, read_description
 from kompass_console.schema.plain import plain
-from kompass_console.schema.world import GoalMark, PlaceMark, Pose, WorldModel
+from kompass_console.schema.world import GoalMark, PlaceMark, Pose, WorldModel, ZoneMark
 
 LayerKey = str
 
@@ -35,6 +35,7 @@ _PERIODS: dict[LayerKey, float] = {
     "robot": 0.05,
     "goal": 0.05,
     "places": 0.2,
+    "zones": 0.2,
 }
 
 
@@ -55,6 +56,7 @@ class Drawings:
     robot: Pose | None = None
     goal: GoalMark | None = None
     places: tuple[PlaceMark, ...] = ()
+    zones: tuple[ZoneMark, ...] = ()
     counts: dict[LayerKey, int] = field(default_factory=lambda: dict.fromkeys(_PERIODS, 0))
 
 
@@ -89,6 +91,8 @@ class Converter:
             drawings.goal = goal.value
         if (marks := world.places.get()) is not None and self._is_new("places", marks.version):
             drawings.places = marks.value
+        if (drawn := world.zones.get()) is not None and self._is_new("zones", drawn.version):
+            drawings.zones = drawn.value
         if (scan := world.scan.get()) is not None and self._is_new("scan", scan.version):
             sensor = world.scanned_from(scan.value) or Pose(0.0, 0.0, 0.0)
             drawings.scan = scan_points(scan.value, sensor)

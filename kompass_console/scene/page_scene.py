@@ -23,6 +23,7 @@ from kompass_console.scene.layers.preview import Preview, PreviewNodes
 from kompass_console.scene.layers.robot import RobotColours, RobotNodes
 from kompass_console.scene.layers.scan import ScanNodes
 from kompass_console.scene.layers.trail import TrailNodes
+from kompass_console.scene.layers.zones import ZoneNodes
 from kompass_console.scene.picking import Camera
 from kompass_console.scene.playback import Playback
 from kompass_console.schema.models import View
@@ -192,6 +193,8 @@ class PageScene:
                 self._trail.draw(drawings.trail)
             if self._changed("places", counts):
                 self._places.draw(drawings.places)
+            if self._changed("zones", counts):
+                self._zones.draw(drawings.zones)
         if self._changed("map", counts) and drawings.map is not None:
             self._map.draw(drawings.map)
             first = self._bounds is None
@@ -220,6 +223,7 @@ class PageScene:
         robot = RobotColours(colours.body, colours.front, colours.footprint)
         self._robot_nodes = RobotNodes(self._scene, f"{_WORLD}/robot", robot)
         self._places = PlaceNodes(self._scene, _WORLD, colours.place)
+        self._zones = ZoneNodes(self._scene, _WORLD, colours)
         self._goal = GoalNodes(self._scene, f"{_WORLD}/goal", colours.goal)
         self._preview_nodes = PreviewNodes(self._scene, _WORLD, theme)
         self._preview_nodes.draw(self._preview)
@@ -253,6 +257,7 @@ class PageScene:
         self._goal.show(layers.goal)
         self._trail.show(layers.trail)
         self._places.show(layers.places)
+        self._zones.show(layers.zones)
 
     @property
     def _world_position(self) -> tuple[float, float, float]:

@@ -83,6 +83,7 @@ class Layers(BaseModel):
     goal: bool = True
     trail: bool = True
     places: bool = True
+    zones: bool = True
 
 
 class LayersPatch(In):
@@ -96,6 +97,7 @@ class LayersPatch(In):
     goal: bool | None = None
     trail: bool | None = None
     places: bool | None = None
+    zones: bool | None = None
 
 
 class View(BaseModel):
@@ -431,6 +433,13 @@ class PlacesInfo(BaseModel):
     map: str | None = None
 
 
+class ZonesInfo(BaseModel):
+    """Changes whenever the list of zones does."""
+
+    available: bool = False
+    revision: int = 0
+
+
 class MissionRunInfo(BaseModel):
     """The mission that runs or ran last.
 
@@ -507,6 +516,7 @@ class State(BaseModel):
     simulation: SimulationInfo | None
     rules: RulesInfo
     places: PlacesInfo
+    zones: ZonesInfo
     missions: MissionsInfo
     processes: list[ProcessInfo]
     ros: RosInfo

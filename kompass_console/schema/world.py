@@ -99,6 +99,15 @@ class GoalMark:
 
 
 @dataclass(frozen=True, slots=True)
+class ZoneMark:
+    """A zone of the map of now: corners in m, and its speed in m/s; None of a keep-out zone."""
+
+    name: str
+    corners: tuple[tuple[float, float], ...]
+    speed: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class PlaceMark:
     """A place of the map of now, m and rad; `yaw` None when any heading will do."""
 
@@ -157,6 +166,7 @@ class WorldModel:
         self.description_problem = ""  # why the robot's own description is not drawn, or not whole
         self.goal: Latest[GoalMark | None] = Latest(now)
         self.places: Latest[tuple[PlaceMark, ...]] = Latest(now)
+        self.zones: Latest[tuple[ZoneMark, ...]] = Latest(now)
 
     def scanned_from(self, scan: Scan) -> Pose | None:
         """Where the sensor was when a scan was taken, in the map frame; None until that is known.

@@ -15,6 +15,7 @@ from kompass_console.schema.models import (
     RosInfo,
     RulesInfo,
     State,
+    ZonesInfo,
 )
 from kompass_console.web.state_feed import StateFeed, StateListener
 
@@ -33,6 +34,7 @@ def build(seq: int, viewers: int) -> State:
         simulation=None,
         rules=RulesInfo(),
         places=PlacesInfo(),
+        zones=ZonesInfo(),
         missions=MissionsInfo(),
         processes=[],
         ros=RosInfo(domain_id=0, middleware="none"),

@@ -34,6 +34,11 @@ export type Place = PlaceList["places"][number];
 export type PlaceSave = Schemas["PlaceSave"];
 export type PlaceEdit = Schemas["PlaceEdit"];
 
+export type ZoneList = Sent<Schemas["ZoneList"]>;
+export type Zone = ZoneList["zones"][number];
+export type ZoneSave = Schemas["ZoneSave"];
+export type ZoneSketch = Schemas["ZoneSketch"];
+
 export type MissionList = Sent<Schemas["MissionList"]>;
 export type Mission = MissionList["missions"][number];
 export type MissionSave = Schemas["MissionSave"];

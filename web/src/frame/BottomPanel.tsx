@@ -1,7 +1,7 @@
 import { SegmentedControl, UnstyledButton } from "@mantine/core";
 import { IconBolt, IconDatabase, IconHeartbeat, IconMapPins } from "@tabler/icons-react";
 import { useState } from "react";
-import type { Place } from "../api/types";
+import type { Place, Zone } from "../api/types";
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
@@ -16,6 +16,7 @@ import { RulesSheet } from "../rules/RulesSheet";
 import { DriveBand } from "../scene/DriveBand";
 import { StopBand } from "../stop/StopBand";
 import { StopPlace } from "../stop/StopButton";
+import { ZonesPanel } from "../zones/ZonesPanel";
 import classes from "./BottomPanel.module.css";
 import type { Props as SideProps } from "./SidePanel";
 
@@ -23,6 +24,8 @@ interface Props extends SideProps {
   phone: boolean;
 }
 
+const LISTS = ["Places", "Missions", "Zones"] as const;
+type List = (typeof LISTS)[number];
 type Tab = "places" | "health" | "data";
 
 const TABS: { key: Tab; label: string; Icon: typeof IconHeartbeat }[] = [
@@ -35,20 +38,24 @@ const TABS: { key: Tab; label: string; Icon: typeof IconHeartbeat }[] = [
  * What the right column is on a tablet or a phone: a sheet that opens from the bottom. On a phone
  * the rules cover the scene: what stops the robot is then told, and released, above them.
  */
-export function BottomPanel({ phone, onGo, asked }: Props) {
+export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
   const rules = useNav();
   const [tab, setTab] = useState<Tab | null>(phone ? null : "health");
-  const [missions, setMissions] = useState(false);
+  const [list, setList] = useState<List>("Places");
   const [answered, setAnswered] = useState(asked);
   if (asked !== answered) {
     setAnswered(asked);
     setTab("places");
-    setMissions(false);
+    setList("Places");
   }
   // On a phone the answer is shown where the list was.
   const go = (place: Place) => {
     if (phone) setTab(null);
     onGo?.(place);
+  };
+  const draw = (zone: Zone | null) => {
+    if (phone) setTab(null);
+    onDraw?.(zone);
   };
   const open = rules.open ? null : tab;
   const show = (next: Tab | null) => {
@@ -64,16 +71,14 @@ export function BottomPanel({ phone, onGo, asked }: Props) {
               <SegmentedControl
                 className={classes.switch}
                 fullWidth
-                aria-label="Places or missions"
-                data={["Places", "Missions"]}
-                value={missions ? "Missions" : "Places"}
-                onChange={(shown) => setMissions(shown === "Missions")}
+                aria-label="Places, missions or zones"
+                data={LISTS.map((each) => each)}
+                value={list}
+                onChange={(shown) => setList(LISTS.find((each) => each === shown) ?? "Places")}
               />
-              {missions ? (
-                <MissionsPanel />
-              ) : (
-                <PlacesPanel onGo={onGo === null ? null : go} asked={asked} />
-              )}
+              {list === "Missions" && <MissionsPanel />}
+              {list === "Zones" && <ZonesPanel onDraw={onDraw === null ? null : draw} />}
+              {list === "Places" && <PlacesPanel onGo={onGo === null ? null : go} asked={asked} />}
             </>
           )}
           {open === "health" && (

@@ -1,6 +1,6 @@
 import { useMediaQuery } from "@mantine/hooks";
 import { type ComponentProps, useEffect, useState } from "react";
-import type { Place } from "../api/types";
+import type { GoalPick, Place, Zone } from "../api/types";
 import { ControlBand } from "../control/ControlBand";
 import { CoordinatesForm } from "../goal/CoordinatesForm";
 import { GestureHint } from "../goal/GestureHint";
@@ -39,6 +39,10 @@ import { StopButton } from "../stop/StopButton";
 import { StopProvider } from "../stop/StopContext";
 import { Band } from "../ui/Band";
 import { PHONE } from "../ui/screen";
+import { useZones } from "../zones/useZones";
+import { useZoneTool, type ZoneStroke, type ZoneTool } from "../zones/useZoneTool";
+import { ZoneCard } from "../zones/ZoneCard";
+import { asCorners, labelText } from "../zones/zoneText";
 import { AuditBand } from "./AuditBand";
 import { BottomPanel } from "./BottomPanel";
 import classes from "./ConsolePage.module.css";
@@ -86,6 +90,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   const { view, change } = handle;
   const goal = useGoalTool(view?.id ?? null);
   const locate = useLocateTool(view?.id ?? null);
+  const zone = useZoneTool(view?.id ?? null);
   const rules = useNav();
   const stage = useStage();
   const plays = stage.shown !== null;
@@ -99,6 +104,9 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
     if (plays && goal.active) goal.toggle();
     if (plays && locate.active) locate.toggle();
   }, [plays, goal.active, goal.toggle, locate.active, locate.toggle]);
+  useEffect(() => {
+    if (plays && zone.active) zone.leave();
+  }, [plays, zone.active, zone.leave]);
   // Nobody drives what is not seen: a drill in the robot's place, or rules in that of the page.
   const unseen = plays || (phone && rules.open);
   useEffect(() => {
@@ -108,12 +116,20 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   // One gesture means one thing.
   const toggleGoal = () => {
     if (locate.active) locate.toggle();
+    if (zone.active) zone.leave();
     goal.toggle();
   };
   const toggleLocate = () => {
     if (goal.active) goal.toggle();
     else if (goal.draft !== null) goal.drop(); // of a place of the list
+    if (zone.active) zone.leave();
     locate.toggle();
+  };
+  const drawZone = (before: Zone | null) => {
+    if (goal.active) goal.toggle();
+    else if (goal.draft !== null) goal.drop();
+    if (locate.active) locate.toggle();
+    zone.begin(before);
   };
 
   useKeys(({ key, onControl, inMenu }) => {
@@ -166,7 +182,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
           hand.give();
           return true;
         }
-        if (goal.back() || locate.back()) return true;
+        if (goal.back() || locate.back() || zone.back()) return true;
         if (helpOpen) setHelpOpen(false);
         else if (hand.open) hand.close();
         else if (plays) stage.leave();
@@ -181,9 +197,11 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
 
   const checkPlace = (place: Place) => {
     if (locate.active) locate.toggle();
+    if (zone.active) zone.leave();
     goal.checkPlace(place);
   };
   const goTo = view === null || plays ? null : checkPlace;
+  const onDraw = view === null || plays ? null : drawZone;
   return (
     <>
       <div className={classes.page} data-rules={rules.open || undefined}>
@@ -193,6 +211,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
             handle={handle}
             goal={goal}
             locate={locate}
+            zone={zone}
             flat={flat.flat}
             covered={phone && rules.open}
           />
@@ -211,9 +230,9 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
         <HandPanel />
         <StatusLine />
         {narrow ? (
-          <BottomPanel phone={phone} onGo={goTo} asked={placesAsked} />
+          <BottomPanel phone={phone} onGo={goTo} asked={placesAsked} onDraw={onDraw} />
         ) : (
-          <SidePanel onGo={goTo} asked={placesAsked} />
+          <SidePanel onGo={goTo} asked={placesAsked} onDraw={onDraw} />
         )}
       </div>
       <StopButton />
@@ -226,12 +245,14 @@ function SceneStack({
   handle,
   goal,
   locate,
+  zone,
   flat,
   covered,
 }: {
   handle: ViewHandle;
   goal: GoalTool;
   locate: LocateTool;
+  zone: ZoneTool;
   flat: boolean;
   covered: boolean;
 }) {
@@ -261,6 +282,10 @@ function SceneStack({
       )}
     </>
   );
+  const drawing = (pick: (start: Fractions, end: Fractions | null) => GoalPick | ZoneStroke) =>
+    zone.active && (
+      <GestureOverlay name="zone" pick={pick} waits={zone.problem === null} onPick={zone.draw} />
+    );
   return (
     <>
       {view === null ? (
@@ -270,18 +295,25 @@ function SceneStack({
       ) : (
         <>
           {flat ? (
-            <FlatScene handle={handle} considered={considered}>
-              {(floorAt) =>
-                gestures((start, end) => ({
-                  ...pointOf(floorAt(start), end === null ? null : floorAt(end)),
-                  view: view.id,
-                }))
-              }
+            <FlatScene handle={handle} considered={considered} sketch={zone.corners}>
+              {(floorAt) => (
+                <>
+                  {gestures((start, end) => ({
+                    ...pointOf(floorAt(start), end === null ? null : floorAt(end)),
+                    view: view.id,
+                  }))}
+                  {drawing((start, end) => ({
+                    from: floorAt(start),
+                    to: end === null ? null : floorAt(end),
+                  }))}
+                </>
+              )}
             </FlatScene>
           ) : (
             <>
               <SceneFrame id={view.id} />
               {gestures((start, end) => ({ view: view.id, start, end }))}
+              {drawing((start, end) => ({ view: view.id, start, end }))}
             </>
           )}
           {goal.active && goal.draft === null && (
@@ -297,6 +329,7 @@ function SceneStack({
           {locate.active && locate.typing && locate.draft === null && (
             <CoordinatesForm label="Coordinates of the robot" tool={locate} view={view.id} />
           )}
+          {zone.active && <ZoneCard key={zone.zone?.id ?? 0} tool={zone} />}
           {locate.draft !== null && <LocateCard tool={locate} draft={locate.draft} />}
         </>
       )}
@@ -320,8 +353,22 @@ function SceneStack({
   );
 }
 
-function FlatScene(props: Omit<ComponentProps<typeof FlatMap>, "places">) {
+type Fractions = [number, number];
+
+function FlatScene(props: Omit<ComponentProps<typeof FlatMap>, "places" | "zones">) {
   const { list } = usePlaces();
+  const { list: zones } = useZones();
   const here = list?.places.filter((place) => place.here) ?? [];
-  return <FlatMap {...props} places={here.map(({ name, pose }) => ({ name, ...pose }))} />;
+  const barred = zones?.zones.filter((zone) => zone.here) ?? [];
+  return (
+    <FlatMap
+      {...props}
+      places={here.map(({ name, pose }) => ({ name, ...pose }))}
+      zones={barred.map((zone) => ({
+        label: labelText(zone),
+        barred: zone.kind === "keep_out",
+        corners: asCorners(zone.corners),
+      }))}
+    />
+  );
 }

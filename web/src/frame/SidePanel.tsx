@@ -1,4 +1,4 @@
-import type { Place } from "../api/types";
+import type { Place, Zone } from "../api/types";
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
@@ -10,6 +10,7 @@ import { DraftBar } from "../rules/DraftBar";
 import { FiringsPanel } from "../rules/firings/FiringsPanel";
 import { RulesSheet } from "../rules/RulesSheet";
 import { StopPlace } from "../stop/StopButton";
+import { ZonesPanel } from "../zones/ZonesPanel";
 import classes from "./SidePanel.module.css";
 
 export interface Props {
@@ -17,13 +18,15 @@ export interface Props {
   onGo: ((place: Place) => void) | null;
   /** Counts how often somebody asked for the places. */
   asked: number;
+  /** Begins to draw a zone, or to change one; null while that cannot be. */
+  onDraw: ((zone: Zone | null) => void) | null;
 }
 
 /**
  * The right column of a wide page, or the rules in its place. STOP has its own corner, which nothing
  * scrolls under.
  */
-export function SidePanel({ onGo, asked }: Props) {
+export function SidePanel({ onGo, asked, onDraw }: Props) {
   const { open } = useNav();
   if (open) {
     return (
@@ -49,6 +52,7 @@ export function SidePanel({ onGo, asked }: Props) {
         </div>
         <PlacesPanel onGo={onGo} asked={asked} />
         <MissionsPanel />
+        <ZonesPanel onDraw={onDraw} />
         <HealthPanel />
         <FiringsPanel />
         <DataPanel />

@@ -10,20 +10,20 @@ export interface Anchor {
 }
 
 /** What a gesture means, of which start and end are fractions of the scene (u right, v down). */
-export type PickOf = (
+export type PickOf<P = GoalPick | GoalPoint> = (
   start: [number, number],
   end: [number, number] | null,
-) => GoalPick | GoalPoint;
+) => P;
 
-interface Props {
+interface Props<P> {
   /** Of its test ids. */
   name: string;
-  pick: PickOf;
+  pick: PickOf<P>;
   /** The console has not drawn the last gesture into the scene yet: so it is kept here. */
   waits: boolean;
-  onPick: (pick: GoalPick | GoalPoint, anchor: Anchor) => void;
+  onPick: (pick: P, anchor: Anchor) => void;
   /** While the pointer is down and has moved. */
-  onDrag?: (pick: GoalPick | GoalPoint) => void;
+  onDrag?: (pick: P) => void;
 }
 
 interface Stroke {
@@ -36,7 +36,7 @@ interface Stroke {
  * Lies over the scene while a tool is on that is used by pressing on the floor. Draws the gesture
  * itself, so that the arrow is under the pointer in the same frame, whatever the network does.
  */
-export function GestureOverlay({ name, pick, waits, onPick, onDrag }: Props) {
+export function GestureOverlay<P>({ name, pick, waits, onPick, onDrag }: Props<P>) {
   const root = useRef<HTMLDivElement>(null);
   const [stroke, setStroke] = useState<Stroke | null>(null);
   const [settled, setSettled] = useState<Stroke | null>(null);

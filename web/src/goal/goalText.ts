@@ -102,6 +102,9 @@ export function isUnderWay(goal: Goal | null): boolean {
 
 const HELD: Record<string, string> = {
   obstacle: "an obstacle is close",
+  "keep-out zone": "a keep-out zone",
+  "speed zone": "a speed zone",
+  "place unknown": "it does not know where it is, and there are zones",
   "second publisher": "another program commands it, too",
   "scan stale": "no laser scan arrives",
   "odometry stale": "no odometry arrives",

@@ -33,9 +33,9 @@ export function placesElsewhere(places: readonly Place[]): Place[] {
 }
 
 /** What is wrong with a name, in a sentence; null when nothing is that this page can tell. */
-export function nameProblem(name: string): string | null {
+export function nameProblem(name: string, what = "place"): string | null {
   const length = [...name.trim()].length;
-  if (length === 0) return "Give the place a name.";
+  if (length === 0) return `Give the ${what} a name.`;
   return length > LONGEST_NAME ? `Use at most ${LONGEST_NAME} characters, not ${length}.` : null;
 }
 

@@ -15,6 +15,7 @@ const LAYERS: [LayerKey, string][] = [
   ["goal", "Goal"],
   ["trail", "Trail"],
   ["places", "Places"],
+  ["zones", "Zones"],
 ];
 
 interface Props {

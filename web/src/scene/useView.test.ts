@@ -16,6 +16,7 @@ const view: View = {
     goal: true,
     trail: true,
     places: true,
+    zones: true,
   },
 };
 

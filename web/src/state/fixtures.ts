@@ -55,6 +55,7 @@ export const robot = (part: Partial<State> = {}): State => ({
   goal: null,
   simulation: null,
   places: { available: false, revision: 0, map: null },
+  zones: { available: false, revision: 0 },
   missions: { available: false, revision: 0, notice: "", run: null, queue: [] },
   control: {
     holder: "",

@@ -8,7 +8,7 @@ import { drawsWebGl } from "../webgl";
 import { type Point, toFloor } from "./camera";
 import { coloursOf } from "./colours";
 import classes from "./FlatMap.module.css";
-import { type Considered, type Named, type Picture, paint } from "./paint";
+import { type Considered, type DrawnZone, type Named, type Picture, paint } from "./paint";
 import { useCamera } from "./useCamera";
 import { useCells } from "./useCells";
 import { useFlatWorld } from "./useFlatWorld";
@@ -21,12 +21,17 @@ interface Props {
   handle: ViewHandle;
   considered: Considered | null;
   places: readonly Named[];
+  zones: readonly DrawnZone[];
+  /** Corners of a zone that is being drawn, m. */
+  sketch: readonly Point[];
   /** What lies over the map; `floorAt` says which place (m) is at fractions of the picture. */
   children: (floorAt: (at: readonly [number, number]) => Point) => ReactNode;
 }
 
 /** The map from above, drawn by the page itself: for browsers without WebGL, and for weak ones. */
-export function FlatMap({ handle: { view, change }, considered, places, children }: Props) {
+export function FlatMap(props: Props) {
+  const { handle, considered, places, zones, sketch, children } = props;
+  const { view, change } = handle;
   const { world, live } = useFlatWorld();
   const { state, frozen } = useRobot();
   const theme = view?.theme ?? "light";
@@ -61,6 +66,8 @@ export function FlatMap({ handle: { view, change }, considered, places, children
           robot,
           considered,
           places,
+          zones,
+          sketch,
           old: frozen || !live,
         },
   );

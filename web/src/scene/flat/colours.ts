@@ -11,6 +11,7 @@ export interface Colours {
   goal: string;
   preview: string;
   alert: string;
+  slow: string;
 }
 
 const LIGHT: Colours = {
@@ -25,6 +26,7 @@ const LIGHT: Colours = {
   goal: "#1c6edc",
   preview: "#5c96e8",
   alert: "#93305f",
+  slow: "#b06000",
 };
 
 const DARK: Colours = {
@@ -39,6 +41,7 @@ const DARK: Colours = {
   goal: "#60a5fa",
   preview: "#96c4fc",
   alert: "#ee93bf",
+  slow: "#f0b050",
 };
 
 export const coloursOf = (theme: "light" | "dark"): Colours => (theme === "dark" ? DARK : LIGHT);

@@ -36,6 +36,7 @@ const all = {
   goal: true,
   trail: true,
   places: true,
+  zones: true,
 };
 const picture: Picture = {
   size: { width: 200, height: 100 },
@@ -47,6 +48,8 @@ const picture: Picture = {
   robot: null,
   considered: null,
   places: [],
+  zones: [],
+  sketch: [],
   old: false,
 };
 const scan = [1, 2, -3, 0];

@@ -16,6 +16,13 @@ export interface Named {
   y: number;
 }
 
+/** A zone: hatched where the robot keeps out. */
+export interface DrawnZone {
+  label: string;
+  barred: boolean;
+  corners: readonly (readonly [number, number])[];
+}
+
 /** A goal that is thought about: where and by which way, or where not. */
 export interface Considered {
   mark: Place | null;
@@ -34,6 +41,8 @@ export interface Picture {
   robot: Place | null;
   considered: Considered | null;
   places: readonly Named[];
+  zones: readonly DrawnZone[];
+  sketch: readonly (readonly [number, number])[];
   /** What moves was heard too long ago to be believed. */
   old: boolean;
 }
@@ -50,11 +59,14 @@ const RADIUS_M = 0.11;
 
 /** Draws everything anew, in the order of the scene. */
 export function paint(canvas: Canvas, picture: Picture): void {
-  const { size, camera, colours, layers, world, robot, considered, places, old } = picture;
+  const { size, camera, colours, layers, world, robot, considered, places, zones, sketch, old } =
+    picture;
   const at = (x: number, y: number) => toPicture(camera, size, [x, y]);
   canvas.fillStyle = colours.floor;
   canvas.fillRect(0, 0, size.width, size.height);
   if (layers.map) cells(canvas, picture);
+  if (layers.zones) for (const each of zones) zone(canvas, each, at, colours);
+  if (sketch.length > 0) outline(canvas, sketch, at, colours.preview);
   const moving = old ? OLD : 1;
   canvas.globalAlpha = moving;
   if (layers.local_map && world.local_map !== null) {
@@ -95,6 +107,36 @@ export function paint(canvas: Canvas, picture: Picture): void {
     canvas.globalAlpha = moving;
     body(canvas, robot, picture);
     canvas.globalAlpha = 1;
+  }
+}
+
+type At = (x: number, y: number) => readonly [number, number];
+
+function zone(canvas: Canvas, { label, barred, corners }: DrawnZone, at: At, colours: Colours) {
+  const colour = barred ? colours.alert : colours.slow;
+  canvas.save();
+  canvas.fillStyle = colour;
+  outline(canvas, corners, at, colour);
+  canvas.globalAlpha = barred ? 0.25 : 0.12;
+  canvas.fill();
+  canvas.restore();
+  const middle = corners.reduce(([x, y], each) => [x + each[0], y + each[1]], [0, 0]);
+  const [x, y] = at(middle[0] / corners.length, middle[1] / corners.length);
+  written(canvas, label, [x, y], colours);
+}
+
+function outline(canvas: Canvas, corners: DrawnZone["corners"], at: At, colour: string): void {
+  canvas.strokeStyle = colour;
+  canvas.lineWidth = 2;
+  canvas.beginPath();
+  for (const [x, y] of corners) canvas.lineTo(...at(x, y));
+  canvas.closePath();
+  canvas.stroke();
+  if (corners.length > 2) return;
+  canvas.fillStyle = colour;
+  for (const [x, y] of corners) {
+    const [u, v] = at(x, y);
+    canvas.fillRect(u - PLACE, v - PLACE, 2 * PLACE, 2 * PLACE);
   }
 }
 
@@ -181,13 +223,23 @@ function named(
   canvas.arc(x, y, PLACE, 0, 2 * Math.PI);
   canvas.fillStyle = colours.footprint;
   canvas.fill();
+  written(canvas, name, [x, y - 2 * PLACE], colours);
+}
+
+function written(
+  canvas: Canvas,
+  text: string,
+  [x, y]: readonly [number, number],
+  colours: Colours,
+): void {
+  canvas.fillStyle = colours.footprint;
   canvas.font = "13px system-ui, sans-serif";
   canvas.textAlign = "center";
   canvas.lineWidth = 3;
   // Readable on whatever lies below it.
   canvas.strokeStyle = colours.floor;
-  canvas.strokeText(name, x, y - 2 * PLACE);
-  canvas.fillText(name, x, y - 2 * PLACE);
+  canvas.strokeText(text, x, y);
+  canvas.fillText(text, x, y);
 }
 
 /** What the ring of a goal cannot be taken for. */

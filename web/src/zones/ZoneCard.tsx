@@ -1,0 +1,212 @@
+import { Button, SegmentedControl, Textarea, TextInput } from "@mantine/core";
+import { IconArrowBackUp, IconKeyboard } from "@tabler/icons-react";
+import { useMutation } from "@tanstack/react-query";
+import { type FormEvent, useState } from "react";
+import { editZone, saveZone } from "../api/zonesClient";
+import { nameProblem } from "../places/placeText";
+import { Problem } from "../ui/Problem";
+import type { ZoneTool } from "./useZoneTool";
+import classes from "./Zones.module.css";
+import { cornersText, readCorners, readSpeed } from "./zoneText";
+
+type Kind = "keep_out" | "speed";
+
+/** A zone that is being drawn: first its corners, on a floor that is seen, then what it is. */
+export function ZoneCard({ tool }: { tool: ZoneTool }) {
+  const [described, setDescribed] = useState(tool.zone !== null);
+  const [typing, setTyping] = useState(false);
+  if (described) {
+    return <ZoneForm tool={tool} typing={typing} onDraw={() => setDescribed(false)} />;
+  }
+  const { corners, problem, error, set, leave } = tool;
+  const type = () => {
+    setTyping(true);
+    setDescribed(true);
+  };
+  return (
+    <div className={classes.bar} data-testid="zone-card">
+      <span role="status" data-testid="zone-problem">
+        {toldOf(tool)}
+      </span>
+      <Problem error={error} testId="zone-error" />
+      <div className={classes.buttons}>
+        {corners.length === 0 ? (
+          <Button
+            size="compact-md"
+            variant="default"
+            leftSection={<IconKeyboard size={18} aria-hidden />}
+            onClick={type}
+            data-testid="zone-type"
+          >
+            Type corners
+          </Button>
+        ) : (
+          <>
+            <Button
+              size="compact-md"
+              disabled={problem !== ""}
+              onClick={() => setDescribed(true)}
+              data-testid="zone-next"
+            >
+              Next
+            </Button>
+            <Button
+              size="compact-md"
+              variant="default"
+              leftSection={<IconArrowBackUp size={18} aria-hidden />}
+              onClick={() => set(corners.slice(0, -1))}
+            >
+              Last corner
+            </Button>
+          </>
+        )}
+        <Button size="compact-md" variant="default" onClick={leave} data-testid="zone-cancel">
+          Cancel
+        </Button>
+      </div>
+    </div>
+  );
+}
+
+const toldOf = ({ corners, problem }: ZoneTool): string =>
+  corners.length === 0
+    ? "Drag a rectangle on the floor, or tap corner after corner."
+    : problem || `${corners.length} corners.`;
+
+interface FormProps {
+  tool: ZoneTool;
+  /** Whether the corners are typed. */
+  typing: boolean;
+  /** Goes back to the floor. */
+  onDraw: () => void;
+}
+
+/** What the zone asks for, its name, and its corners as numbers. */
+function ZoneForm({ tool, typing, onDraw }: FormProps) {
+  const { zone, corners, problem, error, set, leave } = tool;
+  const [kind, setKind] = useState<Kind>(zone?.kind ?? "keep_out");
+  const [name, setName] = useState(zone?.name ?? "");
+  const [speed, setSpeed] = useState(zone?.speed ? String(zone.speed) : "0.3");
+  const [typed, setTyped] = useState<string | null>(typing ? cornersText(corners) : null);
+  const [asked, setAsked] = useState(false);
+  const save = useMutation({
+    mutationFn: () => {
+      const body = {
+        name: name.trim(),
+        kind,
+        speed: kind === "speed" ? readSpeed(speed) : null,
+        corners: corners.map(([x, y]): [number, number] => [x, y]),
+      };
+      return zone === null ? saveZone(body) : editZone(zone, body);
+    },
+    onSuccess: leave,
+  });
+  const wrong = {
+    name: nameProblem(name, "zone"),
+    speed: kind === "speed" && readSpeed(speed) === null ? "A number of m/s above 0" : null,
+    corners: typed === null ? null : readCorners(typed).problem,
+  };
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    setAsked(true);
+    if (problem === "" && Object.values(wrong).every((each) => each === null)) save.mutate();
+  };
+  const type = (text: string) => {
+    setTyped(text);
+    const read = readCorners(text);
+    if (read.problem === null) set(read.corners);
+  };
+  return (
+    <form
+      className={classes.card}
+      onSubmit={submit}
+      aria-label={zone === null ? "New zone" : `Change ${zone.name}`}
+      noValidate
+      data-testid="zone-card"
+    >
+      <SegmentedControl
+        fullWidth
+        aria-label="What the zone asks for"
+        data={[
+          { value: "keep_out", label: "Keep out" },
+          { value: "speed", label: "Speed limit" },
+        ]}
+        value={kind}
+        onChange={(next) => setKind(next === "speed" ? "speed" : "keep_out")}
+        data-testid="zone-kind"
+      />
+      <div className={classes.fields}>
+        <TextInput
+          label="Name"
+          value={name}
+          autoFocus={!typing}
+          autoComplete="off"
+          error={asked ? wrong.name : null}
+          onChange={(event) => setName(event.currentTarget.value)}
+          data-testid="zone-name"
+        />
+        {kind === "speed" && (
+          <TextInput
+            label="At most (m/s)"
+            inputMode="decimal"
+            value={speed}
+            error={asked ? wrong.speed : null}
+            onChange={(event) => setSpeed(event.currentTarget.value)}
+            data-testid="zone-speed"
+          />
+        )}
+      </div>
+      <p className={classes.told} role="status" data-testid="zone-problem">
+        {toldOf(tool)}
+      </p>
+      {typed !== null && (
+        <Textarea
+          label="Corners: x, y in metres, a line each"
+          autosize
+          autoFocus={typing}
+          minRows={4}
+          maxRows={8}
+          value={typed}
+          error={wrong.corners}
+          onChange={(event) => type(event.currentTarget.value)}
+          data-testid="zone-corners"
+        />
+      )}
+      <Problem error={error ?? save.error} testId="zone-error" />
+      <div className={classes.buttons}>
+        <Button
+          type="submit"
+          size="md"
+          loading={save.isPending}
+          disabled={problem !== ""}
+          data-testid="zone-save"
+        >
+          Save
+        </Button>
+        <Button variant="default" size="md" onClick={leave} data-testid="zone-leave">
+          Cancel
+        </Button>
+        <Button
+          variant="subtle"
+          size="compact-md"
+          leftSection={<IconArrowBackUp size={18} aria-hidden />}
+          onClick={onDraw}
+          data-testid="zone-draw"
+        >
+          Draw
+        </Button>
+        {typed === null && (
+          <Button
+            variant="subtle"
+            size="compact-md"
+            leftSection={<IconKeyboard size={18} aria-hidden />}
+            onClick={() => setTyped(cornersText(corners))}
+            data-testid="zone-type"
+          >
+            Type corners
+          </Button>
+        )}
+      </div>
+    </form>
+  );
+}
