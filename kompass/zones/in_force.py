@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,48 +18,92 @@ CREEP = 0.2  # m/s, inside a keep-out zone: somebody gets the robot out of it
 _GENTLE = 0.5  # share of the braking that the robot can do, before a speed zone
 
 
-class Polygon:
-    """The outline of a zone.
+class Outlines:
+    """The outlines of several zones, looked at together: a robot asks many times a second.
 
     Parameters
     ----------
-    corners
-        (N, 2) in the map's frame [m].
+    polygons
+        Corners (N, 2) of each, in the map's frame [m].
     """
 
-    def __init__(self, corners: ArrayLike) -> None:
-        self._from = np.asarray(corners, dtype=np.float64).reshape(-1, 2)
-        self._to = np.roll(self._from, -1, axis=0)
-        self.low, self.high = self._from.min(axis=0), self._from.max(axis=0)
+    def __init__(self, polygons: Sequence[ArrayLike]) -> None:
+        corners = [np.asarray(each, dtype=np.float64).reshape(-1, 2) for each in polygons]
+        self._from = np.concatenate([*corners, np.empty((0, 2))])
+        self._to = np.concatenate(
+            [*(np.roll(each, -1, axis=0) for each in corners), np.empty((0, 2))]
+        )
+        self._first = np.cumsum([0, *(len(each) for each in corners)])[:-1]
+        self._of = np.repeat(np.arange(len(corners)), [len(each) for each in corners])
 
-    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Which of the points (N, 2) are inside, by how often a ray to the right meets an edge."""
-        pts = np.asarray(points, dtype=np.float64).reshape(-1, 2)
-        inside = np.zeros(len(pts), dtype=bool)
-        for (x0, y0), (x1, y1) in zip(self._from, self._to, strict=True):
-            if y0 == y1:
-                continue
-            meets = (pts[:, 1] < y0) != (pts[:, 1] < y1)
-            at = x0 + (pts[:, 1] - y0) / (y1 - y0) * (x1 - x0)
-            inside ^= meets & (pts[:, 0] < at)
-        return inside
+    def __len__(self) -> int:
+        return len(self._first)
 
-    def distance(self, x: float, y: float) -> float:
-        """From a point to the polygon [m]; 0 inside."""
-        if self.contains([(x, y)])[0]:
-            return 0.0
+    def inside(self, x: float, y: float) -> NDArray[np.bool_]:
+        """Which polygons (P,) a point is in, by how often a ray to the right meets an edge."""
+        (x0, y0), (x1, y1) = self._from.T, self._to.T
+        meets = (y < y0) != (y < y1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            meets &= x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
+        return np.asarray(np.bincount(self._of[meets], minlength=len(self)) % 2 == 1)
+
+    def distance(self, x: float, y: float) -> Floats:
+        """From a point to each polygon (P,) [m]; 0 inside."""
+        if not len(self):
+            return np.empty(0)
         along = self._to - self._from
-        share = ((x, y) - self._from) * along
-        at = np.clip(share.sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)[:, None]
-        return float(np.hypot(*(self._from + at * along - (x, y)).T).min())
+        at = (((x, y) - self._from) * along).sum(axis=1) / (along**2).sum(axis=1)
+        nearest = self._from + np.clip(at, 0.0, 1.0)[:, None] * along
+        away = np.minimum.reduceat(np.hypot(*(nearest - (x, y)).T), self._first)
+        return np.where(self.inside(x, y), 0.0, away)
 
-    def outline(self, spacing: float = SPACING) -> Floats:
-        """Points (N, 2) on all edges, at most ``spacing`` [m] from one to the next."""
-        made = []
-        for start, end in zip(self._from, self._to, strict=True):
-            steps = math.ceil(math.hypot(*(end - start)) / spacing)
-            made.append(start + np.arange(steps)[:, None] / steps * (end - start))
-        return np.concatenate(made)
+    def near(self, x: float, y: float, reach: float, of: NDArray[np.bool_]) -> Floats:
+        """Points (N, 2) on the edges of some of the polygons (P,), up to ``reach`` [m] away.
+
+        From one to the next it is at most ``SPACING``.
+        """
+        mine = of[self._of]
+        start, along = self._from[mine], self._to[mine] - self._from[mine]
+        length = np.hypot(*along.T)
+        unit = along / length[:, None]
+        middle = (((x, y) - start) * unit).sum(axis=1)
+        aside = np.hypot(*(start + middle[:, None] * unit - (x, y)).T)
+        half = np.sqrt(np.maximum(0.0, reach**2 - aside**2))
+        low, high = np.maximum(0.0, middle - half), np.minimum(length, middle + half)
+        made = [
+            begin + np.linspace(a, b, math.ceil((b - a) / SPACING) + 1)[:, None] * way
+            for begin, way, a, b, off in zip(start, unit, low, high, aside, strict=True)
+            if off <= reach and a <= b
+        ]
+        return np.concatenate(made) if made else np.empty((0, 2))
+
+
+def covered(polygon: ArrayLike, grid: Grid) -> NDArray[np.bool_]:
+    """Which cells (H, W) of a grid a polygon (N, 2) covers or touches."""
+    corners = np.asarray(polygon, dtype=np.float64).reshape(-1, 2)
+    cells = np.zeros(grid.cells.shape, dtype=bool)
+    box = grid.world_to_cell(corners)  # the grid's frame turns, and keeps straight lines
+    low = np.maximum(box.min(axis=0), 0)
+    high = np.minimum(box.max(axis=0) + 1, (grid.width, grid.height))
+    if (low >= high).any():
+        return cells
+    cols, rows = np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]))
+    middles = grid.cell_to_world(np.column_stack([cols.ravel(), rows.ravel()]))
+    inside = np.zeros(len(middles), dtype=bool)
+    ends = np.roll(corners, -1, axis=0)
+    for (x0, y0), (x1, y1) in zip(corners, ends, strict=True):
+        if y0 == y1:
+            continue
+        meets = (middles[:, 1] < y0) != (middles[:, 1] < y1)
+        inside ^= meets & (middles[:, 0] < x0 + (middles[:, 1] - y0) / (y1 - y0) * (x1 - x0))
+    cells[rows.ravel()[inside], cols.ravel()[inside]] = True
+    step = grid.resolution / 2.0
+    for start, end in zip(corners, ends, strict=True):
+        steps = math.ceil(math.hypot(*(end - start)) / step)
+        points = start + np.linspace(0.0, 1.0, steps + 1)[:, None] * (end - start)
+        touched = grid.world_to_cell(points[grid.contains(points)])
+        cells[touched[:, 1], touched[:, 0]] = True
+    return cells
 
 
 @dataclass(frozen=True)
@@ -80,31 +124,30 @@ class ZonesInForce:
     """
 
     def __init__(self, zones: Iterable[Zone] = ()) -> None:
-        shapes = [(zone, Polygon(zone.corners)) for zone in zones]
-        self._barred = [(zone, shape) for zone, shape in shapes if zone.kind == "keep_out"]
-        self._slow = [(zone, shape) for zone, shape in shapes if zone.kind == "speed"]
-        self._outlines = [shape.outline() for _, shape in self._barred]
+        given = tuple(zones)
+        self._barred = [zone for zone in given if zone.kind == "keep_out"]
+        self._slow = [zone for zone in given if zone.kind == "speed"]
+        self._barred_outlines = Outlines([zone.corners for zone in self._barred])
+        self._slow_outlines = Outlines([zone.corners for zone in self._slow])
 
     def __bool__(self) -> bool:
         return bool(self._barred or self._slow)
 
     def barred(self, x: float, y: float, near: float = 0.0) -> Zone | None:
         """The keep-out zone at a point, or the nearest of those less than ``near`` [m] away."""
-        found = [(shape.distance(x, y), n) for n, (_, shape) in enumerate(self._barred)]
-        away, n = min(found, default=(math.inf, 0))
-        return self._barred[n][0] if away == 0.0 or away < near else None
+        away = self._barred_outlines.distance(x, y)
+        if not len(away):
+            return None
+        nearest = int(away.argmin())
+        return self._barred[nearest] if away[nearest] == 0.0 or away[nearest] < near else None
 
     def in_the_way(self, x: float, y: float, reach: float) -> Floats:
         """Points (N, 2) on the edges of keep-out zones, up to ``reach`` [m] from the robot.
 
         A zone that the robot's middle is in has none: what is left then is to leave it.
         """
-        near = [
-            points[np.hypot(*(points - (x, y)).T) <= reach]
-            for (_, shape), points in zip(self._barred, self._outlines, strict=True)
-            if not shape.contains([(x, y)])[0]
-        ]
-        return np.concatenate(near) if near else np.empty((0, 2))
+        outlines = self._barred_outlines
+        return outlines.near(x, y, reach, ~outlines.inside(x, y))
 
     def limit(self, x: float, y: float, radius: float, decel: float) -> SpeedLimit | None:
         """How fast the robot may be, so that it is slow enough where a zone begins.
@@ -118,13 +161,12 @@ class ZonesInForce:
         decel
             How it brakes at most [m/s²]; half of that is counted on.
         """
-        limits = [
-            SpeedLimit(CREEP, zone) for zone, shape in self._barred if shape.contains([(x, y)])[0]
-        ]
-        for zone, shape in self._slow:
+        inside = np.flatnonzero(self._barred_outlines.inside(x, y))
+        limits = [SpeedLimit(CREEP, self._barred[n]) for n in inside]
+        for zone, away in zip(self._slow, self._slow_outlines.distance(x, y), strict=True):
             assert zone.speed is not None  # of every speed zone
-            away = max(0.0, shape.distance(x, y) - radius)
-            limits.append(SpeedLimit(math.sqrt(zone.speed**2 + 2.0 * _GENTLE * decel * away), zone))
+            room = max(0.0, float(away) - radius)
+            limits.append(SpeedLimit(math.sqrt(zone.speed**2 + 2.0 * _GENTLE * decel * room), zone))
         return min(limits, key=lambda limit: limit.speed, default=None)
 
     def occupy(self, grid: Grid) -> Grid:
@@ -132,19 +174,6 @@ class ZonesInForce:
         if not self._barred:
             return grid
         cells = grid.cells.copy()
-        for (_, shape), points in zip(self._barred, self._outlines, strict=True):
-            x = (shape.low[0], shape.high[0], shape.high[0], shape.low[0])
-            y = (shape.low[1], shape.low[1], shape.high[1], shape.high[1])
-            box = grid.world_to_cell(np.column_stack([x, y]))
-            low = np.maximum(box.min(axis=0), 0)
-            high = np.minimum(box.max(axis=0) + 1, (grid.width, grid.height))
-            if (low >= high).any():
-                continue
-            cols, rows = np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]))
-            middles = grid.cell_to_world(np.column_stack([cols.ravel(), rows.ravel()]))
-            inside = shape.contains(middles)
-            cells[rows.ravel()[inside], cols.ravel()[inside]] = OCCUPIED
-            fine = points if grid.resolution >= SPACING else shape.outline(grid.resolution)
-            touched = grid.world_to_cell(fine[grid.contains(fine)])
-            cells[touched[:, 1], touched[:, 0]] = OCCUPIED
+        for zone in self._barred:
+            cells[covered(zone.corners, grid)] = OCCUPIED
         return Grid(cells, grid.resolution, grid.origin)

@@ -14,6 +14,7 @@ from kompass.rules.schema.model import Model
 MOST_ZONES = 100  # of a robot, on all of its maps
 MOST_CORNERS = 60
 SMALLEST = 0.01  # m²
+LONGEST_OUTLINE = 2000.0  # m
 SLOWEST, FASTEST = 0.05, 10.0  # m/s, what may be a limit
 _TOGETHER = 1e-3  # m under which two corners are one
 
@@ -33,6 +34,12 @@ def _corners(corners: tuple[Corner, ...]) -> tuple[Corner, ...]:
                     f"the edge from {_told(first[0])} crosses the one from {_told(edges[m][0])}; "
                     "set the corners in the order of the outline"
                 )
+    length = sum(math.dist(one, other) for one, other in edges)
+    if length > LONGEST_OUTLINE:
+        raise ValueError(
+            f"its outline is {length:.0f} m long; make it of several zones with at most "
+            f"{LONGEST_OUTLINE:.0f} m each"
+        )
     if abs(area(corners)) < SMALLEST:
         raise ValueError(f"it has less than {SMALLEST} m²; set the corners further apart")
     return corners

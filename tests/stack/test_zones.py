@@ -15,7 +15,7 @@ from std_msgs.msg import String
 from kompass.components.base.convert import grid_of
 from kompass.places.map_identity import identify
 from kompass.zones.change import DeleteZone, EditZone, RestoreZone, SaveZone, ZoneChange
-from kompass.zones.in_force import CREEP, Polygon
+from kompass.zones.in_force import CREEP, Outlines
 from kompass.zones.zone import Corner, Zone, ZonePlan, ZonesNow
 from tests.support.client import LATCHED
 from tests.support.hand import Hand
@@ -70,7 +70,7 @@ class ZonedRobot(VirtualRobot):
 
     def clearance(self, corners: tuple[Corner, ...] = ACROSS) -> float:
         """Between the body and a polygon [m]."""
-        return Polygon(corners).distance(*self.truth[:2]) - RADIUS
+        return float(Outlines([corners]).distance(*self.truth[:2])[0]) - RADIUS
 
 
 @pytest.fixture
@@ -129,7 +129,8 @@ def test_no_hand_drives_it_in_and_whoever_is_in_is_driven_out_slowly(robot: Zone
     robot.wait_until(
         lambda: robot.newest["/drive_state"].limited_by == "keep-out zone", 20, "the zone's edge"
     )
-    least = min(Polygon(ACROSS).distance(*at[:2]) for at in robot.watch(5.0)) - RADIUS
+    zone = Outlines([ACROSS])
+    least = min(float(zone.distance(*at[:2])[0]) for at in robot.watch(5.0)) - RADIUS
     assert -SLACK < least < 0.3
     ava.vx = -0.2
     robot.wait_until(lambda: robot.clearance() > 0.3, 20, "a way back")

@@ -8,28 +8,46 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kompass.algorithms.grid import FREE, OCCUPIED, Grid
-from kompass.zones.in_force import CREEP, SPACING, Polygon, ZonesInForce
+from kompass.zones.in_force import CREEP, SPACING, Outlines, ZonesInForce
 from tests.zones.zones import SQUARE, zone
 
 L_SHAPE = ((0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3))
 
 
 def test_a_polygon_with_a_bay_does_not_contain_the_bay() -> None:
-    shape = Polygon(L_SHAPE)
-    inside = shape.contains([(0.5, 0.5), (2.5, 0.5), (0.5, 2.5), (2.0, 2.0), (-0.1, 0.5)])
-    assert inside.tolist() == [True, True, True, False, False]
-    assert shape.distance(0.5, 0.5) == 0.0
-    assert shape.distance(2.0, 2.0) == pytest.approx(1.0)
-    assert shape.distance(-1.0, -1.0) == pytest.approx(math.sqrt(2))
+    shapes = Outlines([L_SHAPE, SQUARE])
+    points = [(0.5, 0.5), (2.5, 0.5), (0.5, 2.5), (2.0, 2.0), (-0.1, 0.5), (1.5, 1.5)]
+    inside = [shapes.inside(*point).tolist() for point in points]
+    assert [one for one, _ in inside] == [True, True, True, False, False, False]
+    assert [other for _, other in inside] == [False] * 5 + [True]
+    assert shapes.distance(0.5, 0.5).tolist() == [0.0, pytest.approx(math.sqrt(0.5))]
+    assert shapes.distance(-1.0, -1.0)[0] == pytest.approx(math.sqrt(2))
+    assert len(Outlines([]).distance(0.0, 0.0)) == len(Outlines([]).inside(0.0, 0.0)) == 0
 
 
 @given(st.floats(-1, 4), st.floats(-1, 4))
-def test_the_outline_leaves_no_gap_to_slip_through(x: float, y: float) -> None:
-    shape = Polygon(L_SHAPE)
-    nearest = float(np.hypot(*(shape.outline() - (x, y)).T).min())
-    if not shape.contains([(x, y)])[0]:
-        away = shape.distance(x, y)
-        assert away - 1e-9 <= nearest <= math.hypot(away, SPACING / 2) + 1e-9
+def test_the_edges_leave_no_gap_to_slip_through(x: float, y: float) -> None:
+    shape = Outlines([L_SHAPE])
+    away = float(shape.distance(x, y)[0])
+    if away == 0.0:
+        return
+    points = shape.near(x, y, 1.0, np.array([True]))
+    if away > 1.0:
+        assert len(points) == 0
+        return
+    found = np.hypot(*(points - (x, y)).T)
+    assert found.max() <= 1.0 + 1e-9
+    assert away - 1e-9 <= found.min() <= math.hypot(away, SPACING / 2) + 1e-9
+
+
+@given(st.floats(-2, 5), st.floats(-2, 5), st.floats(0.1, 3.0))
+def test_all_of_the_edges_within_reach_are_told(x: float, y: float, reach: float) -> None:
+    points = Outlines([L_SHAPE]).near(x, y, reach, np.array([True]))
+    for (x0, y0), (x1, y1) in zip(L_SHAPE, [*L_SHAPE[1:], L_SHAPE[0]], strict=True):
+        for share in np.linspace(0.0, 1.0, 41):
+            at = (x0 + share * (x1 - x0), y0 + share * (y1 - y0))
+            if math.dist(at, (x, y)) <= reach - 1e-9:
+                assert np.hypot(*(points - at).T).min() <= SPACING / 2 + 1e-9
 
 
 def test_edges_are_in_the_way_of_whoever_is_outside_and_no_one_inside() -> None:
@@ -75,13 +93,13 @@ def test_every_point_of_a_keep_out_zone_is_in_an_occupied_cell(
     x = 1.5 + corner * (math.cos(yaw) - math.sin(yaw))
     y = 1.5 + corner * (math.sin(yaw) + math.cos(yaw))
     grid = Grid(np.full((size, size), FREE, dtype=np.int8), resolution, (x, y, yaw))
-    shape = Polygon(SQUARE)
+    shape = Outlines([SQUARE])
     cells = ZonesInForce([zone()]).occupy(grid)
-    for at, inside in zip(points, shape.contains(points), strict=True):
+    for at in points:
         col, row = cells.world_to_cell([at])[0]
-        if inside:
+        if shape.inside(*at)[0]:
             assert cells.cells[row, col] == OCCUPIED
-        elif shape.distance(*at) > 2 * resolution:
+        elif shape.distance(*at)[0] > 2 * resolution:
             assert cells.cells[row, col] == FREE
     assert (grid.cells == FREE).all()
 

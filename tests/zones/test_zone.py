@@ -25,6 +25,7 @@ from tests.zones.zones import MAP, SQUARE, plan
         ({"corners": ((0, 0), (2, 0), (1, 0), (1, 1))}, "crosses"),
         ({"corners": ((0, 0), (0.1, 0), (0, 0.1))}, "less than"),
         ({"corners": ((0, 0), (math.nan, 0), (0, 1))}, "finite"),
+        ({"corners": ((0, 0), (900, 0), (900, 900), (0, 900))}, "3600 m long"),
         ({"kind": "speed"}, "no speed"),
         ({"kind": "speed", "speed": 0.0}, "greater than or equal to 0.05"),
         ({"speed": 0.3}, "leave it out"),
