@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
+from std_msgs.msg import String
 
 from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, running_stack
+from tests.console.fake_stack import world_map
 from tests.console.rules_client import Json, await_monitor
 from tests.console.test_places import listed as places_of
-from tests.console.test_places import monitor_in, refused
+from tests.console.test_places import monitor_in, publish_map, refused
 from tests.support.processes import wait_until
+from tests.support.robot import LATCHED, Robot
 
 pytestmark = pytest.mark.ros
 
@@ -147,3 +152,46 @@ def test_what_is_drawn_is_judged_before_it_is_saved(ava: httpx.Client) -> None:
     assert "crosses" in sketched([CORNERS[0], CORNERS[2], CORNERS[1], CORNERS[3]])
     assert "outside the map" in sketched([*CORNERS[:3], [900.0, 0.0]])
     assert listed(ava)["zones"] == []
+
+
+def test_on_another_map_a_zone_is_not_in_force_until_it_is_taken_along(
+    ava: httpx.Client, domain: int
+) -> None:
+    zone = save(ava)
+    tester = Robot(domain)
+    tester.subscribe(String, "/zones", LATCHED)
+
+    def in_force() -> list[str]:
+        told = tester.newest.get("/zones")
+        return [] if told is None else [each["name"] for each in json.loads(told.data)["zones"]]
+
+    def monitor_hears_the_map() -> bool:
+        infos = tester.node.get_subscriptions_info_by_topic("/map")
+        return any(info.node_name == "monitor" for info in infos)
+
+    try:
+        wait_until(lambda: in_force() == ["Stairs"], 10.0, "a zone in force")
+        wait_until(monitor_hears_the_map, 10.0, "a monitor that looks at the map")
+        other = world_map()
+        other[70, 90] = 100  # one cell is enough
+        ends = []
+
+        def without() -> bool:
+            # Whoever has just begun to listen may hear the map of before after this one.
+            ends.append(tester.do(lambda: publish_map(tester, other)))
+            with contextlib.suppress(AssertionError):
+                wait_until(lambda: not in_force(), 0.5, "no zone in force")
+            return not in_force()
+
+        wait_until(without, 10.0, "no zone in force")
+        wait_until(lambda: not listed(ava)["zones"][0]["here"], 10.0, "another map")
+        along = ava.put(f"/api/zones/{zone['id']}", json={"version": 1, **STAIRS})
+        assert along.json()["here"]
+        wait_until(lambda: in_force() == ["Stairs"], 10.0, "the zone in force there")
+        for end in ends:
+            tester.do(end)
+        end = tester.do(lambda: publish_map(tester, world_map()))
+        wait_until(lambda: not in_force(), 10.0, "the first map again")
+        tester.do(end)
+    finally:
+        tester.close()

@@ -460,13 +460,19 @@ class Planner(Component):
         self._drive(plan)
 
     def _find(self, pursued: GoalProgress, *, narrow: bool = True) -> Plan:
+        try:
+            return self._search(pursued, narrow=narrow)
+        except PlanningFailure as failure:
+            self._blame_zone(failure, pursued.goal)
+            raise
+
+    def _search(self, pursued: GoalProgress, *, narrow: bool) -> Plan:
         x, y, yaw = pursued.goal
         heading = yaw if pursued.tolerance.heading_matters else None
         planner, pose = self._ready(pursued.goal)
         try:
             return planner.plan(pose, (x, y, heading))
         except PlanningFailure as failure:
-            self._blame_zone(failure, pursued.goal)
             if self._live is None or failure.reason not in WIDER or not narrow:
                 raise
             told = failure
@@ -480,7 +486,7 @@ class Planner(Component):
         # The way round may lead further away than was thought of so far.
         if not self._live.widen():
             raise told
-        return self._find(pursued)
+        return self._search(pursued, narrow=True)
 
     def _blame_zone(self, failure: PlanningFailure, goal: Pose2D) -> None:
         """Raise a failure anew, with the keep-out zone's name, where that is why."""

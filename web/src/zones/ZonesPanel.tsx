@@ -1,5 +1,12 @@
 import { ActionIcon, Button, Menu } from "@mantine/core";
-import { IconBarrierBlock, IconDots, IconGauge, IconPencil, IconTrash } from "@tabler/icons-react";
+import {
+  IconBarrierBlock,
+  IconDots,
+  IconGauge,
+  IconMap2,
+  IconPencil,
+  IconTrash,
+} from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import type { Zone, ZoneList } from "../api/types";
@@ -39,7 +46,22 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
   const [deleted, setDeleted] = useState<Zone | null>(null);
   const undo = useMutation({ mutationFn: restoreZone, onSuccess: () => setDeleted(null) });
   const here = list.zones.filter((zone) => zone.here);
-  const others = list.zones.length - here.length;
+  const elsewhere = list.zones.filter((zone) => !zone.here);
+  const [others, setOthers] = useState(false);
+  const rows = (zones: Zone[]) =>
+    zones.map((zone) => (
+      <ZoneRow
+        key={zone.id}
+        zone={zone}
+        mayEdit={mayEdit}
+        mayTake={list.map !== null}
+        onDraw={onDraw}
+        onDeleted={(gone) => {
+          undo.reset();
+          setDeleted(gone);
+        }}
+      />
+    ));
   return (
     <>
       {list.problem !== "" && <p className={places.empty}>{list.problem}</p>}
@@ -49,18 +71,7 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
         here.length === 0 && list.available && <p className={places.empty}>None on this map yet.</p>
       )}
       <ul className={places.list} aria-label="Zones of this map">
-        {here.map((zone) => (
-          <ZoneRow
-            key={zone.id}
-            zone={zone}
-            mayEdit={mayEdit}
-            onDraw={onDraw}
-            onDeleted={(gone) => {
-              undo.reset();
-              setDeleted(gone);
-            }}
-          />
-        ))}
+        {rows(here)}
       </ul>
       {deleted !== null && (
         <div className={places.undo} role="status">
@@ -77,10 +88,24 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
           <Problem error={undo.error} />
         </div>
       )}
-      {others > 0 && (
-        <p className={places.empty}>
-          {others === 1 ? "1 zone" : `${others} zones`} of other maps, not in force.
-        </p>
+      {elsewhere.length > 0 && (
+        <>
+          <Button
+            variant="subtle"
+            size="compact-md"
+            aria-expanded={others}
+            onClick={() => setOthers(!others)}
+            data-testid="zones-elsewhere"
+          >
+            {elsewhere.length === 1 ? "1 zone" : `${elsewhere.length} zones`} of other maps, not in
+            force
+          </Button>
+          {others && (
+            <ul className={places.list} aria-label="Zones of other maps">
+              {rows(elsewhere)}
+            </ul>
+          )}
+        </>
       )}
       {mayEdit && onDraw !== null && list.map !== null && (
         <Button
@@ -100,20 +125,25 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
 interface RowProps extends Props {
   zone: Zone;
   mayEdit: boolean;
+  /** Whether there is a map to take it along to. */
+  mayTake: boolean;
   onDeleted: (zone: Zone) => void;
 }
 
-function ZoneRow({ zone, mayEdit, onDraw, onDeleted }: RowProps) {
+function ZoneRow({ zone, mayEdit, mayTake, onDraw, onDeleted }: RowProps) {
+  const { session } = useSession();
   const [before, setBefore] = useState<Zone | null>(null);
   const remove = useMutation({
     mutationFn: () => deleteZone(zone),
     onSuccess: () => onDeleted(zone),
   });
-  const revert = useMutation({
+  /** Makes it as it was, or the same on the map that the robot has now. */
+  const make = useMutation({
     mutationFn: ({ name, kind, speed, corners }: Zone) =>
       editZone(zone, { name, kind, speed, corners: corners.map(([x = 0, y = 0]) => [x, y]) }),
     onSuccess: () => setBefore(null),
   });
+  const mine = zone.author === session.user && before?.version === zone.version - 1;
   const Icon = zone.kind === "keep_out" ? IconBarrierBlock : IconGauge;
   return (
     <li className={places.item} data-testid={`zone-${zone.id}`} data-name={zone.name}>
@@ -131,15 +161,16 @@ function ZoneRow({ zone, mayEdit, onDraw, onDeleted }: RowProps) {
             <span className={places.name}>{zone.name}</span>
             <span className={places.note}>
               {ruleText(zone)}, by {zone.author}
+              {!zone.here && `. Of a map of ${zone.map.label}`}
             </span>
           </span>
         </span>
-        {before !== null && before.version < zone.version && (
+        {before !== null && mine && (
           <Button
             variant="default"
             size="compact-md"
-            loading={revert.isPending}
-            onClick={() => revert.mutate(before)}
+            loading={make.isPending}
+            onClick={() => make.mutate(before)}
             data-testid="zone-revert"
           >
             Undo
@@ -153,25 +184,38 @@ function ZoneRow({ zone, mayEdit, onDraw, onDeleted }: RowProps) {
                 color="gray"
                 className={places.more}
                 aria-label={`More for ${zone.name}`}
-                loading={remove.isPending}
+                loading={remove.isPending || make.isPending}
                 data-testid="zone-menu"
               >
                 <IconDots size={18} aria-hidden />
               </ActionIcon>
             </Menu.Target>
             <Menu.Dropdown>
-              <Menu.Item
-                leftSection={<IconPencil size={16} aria-hidden />}
-                mih={44}
-                disabled={onDraw === null}
-                onClick={() => {
-                  setBefore(zone);
-                  onDraw?.(zone);
-                }}
-                data-testid="zone-edit"
-              >
-                Change
-              </Menu.Item>
+              {zone.here ? (
+                <Menu.Item
+                  leftSection={<IconPencil size={16} aria-hidden />}
+                  mih={44}
+                  disabled={onDraw === null}
+                  onClick={() => {
+                    setBefore(zone);
+                    onDraw?.(zone);
+                  }}
+                  data-testid="zone-edit"
+                >
+                  Change
+                </Menu.Item>
+              ) : (
+                <Menu.Item
+                  leftSection={<IconMap2 size={16} aria-hidden />}
+                  mih={44}
+                  disabled={!mayTake}
+                  title="Where this map shows the same room: same name, same corners"
+                  onClick={() => make.mutate(zone)}
+                  data-testid="zone-along"
+                >
+                  Take along to this map
+                </Menu.Item>
+              )}
               <Menu.Item
                 leftSection={<IconTrash size={16} aria-hidden />}
                 mih={44}
@@ -184,7 +228,7 @@ function ZoneRow({ zone, mayEdit, onDraw, onDeleted }: RowProps) {
           </Menu>
         )}
       </div>
-      <Problem error={remove.error ?? revert.error} />
+      <Problem error={remove.error ?? make.error} />
     </li>
   );
 }
