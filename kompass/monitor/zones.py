@@ -42,7 +42,8 @@ class Zones:
     """Tells the zones on ``<node>/zones``, and those of the robot's map on ``/zones``.
 
     After a start nothing is told on ``/zones`` before the map is known: what the components have
-    heard from the monitor before counts until then. So it does when the zones were lost.
+    heard from the monitor before counts until then. Where the zones were lost it counts until somebody
+    draws or deletes one.
 
     Parameters
     ----------
@@ -130,8 +131,9 @@ class Zones:
         here = self._map
         book = self._book
         waited = self._node.clock.monotonic() - self._since >= PATIENCE
-        lost = bool(book.problem) and not book.zones
-        if not book.available or lost or (here is None and book.zones and not waited):
+        if not book.available or book.revision == 0:  # none ever, or all that there were are lost
+            return
+        if here is None and book.zones and not waited:
             return
         zones = tuple(zone for zone in book.zones if here is not None and zone.map.id == here.id)
         if self._told is None or self._told.zones != zones:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import closing
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,10 +14,11 @@ from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import String
 
 from kompass.components.base.convert import grid_of
+from kompass.components.drive.zones_file import load_zones
 from kompass.places.map_identity import identify
 from kompass.zones.change import DeleteZone, EditZone, RestoreZone, SaveZone, ZoneChange
 from kompass.zones.in_force import CREEP, Outlines
-from kompass.zones.zone import Corner, Zone, ZonePlan, ZonesNow
+from kompass.zones.zone import Corner, Zone, ZoneBook, ZonePlan, ZonesNow
 from tests.support.client import LATCHED
 from tests.support.hand import Hand
 from tests.support.tester import pose
@@ -37,6 +39,7 @@ class ZonedRobot(VirtualRobot):
         super().__init__(remembers=True)
         self.subscribe(OccupancyGrid, "/map", LATCHED)
         self.subscribe(String, "/zones", LATCHED)
+        self.subscribe(String, "/monitor/zones", LATCHED)
         self.ready()
         self.wait_until(lambda: "/map" in self.newest, 10, "the map")
         self.map = identify(grid_of(self.newest["/map"]))
@@ -67,6 +70,31 @@ class ZonedRobot(VirtualRobot):
     def looks_at(self, x: float, y: float) -> CheckGoal.Response:
         request = CheckGoal.Request(goal=pose(x, y, 0.0))
         return self.call(CheckGoal, "/planner/check_goal", request)
+
+    @property
+    def file(self) -> Path:
+        """Where the drive manager keeps what is in force."""
+        return next(iter(self.folder.rglob("zones-drive_manager.json")), self.folder / "none")
+
+    @property
+    def kept(self) -> list[str]:
+        """What is in that file; nothing where it cannot be read."""
+        try:
+            told = load_zones(self.file)
+        except ValueError:
+            return []
+        return [] if told is None else [zone.name for zone in told.zones]
+
+    def is_held_at_the_zone(self) -> None:
+        """Drive it towards the zone by hand, until the gate holds it there."""
+        ava = Hand(self, "ava")
+        self.wait_until(lambda: ava.ask().success, 20, "the wheel")
+        ava.take()
+        self.rest(0.5)
+        ava.vx = 0.2
+        self.wait_until(
+            lambda: self.newest["/drive_state"].limited_by == "keep-out zone", 20, "its edge"
+        )
 
     def clearance(self, corners: tuple[Corner, ...] = ACROSS) -> float:
         """Between the body and a polygon [m]."""
@@ -173,19 +201,44 @@ def test_a_drive_manager_comes_up_with_the_zones_though_the_monitor_is_dead(
     robot: ZonedRobot,
 ) -> None:
     robot.zone()
-    robot.rest(1.0)
+    robot.wait_until(lambda: robot.kept == ["Wet floor"], 10, "the drive manager's file")
     robot.stack.stop("monitor")
     robot.stack.kill("drive_manager")
-    robot.rest(1.0)
-    robot.wait_until(lambda: robot.newest["/drive_state"].limited_by != "stop", 10, "a gate")
-    ava = Hand(robot, "ava")
-    robot.wait_until(lambda: ava.ask().success, 10, "the wheel")
-    ava.take()
-    robot.rest(0.5)
-    ava.vx = 0.2
-    robot.wait_until(
-        lambda: robot.newest["/drive_state"].limited_by == "keep-out zone", 20, "the zone's edge"
-    )
+    robot.is_held_at_the_zone()
+
+
+def test_a_drive_manager_whose_file_is_damaged_says_so_and_writes_what_it_hears(
+    robot: ZonedRobot,
+) -> None:
+    robot.zone()
+    robot.wait_until(lambda: robot.kept == ["Wet floor"], 10, "the drive manager's file")
+    robot.file.write_text("{")
+    robot.stack.kill("drive_manager")
+    robot.wait_for_line("zones-drive_manager.json is damaged", 10)
+    robot.wait_until(lambda: robot.kept == ["Wet floor"], 10, "a file that can be read")
+    robot.is_held_at_the_zone()
+
+
+def test_zones_that_were_lost_stay_in_force_until_somebody_draws_one(robot: ZonedRobot) -> None:
+    robot.zone()
+    robot.stack.stop("monitor")
+    (store,) = robot.folder.rglob("zones.db")
+    store.write_bytes(b"no database")
+    for left in store.parent.glob("zones.db-*"):
+        left.unlink()
+    for problem in ("damaged", ""):  # its second start finds an empty store, and nothing wrong
+        robot.newest.pop("/monitor/zones")
+        robot.stack.kill("monitor")
+        robot.wait_until(lambda: "/monitor/zones" in robot.newest, 30, "a new monitor")
+        told = ZoneBook.model_validate_json(robot.newest["/monitor/zones"].data)
+        assert problem in told.problem
+        assert bool(told.problem) == bool(problem)
+        robot.rest(12.0)  # longer than it waits for a map
+        assert not robot.looks_at(-1.15, -0.5).reachable
+    far = ((1.5, 1.5), (1.7, 1.5), (1.7, 1.7))
+    robot.zone(far, name="Far away")
+    robot.wait_until(lambda: robot.in_force == ["Far away"], 5, "the new ones")
+    assert robot.looks_at(-1.15, -0.5).reachable
 
 
 def test_a_monitor_that_starts_again_keeps_them_in_force(robot: ZonedRobot) -> None:

@@ -55,6 +55,8 @@ class VirtualRobot(InVirtualTime, Tester):
         The fate of its processes: ``kill``, ``stop`` and ``go_on``, by name.
     news
         What the supervisor has told of processes.
+    folder
+        Where its processes keep their files.
     """
 
     def __init__(
@@ -88,6 +90,7 @@ class VirtualRobot(InVirtualTime, Tester):
     ) -> None:
         give_key()
         folder = self._ending.enter_context(tempfile.TemporaryDirectory(prefix="kompass-data-"))
+        self.folder = Path(folder)
         given = {"KOMPASS_DATA_DIR": folder, "KOMPASS_ROBOT_NAME": "tested"} | environment
         self._ending.enter_context(_environment(given))
         self.world = self._ending.enter_context(World(seed))

@@ -118,6 +118,7 @@ class DriveManager(Component):
         super().__init__(component_name, **kwargs)
         self._latch = StopLatch()
         self._keeper: StopKeeper | None = None
+        self._zones_path: Path | None = None
 
     def init_variables(self) -> None:
         self._queue = CommandQueue(self.config.command_timeout)
@@ -141,7 +142,6 @@ class DriveManager(Component):
         self._ended: Future | None = None
         self._wheel = Wheel()
         self._is_cut = False  # and the wheels have been told
-        self._zones_path: Path | None = None
         self._ignored, self._ignored_told = 0, -float("inf")
 
     def _gate_limits(self) -> GateLimits:
@@ -319,14 +319,13 @@ class DriveManager(Component):
 
     def _restore_zones(self) -> None:
         """Come up with the zones of before: the monitor may be starting, too, or dead."""
-        log = self.node.get_logger()
+        log, kept = self.node.get_logger(), None
+        self._zones_writer = self.node.threads(1, "zones file")
         try:
             self._zones_path = zones_path(robot_folder(), self.node_name)
             kept = load_zones(self._zones_path)
         except (StoreUnwritable, ValueError) as error:
             log.error(f"zones do not count before the monitor has told them: {error}")
-            return
-        self._zones_writer = self.node.threads(1, "zones file")
         if kept is not None and self._zones.told is None:
             self._zones.set(kept)
 
