@@ -111,7 +111,8 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
         closing.callback(localisation.stop)
         drills = Drills(settings.drill)
         closing.callback(drills.close)
-        audit, sockets, hands = AuditTrail(audit_log), OpenSockets(auth, settings.limits), Hands()
+        audit = AuditTrail(audit_log, link.notes.note)
+        sockets, hands = OpenSockets(auth, settings.limits), Hands()
         yield Console(
             settings=settings,
             auth=auth,

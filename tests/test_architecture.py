@@ -30,6 +30,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("channel", "field_types"),
         ("expressions", "places", "robot", "rulebook"),
         ("missions", "zones"),
+        ("timeline",),
         ("rclpy_ext",),
         ("virtual",),
         ("backtest",),

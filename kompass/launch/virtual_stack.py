@@ -35,7 +35,7 @@ from kompass.simulation.faults.fault_names import FaultOrder
 from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 from kompass.simulation.simulator import Simulator
 from kompass.simulation.worlds.world import World as Place
-from kompass.store import MissionStore, PlaceStore, RuleStore, ZoneStore
+from kompass.store import MissionStore, PlaceStore, RuleStore, TimelineStore, ZoneStore
 from kompass.store.robot_key import robot_key
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.news import ProcessNews
@@ -395,7 +395,7 @@ class VirtualStack:
         )
 
     def _memory(self, process: VirtualProcess) -> Memory:
-        """Places, missions and zones of the folder, as long as the process lives."""
+        """Places, missions, zones and timeline of the folder, as long as the process lives."""
         folder, clock = self._folder, self._world.clock.wall
         assert folder is not None  # whoever is to remember is told where
 
@@ -414,7 +414,12 @@ class VirtualStack:
             process.at_death(store.close)
             return store
 
-        return Memory(places, missions, zones)
+        def timeline() -> TimelineStore:
+            store = TimelineStore.open(folder, clock=clock)
+            process.at_death(store.close)
+            return store
+
+        return Memory(places, missions, zones, timeline)
 
     def _simulate(self, process: VirtualProcess, _: Life) -> Ears:
         node = VirtualNode(process, SIMULATOR)

@@ -18,6 +18,7 @@ from kompass_interfaces.srv import (
     ApplyRules,
     ChangeMissions,
     ChangePlaces,
+    ChangeTimeline,
     ChangeZones,
     CheckRules,
     ConfirmRules,
@@ -26,6 +27,7 @@ from kompass_interfaces.srv import (
     GetFirings,
     GetHistory,
     GetRules,
+    GetTimeline,
     ResetRule,
     RollbackRules,
     SaveRecording,
@@ -52,6 +54,8 @@ from kompass.rulebook.schema.revision import History
 from kompass.rulebook.schema.status import RuleStatus
 from kompass.rulebook.schema.table_view import TableView
 from kompass.store.robot_key import known_keys
+from kompass.timeline.change import TimelineChange
+from kompass.timeline.query import TimelinePage, TimelineQuery
 from kompass.zones.change import ZoneChange
 from kompass.zones.zone import Zone
 
@@ -74,6 +78,8 @@ _SERVICES: dict[Any, tuple[str, float]] = {
     ChangeMissions: ("change_missions", 5.0),
     ChangePlaces: ("change_places", 5.0),
     ChangeZones: ("change_zones", 5.0),
+    GetTimeline: ("get_timeline", 5.0),
+    ChangeTimeline: ("change_timeline", 5.0),
 }
 _ACCEPT_LIMIT = 10.0  # s for a back-test to be taken
 _ALARMS = TypeAdapter(tuple[Alarm, ...])
@@ -333,6 +339,10 @@ class MonitorClient:
         request = GetFirings.Request(before=before, count=count, rule_id=rule_id)
         return self._look(request, Journal)
 
+    def timeline(self, query: TimelineQuery) -> Reply[Json[TimelinePage]]:
+        """What has happened, newest first."""
+        return self._look(GetTimeline.Request(query=query.model_dump_json()), TimelinePage)
+
     def graph(self) -> Reply[Json[GraphView]]:
         """What rules can be made of on this robot, now."""
         return self._look(DescribeGraph.Request(), GraphView)
@@ -459,6 +469,15 @@ class MonitorClient:
         request = ChangeMissions.Request(change=change.model_dump_json(), author=author, role=role)
         return self.request(request, read)
 
+    def change_timeline(self, change: TimelineChange, *, author: str, role: str) -> Reply[None]:
+        """Write a note down, or say what is to become of an alarm."""
+        request = ChangeTimeline.Request(change=change.model_dump_json(), author=author, role=role)
+
+        def read(answer: Any) -> None:
+            _message(answer)
+
+        return self.request(request, read)
+
     # -- back-tests -------------------------------------------------------------------------------
 
     @property
@@ -541,6 +560,10 @@ class MonitorClient:
     def watch_zones(self, heard: Callable[[str], None]) -> None:
         """Hear of all zones (JSON: ZoneBook), from what was said last on."""
         self._subscribe(String, "zones", lambda message: heard(str(message.data)), LATCHED)
+
+    def watch_timeline(self, heard: Callable[[str], None]) -> None:
+        """Hear that something has happened (JSON: TimelineNews), from what was said last on."""
+        self._subscribe(String, "timeline", lambda message: heard(str(message.data)), LATCHED)
 
     def watch_missions(self, book: Callable[[str], None], state: Callable[[str], None]) -> None:
         """Hear of all missions (JSON: MissionBook) and of what runs (JSON: MissionState), from what

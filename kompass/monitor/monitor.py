@@ -41,6 +41,8 @@ from kompass.monitor.tables.active_table import ActiveTable
 from kompass.monitor.tables.live_lints import LiveLints
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import InForce
+from kompass.monitor.timeline.timeline import Timeline
+from kompass.monitor.timeline.watch import RobotWatch
 from kompass.monitor.worker_thread import WorkerThread
 from kompass.monitor.zones import Zones
 from kompass.rclpy_ext.main_thread import MainThread
@@ -49,8 +51,10 @@ from kompass.recipe.table import RecipeRules
 from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Table, table_hash
-from kompass.store import MissionStore, PlaceStore, RuleStore, ZoneStore
+from kompass.store import MissionStore, PlaceStore, RuleStore, TimelineStore, ZoneStore
 from kompass.supervisor.news import ProcessNews
+from kompass.timeline.entry import RevisionLink
+from kompass.timeline.happening import Happened
 
 FIT_PERIOD = 0.5  # s between looks at the publishers of the rules' topics
 REPEAT_PERIOD = 0.4  # s between repetitions for those who are silent
@@ -66,13 +70,14 @@ class Memory(NamedTuple):
 
     Attributes
     ----------
-    places, missions, zones
+    places, missions, zones, timeline
         Open them.
     """
 
     places: Callable[[], PlaceStore]
     missions: Callable[[], MissionStore]
     zones: Callable[[], ZoneStore]
+    timeline: Callable[[], TimelineStore]
 
 
 class Monitor:
@@ -104,7 +109,7 @@ class Monitor:
     supervisor_silent
         For how long the supervisor has shown no life [s]; None where it always does.
     memory
-        Opens the robot's places, missions and zones; None where nobody keeps any.
+        Opens the robot's places, missions, zones and timeline; None where nobody keeps any.
     """
 
     def __init__(
@@ -127,11 +132,17 @@ class Monitor:
 
         permissions = Permissions(catalog.components(), recipe.table, recipe.opened)
         start = with_permissions(start, permissions)
-        self._recording = recording
+        self._recording, self._clock = recording, node.clock
         self._main = main = MainThread(executor)
         self._worker = WorkerThread(node, "tables")
         timers = Timers(node)
-        alarms = Alarms(node)
+        gatekeeper = Gatekeeper(node)
+        self._timeline = timeline = Timeline(
+            *(node, main, timers, gatekeeper), memory.timeline if memory else None
+        )
+        alarms = Alarms(node, timers, timeline.add)
+        timeline.offer_changes(node, alarms)
+        self._robot = RobotWatch(node, timers, catalog, timeline.add_all)
         # What fires begins runs, and the end of a run is an input of the engine: a circle.
         wake_up = MovableTimer(timers, lambda: loop.tick())
         loop = EngineLoop(
@@ -145,7 +156,9 @@ class Monitor:
             event_log=recording.event_log if recording else None,
             clock=node.clock,
         )
-        firings = Firings(node, loop, store, stamp, recording.fired if recording else None)
+        firings = Firings(
+            node, loop, store, stamp, recording.fired if recording else None, timeline.add
+        )
         proxy = StatusProxy(node, loop.heard)
         self._processes = ProcessStates(node, proxy, ask, stamp)
         self._runner = ActionRunner(
@@ -185,6 +198,7 @@ class Monitor:
             lints=LiveLints(engine, graph, previews),
             announce=lambda text: main.post(partial(firings.announce, text)),
             later=self._worker.post,
+            edited=self._edited,
             safe_mode=settings.safe_mode,
             probation=settings.probation,
         )
@@ -195,19 +209,20 @@ class Monitor:
             graph.view,
             partial(_save, recording, main, node.clock) if recording else None,
         )
-        gatekeeper = Gatekeeper(node)
         self._services = Services(
             *(node, main, gatekeeper, self._worker, tables, previews.hear, sources)
         )
         self._places = self._missions = self._zones = None
         if memory is not None:
-            self._places = Places(node, main, gatekeeper, memory.places)
+            self._places = Places(node, main, gatekeeper, memory.places, timeline.add)
             self._missions = Missions(
                 *(node, executor, main, timers, gatekeeper, self._runner, catalog, permissions),
-                *(self._places, memory.missions),
+                *(self._places, memory.missions, timeline.add_all),
             )
             self._runner.start_mission = self._missions.start
-            self._zones = Zones(node, main, timers, gatekeeper, catalog, memory.zones)
+            self._zones = Zones(
+                *(node, main, timers, gatekeeper, catalog, memory.zones, timeline.add)
+            )
         if recording:
             recording.start(node, executor, store, gatekeeper)
 
@@ -242,8 +257,14 @@ class Monitor:
         news = ProcessNews.of_line(line)
         self._runner.channels.changed(news)
         self._processes.changed(news)
+        self._robot.process_changed(news)
         if self._missions is not None:
             self._missions.process_changed(news)
+
+    def _edited(self, title: str, revision: int, by: str, reason: str) -> None:
+        link = RevisionLink(number=revision)
+        now = self._clock.wall()
+        self._timeline.add(Happened(now, "edit", title, reason, who=by, link=link))
 
     def component_answered(self, packet: bytes) -> None:
         """Take what a component sent over its channel."""
@@ -264,6 +285,7 @@ class Monitor:
             if kept is not None:
                 kept.close()
         self._runs.close()
+        self._timeline.close()
         self._polled.close()
         self._runner.close()
         if self._recording is not None:

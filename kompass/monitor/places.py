@@ -18,6 +18,8 @@ from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.store.errors import StoreError
 from kompass.store.place_store import PlaceStore
+from kompass.timeline.edit import edited
+from kompass.timeline.happening import Happening
 
 TOPIC = "places"
 SERVICE = "change_places"
@@ -37,6 +39,8 @@ class Places:
         Lets requests in.
     open_store
         Opens the places of this robot.
+    happened
+        Told of what people change; on a worker.
     """
 
     def __init__(
@@ -45,8 +49,9 @@ class Places:
         main: MainThread,
         gatekeeper: Gatekeeper,
         open_store: Callable[[], PlaceStore],
+        happened: Callable[[Happening], None],
     ) -> None:
-        self._main = main
+        self._main, self._clock, self._happened = main, node.clock, happened
         self._worker = WorkerThread(node, "places")
         self._publisher = node.create_publisher(
             String, f"{node.get_name()}/{TOPIC}", LATCHED.to_ros()
@@ -85,6 +90,7 @@ class Places:
         place = self._store.change(change, who.name[:LONGEST_AUTHOR])
         book = self._store.book()
         self._main.post(lambda: self._tell(book))
+        self._happened(edited("Place", change.kind, place.name, who.name, self._clock.wall()))
         return place.model_dump_json()
 
     def _tell(self, book: PlaceBook) -> None:

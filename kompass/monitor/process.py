@@ -27,7 +27,7 @@ from kompass.monitor.start import start_from_store
 from kompass.rclpy_ext.executor import MIDDLEWARE_ERRORS, TaskExecutor
 from kompass.rclpy_ext.node import PlainNode
 from kompass.recipe.table import RecipeRules
-from kompass.store import MissionStore, PlaceStore, ZoneStore, robot_folder
+from kompass.store import MissionStore, PlaceStore, TimelineStore, ZoneStore, robot_folder
 from kompass.supervisor.heartbeat import send_heartbeat
 from kompass.supervisor.process import Report
 
@@ -86,6 +86,7 @@ def run_monitor(
             lambda: PlaceStore.open(robot_folder()),
             lambda: MissionStore.open(robot_folder()),
             lambda: ZoneStore.open(robot_folder()),
+            lambda: TimelineStore.open(robot_folder()),
         ),
     )
     monitor.reach_components(recipe.components)

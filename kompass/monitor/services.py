@@ -36,6 +36,7 @@ from kompass.rulebook.schema.graph_view import GraphView
 from kompass.rulebook.schema.journal import Journal
 from kompass.rulebook.schema.revision import History
 from kompass.rules.schema.model import Model
+from kompass.timeline.query import TimelinePage
 
 REVISIONS = 50  # of the history, unless asked otherwise
 FIRINGS = 100
@@ -257,7 +258,7 @@ def _answered(response: Any, answer: Model) -> Any:
     return response
 
 
-def answer_in_parts(response: Any, answer: History | Journal, items: str) -> Any:
+def answer_in_parts(response: Any, answer: History | Journal | TimelinePage, items: str) -> Any:
     """Fill a response with as many items of an answer as fit; the rest can be asked for.
 
     Parameters

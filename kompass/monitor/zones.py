@@ -28,6 +28,8 @@ from kompass.rclpy_ext.timers import Timers
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.store.errors import ChangeRefused, StoreError
 from kompass.store.zone_store import ZoneStore
+from kompass.timeline.edit import edited
+from kompass.timeline.happening import Happening
 from kompass.zones.change import ZONE_CHANGE, EditZone, SaveZone, ZoneChange
 from kompass.zones.zone import ZoneBook, ZonesNow
 
@@ -42,8 +44,8 @@ class Zones:
     """Tells the zones on ``<node>/zones``, and those of the robot's map on ``/zones``.
 
     After a start nothing is told on ``/zones`` before the map is known: what the components have
-    heard from the monitor before counts until then. Where the zones were lost it counts until somebody
-    draws or deletes one.
+    heard from the monitor before counts until then. Where the zones were lost it counts until
+    somebody draws or deletes one.
 
     Parameters
     ----------
@@ -55,6 +57,8 @@ class Zones:
         Says which component hears the map.
     open_store
         Opens the zones of this robot.
+    happened
+        Told of what people change; on a worker.
     """
 
     def __init__(
@@ -65,7 +69,9 @@ class Zones:
         gatekeeper: Gatekeeper,
         catalog: RecipeCatalog,
         open_store: Callable[[], ZoneStore],
+        happened: Callable[[Happening], None],
     ) -> None:
+        self._happened = happened
         self._node, self._main, self._catalog = node, main, catalog
         self._worker = WorkerThread(node, "zones")
         self._publisher = node.create_publisher(
@@ -119,6 +125,8 @@ class Zones:
             self._tell(book)
 
         self._main.call(tell)  # whoever is answered can count on it
+        now = self._node.clock.wall()
+        self._happened(edited("Zone", change.kind, zone.name, who.name, now))
         return zone.model_dump_json()
 
     def _tell(self, book: ZoneBook) -> None:

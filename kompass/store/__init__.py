@@ -1,4 +1,4 @@
-"""The robot's own store of rules, places, missions and zones. No ROS: SQLite, one more thread."""
+"""The robot's own store: rules, places, missions, zones, its timeline. No ROS: SQLite."""
 
 from kompass.store.boot import Boot, choose
 from kompass.store.errors import (
@@ -21,6 +21,7 @@ from kompass.store.mission_store import MissionStore
 from kompass.store.paths import data_dir, robot_folder, safe_name
 from kompass.store.place_store import PlaceStore
 from kompass.store.store import RuleStore
+from kompass.store.timeline_store import TimelineStore
 from kompass.store.zone_store import ZoneStore
 
 __all__ = [
@@ -43,6 +44,7 @@ __all__ = [
     "StoreError",
     "StoreTooNew",
     "StoreUnwritable",
+    "TimelineStore",
     "ZoneStore",
     "choose",
     "data_dir",

@@ -5,6 +5,7 @@ JOURNAL_ID = 0x6B726A31  # "krj1"
 PLACES_ID = 0x6B706C31  # "kpl1"
 MISSIONS_ID = 0x6B6D6931  # "kmi1"
 ZONES_ID = 0x6B7A6F31  # "kzo1"
+TIMELINE_ID = 0x6B746C31  # "ktl1"
 
 # Rules are kept once each, by content: a revision is a list of them, so that an edit of one rule
 # of a hundred adds one. Nothing in here is ever changed or deleted but pointers and lives.
@@ -162,5 +163,29 @@ ZONES = (
     CREATE UNIQUE INDEX names ON zones (same_name) WHERE deleted IS NULL;
     CREATE TABLE counter (revision INTEGER NOT NULL);
     INSERT INTO counter VALUES (0);
+    """,
+)
+
+# What is searched has columns of its own; the rest of an entry is in its text.
+TIMELINE = (
+    """
+    CREATE TABLE entries (
+        number INTEGER PRIMARY KEY,
+        kind TEXT NOT NULL,
+        level INTEGER NOT NULL,    -- 0 info … 3 critical
+        time REAL NOT NULL,
+        ended REAL,                -- none: it lasts, or nobody saw the end
+        lasts INTEGER NOT NULL,
+        words TEXT NOT NULL,       -- to be searched; lower case
+        json TEXT NOT NULL         -- TimelineEntry
+    );
+    CREATE INDEX entries_of_kind ON entries (kind, number);
+    CREATE INDEX entries_by_time ON entries (time);
+    CREATE INDEX entries_that_last ON entries (number) WHERE lasts;
+    CREATE TABLE shelves (
+        alarm TEXT PRIMARY KEY,
+        until REAL NOT NULL,
+        author TEXT NOT NULL
+    ) WITHOUT ROWID;
     """,
 )

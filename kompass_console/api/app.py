@@ -35,6 +35,7 @@ from kompass_console.api import (
     scene,
     session,
     stop,
+    timeline,
     zones,
 )
 from kompass_console.api.access import LoggedIn
@@ -112,6 +113,7 @@ def create_app(console: Console | None) -> FastAPI:
         goals.router,
         missions.router,
         places.router,
+        timeline.router,
         zones.router,
         localisation.router,
         stop.router,

@@ -34,6 +34,7 @@ from kompass_console.link.rules.monitor import MonitorLink
 from kompass_console.link.rules.topic_watch import TopicWatch
 from kompass_console.link.rules.watch import RulesWatch
 from kompass_console.link.streams import Streams
+from kompass_console.link.timeline import Notes, TimelineWatch
 from kompass_console.link.wheel import WheelLink
 from kompass_console.link.zones import ZonesWatch
 from kompass_console.schema.plain import plain
@@ -112,7 +113,9 @@ class RosLink:
         self.places = PlacesWatch(world, changed)
         self.zones = ZonesWatch(world, self.places, changed)
         self.missions = MissionsWatch(self.places, changed)
+        self.timeline = TimelineWatch(changed)
         self.monitor = MonitorLink(self._node, self._follow)
+        self.notes = Notes(self.monitor)
         self.backtests = Backtests(self.monitor)
         self.topics = TopicWatch(self._node, self._run)
         self._checks = ServicePool(self._node, CheckGoal, "kompass_interfaces/srv/CheckGoal")
@@ -209,3 +212,4 @@ class RosLink:
         self.places.follow(monitor)
         self.missions.follow(monitor)
         self.zones.follow(monitor)
+        self.timeline.follow(monitor)

@@ -64,6 +64,7 @@ def build_state(
         places=link.places.info(),
         zones=link.zones.info(),
         missions=link.missions.info(),
+        timeline=link.timeline.info(),
         processes=link.processes.infos(),
         ros=RosInfo(domain_id=link.domain_id, middleware=link.middleware),
         viewers=viewers,

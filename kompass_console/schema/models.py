@@ -413,7 +413,7 @@ class RulesInfo(BaseModel):
 
     `available` is false when its monitor is silent or there is none; the numbers are its last
     ones then. `probation_left` (s) is 0 when nothing is on probation; `alarms` counts those that
-    rules have raised.
+    rules have raised and nobody has put away.
     """
 
     available: bool = False
@@ -438,6 +438,14 @@ class ZonesInfo(BaseModel):
 
     available: bool = False
     revision: int = 0
+
+
+class TimelineInfo(BaseModel):
+    """Changes whenever the timeline does; `newest` is the number of its newest entry."""
+
+    available: bool = False
+    newest: int = 0
+    changes: int = 0
 
 
 class MissionRunInfo(BaseModel):
@@ -517,6 +525,7 @@ class State(BaseModel):
     rules: RulesInfo
     places: PlacesInfo
     zones: ZonesInfo
+    timeline: TimelineInfo
     missions: MissionsInfo
     processes: list[ProcessInfo]
     ros: RosInfo

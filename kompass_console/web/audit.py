@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from kompass_console.audit.line import AuditEntry
 from kompass_console.audit.log import CONSOLE, ITSELF, AuditLog
 from kompass_console.web.auth import LoginSession
+from kompass_console.web.noted import note_of
 
 _MINUTE = 60.0  # s
 _FROM_ONE = 20  # lines a minute about one address that is not logged in
@@ -37,10 +38,22 @@ class AuditTrail:
 
     What those who are not logged in cause is bounded, or they could push everything else out of
     the log; what is over the bound is counted, and the count is a line.
+
+    Parameters
+    ----------
+    note
+        Has it noted on the robot's timeline what somebody did: words, name and role. Never waits.
     """
 
-    def __init__(self, log: AuditLog, *, now: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        log: AuditLog,
+        note: Callable[[str, str, str], None] = lambda *_: None,
+        *,
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
         self.log = log
+        self._note = note
         self._now = now
         self._strangers = StrangersBudget(now)
 
@@ -78,9 +91,10 @@ class AuditTrail:
             name, role, of_log_in = clean_name(who) or "?", "none", ""
         else:
             name, role, of_log_in = session.user, str(session.role), session.id[:_SHOWN_OF_ID]
-        self.log.append(
-            AuditEntry(time.time(), name, role, of_log_in, address, what, outcome, details)
-        )
+        deed = AuditEntry(time.time(), name, role, of_log_in, address, what, outcome, details)
+        self.log.append(deed)
+        if session is not None and (words := note_of(deed)):
+            self._note(words, name, role)
 
 
 class StrangersBudget:

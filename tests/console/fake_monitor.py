@@ -37,7 +37,14 @@ from kompass.rules.schema.conditions import Absent, Compare
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.signals import Signal
 from kompass.rules.schema.table import Rule, Table
-from kompass.store import MissionStore, PlaceStore, RuleStore, StoreUnwritable, ZoneStore
+from kompass.store import (
+    MissionStore,
+    PlaceStore,
+    RuleStore,
+    StoreUnwritable,
+    TimelineStore,
+    ZoneStore,
+)
 
 NEAR = Rule(
     id="near",
@@ -188,6 +195,7 @@ def run(folder: Path, ending: threading.Event) -> None:
                 lambda: PlaceStore.open(folder),
                 lambda: MissionStore.open(folder),
                 lambda: ZoneStore.open(folder),
+                lambda: TimelineStore.open(folder),
             ),
         )
         monitor.process_changed(json.dumps(PLANNER))

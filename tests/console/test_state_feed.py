@@ -15,6 +15,7 @@ from kompass_console.schema.models import (
     RosInfo,
     RulesInfo,
     State,
+    TimelineInfo,
     ZonesInfo,
 )
 from kompass_console.web.state_feed import StateFeed, StateListener
@@ -35,6 +36,7 @@ def build(seq: int, viewers: int) -> State:
         rules=RulesInfo(),
         places=PlacesInfo(),
         zones=ZonesInfo(),
+        timeline=TimelineInfo(),
         missions=MissionsInfo(),
         processes=[],
         ros=RosInfo(domain_id=0, middleware="none"),

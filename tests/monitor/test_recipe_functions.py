@@ -51,7 +51,7 @@ class Carried:
         self._timeout = timeout
         self.runner = ActionRunner(
             *(spinning.node, spinning.executor, Timers(spinning.node), made.functions),
-            Alarms(spinning.node),
+            Alarms(spinning.node, Timers(spinning.node), lambda _: None),
             permissions=Permissions({}, Table()),
             components=[one.node_name for one in components],
             restart_if_stuck=lambda component: False,
@@ -247,7 +247,7 @@ def test_plain_and_parsed_functions_are_carried_out_as_fallbacks(spinning: Spinn
     run.runner.close()
     run.runner = ActionRunner(
         *(spinning.node, spinning.executor, Timers(spinning.node), made.functions),
-        Alarms(spinning.node),
+        Alarms(spinning.node, Timers(spinning.node), lambda _: None),
         permissions=Permissions({}, Table()),
         components=(),
         restart_if_stuck=lambda component: False,

@@ -62,7 +62,13 @@ class Robot:
         self._spinning = spinning
         node = spinning.node
         self.runner = ActionRunner(
-            *(node, spinning.executor, Timers(node), {}, Alarms(node)),
+            *(
+                node,
+                spinning.executor,
+                Timers(node),
+                {},
+                Alarms(node, Timers(node), lambda _: None),
+            ),
             permissions=Permissions({}, Table()),
             components=(),
             restart_if_stuck=lambda component: False,

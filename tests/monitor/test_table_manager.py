@@ -104,6 +104,7 @@ class Changes:
         assert boot.revision is not None
         self.engine, self.lints = LoneEngine(boot.table), NoLints()
         self.said: list[str] = []
+        self.edited: list[tuple[str, int, str, str]] = []
         self.count = 0
         self.active = ActiveTable(
             InForce(boot.table, boot.revision, boot.revision, notice=boot.notice),
@@ -122,6 +123,7 @@ class Changes:
             lints=self.lints,
             announce=self.said.append,
             later=at_once,
+            edited=lambda *what: self.edited.append(what),
         )
 
     def _count(self) -> None:
@@ -477,6 +479,7 @@ def test_without_a_store_rules_can_be_seen_and_not_changed() -> None:
         lints=NoLints(),
         announce=lambda _: None,
         later=at_once,
+        edited=lambda *_: None,
     )
     assert manager.queries.view().table == table
     answer = manager.apply(json.dumps({"rules": [*BASE, NEW]}), OPERATOR, expected=0)

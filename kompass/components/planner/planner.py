@@ -13,7 +13,7 @@ from nav_msgs.msg import Path
 from rclpy.action import CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, String
 
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Pose2D
@@ -37,10 +37,22 @@ from kompass.components.planner.goal_progress import (
     GoalProgress,
     Tolerance,
 )
+from kompass.components.planner.goal_reports import GOAL_REPORTS, REPORTS
 from kompass.components.planner.live_map import LiveMap
 from kompass.printable import printable
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
+from kompass.timeline.goal import GoalReport, Outcome
 
+REPORTED: dict[GoalOutcome, Outcome] = {
+    GoalOutcome.ARRIVED: "arrived",
+    GoalOutcome.REFUSED: "refused",
+    GoalOutcome.BLOCKED: "blocked",
+    GoalOutcome.STOPPED: "stopped",
+    GoalOutcome.PREEMPTED: "preempted",
+    GoalOutcome.CANCELED: "canceled",
+    GoalOutcome.STUCK: "stuck",
+    GoalOutcome.ERROR: "error",
+}
 PROGRESS_RATE = 10.0  # Hz, only while a goal is pursued
 FEEDBACK_EVERY = 2  # turns of the progress timer
 REPLAN_EVERY = 5  # of these turns: twice a second
@@ -138,6 +150,7 @@ class Planner(Component):
             DriveState, "drive_state", self._on_drive_state, LATCHED.to_ros()
         )
         self._zones = ZonesHeard(self.node, self._on_zones)
+        self._reports = self.node.create_publisher(String, GOAL_REPORTS, REPORTS.to_ros())
         if self._serves_action:
             self._server = self.node.create_action_server(
                 PlanPath,
@@ -370,6 +383,8 @@ class Planner(Component):
             stated.orientation_error or self.config.orientation_tolerance,
         )
         self._pursued = GoalProgress(pose_of(goal.goal), tolerance, self.config.patience)
+        self._goal_id = f"{self.node_name} {int(1e6 * self.clock.wall())}"
+        self._report(self._pursued)
         if self._stopped:
             self._end(
                 GoalOutcome.STOPPED, f"{self._stopped}; a person must release it before a new goal."
@@ -383,6 +398,23 @@ class Planner(Component):
         if self._pursued is not None:
             self._progress.reset()
 
+    def _report(
+        self, goal: GoalProgress, outcome: GoalOutcome | None = None, message: str = ""
+    ) -> None:
+        """Tell whoever keeps a record that a goal is pursued, or how it ended."""
+        x, y, yaw = goal.goal
+        report = GoalReport(
+            planner=self.node_name,
+            id=self._goal_id,
+            x=x,
+            y=y,
+            yaw=yaw if goal.tolerance.heading_matters else None,
+            time=self.clock.wall(),
+            outcome="" if outcome is None else REPORTED[outcome],
+            message=printable(message),
+        )
+        self._reports.publish(String(data=report.model_dump_json()))
+
     def _end(self, outcome: GoalOutcome, message: str) -> None:
         pursued, self._pursued = self._pursued, None
         if pursued is None:
@@ -393,6 +425,7 @@ class Planner(Component):
         self.publish("plan", self._path_msg(np.empty((0, 3))))
         self.publish("reached_end", Bool(data=outcome is GoalOutcome.ARRIVED))
         self.node.get_logger().info(f"goal ended: {outcome.name}: {printable(message)}")
+        self._report(pursued, outcome, message)
         self._handle = None
         if self._ended is not None:
             self._ended.set_result((outcome, message, displacement))

@@ -56,6 +56,9 @@ from kompass.rulebook.permissions import Permissions
 from kompass.store.errors import ChangeRefused, EntryRefused, NoSuchEntry, StaleEntry, StoreError
 from kompass.store.mission_store import MissionStore
 from kompass.supervisor.news import ProcessNews
+from kompass.timeline.edit import edited
+from kompass.timeline.happening import Happening
+from kompass.timeline.mission import MissionObserver
 
 BOOK, STATE = "missions", "mission_state"  # topics
 SERVICE = "change_missions"
@@ -83,6 +86,8 @@ class Missions:
         Of the robot.
     open_store
         Opens the missions of this robot.
+    happened
+        Told of what people change, and of what becomes of missions. Any thread.
     zone
         Of the hours of schedules; the robot's own where left out.
     """
@@ -99,8 +104,10 @@ class Missions:
         permissions: Permissions,
         places: Places,
         open_store: Callable[[], MissionStore],
+        happened: Callable[[Iterable[Happening]], None],
         zone: tzinfo | None = None,
     ) -> None:
+        self._happened, self._observer = happened, MissionObserver()
         self._main, self._clock, self._zone = main, node.clock, zone
         self._log = node.get_logger()
         self._catalog, self._permissions, self._places = catalog, permissions, places
@@ -205,6 +212,7 @@ class Missions:
         mission = store.change(change, by, role)
         book = store.book()
         self._main.post(lambda: self._tell_book(book))
+        self._happened([edited("Mission", change.kind, mission.name, by, self._clock.wall())])
         return mission.model_dump_json()
 
     def _check(self, plan: MissionPlan, role: Editor) -> None:
@@ -448,6 +456,7 @@ class Missions:
             if run.run.over:
                 self._robot.rest()
         self._states.publish(String(data=self._state.model_dump_json()))
+        self._happened(self._observer.sees(self._state.run, self._clock.wall()))
         if keep and self._store is not None:
             self._worker.post(self._keep)
 

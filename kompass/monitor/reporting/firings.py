@@ -11,14 +11,18 @@ from kompass_interfaces.msg import RuleFiring
 
 from kompass.bus.node import Node
 from kompass.monitor.engine_loop import EngineLoop
+from kompass.monitor.reporting.alarms import level_of
 from kompass.monitor.reporting.brief import brief
 from kompass.monitor.reporting.entries import ActionOutcome, RunEntry
 from kompass.rclpy_ext.topic import QoSConfig
 from kompass.rulebook.schema.journal import ActionRecord, FiringRecord
 from kompass.rules.schema.table import Rule
 from kompass.store import RuleStore
+from kompass.timeline.entry import FiringLink, Level
+from kompass.timeline.happening import Happened, Happening
 
 REPEATED = 60.0  # s within which the same failure is the same
+_LONGEST_KEY = 200  # characters
 
 
 class Firings:
@@ -37,6 +41,8 @@ class Firings:
         The time of now, for messages.
     kept
         Takes every entry of the journal, when it is made; None for nobody.
+    happened
+        Told what belongs on the timeline: firings that did something, and what went wrong.
     """
 
     def __init__(
@@ -46,9 +52,11 @@ class Firings:
         store: RuleStore | None,
         stamp: Callable[[], Time],
         kept: Callable[[FiringRecord], None] | None,
+        happened: Callable[[Happening], None],
     ) -> None:
         self._node, self._log, self._clock = node, node.get_logger(), node.clock
         self._loop, self._store, self._stamp, self._kept = loop, store, stamp, kept
+        self._happened = happened
         self._publisher = node.create_publisher(
             RuleFiring, f"{node.get_name()}/firings", QoSConfig(queue_size=100).to_ros()
         )
@@ -110,6 +118,8 @@ class Firings:
                 number, actions=actions, ended=self._clock.wall(), ok=ok, error=error
             )
         self._say(entry, "done", ok, error, {})
+        if not ok:
+            self._on_timeline(entry, f"{_called(entry)}: failed", error, "error", "failed rule")
 
     def announce(self, text: str) -> None:
         """Tell what concerns the table and no single rule, as a note."""
@@ -156,7 +166,27 @@ class Firings:
             record = self._store.record_firing(record)
         if self._kept is not None:
             self._kept(record)
+        level = level_of(entry.severity)
+        if entry.kind == "firing":
+            self._on_timeline(entry, _called(entry), entry.text, level, "rule")
+        elif entry.kind == "outranked":
+            title = f"{_called(entry)}: not carried out"
+            self._on_timeline(entry, title, entry.text, level, "outranked rule")
+        elif entry.kind == "note" and not entry.rule_id:
+            self._happened(Happened(time_, "robot", entry.text, level=level))
+        elif entry.kind == "note":
+            self._on_timeline(entry, _called(entry), entry.text, "error", "note of rule")
         return record.number
+
+    def _on_timeline(
+        self, entry: RunEntry, title: str, text: str, level: Level, about: str
+    ) -> None:
+        link = FiringLink(rule=entry.rule_id, run=entry.run_id, epoch=self._loop.epoch)
+        key = f"{about} {entry.rule_id}"[:_LONGEST_KEY]
+        time_ = self._clock.wall()
+        self._happened(
+            Happened(time_, "rule", title, text, level, entry.rule_id, key=key, link=link)
+        )
 
     def _details(self, entry: RunEntry) -> dict[str, Any]:
         return {
@@ -179,3 +209,7 @@ class Firings:
                 details=json.dumps(details),
             )
         )
+
+
+def _called(entry: RunEntry) -> str:
+    return entry.name or entry.rule_id

@@ -53,6 +53,8 @@ class TableManager:
         Takes a sentence that every operator must hear.
     later
         Takes what is to be done once the request under way is answered.
+    edited
+        Told of a change that somebody made: what it is, the revision in force, who, and why.
     safe_mode
         Whether the recipe's table is in force, whatever is stored.
     probation
@@ -77,11 +79,12 @@ class TableManager:
         lints: LiveLints,
         announce: Callable[[str], None],
         later: Callable[[Callable[[], None]], None],
+        edited: Callable[[str, int, str, str], None],
         safe_mode: bool = False,
         probation: float = 60.0,
     ) -> None:
         self._engine, self._active, self._announce = engine, active, announce
-        self._later, self._probation = later, probation
+        self._later, self._probation, self._edited = later, probation, edited
         self._lock = threading.RLock()
         self._history = RevisionHistory(store, lambda: active.in_force.notice)
         self._reader, self._validator = (
@@ -216,6 +219,7 @@ class TableManager:
                 return self._fail(error)
             self._active.merge = None
             self._active.keep(now.table, revision)
+            self._edited(f"Revision {revision} confirmed", revision, who.name, "")
             return ChangeAnswer("applied", f"revision {revision} is confirmed", revision)
 
     def reset(self, rule_id: str, who: Who) -> ChangeAnswer:
@@ -336,6 +340,8 @@ class TableManager:
             diff=diff.model_copy(update={"after": made.number}),
             findings=self._validator.found(table, swap.verdicts),
         )
+        back = "" if restores is None else f", the rules of revision {restores}"
+        self._edited(f"Revision {made.number} in force{back}", made.number, who.name, reason)
         wait = f"; confirm it within {probation:g} s, or it is taken back" if probation else ""
         return ChangeAnswer(
             "applied", f"revision {made.number} is in force{wait}", made.number, body

@@ -14,6 +14,10 @@ class Alarm(Model):
         What the actions that raise and clear it call it.
     since
         Seconds since the epoch at which it was first raised; ``count`` how often since then.
+    acknowledged_by
+        Who has seen it; empty for nobody.
+    shelved_until, shelved_by
+        Until when (s since the epoch) it is put away, and by whom; 0 where it is not.
     """
 
     name: str
@@ -22,3 +26,6 @@ class Alarm(Model):
     severity: str = "warning"
     since: float
     count: int = Field(default=1, ge=1)
+    acknowledged_by: str = ""
+    shelved_until: float = Field(default=0.0, ge=0.0)
+    shelved_by: str = ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Callable
 
@@ -47,7 +48,7 @@ class RulesWatch:
         """For the top bar."""
         said = self._said.get()
         if said is None:
-            return RulesInfo(alarms=len(self.alarms()))
+            return RulesInfo(alarms=self._shown_alarms())
         age = said.age()
         return RulesInfo(
             available=age < AVAILABLE_WITHIN,
@@ -55,7 +56,7 @@ class RulesWatch:
             confirmed=said.value.confirmed,
             probation_left=_left(said.value, age),
             notice=plain(said.value.notice),
-            alarms=len(self.alarms()),
+            alarms=self._shown_alarms(),
             age=age,
         )
 
@@ -68,6 +69,11 @@ class RulesWatch:
         """Those that stand."""
         newest = self._alarms.get()
         return () if newest is None else newest.value
+
+    def _shown_alarms(self) -> int:
+        """Number of those that nobody has put away."""
+        now = time.time()
+        return sum(alarm.shelved_until <= now for alarm in self.alarms())
 
     @property
     def count(self) -> int:
@@ -103,6 +109,8 @@ def _plain_alarm(alarm: Alarm) -> Alarm:
             "text": plain(alarm.text),
             "rule_id": plain(alarm.rule_id, LONGEST_LABEL),
             "severity": plain(alarm.severity, LONGEST_LABEL),
+            "acknowledged_by": plain(alarm.acknowledged_by, LONGEST_LABEL),
+            "shelved_by": plain(alarm.shelved_by, LONGEST_LABEL),
         }
     )
 

@@ -47,6 +47,7 @@ export type Backtest = Sent<Schemas["BacktestProgress"]>;
 export type BacktestReport = Sent<Schemas["BacktestReport"]>;
 export type BacktestFiring = BacktestReport["firings"][number];
 export type RulesLive = Sent<Schemas["RulesLive"]>;
+export type Alarm = RulesLive["alarms"][number];
 export type ProbeReading = Sent<Schemas["ProbeReading"]>;
 type RecordingList = Sent<Schemas["RecordingList"]>;
 export type Recording = RecordingList["recordings"][number];

@@ -66,6 +66,13 @@ export type RobotPose = Schemas["RobotPose"];
 export type HandRequest = Sent<Schemas["HandRequest"]>;
 export type HandAnswer = Sent<Schemas["HandAnswer"]>;
 
+export type TimelinePage = Sent<Schemas["TimelinePage"]>;
+export type TimelineEntry = TimelinePage["entries"][number];
+export type TimelineSlot = TimelinePage["slots"][number];
+export type TimelineKind = TimelineEntry["kind"];
+export type TimelineLevel = TimelineEntry["level"];
+export type NoteSave = Schemas["NoteSave"];
+
 export type AuditLog = Sent<Schemas["AuditPage"]>;
 export type AuditLine = AuditLog["lines"][number];
 

@@ -157,6 +157,10 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
       case "r":
         rules.toggle();
         return true;
+      case "e":
+        if (rules.open && rules.place.at === "timeline") rules.close();
+        else rules.go({ at: "timeline" });
+        return true;
       case "p":
         rules.close();
         setPlacesAsked(placesAsked + 1);

@@ -14,6 +14,7 @@ const KEYS: [string, string][] = [
   ["L", "Layers"],
   ["P", "Places"],
   ["R", "Rules"],
+  ["E", "Timeline: what has happened"],
   ["?", "This help"],
 ];
 

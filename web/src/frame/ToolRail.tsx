@@ -7,6 +7,7 @@ import {
   IconMapPinQuestion,
   IconSquareArrowDown,
   IconSteeringWheel,
+  IconTimelineEvent,
 } from "@tabler/icons-react";
 import type { ReactNode } from "react";
 import { useHand } from "../hand/HandContext";
@@ -39,6 +40,7 @@ export function ToolRail(props: Props) {
   const { session } = useSession();
   const { view, change } = scene;
   const rules = useNav();
+  const timeline = rules.open && rules.place.at === "timeline";
   const hand = useHand();
   const viewer = session.role === "viewer";
   const plays = useStage().shown !== null;
@@ -115,9 +117,18 @@ export function ToolRail(props: Props) {
         label="Rules"
         hint="What the robot does when something happens (R)"
         wide
-        on={rules.open}
-        onClick={rules.toggle}
+        on={rules.open && !timeline}
+        onClick={() => (timeline ? rules.go({ at: "table" }) : rules.toggle())}
         icon={<IconBolt size={22} aria-hidden />}
+      />
+      <Tool
+        testId="timeline-tool"
+        label="Timeline"
+        hint="What has happened (E)"
+        wide
+        on={timeline}
+        onClick={() => (timeline ? rules.close() : rules.go({ at: "timeline" }))}
+        icon={<IconTimelineEvent size={22} aria-hidden />}
       />
       <Tool
         testId="help"

@@ -1,6 +1,7 @@
 import { CloseButton, UnstyledButton } from "@mantine/core";
 import { useEffect, useRef } from "react";
 import { useSession } from "../session/SessionContext";
+import { TimelinePage } from "../timeline/TimelinePage";
 import { AuditPage } from "./audit/AuditPage";
 import { RulesBands } from "./bands/RulesBands";
 import { type Place, SHEET_ID, useNav } from "./context/RulesNav";
@@ -25,6 +26,7 @@ interface Tab {
 const TABS: Tab[] = [
   { label: "Rules", place: { at: "table" }, holds: ["table", "edit", "why", "review", "conflict"] },
   { label: "Firings", place: { at: "firings", rule: null }, holds: ["firings"] },
+  { label: "Timeline", place: { at: "timeline" }, holds: ["timeline"] },
   { label: "History", place: { at: "history", revision: null }, holds: ["history"] },
   { label: "Recordings", place: { at: "recordings", name: null }, holds: ["recordings"] },
   { label: "Audit", place: { at: "audit" }, holds: ["audit"], engineer: true },
@@ -51,7 +53,7 @@ export function RulesSheet() {
   }, [place, returnTo]);
 
   return (
-    <section className={classes.sheet} id={SHEET_ID} aria-label="Rules" data-testid="rules-sheet">
+    <section className={classes.sheet} id={SHEET_ID} aria-label="Rules and timeline" data-testid="rules-sheet">
       <header className={classes.head}>
         {tabs.map(({ label, place: tab, holds }) => (
           <UnstyledButton
@@ -67,8 +69,8 @@ export function RulesSheet() {
         <span className={classes.gap} />
         <CloseButton
           size="lg"
-          aria-label="Close the rules"
-          title="Close (R)"
+          aria-label="Close rules and timeline"
+          title="Close (Esc)"
           data-testid="rules-close"
           onClick={nav.close}
         />
@@ -99,6 +101,8 @@ function Page({ place }: { place: Place }) {
       return <ConflictPage />;
     case "firings":
       return <FiringsPage rule={place.rule} />;
+    case "timeline":
+      return <TimelinePage />;
     case "history":
       return <HistoryPage revision={place.revision} />;
     case "recordings":

@@ -1,30 +1,133 @@
+import { Button, Menu, UnstyledButton } from "@mantine/core";
+import { useMutation } from "@tanstack/react-query";
+import { useState } from "react";
+import type { Alarm } from "../../api/ruleTypes";
+import { acknowledgeAlarm, shelveAlarm } from "../../api/timelineClient";
+import { useSession } from "../../session/SessionContext";
 import { useNow } from "../../state/RobotContext";
 import { Band } from "../../ui/Band";
+import { Problem } from "../../ui/Problem";
 import { useLive, useRules } from "../context/RulesContext";
-import { ruleName, whenText } from "../model/words";
+import { leftText, ruleName, whenText } from "../model/words";
+import classes from "./Alarms.module.css";
 
 const LOUD = new Set(["error", "critical"]);
+const SHELVES = [
+  { seconds: 900, label: "for 15 minutes" },
+  { seconds: 3600, label: "for an hour" },
+  { seconds: 8 * 3600, label: "for 8 hours" },
+];
 
-/** Alarms that rules have raised, until a rule clears them. */
+/** Alarms that rules have raised, until a rule clears them; loud until somebody has seen them. */
 export function AlarmsBand() {
   const { rules } = useLive();
-  const { view } = useRules();
   const now = useNow();
+  const [open, setOpen] = useState(false);
   const alarms = rules?.alarms ?? [];
-  return alarms.map((alarm) => {
-    const rule = view?.table.rules.find(({ id }) => id === alarm.rule_id);
-    return (
-      <Band
-        key={alarm.name}
-        tone={LOUD.has(alarm.severity) ? "failed" : "notice"}
-        title={`Alarm: ${alarm.name}`}
-        testId="alarm-band"
-      >
-        {alarm.text !== "" && `${alarm.text} `}
-        {rule !== undefined && `Raised by "${ruleName(rule)}" `}
-        {whenText(alarm.since, now)}
-        {alarm.count > 1 && `, ${alarm.count} times`}
-      </Band>
-    );
-  });
+  const away = alarms.filter((alarm) => alarm.shelved_until > now);
+  return (
+    <>
+      {alarms
+        .filter((alarm) => open || alarm.shelved_until <= now)
+        .map((alarm) => (
+          <AlarmBand key={alarm.name} alarm={alarm} now={now} />
+        ))}
+      {away.length > 0 && (
+        <Band
+          tone="notice"
+          title={away.length === 1 ? "One alarm is shelved" : `${away.length} alarms are shelved`}
+          testId="alarms-away"
+          action={
+            <UnstyledButton
+              className={classes.more}
+              aria-expanded={open}
+              data-testid="alarms-away-show"
+              onClick={() => setOpen(!open)}
+            >
+              {open ? "Hide" : "Look"}
+            </UnstyledButton>
+          }
+        />
+      )}
+    </>
+  );
+}
+
+function AlarmBand({ alarm, now }: { alarm: Alarm; now: number }) {
+  const { session } = useSession();
+  const { view } = useRules();
+  const rule = view?.table.rules.find(({ id }) => id === alarm.rule_id);
+  const seen = useMutation({ mutationFn: () => acknowledgeAlarm(alarm) });
+  const away = useMutation({ mutationFn: (seconds: number) => shelveAlarm(alarm.name, seconds) });
+  const shelved = alarm.shelved_until > now;
+  const calm = alarm.acknowledged_by !== "" || shelved;
+  const may = session.role !== "viewer";
+  return (
+    <Band
+      tone={LOUD.has(alarm.severity) && !calm ? "failed" : "notice"}
+      title={`Alarm: ${alarm.name}`}
+      testId="alarm-band"
+      action={
+        may && (
+          <span className={classes.buttons}>
+            {!calm && (
+              <Button
+                size="compact-sm"
+                variant="default"
+                loading={seen.isPending}
+                data-testid="alarm-acknowledge"
+                onClick={() => seen.mutate()}
+              >
+                Acknowledge
+              </Button>
+            )}
+            {shelved ? (
+              <Button
+                size="compact-sm"
+                variant="default"
+                loading={away.isPending}
+                data-testid="alarm-unshelve"
+                onClick={() => away.mutate(0)}
+              >
+                Show again
+              </Button>
+            ) : (
+              <Menu position="bottom-end" withinPortal>
+                <Menu.Target>
+                  <Button
+                    size="compact-sm"
+                    variant="default"
+                    loading={away.isPending}
+                    data-testid="alarm-shelve"
+                  >
+                    Shelve
+                  </Button>
+                </Menu.Target>
+                <Menu.Dropdown>
+                  {SHELVES.map(({ seconds, label }) => (
+                    <Menu.Item
+                      key={seconds}
+                      data-testid={`alarm-shelve-${seconds}`}
+                      onClick={() => away.mutate(seconds)}
+                    >
+                      {label}
+                    </Menu.Item>
+                  ))}
+                </Menu.Dropdown>
+              </Menu>
+            )}
+          </span>
+        )
+      }
+    >
+      {alarm.text !== "" && `${alarm.text} `}
+      {rule !== undefined && `Raised by "${ruleName(rule)}" `}
+      {whenText(alarm.since, now)}
+      {alarm.count > 1 && `, ${alarm.count} times`}
+      {alarm.acknowledged_by !== "" && `. Acknowledged by ${alarm.acknowledged_by}`}
+      {shelved &&
+        `. Shelved by ${alarm.shelved_by || "somebody"}, for ${leftText(alarm.shelved_until - now)} more`}
+      <Problem error={seen.error ?? away.error} />
+    </Band>
+  );
 }

@@ -10,6 +10,7 @@ export type Place =
   | { at: "conflict" }
   | { at: "firings"; rule: string | null }
   | { at: "history"; revision: number | null }
+  | { at: "timeline" }
   | { at: "recordings"; name: string | null }
   | { at: "audit" };
 
@@ -41,6 +42,7 @@ const BEGIN: Step = { place: { at: "table" }, from: "" };
 const TABS: ReadonlySet<Place["at"]> = new Set([
   "table",
   "firings",
+  "timeline",
   "history",
   "recordings",
   "audit",

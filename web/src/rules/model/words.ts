@@ -59,6 +59,14 @@ export function dayText(time: number, newer: number): string | null {
   return isSameDay(time, newer) ? null : day.format(time * 1000);
 }
 
+const days = new Intl.DateTimeFormat(undefined, { day: "numeric", month: "short" });
+
+/** A moment: its day, its minute, or both. Epoch seconds. */
+export function dateText(time: number, part: "both" | "day" | "minute" = "both"): string {
+  const format = { both: dated, day: days, minute: minutes }[part];
+  return format.format(time * 1000);
+}
+
 export const clockText = (time: number): string => clock.format(time * 1000);
 
 /** Of a rule that fires once and has: since when, and what it takes. */

@@ -1,0 +1,1 @@
+"""What happens to the robot: observed, kept, told."""
