@@ -9,6 +9,7 @@ import logging
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from types import TracebackType
 from typing import Any, NamedTuple, Self
 
 from pydantic import ValidationError
@@ -78,6 +79,17 @@ class TimelineStore:
     def close(self) -> None:
         """Close the file; nothing is lost by not doing so."""
         self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
 
     # -- writing ------------------------------------------------------------------------------
 

@@ -55,7 +55,7 @@ class TimelineEntry(Model):
     count, last
         How often it came, one shortly after the other, and when last (s since the epoch).
     source
-        The component, process, rule, or mission that it is about; empty for the robot.
+        The component, process or rule that it is about; empty for the robot.
     title, text
         For people.
     who

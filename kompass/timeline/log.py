@@ -79,7 +79,9 @@ class TimelineLog:
                 "link": it.link,
             }
             return [self._keep(known.model_copy(update=changes))]
-        return [self._add(it, ended=it.time)]
+        # What lasted under this key is over, or it would not have happened.
+        over = self._over(Over(it.time, it.key)) if it.key else []
+        return [*over, self._add(it, ended=it.time)]
 
     def _began(self, it: Began) -> list[TimelineEntry]:
         known = self._known.get(it.key)

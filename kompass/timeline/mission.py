@@ -35,17 +35,16 @@ class MissionObserver:
             return [Over(now, key, f"{word}{by}{why}", level)]
         found: list[Happening] = []
         if first:
-            found.append(Began(run.started, "mission", key, "Mission", source=name, who=run.by))
+            found.append(Began(run.started, "mission", key, f"Mission {name}", who=run.by))
         if run.phase == "paused" and (run.reason or run.decided_by):
             found.append(
                 Happened(
-                    *(now, "mission", "Paused", run.reason, "warning"),
-                    source=name,
+                    *(now, "mission", f"Mission {name} paused", run.reason, "warning"),
                     who=run.decided_by,
                 )
             )
         elif run.phase == "asking":
             found.append(
-                Happened(now, "mission", "Waits for a person", run.reason, "warning", name)
+                Happened(now, "mission", f"Mission {name} waits for a person", level="warning")
             )
         return found

@@ -29,8 +29,6 @@ class ProcessObserver:
     def told(self, news: ProcessNews, now: float) -> list[Happening]:
         """The supervisor tells of a process; ``now`` in seconds since the epoch."""
         key = f"process {news.name}"
-        before = self._restarts.get(news.name)
-        self._restarts[news.name] = news.restarts
         title = _TITLES.get(news.state)
         if title is not None:
             self.lost.update(news.nodes)
@@ -38,12 +36,14 @@ class ProcessObserver:
             return [Began(now, "fault", key, title, news.reason, "error", news.name)]
         if news.state != "active":
             return []
+        before = self._restarts.get(news.name, 0)
+        self._restarts[news.name] = news.restarts
         self.lost.difference_update(news.nodes)
         if news.name in self._failed:
             self._failed.discard(news.name)
             return [Over(now, key, "Started again.")]
         # It was away while nobody listened: the monitor itself, say.
-        if news.restarts > (before or 0):
+        if news.restarts > before:
             text = "It had died, or was asked to start anew."
             return [Happened(now, "fault", "Started again", text, "warning", news.name, key=key)]
         return [Over(now, key)]

@@ -43,7 +43,7 @@ export function TimelinePage() {
   const { state } = useRobot();
   const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   const now = useNow();
-  const [span, setSpan] = useState<Span>({ hours: 8 });
+  const [span, setSpan] = useState<Span>({ hours: 1 });
   const [hidden, setHidden] = useState<ReadonlySet<TimelineKind>>(new Set());
   const [level, setLevel] = useState<TimelineLevel>("info");
   const [typed, setTyped] = useState("");

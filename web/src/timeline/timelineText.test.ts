@@ -30,8 +30,6 @@ test("it says how long something lasted, lasts, or how often it came", () => {
 test("components are called what the page calls them", () => {
   expect(sourceText(ENTRY, new Map([["local_mapper", "Local map"]]))).toBe("Local map");
   expect(sourceText(ENTRY, new Map())).toBe("Local mapper");
-  expect(sourceText({ ...ENTRY, kind: "mission", source: "night round" }, new Map())).toBe(
-    "night round",
-  );
+  expect(sourceText({ ...ENTRY, kind: "rule", source: "unblock" }, new Map())).toBe("Rule");
   expect(sourceText({ ...ENTRY, kind: "goal" }, new Map())).toBe("");
 });

@@ -46,12 +46,11 @@ export function lengthText(entry: TimelineEntry, now: number): string {
   return parts.join(", ");
 }
 
-/** What an entry is about, before its title: a component's label, a mission's name. */
+/** What an entry is about, before its title: a component's label, or that it is a rule. */
 export function sourceText(entry: TimelineEntry, labels: ReadonlyMap<string, string>): string {
-  if (entry.kind === "goal" || entry.kind === "rule" || entry.kind === "alarm") return "";
-  if (entry.source === "") return "";
-  const known = labels.get(entry.source);
-  if (known !== undefined) return known;
+  if (entry.kind === "rule") return "Rule";
+  if (entry.kind === "alarm") return "Alarm";
+  if (entry.kind !== "fault" || entry.source === "") return "";
   const words = entry.source.replaceAll("_", " ");
-  return entry.kind === "fault" ? words.charAt(0).toUpperCase() + words.slice(1) : entry.source;
+  return labels.get(entry.source) ?? words.charAt(0).toUpperCase() + words.slice(1);
 }
