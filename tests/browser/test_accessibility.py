@@ -159,6 +159,7 @@ def test_axe_finds_nothing_wrong_in_any_state_of_the_page(
     for tab, inside in (
         ("history", "history"),
         ("firings", "firings"),
+        ("timeline", "timeline-plot"),
         ("recordings", "recordings"),
         ("audit", "audit"),
     ):

@@ -137,7 +137,7 @@ def test_on_a_phone_the_timeline_is_read_and_stop_stays_free(new_page: OpenPage)
     page.get("rules-tab-timeline").tap()
     expect(page.get("timeline")).to_contain_text("Monitor started")
     page.keep("timeline-phone")
-    for part in ("rules-tab-timeline", "timeline-kind-stop", "stop-button"):
+    for part in ("rules-tab-timeline", "timeline-kind-robot", "stop-button"):
         assert page.get(part).evaluate(UNCOVERED), part
     width = page.page.evaluate("() => document.scrollingElement.scrollWidth")
     assert width <= PHONE[0]

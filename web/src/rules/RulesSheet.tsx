@@ -53,20 +53,26 @@ export function RulesSheet() {
   }, [place, returnTo]);
 
   return (
-    <section className={classes.sheet} id={SHEET_ID} aria-label="Rules and timeline" data-testid="rules-sheet">
+    <section
+      className={classes.sheet}
+      id={SHEET_ID}
+      aria-label="Rules and timeline"
+      data-testid="rules-sheet"
+    >
       <header className={classes.head}>
-        {tabs.map(({ label, place: tab, holds }) => (
-          <UnstyledButton
-            key={label}
-            className={classes.tab}
-            aria-current={holds.includes(place.at) ? "page" : undefined}
-            data-testid={`rules-tab-${tab.at}`}
-            onClick={() => nav.go(tab)}
-          >
-            {label}
-          </UnstyledButton>
-        ))}
-        <span className={classes.gap} />
+        <div className={classes.tabs}>
+          {tabs.map(({ label, place: tab, holds }) => (
+            <UnstyledButton
+              key={label}
+              className={classes.tab}
+              aria-current={holds.includes(place.at) ? "page" : undefined}
+              data-testid={`rules-tab-${tab.at}`}
+              onClick={() => nav.go(tab)}
+            >
+              {label}
+            </UnstyledButton>
+          ))}
+        </div>
         <CloseButton
           size="lg"
           aria-label="Close rules and timeline"

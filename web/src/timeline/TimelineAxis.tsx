@@ -1,4 +1,4 @@
-import { type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
+import { type CSSProperties, type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
 import type { TimelineKind, TimelineLevel, TimelineSlot } from "../api/types";
 import { clockText, dateText } from "../rules/model/words";
 import { drawn, type Ends, type Span, ticksOf } from "./span";
@@ -13,6 +13,8 @@ interface Props {
   slots: readonly TimelineSlot[];
   count: number;
   now: number;
+  /** Leaves out lanes on which there is nothing: there is no height for them. */
+  brief: boolean;
   /** The kinds that are shown; others are dimmed out. */
   kinds: ReadonlySet<TimelineKind>;
   onKind: (kind: TimelineKind) => void;
@@ -24,7 +26,7 @@ const RANK: Record<TimelineLevel, number> = { info: 0, warning: 1, error: 2, cri
 
 /** What happened, a lane for each kind: the more, the darker; the worse, the higher and redder. */
 export function TimelineAxis(props: Props) {
-  const { ends, slots, count, now, kinds, onKind, onSpan, onKey } = props;
+  const { ends, slots, count, now, brief, kinds, onKind, onSpan, onKey } = props;
   const plot = useRef<HTMLDivElement>(null);
   const [drag, setDrag] = useState<[number, number] | null>(null);
   const length = ends.until - ends.since;
@@ -53,12 +55,13 @@ export function TimelineAxis(props: Props) {
   };
   const most = new Map<TimelineKind, number>();
   for (const { kind, count: each } of slots) most.set(kind, Math.max(most.get(kind) ?? 1, each));
-  const lane = new Map(KINDS.map(({ kind }, index) => [kind, index]));
+  const lanes = brief ? KINDS.filter(({ kind }) => most.has(kind) || !kinds.has(kind)) : KINDS;
+  const lane = new Map(lanes.map(({ kind }, index) => [kind, index]));
   const days = length > 2 * 86400;
   return (
-    <div className={classes.axis}>
+    <div className={classes.axis} style={{ "--lanes": Math.max(1, lanes.length) } as CSSProperties}>
       <div className={classes.lanes}>
-        {KINDS.map(({ kind, label }) => (
+        {lanes.map(({ kind, label }) => (
           <button
             key={kind}
             type="button"
@@ -93,7 +96,7 @@ export function TimelineAxis(props: Props) {
       >
         <svg
           className={classes.marks}
-          viewBox={`0 0 ${count} ${KINDS.length * LANE}`}
+          viewBox={`0 0 ${count} ${Math.max(1, lanes.length) * LANE}`}
           preserveAspectRatio="none"
           aria-hidden="true"
         >

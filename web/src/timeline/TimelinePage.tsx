@@ -70,8 +70,8 @@ export function TimelinePage() {
   const go = {
     earlier: () => setSpan(moved(ends, -0.5, now)),
     later: () => setSpan(moved(ends, 0.5, now)),
-    closer: () => setSpan(zoomed(ends, 0.5, now)),
-    wider: () => setSpan(zoomed(ends, 2, now)),
+    closer: () => setSpan(zoomed(span, ends, 0.5, now)),
+    wider: () => setSpan(zoomed(span, ends, 2, now)),
   };
   const live = "hours" in span;
   return (
@@ -79,6 +79,7 @@ export function TimelinePage() {
       <div className={classes.tools}>
         <SegmentedControl
           size="sm"
+          className={classes.back}
           aria-label="How far back"
           data={HOURS.map(({ hours, label }) => ({ value: String(hours), label }))}
           value={live ? String(span.hours) : ""}
@@ -96,6 +97,7 @@ export function TimelinePage() {
         slots={found.page?.slots ?? []}
         count={slots}
         now={now}
+        brief={phone}
         kinds={new Set(kinds)}
         onKind={toggle}
         onSpan={setSpan}

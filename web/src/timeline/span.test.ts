@@ -13,11 +13,16 @@ test("the last hours move with the clock, in steps, and hold now", () => {
 
 test("nothing is looked at that has not happened yet", () => {
   const ends = { since: NOW - 3600, until: NOW };
-  for (const span of [zoomed(ends, 2, NOW), moved(ends, 0.5, NOW)]) {
+  for (const span of [zoomed(ends, ends, 2, NOW), moved(ends, 0.5, NOW)]) {
     expect("until" in span && span.until).toBeLessThanOrEqual(NOW);
   }
-  expect(zoomed(ends, 2, NOW)).toEqual({ since: NOW - 7200, until: NOW });
+  expect(zoomed(ends, ends, 2, NOW)).toEqual({ since: NOW - 7200, until: NOW });
   expect(moved(ends, -0.5, NOW)).toEqual({ since: NOW - 5400, until: NOW - 1800 });
+});
+
+test("what goes on with now does so when it is looked at more closely", () => {
+  const span = { hours: 1 };
+  expect(zoomed(span, endsOf(span, NOW, 60), 0.5, NOW)).toEqual({ hours: 0.5 });
 });
 
 test("a drag is looked at more closely, whichever way it went, and a tap is none", () => {

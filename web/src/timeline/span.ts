@@ -6,8 +6,8 @@ export type Span = { hours: number } | { since: number; until: number };
 export const HOURS: readonly { hours: number; label: string }[] = [
   { hours: 1, label: "1 h" },
   { hours: 8, label: "8 h" },
-  { hours: 24, label: "1 day" },
-  { hours: 168, label: "1 week" },
+  { hours: 24, label: "24 h" },
+  { hours: 168, label: "7 d" },
 ];
 
 /** The least that is worth being looked at, s. */
@@ -31,8 +31,13 @@ export function endsOf(span: Span, now: number, slots: number): Ends {
   return { since: until - length, until };
 }
 
-/** Half as much of it, or twice as much, about its middle; never beyond now. */
-export function zoomed(ends: Ends, factor: number, now: number): Span {
+/**
+ * Half as much of it, or twice as much: what goes on with now still does, all else about its middle
+ * and never beyond now.
+ */
+export function zoomed(span: Span, ends: Ends, factor: number, now: number): Span {
+  if ("hours" in span)
+    return { hours: Math.min(MOST, Math.max(LEAST, span.hours * 3600 * factor)) / 3600 };
   const middle = (ends.since + ends.until) / 2;
   const length = Math.min(MOST, Math.max(LEAST, (ends.until - ends.since) * factor));
   return kept({ since: middle - length / 2, until: middle + length / 2 }, now);
