@@ -30,7 +30,7 @@ from kompass.monitor.reporting.alarms import Alarms
 from kompass.monitor.reporting.explanations import Explanations
 from kompass.monitor.reporting.firings import Firings
 from kompass.monitor.reporting.journal_watch import JournalWatch
-from kompass.monitor.reporting.process_states import ProcessStates
+from kompass.monitor.reporting.process_states import USAGE_PERIOD, Measure, ProcessStates
 from kompass.monitor.reporting.status_proxy import StatusProxy
 from kompass.monitor.reporting.supervisor_watch import SupervisorWatch
 from kompass.monitor.rules_state import RulesStatePublisher
@@ -110,6 +110,8 @@ class Monitor:
         For how long the supervisor has shown no life [s]; None where it always does.
     memory
         Opens the robot's places, missions, zones and timeline; None where nobody keeps any.
+    measure
+        What processes take of the machine; None where nobody can tell.
     """
 
     def __init__(
@@ -126,6 +128,7 @@ class Monitor:
         channels: Channels | None = None,
         supervisor_silent: Callable[[], float] | None = None,
         memory: Memory | None = None,
+        measure: Measure | None = None,
     ) -> None:
         def stamp() -> Time:
             return node.get_clock().now().to_msg()
@@ -160,7 +163,7 @@ class Monitor:
             node, loop, store, stamp, recording.fired if recording else None, timeline.add
         )
         proxy = StatusProxy(node, loop.heard)
-        self._processes = ProcessStates(node, proxy, ask, stamp)
+        self._processes = ProcessStates(node, proxy, ask, stamp, measure)
         self._runner = ActionRunner(
             *(node, executor, timers, recipe.functions, alarms, permissions),
             frozenset(catalog.components()),
@@ -239,6 +242,7 @@ class Monitor:
         timers.every(FIT_PERIOD, previews.tidy)
         timers.every(FIT_PERIOD, publishers.fit)
         timers.every(REPEAT_PERIOD, proxy.repeat)
+        timers.every(USAGE_PERIOD, self._processes.look)
         timers.every(RATE_PERIOD, graph.measure)
         timers.every(PROBATION_PERIOD, look_at_probation)
         if store is not None:

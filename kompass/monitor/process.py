@@ -30,6 +30,7 @@ from kompass.recipe.table import RecipeRules
 from kompass.store import MissionStore, PlaceStore, TimelineStore, ZoneStore, robot_folder
 from kompass.supervisor.heartbeat import send_heartbeat
 from kompass.supervisor.process import Report
+from kompass.supervisor.usage import UsageMeter
 
 NAME = "monitor"
 SPIN_TIMEOUT = 0.1  # s, as of the components' host
@@ -88,6 +89,7 @@ def run_monitor(
             lambda: ZoneStore.open(robot_folder()),
             lambda: TimelineStore.open(robot_folder()),
         ),
+        UsageMeter().look,
     )
     monitor.reach_components(recipe.components)
 

@@ -50,7 +50,7 @@ class ComponentTopics:
         topics = self._inputs.get(component, frozenset())
         return sorted(
             (
-                InputInfo(topic=stream.topic, age=stream.age, stale=stream.stale)
+                InputInfo(topic=stream.topic, age=stream.age, stale=stream.stale, rate=stream.rate)
                 for stream in streams
                 if stream.topic is not None and stream.topic in topics
             ),

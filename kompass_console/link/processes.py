@@ -90,4 +90,6 @@ def _info_of(process: Any) -> ProcessInfo:
         pid=int(process.pid),
         restarts=int(process.restarts),
         reason=plain(process.reason),
+        cpu=round(float(process.cpu), 3) if process.cpu >= 0.0 else None,
+        memory=int(process.memory) or None,
     )

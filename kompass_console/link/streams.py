@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +20,7 @@ from kompass_console.schema.models import StreamInfo, StreamKey
 from kompass_console.schema.world import Latest, Pose, RobotMotion, Stamped, WorldModel
 from kompass_console.settings import TopicOverrides
 
+_RATE_OVER = 2.0  # s over which messages are counted
 _BASE_FRAMES = ("base_link", "base_footprint")
 
 
@@ -72,6 +74,8 @@ class Streams:
             node, String, lambda m: str(m.data), world.description.set, latched=True
         )
         self._mounts = Reader(node, TFMessage, _mounts_of, self._mounted, latched=True, depth=10)
+        self._looked, self._counts = time.monotonic(), dict.fromkeys(_KINDS, 0)
+        self._hertz: dict[StreamKey, float] = {}
         self._rate: Latest[float] = Latest()
         self._rates = Reader(node, Float32, lambda m: float(m.data), self._rate.set)
 
@@ -81,7 +85,8 @@ class Streams:
         return self._rate.get()
 
     def refresh(self, published: Graph) -> None:
-        """Read from the topics that are there now."""
+        """Read from the topics that are there now, and see how fast messages come."""
+        self._measure()
         for key, reader in self._readers.items():
             topic = stream_topic(key, published, self._overrides[key])
             if reader.follow(topic):
@@ -114,9 +119,19 @@ class Streams:
                     age=age,
                     deadline=kind.deadline,
                     stale=stale,
+                    rate=None if kind.deadline is None else self._hertz.get(key),
                 )
             )
         return infos
+
+    def _measure(self) -> None:
+        now = time.monotonic()
+        passed = now - self._looked
+        if passed < _RATE_OVER:
+            return
+        counts = {key: reader.count for key, reader in self._readers.items()}
+        self._hertz = {key: (counts[key] - self._counts[key]) / passed for key in counts}
+        self._looked, self._counts = now, counts
 
     def _moved(self, motion: RobotMotion) -> None:
         self._world.history.add(motion.stamp, motion.pose)

@@ -276,7 +276,11 @@ StreamKey = Literal["odometry", "scan", "map", "local_map", "path"]
 
 
 class StreamInfo(BaseModel):
-    """One thing the console reads: from which topic, how old, and whether that is too old."""
+    """One thing the console reads: from which topic, how old, and whether that is too old.
+
+    `rate` is how many messages came a second (Hz), over the last two seconds; null while unknown,
+    and for what is sent once and kept.
+    """
 
     key: StreamKey
     label: str
@@ -284,6 +288,7 @@ class StreamInfo(BaseModel):
     age: float | None
     deadline: float | None
     stale: bool
+    rate: float | None = None
 
 
 ComponentState = Literal[
@@ -303,7 +308,8 @@ class ProcessInfo(BaseModel):
     """The process of a component, as its supervisor sees it. `reason` is of its last death.
 
     `restarted` is how long ago (s) it was started again the last time; null when it was not while
-    this console has looked.
+    this console has looked. `cpu` is its share of one processor over the last two seconds, `memory`
+    what it has in the machine's memory (bytes), with what it shares; null while unknown.
     """
 
     name: str
@@ -312,14 +318,17 @@ class ProcessInfo(BaseModel):
     restarts: int
     reason: str
     restarted: float | None = None
+    cpu: float | None = None
+    memory: int | None = None
 
 
 class InputInfo(BaseModel):
-    """A topic that a component listens to and the console too, and its age in s."""
+    """A topic that a component listens to and the console too, its age in s and its rate in Hz."""
 
     topic: str
     age: float | None
     stale: bool
+    rate: float | None = None
 
 
 class ComponentInfo(BaseModel):

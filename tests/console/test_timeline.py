@@ -95,10 +95,12 @@ def test_an_alarm_that_does_not_stand_cannot_be_acknowledged(ava: httpx.Client) 
     assert shelved.status_code == 422
 
 
-def test_all_of_it_is_taken_along_a_line_each(ava: httpx.Client) -> None:
+def test_all_of_it_is_taken_along_a_line_each(robot: Served, ava: httpx.Client) -> None:
     for number in range(3):
         assert ava.post("/api/timeline/notes", json={"title": f"note {number}"}).is_success
     answer = ava.get("/api/timeline/export")
+    said = robot.audited()[-1]
+    assert (said["who"], said["what"], said["outcome"]) == ("ava", "export timeline", "begun")
     assert answer.headers["content-disposition"].endswith('.jsonl"')
     lines = [json.loads(line) for line in answer.text.splitlines()]
     assert [each["number"] for each in lines] == list(range(len(lines), 0, -1))

@@ -5,6 +5,8 @@ import {
   degreesText,
   distanceText,
   durationText,
+  hertzText,
+  percentText,
   signed,
   wholeAgeText,
 } from "./format";
@@ -62,4 +64,9 @@ test("sizes of files are told in the unit that fits", () => {
     "42 MB",
     "1.3 GB",
   ]);
+});
+
+test("rates and shares have a decimal only where it tells something", () => {
+  expect([0, 4.96, 9.96, 50].map(hertzText)).toEqual(["0.0 Hz", "5.0 Hz", "10 Hz", "50 Hz"]);
+  expect([0.004, 0.12, 1.5].map(percentText)).toEqual(["0.4 %", "12 %", "150 %"]);
 });

@@ -54,3 +54,13 @@ export function bytesText(bytes: number): string {
   }
   return `${size < 9.95 && unit > 0 ? size.toFixed(1) : Math.round(size)} ${units[unit]}`;
 }
+
+/** `0.4 Hz`, `10 Hz`: how often something comes. */
+export const hertzText = (rate: number): string =>
+  `${rate < 9.95 ? rate.toFixed(1) : Math.round(rate)} Hz`;
+
+/** `0.4 %`, `12 %`, of a share. */
+export function percentText(share: number): string {
+  const percent = 100 * share;
+  return `${percent < 9.95 ? percent.toFixed(1) : Math.round(percent)} %`;
+}

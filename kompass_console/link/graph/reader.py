@@ -29,6 +29,13 @@ class Reader(Generic[T]):
         is best effort, which every publisher can serve.
     depth
         Messages that may wait.
+
+    Attributes
+    ----------
+    topic
+        That is read; None before any was.
+    count
+        Messages that came so far.
     """
 
     def __init__(
@@ -51,6 +58,7 @@ class Reader(Generic[T]):
         self._qos = FOR_ANY_PUBLISHER
         self._complained = ""
         self.topic: str | None = None
+        self.count = 0  # messages so far
 
     def follow(self, topic: str | None) -> bool:
         """Read `topic` from now on (None: nothing). True when that is another topic than before."""
@@ -80,6 +88,7 @@ class Reader(Generic[T]):
         return best_for(self._node.get_publishers_info_by_topic(topic), self._qos)
 
     def _received(self, message: Any) -> None:
+        self.count += 1
         try:
             value = self._convert(message)
         except ValueError as error:

@@ -1,6 +1,6 @@
 import type { ReactNode } from "react";
 import type { Component } from "../api/types";
-import { ageText } from "../format";
+import { ageText, hertzText } from "../format";
 import { componentLevel, componentWord, FROZEN_S } from "../state/overall";
 import classes from "./Health.module.css";
 import { HealthRow } from "./HealthRow";
@@ -42,6 +42,7 @@ export function ComponentRow({ component, elapsed }: { component: Component; ela
               <span key={input.topic} data-late={input.stale || undefined}>
                 <code>{input.topic}</code>{" "}
                 {input.age === null ? "never" : ageText(input.age + elapsed)}
+                {input.rate !== null && `, ${hertzText(input.rate)}`}
                 {input.stale && " ▲ late"}
               </span>
             ))}

@@ -2,6 +2,7 @@ import { useRobot } from "../state/RobotContext";
 import { Panel } from "../ui/Panel";
 import { ComponentRow } from "./ComponentRow";
 import classes from "./Health.module.css";
+import { ProcessesRow } from "./ProcessesRow";
 
 /** Every component of the stack: shape, word, age. */
 export function HealthPanel() {
@@ -17,6 +18,7 @@ export function HealthPanel() {
         {components.map((component) => (
           <ComponentRow key={component.name} component={component} elapsed={elapsed} />
         ))}
+        {state !== null && <ProcessesRow processes={state.processes} />}
       </ul>
     </Panel>
   );

@@ -1,5 +1,5 @@
 import type { Stream } from "../api/types";
-import { ageText } from "../format";
+import { ageText, hertzText } from "../format";
 import { streamWord } from "../state/causes";
 import { streamLevel, streamStale } from "../state/overall";
 import type { Level } from "../ui/StatusMark";
@@ -21,6 +21,12 @@ export function StreamRow({ stream, elapsed }: { stream: Stream; elapsed: number
       <dl className={classes.facts}>
         <dt>Topic</dt>
         <dd>{stream.topic === null ? "none found" : <code>{stream.topic}</code>}</dd>
+        {stream.rate !== null && (
+          <>
+            <dt>Rate</dt>
+            <dd data-testid="stream-rate">{hertzText(stream.rate)}</dd>
+          </>
+        )}
         <dt>Deadline</dt>
         <dd>
           {stream.deadline === null

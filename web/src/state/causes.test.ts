@@ -12,6 +12,8 @@ const process = (part: Partial<Process> = {}): Process => ({
   restarts: 0,
   reason: "",
   restarted: null,
+  cpu: 0.1,
+  memory: 60_000_000,
   ...part,
 });
 const alive = (name: string, label: string, part: Partial<Component> = {}) =>

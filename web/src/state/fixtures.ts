@@ -28,7 +28,7 @@ export const stream = (
   label: string,
   topic: string,
   part: Partial<Stream> = {},
-): Stream => ({ key, label, topic, age: 0.1, deadline: 1, stale: false, ...part });
+): Stream => ({ key, label, topic, age: 0.1, deadline: 1, stale: false, rate: 10, ...part });
 
 export const DRIVE: Drive = {
   available: true,
