@@ -1,4 +1,4 @@
-"""Random goals in worlds whose map is known, in virtual time: arrivals, contacts, time, by follower.
+"""Random goals in mapped worlds, in virtual time: arrivals, contacts, time, by follower.
 
 .venv/bin/python benchmarks/mapped_goals.py [COUNT] [SEED] [WORLD,…] [FOLLOWER,…]
 

@@ -4,7 +4,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kompass.algorithms.following.follower import NoCommand
 from kompass.algorithms.following.mppi import MPPI, MPPIParams
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats, inverse, transform_points
@@ -119,12 +118,13 @@ def test_it_turns_round_though_the_path_begins_behind_it() -> None:
     assert distance_to_polyline(run.poses[:, :2], STRAIGHT).max() <= 0.25
 
 
-def test_where_it_is_too_late_to_stop_it_says_so() -> None:
-    wall = np.column_stack([np.full(80, 0.6), np.linspace(-2, 2, 80)])
+def test_where_it_is_too_late_to_stop_it_brakes_as_hard_as_it_can_and_turns_aside() -> None:
+    post = np.array([(0.6, y) for y in np.linspace(0.1, 0.3, 9)])
     follower = large()
     follower.set_path(STRAIGHT)
-    with pytest.raises(NoCommand, match=r"No way keeps 0\.03 m .* the nearest is at 0\.3"):
-        follower.step((0, 0, 0), 2.0, 0.0, 0.05, wall)
+    command = follower.step((0, 0, 0), 2.0, 0.0, 0.05, post).command
+    assert command.vx == pytest.approx(2.0 - 0.05 * LARGE["decel"])
+    assert command.omega < 0.0, "most of it lies to the left"
 
 
 def test_a_robot_too_close_to_something_may_leave_it() -> None:

@@ -167,6 +167,20 @@ def test_speeding_up_from_rest_keeps_the_curvature_too(v: float, omega: float) -
     assert limited.vx * omega == pytest.approx(limited.omega * v, abs=1e-9)
 
 
+@given(v=st.floats(0.05, 0.3), omega=st.floats(-2.0, 2.0), dt=st.floats(0.005, 0.1))
+def test_a_standstill_is_come_to_along_the_curve_that_is_driven(
+    v: float, omega: float, dt: float
+) -> None:
+    limiter, sent = VelocityLimiter(LIMITS), Command(v, 0.0, omega)
+    while sent != Command():
+        before = sent
+        sent = limiter.limit(Command(), before, dt)
+        assert sent.vx < before.vx or abs(sent.omega) < abs(before.omega), "it brakes"
+        assert sent.vx * omega == pytest.approx(sent.omega * v, abs=1e-9), "on the same circle"
+        assert before.vx - sent.vx <= LIMITS.vx.max_decel * dt + 1e-9
+        assert abs(before.omega - sent.omega) <= LIMITS.omega.max_decel * dt + 1e-9
+
+
 def test_repeated_limiting_reaches_the_command_and_zero_is_reached_by_braking() -> None:
     limiter, command = VelocityLimiter(LIMITS), Command(0.2, 0, -1.0)
     now = Command(-0.2, 0, 1.0)

@@ -49,11 +49,18 @@ _PATH_CELLS = 40
 _MOST_PATH_POINTS = 80
 _PATH_SPACING = 0.05  # m between two points of it, if they are not too many
 _TURNED_BACK = 2.0  # rad
+# How much faster than the mean of all plans is looked at, too (3, 1, 1).
+_FASTER: Singles = np.array([[[1.0]], [[1.1]], [[1.3]]], dtype=np.float32)
+# Ways to come to rest that are looked at, and into how many parts each step of them is divided.
+_BRAKING, _FINER = 31, 4
+_ASIDE = 0.6  # rad; what lies farther to the side at the end of the way is turned to on the spot
 # So far a command alone must be free, beyond the drive manager's critical zone [m].
 _HELD = 0.07
 # So fast it passes obstacles however near [m/s], and faster by 1 m/s for so much room [s]; what
 # is faster costs more, per m/s, than it gains in way.
 _SLOW, _BESIDE, _HASTE = 0.4, 0.15, 12.0
+# Room beyond that of what is slow, for each m/s: the faster, the farther off a plan comes out [s].
+_STRAY = 0.06
 # Kept from what moves, and liked to be kept beyond that [m]; who drives slower stands [m/s].
 _PERSONAL, _SHY, _STANDS = 0.12, 0.5, 0.02
 # Within this of it points are taken as those of what moves [m].
@@ -239,11 +246,15 @@ class MPPI(PathFollower[MPPIParams]):
         field = _Nearest(self.config.resolution, self._half, near).distance
         origin = np.zeros(1, dtype=np.float32)
         here = self._room(field, origin, origin, origin)[0]
+        if (home := self._home(situation, field, float(here))) is not None:
+            return home
         plans = self._feasible(self._candidates(situation), situation)
         cost = self._cost(plans, field, float(here), situation)
         least = float(cost.min())
         if least >= _CONTACT:
             self._plan[:] = 0.0
+            if situation.speed > _STANDS:
+                return self._brake(situation, field)
             raise NoCommand(
                 f"No way keeps {self.config.clearance:.2f} m between the robot and the obstacles; "
                 f"the nearest is at {max(float(here), 0.0):.2f} m."
@@ -253,10 +264,69 @@ class MPPI(PathFollower[MPPIParams]):
             None
         ]
         best = plans[int(np.argmin(cost))][None]
-        # Two ways round something may lie on either side of the mean.
-        chosen = mean if self._cost(mean, field, float(here), situation)[0] < _CONTACT else best
-        self._plan = chosen[0]
-        return float(chosen[0, 0, 0]), float(chosen[0, 0, 1])
+        # Speeds end at the top, and so their mean lies below it: the same way, driven faster. Two
+        # ways round something may lie on either side of the mean.
+        means = self._feasible(mean * _FASTER, situation)
+        costs = self._cost(means, field, float(here), situation)
+        index = int(np.argmin(costs))
+        chosen = means[index] if costs[index] < _CONTACT else best[0]
+        self._plan = chosen
+        return float(chosen[0, 0]), float(chosen[0, 1])
+
+    def _brake(self, situation: Situation, field: _Field) -> tuple[float, float]:
+        """As hard as it can, and turned to where most room is left while it comes to rest.
+
+        What lay behind something else is seen late: then the way straight on is not the best one.
+        """
+        turns = np.linspace(-1.0, 1.0, _BRAKING) * self._angular.max_vel
+        wanted = np.zeros((_BRAKING, self._steps, 2), dtype=np.float32)
+        wanted[:, :, 1] = turns[:, None]
+        plans = self._feasible(wanted, situation)
+        # It stands when it has stopped: turning on the spot is looked at anew then.
+        v, omega = plans[:, :, 0], plans[:, :, 1] * (plans[:, :, 0] > 0.0)
+        # In finer steps than plans have: all of it is over within a few of them.
+        v, omega = np.repeat(v, _FINER, axis=1), np.repeat(omega, _FINER, axis=1)
+        step = np.float32(self._step_time / _FINER)
+        yaw: Singles = np.cumsum(omega, axis=1) * step
+        x: Singles = np.cumsum(v * np.cos(yaw), axis=1) * step
+        y: Singles = np.cumsum(v * np.sin(yaw), axis=1) * step
+        room = self._room(field, x, y, yaw).min(axis=1)
+        # Of equally good ones the one that turns least.
+        best = int(np.lexsort((np.abs(turns), -np.round(room, 3)))[0])
+        return 0.0, float(plans[best, 0, 1])
+
+    def _home(self, situation: Situation, field: _Field, here: float) -> tuple[float, float] | None:
+        """The last bit of the way as pure pursuit drives it, if that is free; else None.
+
+        There what a plan still wins by coming nearer is less than what the noise makes of it: the
+        mean of all plans creeps, and stands beside the goal.
+        """
+        tracker, ahead = situation.tracker, self.config.lookahead_distance
+        if not situation.homing and tracker.remaining > ahead:
+            return None
+        here_from = inverse((situation.x, situation.y, situation.yaw))
+        ((px, py),) = transform_points(here_from, np.array([tracker.goal]))
+        distance, bearing = math.hypot(px, py), math.atan2(py, px)
+        if distance > 2.0 * ahead:
+            return None  # the path comes back on itself
+        if distance <= 0.7 * self.config.goal_tolerance:
+            bearing = 0.0  # on the spot: where it lies does not matter any more
+        plan = np.zeros((1, self._steps, 2), dtype=np.float32)
+        if abs(bearing) > _ASIDE:
+            rate = stopping_speed(abs(bearing), 0.5 * self._angular.max_decel, 1.5 * situation.dt)
+            rate = max(min(rate, self._angular.max_vel), self.config.min_turn_rate)
+            plan[0, 0, 1] = math.copysign(min(rate, abs(bearing) / self._step_time), bearing)
+        else:
+            curvature = 2.0 * math.sin(bearing) / max(distance, 0.05)
+            way = np.arange(1, self._steps + 1) * situation.allowed_speed * self._step_time
+            steps = np.diff(np.minimum(way, distance), prepend=0.0) / self._step_time
+            plan[0, :, 0] = steps
+            plan[0, :, 1] = curvature * steps
+        plan = self._feasible(plan, situation)
+        if self._cost(plan, field, here, situation)[0] >= _CONTACT:
+            return None
+        self._plan = plan[0]
+        return float(plan[0, 0, 0]), float(plan[0, 0, 1])
 
     def _draw(self, random: np.random.Generator) -> Singles:
         """Noise (banks, rollouts, steps, 2) in velocity [m/s] and turning rate [rad/s]."""
@@ -348,7 +418,7 @@ class MPPI(PathFollower[MPPIParams]):
         # A robot that stands too close already may go wherever it comes no closer.
         travelled = np.cumsum(v, axis=1) * step
         needed = np.minimum(0.0, here - params.clearance + 0.1 * travelled)
-        contact = (room < needed - _ROUNDING).any(axis=1)
+        contact = (room < needed + _STRAY * np.maximum(v - _SLOW, 0.0) - _ROUNDING).any(axis=1)
         if len(situation.movers):
             close, meets = self._people(situation, x, y, v)
             nearness = np.maximum(nearness, close)

@@ -28,7 +28,8 @@ class VelocityLimiter:
 
         An axis that cannot move is dropped first. Then all axes are scaled alike, which keeps
         the curvature and the direction of the motion; only where no common scale fits the
-        accelerations does each axis go as far towards the command as it can.
+        accelerations does each axis go as far towards the command as it can. A standstill is come
+        to along the curve that is being driven: straight on from it there may be something.
         """
         axes = (self.limits.vx, self.limits.vy, self.limits.omega)
         wanted = [
@@ -54,7 +55,17 @@ class VelocityLimiter:
                 low, high = max(low, most / value), min(high, least / value)
             elif least > 0 or most < 0:
                 high = -1.0  # this axis still turns and the command has no share in it
-        if any(wanted) and low <= high:
+        if not any(wanted):
+            left = max(
+                (
+                    max(0.0, abs(value) - axis.max_decel * dt) / abs(value)
+                    for axis, value in zip(axes, before, strict=True)
+                    if value
+                ),
+                default=0.0,
+            )
+            values = [value * left for value in before]
+        elif low <= high:
             values = [value * high for value in wanted]
         else:
             values = [
