@@ -30,6 +30,8 @@ class EditPlace(Model):
     ----------
     version
         Of the place that the change began from.
+    home
+        Makes it the home of its map, instead of another one.
     """
 
     kind: Literal["edit"] = "edit"
@@ -39,6 +41,7 @@ class EditPlace(Model):
     note: PlaceNote | None = None
     pose: PlacePose | None = None
     map: MapIdentity | None = None
+    home: bool | None = None
 
 
 class DeletePlace(Model):

@@ -86,6 +86,8 @@ class Place(Model):
         Never given to another place.
     version
         Counts its changes, from 1.
+    home
+        Whether it is where the robot belongs: its charger, say. At most one of a map is.
     author
         Who changed it last.
     time
@@ -98,6 +100,7 @@ class Place(Model):
     note: PlaceNote
     pose: PlacePose
     map: MapIdentity
+    home: bool = False
     author: AuthorName
     time: float
 

@@ -9,7 +9,7 @@ from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
-from sensor_msgs.msg import Imu, LaserScan
+from sensor_msgs.msg import BatteryState, Imu, LaserScan
 from std_msgs.msg import Float32, String, UInt32
 from tf2_msgs.msg import TFMessage
 
@@ -17,6 +17,7 @@ from kompass.algorithms.geometry import compose, inverse
 from kompass.bus.node import Node, Publisher
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation import messages
+from kompass.simulation.battery import Battery
 from kompass.simulation.description import description
 from kompass.simulation.physics.parts import NoReading
 from kompass.simulation.robot import SimulatedRobot
@@ -52,6 +53,7 @@ class Broadcast:
         self._rate = publisher(Float32, "/simulator/rate", _RELIABLE)
         self._contacts = publisher(UInt32, "/simulator/contacts", LATCHED_PROFILE)
         self._person_contacts = publisher(UInt32, "/simulator/person_contacts", LATCHED_PROFILE)
+        self._battery = publisher(BatteryState, "/battery_state", _RELIABLE)
         self._published_contacts = (-1, -1)
         # Filled again and again: publishing one takes it as it is in that moment.
         self._truth_message = messages.odometry(MAP)
@@ -115,6 +117,22 @@ class Broadcast:
         self._published_contacts = (contacts, with_people)
         self._contacts.publish(UInt32(data=contacts))
         self._person_contacts.publish(UInt32(data=with_people))
+
+    def battery(self, battery: Battery) -> None:
+        """How full the battery is."""
+        status = (
+            BatteryState.POWER_SUPPLY_STATUS_CHARGING
+            if battery.charging
+            else BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
+        )
+        message = BatteryState(
+            percentage=battery.charge,
+            voltage=battery.voltage,
+            power_supply_status=status,
+            present=True,
+        )
+        message.header.stamp = self._clock.now().to_msg()
+        self._battery.publish(message)
 
     def _is_heard(self, publisher: Publisher) -> bool:
         """Whether a message is worth making: fifty times a second that is most of the work."""

@@ -31,7 +31,7 @@ LOCK = "places.lock"
 FORMAT = Format(PLACES_ID, PLACES, "FULL")
 MOST_DELETED = 100  # that can be restored
 
-_COLUMNS = "id, version, name, note, x, y, yaw, map, map_label, author, time"
+_COLUMNS = "id, version, name, note, x, y, yaw, map, map_label, home, author, time"
 
 
 class PlaceStore:
@@ -146,13 +146,22 @@ class PlaceStore:
         given = change.model_dump(exclude={"kind", "id", "version"}, exclude_none=True)
         after = Place.model_validate(before.model_dump() | given)
         self._check_free(after.name, after.map, after.id)
+        # There is one home of a map: whoever names another one says so of both. Whoever takes a
+        # place along to a map that has one leaves that as it is.
+        home = after.home and (bool(change.home) or after.map == before.map)
+        if home:
+            self._sql.execute(
+                "UPDATE places SET home = 0, version = version + 1, author = ?, time = ? "
+                "WHERE map = ? AND home AND id != ? AND deleted IS NULL",
+                (author, self._clock(), after.map.id, after.id),
+            )
         pose = after.pose
         self._sql.execute(
             "UPDATE places SET version = version + 1, name = ?, same_name = ?, note = ?, x = ?, "
-            "y = ?, yaw = ?, map = ?, map_label = ?, author = ?, time = ? WHERE id = ?",
+            "y = ?, yaw = ?, map = ?, map_label = ?, home = ?, author = ?, time = ? WHERE id = ?",
             (
                 *(after.name, same_name(after.name), after.note, pose.x, pose.y, pose.yaw),
-                *(after.map.id, after.map.label, author, self._clock(), after.id),
+                *(after.map.id, after.map.label, home, author, self._clock(), after.id),
             ),
         )
         return self._found(after.id)
@@ -179,9 +188,11 @@ class PlaceStore:
             )
         self._check_room()
         self._check_free(before.name, before.map, before.id)
+        # It is home again unless another place has become that meanwhile.
         self._sql.execute(
-            "UPDATE places SET deleted = NULL, version = version + 1, author = ?, time = ? "
-            "WHERE id = ?",
+            "UPDATE places SET deleted = NULL, version = version + 1, author = ?, time = ?, "
+            "home = home AND NOT EXISTS (SELECT 1 FROM places AS other WHERE other.home "
+            "AND other.map = places.map AND other.deleted IS NULL) WHERE id = ?",
             (author, self._clock(), change.id),
         )
         return self._found(change.id)
@@ -230,7 +241,7 @@ class PlaceStore:
 
 
 def _place(row: tuple[Any, ...]) -> Place:
-    place_id, version, name, note, x, y, yaw, of_map, label, author, at = row
+    place_id, version, name, note, x, y, yaw, of_map, label, home, author, at = row
     return Place(
         id=place_id,
         version=version,
@@ -238,6 +249,7 @@ def _place(row: tuple[Any, ...]) -> Place:
         note=note,
         pose=PlacePose(x=x, y=y, yaw=yaw),
         map=MapIdentity(id=of_map, label=label),
+        home=bool(home),
         author=author,
         time=at,
     )

@@ -126,6 +126,10 @@ PLACES = (
     CREATE TABLE counter (revision INTEGER NOT NULL);
     INSERT INTO counter VALUES (0);
     """,
+    """
+    ALTER TABLE places ADD COLUMN home INTEGER NOT NULL DEFAULT 0;
+    CREATE UNIQUE INDEX home_of_map ON places (map) WHERE home AND deleted IS NULL;
+    """,
 )
 
 # What a mission is stands in one text: whoever reads a part of it reads the whole.

@@ -71,7 +71,7 @@ async def edit_place(
             if not body.here and place.map.id != here.id:
                 raise _elsewhere(place)
             _check_on_map(console, pose or place.pose)
-        given = body.model_dump(include={"name", "note"}, exclude_none=True)
+        given = body.model_dump(include={"name", "note", "home"}, exclude_none=True)
         return _made(
             EditPlace,
             id=place_id,
@@ -234,4 +234,4 @@ def _info(place: Place, here: MapIdentity | None) -> PlaceInfo:
 
 
 def _brief(place: Place) -> dict[str, Any]:
-    return place.model_dump(include={"name", "note", "pose", "version"})
+    return place.model_dump(include={"name", "note", "pose", "home", "version"})

@@ -18,6 +18,7 @@ from rclpy.utilities import get_rmw_implementation_identifier
 from kompass.monitor.client import MonitorClient
 from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.rclpy_ext.node import PlainNode
+from kompass_console.link.battery import Battery
 from kompass_console.link.component_topics import ComponentTopics
 from kompass_console.link.components import Components
 from kompass_console.link.drive import DriveLink
@@ -102,6 +103,7 @@ class RosLink:
             start_parameter_services=False,
         )
         self.streams = Streams(self._node, world, settings.topics)
+        self.battery = Battery(self._node, changed)
         self.processes = Processes(self._node, changed)
         self.components = Components(self._node, changed)
         self.component_topics = ComponentTopics(self._node)
@@ -194,6 +196,7 @@ class RosLink:
         named = dict(self._node.get_service_names_and_types())
         services = {n: t for n, t in named.items() if self._node.count_services(n) > 0}
         self.streams.refresh(published)
+        self.battery.refresh(published)
         self.components.refresh(published, self.processes.of)
         self.component_topics.refresh(self.components.names)
         self.drive.refresh(published, services)

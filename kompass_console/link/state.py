@@ -60,6 +60,7 @@ def build_state(
         drive=link.drive.info(),
         goal=link.goals.follower.info(),
         simulation=None if rate is None else SimulationInfo(rate=rate.value, age=rate.age()),
+        battery=link.battery.info(),
         rules=link.rules.info(),
         places=link.places.info(),
         zones=link.zones.info(),

@@ -417,6 +417,18 @@ class SimulationInfo(BaseModel):
     age: float
 
 
+class BatteryInfo(BaseModel):
+    """The robot's battery. `charge` is from 0 to 1; `low` below a fifth, until it is a quarter
+    again; `voltage` (V) is null where it is not told."""
+
+    charge: float
+    charging: bool
+    low: bool
+    voltage: float | None
+    topic: str
+    age: float
+
+
 class RulesInfo(BaseModel):
     """The table of rules in force, for the top bar.
 
@@ -531,6 +543,7 @@ class State(BaseModel):
     drive: DriveInfo | None
     goal: GoalInfo | None
     simulation: SimulationInfo | None
+    battery: BatteryInfo | None = None
     rules: RulesInfo
     places: PlacesInfo
     zones: ZonesInfo

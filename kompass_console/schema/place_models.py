@@ -27,7 +27,8 @@ class PlaceSave(In):
 class PlaceEdit(In):
     """What to change of a place; what is left out stays. `version` is of the place that was looked
     at. `here` takes it along to the map that the robot has now, with the same coordinates;
-    `to_robot` moves it to where the robot stands, with its heading."""
+    `to_robot` moves it to where the robot stands, with its heading. `home` makes it the home of its
+    map, or takes that back."""
 
     version: Version
     name: AnyName | None = None
@@ -35,6 +36,7 @@ class PlaceEdit(In):
     pose: PlacePose | None = None
     here: bool = False
     to_robot: bool = False
+    home: bool | None = None
 
     @model_validator(mode="after")
     def _one_pose(self) -> Self:
@@ -44,7 +46,8 @@ class PlaceEdit(In):
 
 
 class PlaceInfo(BaseModel):
-    """A place. `here` says whether it is on the map that the robot has now."""
+    """A place. `here` says whether it is on the map that the robot has now, `home` whether it is
+    where the robot belongs there."""
 
     id: PlaceId
     version: Version
@@ -53,6 +56,7 @@ class PlaceInfo(BaseModel):
     pose: PlacePose
     map: MapIdentity
     here: bool
+    home: bool
     author: str
     time: float
 

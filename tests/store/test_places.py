@@ -6,6 +6,7 @@ import os
 import random
 import select
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
@@ -26,6 +27,7 @@ from kompass.store import (
     StoreError,
 )
 from kompass.store import place_store as module
+from kompass.store.schema import PLACES, PLACES_ID
 from tests.support.properties import few_or_many
 
 HERE = MapIdentity(id="0" * 32, label="4.0 × 3.0 m")
@@ -171,6 +173,59 @@ def test_there_is_an_end_to_places_and_to_those_that_were_deleted(
     for place in places[1:]:
         store.change(RestorePlace(id=place.id), "ava")
     assert names(store) == ["b", "c"]
+
+
+def homes(store: PlaceStore) -> list[str]:
+    return [place.name for place in store.book().places if place.home]
+
+
+def make_home(store: PlaceStore, place: Place, home: bool = True) -> Place:
+    return store.change(EditPlace(id=place.id, version=place.version, home=home), "ava")
+
+
+def test_there_is_one_home_of_a_map_and_another_place_takes_over(store: PlaceStore) -> None:
+    dock, gate = (store.change(save(name), "ava") for name in ("Dock", "Gate"))
+    attic = store.change(save("Attic", THERE), "ava")
+    make_home(store, attic)
+    dock = make_home(store, dock)
+    gate = make_home(store, gate)
+    assert homes(store) == ["Gate", "Attic"]
+    with pytest.raises(StaleEntry):
+        store.change(delete(dock), "ben")  # it is no home any more, which ben has not seen
+    gate = make_home(store, gate, home=False)
+    assert homes(store) == ["Attic"]
+    # Taken along to a map that has a home it is none.
+    make_home(store, gate)
+    (attic,) = (place for place in store.book().places if place.name == "Attic")
+    store.change(EditPlace(id=attic.id, version=attic.version, map=HERE), "ava")
+    assert homes(store) == ["Gate"]
+
+
+def test_a_home_that_was_deleted_is_home_again_unless_there_is_another(store: PlaceStore) -> None:
+    dock, gate = (store.change(save(name), "ava") for name in ("Dock", "Gate"))
+    dock = make_home(store, dock)
+    store.change(delete(dock), "ava")
+    dock = store.change(RestorePlace(id=dock.id), "ava")
+    assert homes(store) == ["Dock"]
+    store.change(delete(dock), "ava")
+    make_home(store, gate)
+    assert not store.change(RestorePlace(id=dock.id), "ava").home
+    assert homes(store) == ["Gate"]
+
+
+def test_places_of_an_older_release_are_brought_up_to_date(tmp_path: Path) -> None:
+    old = sqlite3.connect(tmp_path / module.FILE)
+    old.executescript(f"PRAGMA application_id = {PLACES_ID}; {PLACES[0]} PRAGMA user_version = 1;")
+    old.execute(
+        "INSERT INTO places VALUES (1, 1, 'Dock', 'dock', '', 1, 2, NULL, ?, ?, 'ava', 5, NULL)",
+        (HERE.id, HERE.label),
+    )
+    old.commit()
+    old.close()
+    with PlaceStore.open(tmp_path) as store:
+        (dock,) = store.book().places
+        assert (dock.name, dock.home) == ("Dock", False)
+        assert make_home(store, dock).home
 
 
 def test_a_number_is_never_another_place_s(store: PlaceStore) -> None:

@@ -1,6 +1,7 @@
 import { useMediaQuery } from "@mantine/hooks";
 import { type ComponentProps, useEffect, useState } from "react";
 import type { GoalPick, Place, Zone } from "../api/types";
+import { BatteryBand } from "../battery/BatteryBand";
 import { ControlBand } from "../control/ControlBand";
 import { CoordinatesForm } from "../goal/CoordinatesForm";
 import { GestureHint } from "../goal/GestureHint";
@@ -218,6 +219,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
             zone={zone}
             flat={flat.flat}
             covered={phone && rules.open}
+            onGo={goTo}
           />
           {helpOpen && <HelpPanel onClose={() => setHelpOpen(false)} />}
         </main>
@@ -252,6 +254,7 @@ function SceneStack({
   zone,
   flat,
   covered,
+  onGo,
 }: {
   handle: ViewHandle;
   goal: GoalTool;
@@ -259,6 +262,7 @@ function SceneStack({
   zone: ZoneTool;
   flat: boolean;
   covered: boolean;
+  onGo: ((place: Place) => void) | null;
 }) {
   const { view, error } = handle;
   const { open: rulesOpen } = useNav();
@@ -344,6 +348,7 @@ function SceneStack({
         <StaleBand />
         {!covered && <DriveBand />}
         <ControlBand />
+        <BatteryBand onGo={onGo} />
         <AuditBand />
         <AlarmsBand />
         {!rulesOpen && <ProbationBand />}

@@ -13,6 +13,7 @@ import {
 import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { logoutOthers } from "../api/client";
+import { BatteryBadge } from "../battery/BatteryBadge";
 import { ControlBadge } from "../control/ControlBadge";
 import { DrivenBy } from "../hand/DrivenBy";
 import { NotifyDialog } from "../notify/NotifyDialog";
@@ -41,6 +42,7 @@ export function TopBar() {
       <OverallState />
       <span className={classes.gap} />
       <ControlBadge />
+      <BatteryBadge />
       <RevisionBadge />
       <SimulationRate />
       {/* On a phone it is in the menu: the robot's name needs the room. */}

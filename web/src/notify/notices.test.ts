@@ -114,4 +114,23 @@ describe("who does not look at the page is told", () => {
       "ben has taken control from you",
     ]);
   });
+
+  it("tells once that the battery is low, and not while it is charged", () => {
+    const charge = (part: Partial<NonNullable<State["battery"]>>) => ({
+      battery: {
+        charge: 0.5,
+        charging: false,
+        low: false,
+        voltage: null,
+        topic: "/b",
+        age: 0,
+        ...part,
+      },
+    });
+    const low = charge({ charge: 0.19, low: true });
+    expect(titles(charge({}), low)).toEqual(["Battery low: 19 %"]);
+    expect(titles(low, charge({ charge: 0.18, low: true }))).toEqual([]);
+    expect(titles({ battery: null }, low)).toEqual([]);
+    expect(titles(charge({}), charge({ charge: 0.19, low: true, charging: true }))).toEqual([]);
+  });
 });

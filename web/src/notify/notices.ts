@@ -1,4 +1,5 @@
 import type { Session, State } from "../api/types";
+import { chargeText } from "../battery/batteryText";
 import { controlView } from "../control/controlText";
 import { goalLine } from "../goal/goalText";
 import { runLine } from "../missions/missionText";
@@ -27,6 +28,7 @@ export function noticesBetween(before: State, now: State, session: Session): Not
     ...missions(before, now, session),
     ...rules(before, now),
     ...control(before, now, session),
+    ...battery(before, now),
   ];
 }
 
@@ -110,6 +112,12 @@ function rules(before: State, now: State): Notice[] {
           },
     );
   return found;
+}
+
+function battery({ battery: was }: State, { battery: is }: State): Notice[] {
+  if (is === null || !is.low || is.charging || was?.low !== false) return [];
+  const body = "Send it home, or charge it.";
+  return [{ tag: "battery", title: `Battery low: ${chargeText(is)}`, body, urgent: true }];
 }
 
 function control(before: State, now: State, session: Session): Notice[] {

@@ -1,6 +1,8 @@
 import { ActionIcon, Menu, UnstyledButton } from "@mantine/core";
 import {
   IconDots,
+  IconHome,
+  IconHomeOff,
   IconMap2,
   IconMapPin,
   IconMapPinShare,
@@ -41,10 +43,19 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }
     mutationFn: () => editPlace(place, { to_robot: true }),
     onSuccess: (moved) => told.onMoved(place, moved),
   });
-  const { name, note, pose, here, map } = place;
+  const { name, note, pose, here, home, map } = place;
   const text = (
     <>
-      <IconMapPin size={18} aria-hidden className={classes.pin} />
+      {home ? (
+        <IconHome
+          size={18}
+          aria-label="Home"
+          className={classes.pin}
+          data-testid="place-home-mark"
+        />
+      ) : (
+        <IconMapPin size={18} aria-hidden className={classes.pin} />
+      )}
       <span className={classes.text}>
         <span className={classes.name}>{name}</span>
         {(note !== "" || !here) && (
@@ -137,6 +148,17 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }
                   Take along to this map
                 </Menu.Item>
               )}
+              <Menu.Item
+                leftSection={
+                  home ? <IconHomeOff size={16} aria-hidden /> : <IconHome size={16} aria-hidden />
+                }
+                mih={44}
+                title="Where the robot belongs: its charger, say"
+                onClick={() => edit.mutate({ home: !home })}
+                data-testid="place-home"
+              >
+                {home ? "Home no more" : "Make it home"}
+              </Menu.Item>
               <Menu.Item
                 leftSection={<IconTrash size={16} aria-hidden />}
                 mih={44}

@@ -28,6 +28,7 @@ const place = (id: number, name: string, here = true): Place => ({
   pose: { x: 1, y: 2, yaw: null },
   map: here ? HERE : THERE,
   here,
+  home: false,
   author: "ben",
   time: 0,
 });

@@ -17,6 +17,7 @@ const place = (name: string, more: Partial<Place> = {}): Place => ({
   pose: { x: 1, y: 2, yaw: null },
   map: { id: "0".repeat(32), label: "4.0 × 3.0 m" },
   here: true,
+  home: false,
   author: "ava",
   time: 0,
   ...more,

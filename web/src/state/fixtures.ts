@@ -54,6 +54,7 @@ export const robot = (part: Partial<State> = {}): State => ({
   drive: null,
   goal: null,
   simulation: null,
+  battery: null,
   places: { available: false, revision: 0, map: null },
   zones: { available: false, revision: 0 },
   timeline: { available: false, newest: 0, changes: 0 },
