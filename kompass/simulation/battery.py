@@ -12,6 +12,11 @@ _FULL, _EMPTY = 12.6, 10.5  # V
 _AT_FIRST = 0.8
 
 
+def voltage(charge: float) -> float:
+    """What a battery shows that is so full (0 to 1) [V]."""
+    return _EMPTY + (_FULL - _EMPTY) * charge
+
+
 class Battery:
     """A charge that depends on what the robot does and on nothing else.
 
@@ -31,11 +36,6 @@ class Battery:
     def __init__(self, dock: tuple[float, float]) -> None:
         self._dock, self._before = dock, dock
         self.charge, self.charging = _AT_FIRST, False
-
-    @property
-    def voltage(self) -> float:
-        """[V]"""
-        return _EMPTY + (_FULL - _EMPTY) * self.charge
 
     def step(self, at: tuple[float, float], seconds: float) -> None:
         """Let time pass; ``at`` is where the robot is then [m]."""

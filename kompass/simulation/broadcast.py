@@ -17,7 +17,7 @@ from kompass.algorithms.geometry import compose, inverse
 from kompass.bus.node import Node, Publisher
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.simulation import messages
-from kompass.simulation.battery import Battery
+from kompass.simulation.battery import voltage
 from kompass.simulation.description import description
 from kompass.simulation.physics.parts import NoReading
 from kompass.simulation.robot import SimulatedRobot
@@ -118,8 +118,9 @@ class Broadcast:
         self._contacts.publish(UInt32(data=contacts))
         self._person_contacts.publish(UInt32(data=with_people))
 
-    def battery(self, battery: Battery) -> None:
+    def battery(self) -> None:
         """How full the battery is."""
+        battery = self._robot.battery
         status = (
             BatteryState.POWER_SUPPLY_STATUS_CHARGING
             if battery.charging
@@ -127,7 +128,7 @@ class Broadcast:
         )
         message = BatteryState(
             percentage=battery.charge,
-            voltage=battery.voltage,
+            voltage=voltage(battery.charge),
             power_supply_status=status,
             present=True,
         )

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from kompass.simulation.battery import Battery
 from kompass.simulation.physics.barriers import Barrier
 from kompass.simulation.physics.drive import DifferentialDrive
 from kompass.simulation.physics.mjcf import (
@@ -22,7 +23,13 @@ from kompass.simulation.physics.mjcf import (
     solid_geom,
 )
 from kompass.simulation.physics.motion import BodyMotion
-from kompass.simulation.physics.parts import Odometer, PoseSource, RangeFinder, WheelDrive
+from kompass.simulation.physics.parts import (
+    Odometer,
+    PoseSource,
+    PowerSource,
+    RangeFinder,
+    WheelDrive,
+)
 from kompass.simulation.physics.person import Person
 from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 from kompass.simulation.sensors.bumper import Bumper
@@ -62,7 +69,7 @@ class SimulatedRobot:
         Where the robot is.
     kind
         Which robot it is.
-    drive, lidar, imu_sensor, wheels, localizer, bumper
+    battery, drive, lidar, imu_sensor, wheels, localizer, bumper
         Its parts, which may be exchanged for objects that behave otherwise.
     slip
         How much further the (left, right) wheel has turned than its rolling says, per turn. The
@@ -77,6 +84,7 @@ class SimulatedRobot:
         lidar, imu, wheels, localizer = (
             np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(4)
         )
+        self.battery: PowerSource = Battery(world.start[:2])
         self.drive: WheelDrive = DifferentialDrive(kind)
         self._lidar = Lidar(self._model, self._data, lidar, kind.lidar)
         self.lidar: RangeFinder = self._lidar

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from kompass.bus.node import Node
-from kompass.simulation.battery import Battery
 from kompass.simulation.broadcast import Broadcast
 from kompass.simulation.command_input import CommandInput
 from kompass.simulation.costmap import Costmap
@@ -65,7 +64,6 @@ class Simulator:
         self.robot = SimulatedRobot(place, seed, kind)
         self._node = node
         self._broadcast = Broadcast(node, self.robot, always=always)
-        self._battery = Battery(place.start[:2])
         self._commands = CommandInput(node, self.robot.command)
         PoseInput(node, self.robot.relocate)
         self._faults = FaultService(node, self.robot, orders, processes)
@@ -98,8 +96,8 @@ class Simulator:
         self._broadcast.rate(rate)
         self._broadcast.contacts()
         x, y, _ = self.robot.truth().pose
-        self._battery.step((x, y), REPORT_PERIODS * PERIOD)
-        self._broadcast.battery(self._battery)
+        self.robot.battery.step((x, y), REPORT_PERIODS * PERIOD)
+        self._broadcast.battery()
         if rate < SLOW:
             self._node.get_logger().warning(
                 f"the simulation runs at {rate:.2f} of real time ({lost:.2f} s lost): "

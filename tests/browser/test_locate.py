@@ -6,7 +6,6 @@ import math
 import re
 
 import pytest
-from kompass_interfaces.srv import SetFault
 from playwright.sync_api import expect
 
 from tests.browser.conftest import OpenPage
@@ -23,8 +22,7 @@ PHONE = (390, 844)
 
 def lose(robot: Robot, page: ConsolePage) -> None:
     """Have the robot lose its place, and wait until the page warns of it."""
-    switch = SetFault.Request(fault=JUMP, on=True)
-    assert robot.call(SetFault, "/simulator/set_fault", switch).success
+    robot.fault(JUMP)
     expect(page.get("map-fit")).to_have_attribute("data-level", "degraded")
 
 
@@ -36,7 +34,7 @@ def found(page: ConsolePage) -> None:
 @pytest.fixture(autouse=True)
 def sound(robot: Robot) -> None:
     """No fault of the test before."""
-    robot.call(SetFault, "/simulator/set_fault", SetFault.Request(fault=JUMP, on=False))
+    robot.fault(JUMP, on=False)
 
 
 def test_a_lost_robot_is_shown_its_place_with_the_hand_and_drives_on(

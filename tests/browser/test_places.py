@@ -6,7 +6,6 @@ import re
 
 import pytest
 from playwright.sync_api import Locator, expect
-from sensor_msgs.msg import BatteryState
 
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import FIRST_PICTURE, UNCOVERED, ConsolePage
@@ -176,17 +175,12 @@ def test_a_place_is_made_home_and_the_battery_is_always_told(
     expect(row.get_by_test_id("place-home-mark")).to_be_visible()
     page.keep("place-home")
     assert page.get("battery-band").count() == 0
-    low = BatteryState(percentage=0.12, voltage=10.9)
-    publisher = robot.node.create_publisher(BatteryState, "/battery_state", 10)
-    wait_until(lambda: publisher.get_subscription_count() > 0, 10, "the console")
-    # The embedded robot tells of its own, fuller one once a second.
-    telling = robot.node.create_timer(0.05, lambda: publisher.publish(low))
+    robot.fault("battery_low")
     expect(page.get("battery-band")).to_contain_text("Its home on this map is Charger.")
     page.keep("battery-low")
     page.get("go-home").dispatch_event("click")
     expect(page.get("goal-card")).to_contain_text("Charger")
-    robot.node.destroy_timer(telling)
-    robot.node.destroy_publisher(publisher)
+    robot.fault("battery_low", on=False)
     page.page.keyboard.press("Escape")
     expect(page.get("battery-band")).to_be_hidden()
     menu(page, "Charger", "place-delete")

@@ -53,6 +53,7 @@ def test_a_phone_has_room_for_name_thumb_and_editor(
     assert page.page.evaluate(_CUT) == []
     page.get("user-menu").tap()
     expect(page.get("theme-item")).to_be_visible()
+    expect(page.page.get_by_text(re.compile(r"^Battery \d+ %"))).to_be_visible()
     fits_a_thumb(page)
     page.page.keyboard.press("Escape")
     page.get("goal-tool").tap()

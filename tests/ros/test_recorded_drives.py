@@ -9,7 +9,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from kompass_interfaces.srv import SaveRecording, SetFault
+from kompass_interfaces.srv import SaveRecording
 
 from kompass.backtest.event_log import Fired
 from kompass.drills.report_json import read_report
@@ -48,8 +48,7 @@ def recording(stack: Stack, robot: Robot) -> Path:
     robot.click(*GOAL, taker="planner")
     away = robot.distance_to(*GOAL)
     wait_until(lambda: robot.distance_to(*GOAL) < away - 0.2, 30, "that it has set off")
-    fault = SetFault.Request(fault="lidar_unplugged", on=True, duration=BROKEN)
-    assert robot.call(SetFault, "/simulator/set_fault", fault).success
+    robot.fault("lidar_unplugged", duration=BROKEN)
     wait_until(lambda: robot.distance_to(*GOAL) < 0.12, 60, "arrival at the clicked point")
     request = SaveRecording.Request(name="drive")
     saved = robot.call(SaveRecording, "/monitor/save_recording", request, timeout=30.0)

@@ -89,14 +89,6 @@ def journal(robot: Robot, voices: Voices) -> Journal:
     return Journal(robot)
 
 
-def fault(robot: Robot, name: str, *, on: bool = True, duration: float = 0.0) -> None:
-    """Switch a fault, as soon as the simulator has found what it is about."""
-    request = SetFault.Request(fault=name, on=on, duration=duration)
-    wait_until(
-        lambda: robot.call(SetFault, "/simulator/set_fault", request).success, 10, f"fault {name}"
-    )
-
-
 def level(robot: Robot, component: str) -> int:
     message = robot.newest.get(f"/{component}/status")
     return -1 if message is None else int(message.status)
@@ -181,10 +173,10 @@ def test_an_edge_is_one_edge_however_often_the_other_topic_speaks(
 
 def test_processes_are_stopped_for_a_while_and_killed_by_name(stack: Stack, robot: Robot) -> None:
     before = stack.pid_of("mapper")
-    fault(robot, "stop:mapper", duration=0.4)
+    robot.fault("stop:mapper", duration=0.4)
     wait_until(lambda: state_of(before) == "T", 2, "a stopped mapper")
     wait_until(lambda: state_of(before) != "T", 3, "a mapper that goes on")
-    fault(robot, "kill:mapper")
+    robot.fault("kill:mapper")
     wait_until(lambda: stack.pid_of("mapper") != before, 5, "another mapper")
     request = SetFault.Request(fault="kill:nobody", on=True)
     refused = robot.call(SetFault, "/simulator/set_fault", request)

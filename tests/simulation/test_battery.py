@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from kompass.simulation.battery import Battery
+from kompass.simulation.battery import Battery, voltage
+from kompass.simulation.faults.robot_faults import RobotFaults
+from kompass.simulation.robot import SimulatedRobot
+from kompass.simulation.worlds.registry import world
 
 
 def driven(battery: Battery, metres: float, seconds: float) -> None:
@@ -17,7 +20,7 @@ def test_who_drives_needs_more_than_who_stands() -> None:
         assert not battery.charging
     assert drives.charge < stands.charge < 0.8
     assert stands.charge > 0.7
-    assert 10.5 < drives.voltage < stands.voltage < 12.6
+    assert 10.5 < voltage(drives.charge) < voltage(stands.charge) < 12.6
 
 
 def test_it_fills_where_it_began_while_the_robot_stands_and_is_never_too_full_or_empty() -> None:
@@ -28,3 +31,16 @@ def test_it_fills_where_it_began_while_the_robot_stands_and_is_never_too_full_or
         battery.step((0.0, 0.0), 1.0)
     assert battery.charging
     assert battery.charge == 1.0
+
+
+def test_a_fault_leaves_it_little_and_gives_it_back() -> None:
+    robot = SimulatedRobot(world("hexagon"))
+    faults = RobotFaults(robot)
+    before = robot.battery.charge
+    faults.begin("battery_low")
+    assert robot.battery.charge == 0.12
+    robot.battery.step(robot.world.start[:2], 60.0)
+    assert (robot.battery.charge, robot.battery.charging) == (0.12, False)
+    faults.end("battery_low")
+    assert robot.battery.charging
+    assert robot.battery.charge > before

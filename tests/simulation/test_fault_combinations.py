@@ -71,7 +71,10 @@ def run(seed: int, sequence: list[Switching]) -> tuple[SimulatedRobot, FaultMana
 def make(robot: SimulatedRobot) -> tuple[object, ...]:
     """What the robot and its surroundings are made of, apart from where it is."""
     return (
-        *(type(part) for part in (robot.drive, robot.lidar, robot.localizer, robot.wheels)),
+        *(
+            type(part)
+            for part in (robot.battery, robot.drive, robot.lidar, robot.localizer, robot.wheels)
+        ),
         robot.slip,
         robot._lidar.mirrors,
         robot._model.geom_group.tobytes(),

@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 from automatika_ros_sugar.srv import ExecuteMethod
-from kompass_interfaces.srv import SetFault
 from nav_msgs.msg import Odometry
 from rclpy.qos import ReliabilityPolicy, qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
@@ -38,14 +37,6 @@ def journal(robot: VirtualRobot) -> Journal:
     return Journal(robot)
 
 
-def fault(robot: VirtualRobot, name: str, *, on: bool = True, duration: float = 0.0) -> None:
-    """Switch a fault, as soon as the simulator has found what it is about."""
-    request = SetFault.Request(fault=name, on=on, duration=duration)
-    robot.wait_until(
-        lambda: robot.call(SetFault, "/simulator/set_fault", request).success, 10, f"fault {name}"
-    )
-
-
 def level(robot: VirtualRobot, component: str) -> int:
     message = robot.newest.get(f"/{component}/status")
     return -1 if message is None else int(message.status)
@@ -55,7 +46,7 @@ def test_a_start_that_the_map_calls_occupied_is_left_and_the_goal_reached(
     robot: VirtualRobot, journal: Journal
 ) -> None:
     since, (x, y, _) = journal.mark, robot.truth
-    fault(robot, "start_occupied")
+    robot.fault("start_occupied")
     robot.wait_until(lambda: not robot.check(-1.5, 0.5).reachable, 5, "a start in an occupied cell")
     handle = robot.send_goal(-1.5, 0.5)
     robot.wait_until(
@@ -84,7 +75,7 @@ def test_a_blocked_way_restarts_the_planner_and_then_frees_the_robot(
     since = journal.mark
     handle = robot.send_goal(0.5, 0.5)
     robot.wait_until(lambda: robot.speed > 0.15, 15, "motion")
-    fault(robot, "way_blocked")
+    robot.fault("way_blocked")
     run = journal.done("emergency-stop", since, timeout=15)
     assert run.ok, run.text
     restarted, freed = journal.actions(run)
@@ -130,7 +121,7 @@ def test_a_controller_that_finds_no_way_asks_once_per_delay_to_be_freed(
     handle = robot.send_goal(-1.6, -0.5)
     robot.wait_until(lambda: robot.speed > 0.05, 15, "motion")
     since = journal.mark
-    fault(robot, "boxed_in")
+    robot.fault("boxed_in")
     robot.wait_until(lambda: level(robot, "controller") == ALGORITHM, 10, "a failure to find a way")
     assert list(robot.newest["/controller/status"].src_algorithms) == ["DWA"]
     boxed = journal.done("stuck", since)
@@ -143,7 +134,7 @@ def test_a_controller_that_finds_no_way_asks_once_per_delay_to_be_freed(
     assert 3 <= len(fired) <= 4
     for ended, again in zip(done, fired[1:], strict=False):
         assert again - ended == pytest.approx(1.0, abs=0.05)
-    fault(robot, "boxed_in", on=False)
+    robot.fault("boxed_in", on=False)
     ended = robot.result(handle, timeout=60)
     assert ended.status == SUCCEEDED, ended.result.message
 
@@ -163,13 +154,13 @@ def test_an_unplugged_lidar_is_answered_by_the_fallbacks_up_to_giving_up(
     robot.subscribe(LaserScan, "/scan", qos_profile_sensor_data)
     robot.wait_until(lambda: "/scan" in robot.newest, 5, "the first scan")
     since = journal.mark
-    fault(robot, "lidar_unplugged")
+    robot.fault("lidar_unplugged")
     robot.wait_until(lambda: level(robot, "drive_manager") == SYSTEM, 3, "a missing scan")
     assert list(robot.newest["/drive_manager/status"].src_topics) == ["/scan"]
     restarted = journal.done("drive-manager-on-fail", since)
     assert "restart" in journal.actions(restarted)[0].text
     robot.wait_for_line("the mapper misses something", 5)
     robot.wait_for_line("the drive manager is given up", 20)
-    fault(robot, "lidar_unplugged", on=False)
+    robot.fault("lidar_unplugged", on=False)
     robot.wait_until(lambda: level(robot, "drive_manager") == HEALTHY, 5, "health with the scan")
     robot.wait_until(lambda: level(robot, "mapper") == HEALTHY, 5, "health with the scan")

@@ -6,7 +6,6 @@ from contextlib import closing
 
 import pytest
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from kompass_interfaces.srv import SetFault
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import qos_profile_sensor_data as SENSOR
 from sensor_msgs.msg import LaserScan
@@ -76,7 +75,7 @@ def test_a_jump_is_seen_in_the_scan_and_healed_by_a_person_s_hand(robot: Watched
     assert well.agreement is not None
     assert well.agreement > 0.9
     began = robot.clock.monotonic()
-    robot.call(SetFault, "/simulator/set_fault", SetFault.Request(fault=FAULT, on=True))
+    robot.fault(FAULT)
     ill = robot.comes_to(lost=True)
     assert robot.clock.monotonic() - began >= LOST_AFTER, "no moment alarms"
     assert ill.agreement is not None
@@ -120,7 +119,7 @@ def test_the_same_seed_is_lost_and_found_the_same_way() -> None:
     def drive() -> list[str]:
         with closing(Watched(seed=5)) as robot:
             robot.ready()
-            robot.call(SetFault, "/simulator/set_fault", SetFault.Request(fault=FAULT, on=True))
+            robot.fault(FAULT)
             ill = robot.comes_to(lost=True)
             robot.is_at(*robot.truth)
             well = robot.comes_to(lost=False)

@@ -8,7 +8,6 @@ import pytest
 from automatika_ros_sugar.srv import ChangeParameter
 from geometry_msgs.msg import PoseArray
 from kompass_interfaces.action import FollowPath
-from kompass_interfaces.srv import SetFault
 from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Empty, Float32
 from std_srvs.srv import Trigger
@@ -123,8 +122,7 @@ def test_a_round_that_is_walled_in_tries_again_until_it_is_free_and_goes_on(
     journal = Journal(patrol)
 
     def walls(*, on: bool) -> None:
-        request = SetFault.Request(fault="boxed_in", on=on)
-        assert patrol.call(SetFault, "/simulator/set_fault", request).success
+        patrol.fault("boxed_in", on=on)
 
     handle = send(patrol, "west")
     assert handle.accepted

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 from automatika_ros_sugar.srv import ChangeParameter
-from kompass_interfaces.srv import SetFault
 from nav_msgs.msg import Path as PathMsg
 
 from tests.support.stack import RECIPE
@@ -35,8 +34,7 @@ def robot(seeing: Path) -> Iterator[VirtualRobot]:
 
 def block_the_way(robot: VirtualRobot) -> None:
     robot.wait_until(lambda: robot.speed > 0.15, 20, "motion")
-    request = SetFault.Request(fault="way_blocked", on=True)
-    assert robot.call(SetFault, "/simulator/set_fault", request).success
+    robot.fault("way_blocked")
 
 
 def test_a_wall_that_comes_up_in_the_way_is_driven_around(robot: VirtualRobot) -> None:

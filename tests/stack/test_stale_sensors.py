@@ -5,7 +5,6 @@ from contextlib import closing
 
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
-from kompass_interfaces.srv import SetFault
 
 from tests.support.tester import LATCHED
 from tests.support.virtual_robot import VirtualRobot
@@ -21,11 +20,6 @@ def robot() -> Iterator[VirtualRobot]:
         client.subscribe(ComponentStatus, STATUS, LATCHED)
         client.ready()
         yield client
-
-
-def fault(robot: VirtualRobot, name: str, *, on: bool = True) -> None:
-    answer = robot.call(SetFault, "/simulator/set_fault", SetFault.Request(fault=name, on=on))
-    assert answer.success, answer.message
 
 
 def says(robot: VirtualRobot, text: str) -> bool:
@@ -46,14 +40,14 @@ def test_a_robot_stands_while_a_sensor_lies_of_the_time_and_goes_on_after(
 ) -> None:
     handle = robot.send_goal(0.5, 0.5)
     robot.wait_until(lambda: robot.speed > 0.15, 20, "motion")
-    fault(robot, name)
+    robot.fault(name)
     robot.wait_until(lambda: says(robot, text), 5, f"a drive manager that says '{text}'")
     robot.wait_until(lambda: robot.speed < 0.01, 1, "a halt")
     before = robot.truth
     robot.watch(3.0)
     assert robot.distance_to(before[0], before[1]) < 0.01
     assert says(robot, text)
-    fault(robot, name, on=False)
+    robot.fault(name, on=False)
     assert robot.result(handle).status == SUCCEEDED
     assert robot.contacts == 0
 
@@ -62,13 +56,13 @@ def test_a_frozen_scan_stops_the_robot_within_a_hands_breadth(robot: VirtualRobo
     robot.send_goal(0.5, 0.5)
     robot.wait_until(lambda: robot.speed > 0.15, 20, "motion")
     x, y, _ = robot.truth
-    fault(robot, "scan_frozen")
+    robot.fault("scan_frozen")
     robot.wait_until(lambda: says(robot, "frozen"), 5, "a drive manager that says so")
     robot.wait_until(lambda: robot.speed < 0.01, 1, "a halt")
     assert robot.distance_to(x, y) < 0.15
 
 
 def test_what_is_a_third_of_a_second_late_is_driven_by(robot: VirtualRobot) -> None:
-    fault(robot, "scan_late:0.3")
+    robot.fault("scan_late:0.3")
     assert robot.result(robot.send_goal(-1.5, 0.5)).status == SUCCEEDED
     assert robot.contacts == 0

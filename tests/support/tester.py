@@ -8,7 +8,7 @@ from typing import Any
 from geometry_msgs.msg import PointStamped, Pose, PoseStamped, Twist
 from kompass_interfaces.action import PlanPath
 from kompass_interfaces.msg import DriveState
-from kompass_interfaces.srv import CheckGoal, ReleaseStop, StopRobot
+from kompass_interfaces.srv import CheckGoal, ReleaseStop, SetFault, StopRobot
 from nav_msgs.msg import Odometry
 from std_msgs.msg import UInt32
 
@@ -55,6 +55,15 @@ class Tester(Client):
         handle = self.send(self._action, goal)
         assert handle.accepted
         return handle
+
+    def fault(self, name: str, *, on: bool = True, duration: float = 0.0) -> None:
+        """Switch a fault, as soon as the simulator has found what it is about."""
+        request = SetFault.Request(fault=name, on=on, duration=duration)
+
+        def switched() -> bool:
+            return bool(self.call(SetFault, "/simulator/set_fault", request).success)
+
+        self.wait_until(switched, 10, f"the fault {name}")
 
     def wait_for_listeners(self, topic: str, *nodes: str) -> None:
         """Wait until nodes are known to listen to a topic, as they know who speaks there."""

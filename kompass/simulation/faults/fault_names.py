@@ -32,6 +32,7 @@ FAULTS = {
     "localizer_drift:RATE": "the filtered pose goes astray by so many metres per metre driven",
     "wheel_blocked": "the left wheel does not turn",
     "wheel_slip:WHEEL": "the left, the right or both wheels turn more than they move the robot",
+    "battery_low": "the battery has no more than 12 %, and does not fill",
     "way_blocked": "a wall stands across the way, right ahead of the robot",
     "boxed_in": "walls stand around the robot, too close to leave",
     "person_ahead": "a person steps into the robot's way and stands there",

@@ -20,11 +20,13 @@ from kompass.simulation.physics.parts import (
     NoReading,
     Odometer,
     PoseSource,
+    PowerSource,
     RangeFinder,
     WheelDrive,
 )
 from kompass.simulation.physics.robot_model import LidarModel
 
+LOW_CHARGE = 0.12
 _ROUNDING = 1e-6  # s; times of readings are sums of many periods
 
 
@@ -344,6 +346,22 @@ class SlippingDrive:
     def wheel_speeds(self, now: float) -> tuple[float, float]:
         left, right = self.sound.wheel_speeds(now)
         return self._grip[0] * left, self._grip[1] * right
+
+
+class LowBattery:
+    """Has little left and cannot be charged, as one whose charger fails."""
+
+    charging = False
+
+    def __init__(self, sound: PowerSource) -> None:
+        self.sound = sound
+
+    @property
+    def charge(self) -> float:
+        return min(LOW_CHARGE, self.sound.charge)
+
+    def step(self, at: tuple[float, float], seconds: float) -> None:
+        self.sound.step(at, seconds)
 
 
 class _DelayLine:

@@ -22,7 +22,7 @@ _DOOR_CLEARANCE = 0.05  # m from the robot's shell to a door that closes
 _TRAVELS = 0.01  # m/s; faster backwards, and the way ahead is behind
 
 
-_SLOTS = ("drive", "lidar", "localizer", "wheels")
+_SLOTS = ("battery", "drive", "lidar", "localizer", "wheels")
 
 
 class _FaultyPart(Protocol):
@@ -101,6 +101,10 @@ def _grip(wheel: str) -> tuple[float, float]:
     return (1.0 if wheel == "right" else slipping), (1.0 if wheel == "left" else slipping)
 
 
+def _battery_low(robot: SimulatedRobot, _: str, __: np.random.Generator) -> _Parts:
+    return {"battery": faulty.LowBattery(robot.battery)}
+
+
 _PARTS: dict[str, _Break] = {
     "lidar_unplugged": _lidar_unplugged,
     "scan_frozen": _scan_frozen,
@@ -114,6 +118,7 @@ _PARTS: dict[str, _Break] = {
     "localizer_drift": _localizer_drift,
     "wheel_blocked": _wheel_blocked,
     "wheel_slip": _wheel_slip,
+    "battery_low": _battery_low,
 }
 _WALLS = ("way_blocked", "boxed_in")
 _SURFACES = ("glass", "mirrors")

@@ -77,6 +77,21 @@ class Odometer(Protocol):
         """
 
 
+class PowerSource(Protocol):
+    """Tells how full it is."""
+
+    @property
+    def charge(self) -> float:
+        """From 0 to 1."""
+
+    @property
+    def charging(self) -> bool:
+        """Whether it fills."""
+
+    def step(self, at: tuple[float, float], seconds: float) -> None:
+        """Let time pass; ``at`` is where the robot is then [m]."""
+
+
 class WheelDrive(Protocol):
     """Turns commands into speeds of the wheels."""
 

@@ -14,6 +14,7 @@ import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { logoutOthers } from "../api/client";
 import { BatteryBadge } from "../battery/BatteryBadge";
+import { batteryText } from "../battery/batteryText";
 import { ControlBadge } from "../control/ControlBadge";
 import { DrivenBy } from "../hand/DrivenBy";
 import { NotifyDialog } from "../notify/NotifyDialog";
@@ -42,10 +43,10 @@ export function TopBar() {
       <OverallState />
       <span className={classes.gap} />
       <ControlBadge />
-      <BatteryBadge />
+      {/* On a phone both are in the menu, for the robot's name needs the room; a low battery has a band. */}
+      {!phone && <BatteryBadge />}
       <RevisionBadge />
       <SimulationRate />
-      {/* On a phone it is in the menu: the robot's name needs the room. */}
       {!phone && <ThemeToggle />}
       <UserMenu onNotify={() => setNotify(true)} />
       <NotifyDialog opened={notify} onClose={() => setNotify(false)} />
@@ -125,7 +126,7 @@ function ThemeToggle() {
 
 function UserMenu({ onNotify }: { onNotify: () => void }) {
   const { session, logout } = useSession();
-  const { version, state } = useRobot();
+  const { version, state, elapsed } = useRobot();
   const theme = useThemeWords();
   const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   const others = useMutation({ mutationFn: logoutOthers });
@@ -149,6 +150,7 @@ function UserMenu({ onNotify }: { onNotify: () => void }) {
         {state?.simulation && (
           <Menu.Label>Simulation at {state.simulation.rate.toFixed(2)}×</Menu.Label>
         )}
+        {state?.battery && <Menu.Label>{batteryText(state.battery, elapsed)}</Menu.Label>}
         {version !== null && <Menu.Label>Kompass Console {version}</Menu.Label>}
         {state !== null && (
           <Menu.Label>
