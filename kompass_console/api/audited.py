@@ -20,7 +20,16 @@ from kompass_console.web.errors import ConsoleError
 
 # These change nothing but what a page itself shows, many times a minute.
 LOOKS_ONLY = frozenset(
-    {"create_view", "change_view", "clear_preview", "check", "check_pose", "check_rules"}
+    {
+        "create_view",
+        "change_view",
+        "clear_preview",
+        "check",
+        "check_pose",
+        "check_rules",
+        "measure",
+        "sketch_zone",
+    }
 )
 
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})

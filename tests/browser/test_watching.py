@@ -134,7 +134,11 @@ def test_stop_is_never_covered_and_health_is_a_tap_away_on_a_small_screen(
     page.get("tab-data").tap()
     expect(page.get("stream-scan")).to_be_visible()
     page.get("tab-data").tap()
-    page.get("help").tap()
+    if width < 560:
+        page.get("user-menu").tap()
+        page.get("help-item").tap()
+    else:
+        page.get("help").tap()
     stop_is_free()
     page.page.get_by_label("Close help").tap()
     page.get("goal-tool").tap()

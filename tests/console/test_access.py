@@ -21,6 +21,7 @@ WRITES = [
     ("POST", "/api/stop/release"),
     ("PATCH", "/api/views/x"),
     ("DELETE", "/api/views/x/preview"),
+    ("POST", "/api/measure"),
     ("POST", "/api/logout"),
 ]
 

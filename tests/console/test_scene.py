@@ -117,6 +117,36 @@ def test_a_page_that_comes_late_sees_all_there_is(console: Served, stack: object
         assert "SetCameraPositionMessage" in scene.camera
 
 
+def test_what_is_measured_is_drawn_for_who_measures_and_refused_elsewhere(
+    console: Served, stack: object
+) -> None:
+    with console.client(Role.VIEWER) as client, console.client(Role.ENGINEER) as other:
+        view = new_view(client)
+        with page(console, client, view, position=(0.5, -4.0, 2.5)) as scene:
+            body = {"view": view, "points": [[0.0, 0.0]], "start": [0.5, 0.5]}
+
+            def measured() -> list[list[float]]:
+                points: list[list[float]] = client.post("/api/measure", json=body).json()["points"]
+                return points
+
+            wait_until(lambda: abs(measured()[1][0]) < 1e-3, 2.0, "the camera is known")
+            wait_until(lambda: "/world/preview_path" in scene.nodes, 2.0, "the line is drawn")
+            full = {**body, "points": [[0.0, 0.0]] * 100}
+            assert "at most 100" in client.post("/api/measure", json=full).json()["problem"]
+            scene.look(position=(0.5, -4.0, 0.4), look_at=(0.5, 0.0, 0.4))
+            sky = {"view": view, "points": [[0.0, 0.0]], "start": [0.5, 0.1]}
+
+            def at_the_sky() -> bool:
+                answer = client.post("/api/measure", json=sky).json()
+                return "horizon" in answer["problem"] and answer["points"] == [[0.0, 0.0]]
+
+            wait_until(at_the_sky, 2.0, "that there is no floor")
+        assert other.post("/api/measure", json=body).status_code == 404
+        for wrong in ([[1e9, 0.0]], [[0.0, 0.0]] * 101, [["here", 0.0]]):
+            answer = client.post("/api/measure", json={**body, "points": wrong})
+            assert answer.status_code == 422, answer.text
+
+
 def test_a_page_that_lost_its_connection_keeps_its_camera(console: Served) -> None:
     with console.client(Role.VIEWER) as client:
         view = new_view(client)

@@ -62,6 +62,9 @@ export type LocatePoint = Schemas["LocateRequest"];
 /** Where the robot is to believe that it is. */
 export type RobotPose = Schemas["RobotPose"];
 
+/** Points that are measured between. */
+export type MeasureSketch = Schemas["MeasureSketch"];
+
 /** What is said on the socket of the hand. */
 export type HandRequest = Sent<Schemas["HandRequest"]>;
 export type HandAnswer = Sent<Schemas["HandAnswer"]>;

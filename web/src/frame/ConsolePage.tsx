@@ -16,6 +16,8 @@ import { LocateCard } from "../locate/LocateCard";
 import { LocateHint } from "../locate/LocateHint";
 import { consideredOf as locatedOn } from "../locate/onMap";
 import { type LocateTool, useLocateTool } from "../locate/useLocateTool";
+import { MeasureCard } from "../measure/MeasureCard";
+import { type MeasureStroke, type MeasureTool, useMeasureTool } from "../measure/useMeasureTool";
 import { NotifyProvider } from "../notify/Notifier";
 import { usePlaces } from "../places/usePlaces";
 import { AlarmsBand } from "../rules/bands/AlarmsBand";
@@ -92,6 +94,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   const goal = useGoalTool(view?.id ?? null);
   const locate = useLocateTool(view?.id ?? null);
   const zone = useZoneTool(view?.id ?? null);
+  const measure = useMeasureTool(view?.id ?? null);
   const rules = useNav();
   const stage = useStage();
   const plays = stage.shown !== null;
@@ -107,7 +110,8 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   }, [plays, goal.active, goal.toggle, locate.active, locate.toggle]);
   useEffect(() => {
     if (plays && zone.active) zone.leave();
-  }, [plays, zone.active, zone.leave]);
+    if (plays && measure.active) measure.toggle();
+  }, [plays, zone.active, zone.leave, measure.active, measure.toggle]);
   // Nobody drives what is not seen: a drill in the robot's place, or rules in that of the page.
   const unseen = plays || (phone && rules.open);
   useEffect(() => {
@@ -118,18 +122,28 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   const toggleGoal = () => {
     if (locate.active) locate.toggle();
     if (zone.active) zone.leave();
+    if (measure.active) measure.toggle();
     goal.toggle();
   };
   const toggleLocate = () => {
     if (goal.active) goal.toggle();
     else if (goal.draft !== null) goal.drop(); // of a place of the list
     if (zone.active) zone.leave();
+    if (measure.active) measure.toggle();
     locate.toggle();
+  };
+  const toggleMeasure = () => {
+    if (goal.active) goal.toggle();
+    else if (goal.draft !== null) goal.drop();
+    if (locate.active) locate.toggle();
+    if (zone.active) zone.leave();
+    measure.toggle();
   };
   const drawZone = (before: Zone | null) => {
     if (goal.active) goal.toggle();
     else if (goal.draft !== null) goal.drop();
     if (locate.active) locate.toggle();
+    if (measure.active) measure.toggle();
     zone.begin(before);
   };
 
@@ -140,6 +154,9 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
         return true;
       case "o":
         if (session.role !== "viewer" && view !== null && !plays) toggleLocate();
+        return true;
+      case "m":
+        if (view !== null && !plays) toggleMeasure();
         return true;
       case "f":
         if (view !== null && !plays) change({ follow: !view.follow });
@@ -187,7 +204,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
           hand.give();
           return true;
         }
-        if (goal.back() || locate.back() || zone.back()) return true;
+        if (goal.back() || locate.back() || zone.back() || measure.back()) return true;
         if (helpOpen) setHelpOpen(false);
         else if (hand.open) hand.close();
         else if (plays) stage.leave();
@@ -203,6 +220,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   const checkPlace = (place: Place) => {
     if (locate.active) locate.toggle();
     if (zone.active) zone.leave();
+    if (measure.active) measure.toggle();
     goal.checkPlace(place);
   };
   const goTo = view === null || plays ? null : checkPlace;
@@ -210,13 +228,14 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   return (
     <>
       <div className={classes.page} data-rules={rules.open || undefined}>
-        <TopBar />
+        <TopBar onHelp={() => setHelpOpen(!helpOpen)} />
         <main className={scene.scene}>
           <SceneStack
             handle={handle}
             goal={goal}
             locate={locate}
             zone={zone}
+            measure={measure}
             flat={flat.flat}
             covered={phone && rules.open}
             onGo={goTo}
@@ -228,6 +247,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
           flat={flat}
           goal={{ active: goal.active, toggle: toggleGoal }}
           locate={{ active: locate.active, toggle: toggleLocate }}
+          measure={{ active: measure.active, toggle: toggleMeasure }}
           layersOpen={layersOpen}
           onLayers={setLayersOpen}
           helpOpen={helpOpen}
@@ -252,6 +272,7 @@ function SceneStack({
   goal,
   locate,
   zone,
+  measure,
   flat,
   covered,
   onGo,
@@ -260,6 +281,7 @@ function SceneStack({
   goal: GoalTool;
   locate: LocateTool;
   zone: ZoneTool;
+  measure: MeasureTool;
   flat: boolean;
   covered: boolean;
   onGo: ((place: Place) => void) | null;
@@ -290,10 +312,18 @@ function SceneStack({
       )}
     </>
   );
-  const drawing = (pick: (start: Fractions, end: Fractions | null) => GoalPick | ZoneStroke) =>
-    zone.active && (
-      <GestureOverlay name="zone" pick={pick} waits={zone.problem === null} onPick={zone.draw} />
-    );
+  const drawing = (
+    pick: (start: Fractions, end: Fractions | null) => GoalPick | ZoneStroke | MeasureStroke,
+  ) => (
+    <>
+      {zone.active && (
+        <GestureOverlay name="zone" pick={pick} waits={zone.problem === null} onPick={zone.draw} />
+      )}
+      {measure.active && (
+        <GestureOverlay name="measure" pick={pick} waits={measure.waits} onPick={measure.draw} />
+      )}
+    </>
+  );
   return (
     <>
       {view === null ? (
@@ -303,7 +333,12 @@ function SceneStack({
       ) : (
         <>
           {flat ? (
-            <FlatScene handle={handle} considered={considered} sketch={zone.corners}>
+            <FlatScene
+              handle={handle}
+              considered={considered}
+              sketch={zone.corners}
+              measured={measure.points}
+            >
               {(floorAt) => (
                 <>
                   {gestures((start, end) => ({
@@ -337,6 +372,7 @@ function SceneStack({
           {locate.active && locate.typing && locate.draft === null && (
             <CoordinatesForm label="Coordinates of the robot" tool={locate} view={view.id} />
           )}
+          {measure.active && <MeasureCard tool={measure} />}
           {zone.active && <ZoneCard key={zone.zone?.id ?? 0} tool={zone} />}
           {locate.draft !== null && <LocateCard tool={locate} draft={locate.draft} />}
         </>

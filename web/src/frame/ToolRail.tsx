@@ -5,6 +5,7 @@ import {
   IconHelpCircle,
   IconMapPin,
   IconMapPinQuestion,
+  IconRuler2,
   IconSquareArrowDown,
   IconSteeringWheel,
   IconTimelineEvent,
@@ -29,6 +30,7 @@ interface Props {
   flat: Flat;
   goal: Switch;
   locate: Switch;
+  measure: Switch;
   layersOpen: boolean;
   onLayers: (open: boolean) => void;
   helpOpen: boolean;
@@ -36,7 +38,7 @@ interface Props {
 }
 
 export function ToolRail(props: Props) {
-  const { scene, flat, goal, locate, layersOpen, onLayers, helpOpen, onHelp } = props;
+  const { scene, flat, goal, locate, measure, layersOpen, onLayers, helpOpen, onHelp } = props;
   const { session } = useSession();
   const { view, change } = scene;
   const rules = useNav();
@@ -86,6 +88,15 @@ export function ToolRail(props: Props) {
         onClick={locate.toggle}
         icon={<IconMapPinQuestion size={22} aria-hidden />}
       />
+      <Tool
+        testId="measure-tool"
+        label="Measure"
+        hint={plays ? later : "How far it is from one point to another (M)"}
+        on={measure.active}
+        disabled={view === null || plays}
+        onClick={measure.toggle}
+        icon={<IconRuler2 size={22} aria-hidden />}
+      />
       <LayersMenu
         scene={scene}
         flat={flat}
@@ -134,6 +145,7 @@ export function ToolRail(props: Props) {
         testId="help"
         label="Help"
         hint="Keys and gestures (?)"
+        roomy
         on={helpOpen}
         onClick={onHelp}
         icon={<IconHelpCircle size={22} aria-hidden />}
@@ -151,18 +163,32 @@ interface ToolProps {
   disabled?: boolean;
   /** Only where there is room beside the scene; elsewhere it is a tab of the sheet. */
   wide?: boolean;
+  /** On a phone it is in the menu. */
+  roomy?: boolean;
   onClick: () => void;
   icon: ReactNode;
 }
 
 function Tool(props: ToolProps) {
-  const { testId, id, label, hint, on, disabled = false, wide = false, onClick, icon } = props;
+  const {
+    testId,
+    id,
+    label,
+    hint,
+    on,
+    disabled = false,
+    wide = false,
+    roomy = false,
+    onClick,
+    icon,
+  } = props;
   return (
     <UnstyledButton
       className={classes.tool}
       id={id}
       data-testid={testId}
       data-wide={wide || undefined}
+      data-roomy={roomy || undefined}
       aria-pressed={on}
       title={hint}
       disabled={disabled}

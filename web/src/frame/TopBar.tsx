@@ -4,6 +4,7 @@ import {
   IconBell,
   IconChevronDown,
   IconDevicesOff,
+  IconHelpCircle,
   IconLogout,
   IconMoon,
   IconSun,
@@ -30,7 +31,7 @@ import { PHONE } from "../ui/screen";
 import { useTheme } from "../ui/theme";
 import classes from "./TopBar.module.css";
 
-export function TopBar() {
+export function TopBar({ onHelp }: { onHelp: () => void }) {
   const { state } = useRobot();
   const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   const [notify, setNotify] = useState(false);
@@ -48,7 +49,7 @@ export function TopBar() {
       <RevisionBadge />
       <SimulationRate />
       {!phone && <ThemeToggle />}
-      <UserMenu onNotify={() => setNotify(true)} />
+      <UserMenu onNotify={() => setNotify(true)} onHelp={onHelp} />
       <NotifyDialog opened={notify} onClose={() => setNotify(false)} />
     </header>
   );
@@ -124,7 +125,7 @@ function ThemeToggle() {
   );
 }
 
-function UserMenu({ onNotify }: { onNotify: () => void }) {
+function UserMenu({ onNotify, onHelp }: { onNotify: () => void; onHelp: () => void }) {
   const { session, logout } = useSession();
   const { version, state, elapsed } = useRobot();
   const theme = useThemeWords();
@@ -166,6 +167,16 @@ function UserMenu({ onNotify }: { onNotify: () => void }) {
             data-testid="theme-item"
           >
             {theme.label}
+          </Menu.Item>
+        )}
+        {phone && (
+          <Menu.Item
+            leftSection={<IconHelpCircle size={18} aria-hidden />}
+            onClick={onHelp}
+            mih={44}
+            data-testid="help-item"
+          >
+            Keys and gestures
           </Menu.Item>
         )}
         <Menu.Divider />

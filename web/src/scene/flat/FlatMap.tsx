@@ -24,19 +24,21 @@ interface Props {
   zones: readonly DrawnZone[];
   /** Corners of a zone that is being drawn, m. */
   sketch: readonly Point[];
+  /** Points that are measured between, m. */
+  measured: readonly Point[];
   /** What lies over the map; `floorAt` says which place (m) is at fractions of the picture. */
   children: (floorAt: (at: readonly [number, number]) => Point) => ReactNode;
 }
 
 /** The map from above, drawn by the page itself: for browsers without WebGL, and for weak ones. */
 export function FlatMap(props: Props) {
-  const { handle, considered, places, zones, sketch, children } = props;
+  const { handle, considered, places, zones, sketch, measured, children } = props;
   const { view, change } = handle;
   const { world, live } = useFlatWorld();
   const { state, frozen } = useRobot();
   const theme = view?.theme ?? "light";
   const { cells, missing } = useCells(world.map?.version ?? null, theme);
-  const { ref: measured, width, height } = useElementSize();
+  const { ref: sized, width, height } = useElementSize();
   const robot = state?.pose ?? null;
   const [x, y] = robot === null ? [0, 0] : [robot.x, robot.y];
   const size = { width, height };
@@ -68,11 +70,12 @@ export function FlatMap(props: Props) {
           places,
           zones,
           sketch,
+          measured,
           old: frozen || !live,
         },
   );
   return (
-    <div ref={useMergedRef(root, measured)} className={classes.map} data-testid="flat-map">
+    <div ref={useMergedRef(root, sized)} className={classes.map} data-testid="flat-map">
       <canvas
         ref={canvas}
         className={classes.canvas}

@@ -50,6 +50,7 @@ const picture: Picture = {
   places: [],
   zones: [],
   sketch: [],
+  measured: [],
   old: false,
 };
 const scan = [1, 2, -3, 0];

@@ -43,6 +43,7 @@ export interface Picture {
   places: readonly Named[];
   zones: readonly DrawnZone[];
   sketch: readonly (readonly [number, number])[];
+  measured: readonly (readonly [number, number])[];
   /** What moves was heard too long ago to be believed. */
   old: boolean;
 }
@@ -59,8 +60,20 @@ const RADIUS_M = 0.11;
 
 /** Draws everything anew, in the order of the scene. */
 export function paint(canvas: Canvas, picture: Picture): void {
-  const { size, camera, colours, layers, world, robot, considered, places, zones, sketch, old } =
-    picture;
+  const {
+    size,
+    camera,
+    colours,
+    layers,
+    world,
+    robot,
+    considered,
+    places,
+    zones,
+    sketch,
+    measured,
+    old,
+  } = picture;
   const at = (x: number, y: number) => toPicture(camera, size, [x, y]);
   canvas.fillStyle = colours.floor;
   canvas.fillRect(0, 0, size.width, size.height);
@@ -103,6 +116,8 @@ export function paint(canvas: Canvas, picture: Picture): void {
       cross(canvas, at(considered.refused.x, considered.refused.y), colours);
     }
   }
+  line(canvas, measured.flat(), at, colours.preview, 3);
+  marks(canvas, measured, at, colours.preview);
   if (layers.robot && robot !== null) {
     canvas.globalAlpha = moving;
     body(canvas, robot, picture);
@@ -132,9 +147,12 @@ function outline(canvas: Canvas, corners: DrawnZone["corners"], at: At, colour: 
   for (const [x, y] of corners) canvas.lineTo(...at(x, y));
   canvas.closePath();
   canvas.stroke();
-  if (corners.length > 2) return;
+  if (corners.length <= 2) marks(canvas, corners, at, colour);
+}
+
+function marks(canvas: Canvas, points: DrawnZone["corners"], at: At, colour: string): void {
   canvas.fillStyle = colour;
-  for (const [x, y] of corners) {
+  for (const [x, y] of points) {
     const [u, v] = at(x, y);
     canvas.fillRect(u - PLACE, v - PLACE, 2 * PLACE, 2 * PLACE);
   }

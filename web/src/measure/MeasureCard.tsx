@@ -1,0 +1,50 @@
+import { Button } from "@mantine/core";
+import { IconArrowBackUp, IconX } from "@tabler/icons-react";
+import { Problem } from "../ui/Problem";
+import classes from "./Measure.module.css";
+import { measuredText } from "./measureText";
+import type { MeasureTool } from "./useMeasureTool";
+
+/** How far it is along what was pressed. */
+export function MeasureCard({ tool }: { tool: MeasureTool }) {
+  const { points, problem, error, set, toggle } = tool;
+  const first = points.length === 0 ? "Press two points of the floor, or drag." : "One more point.";
+  return (
+    <div className={classes.card} data-testid="measure-card">
+      <span role="status" className={classes.told} data-testid="measured">
+        {problem || (measuredText(points) ?? first)}
+      </span>
+      <Problem error={error} testId="measure-error" />
+      {points.length > 0 && (
+        <Button
+          size="compact-md"
+          variant="default"
+          leftSection={<IconArrowBackUp size={18} aria-hidden />}
+          onClick={() => set(points.slice(0, -1))}
+          data-testid="measure-undo"
+        >
+          Last point
+        </Button>
+      )}
+      {points.length > 1 && (
+        <Button
+          size="compact-md"
+          variant="default"
+          onClick={() => set([])}
+          data-testid="measure-clear"
+        >
+          Clear
+        </Button>
+      )}
+      <Button
+        size="compact-md"
+        variant="default"
+        leftSection={<IconX size={18} aria-hidden />}
+        onClick={toggle}
+        data-testid="measure-done"
+      >
+        Done
+      </Button>
+    </div>
+  );
+}
