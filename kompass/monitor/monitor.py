@@ -186,10 +186,15 @@ class Monitor:
         active = ActiveTable(
             InForce(start.table, start.revision, start.revision, notice=start.notice),
             start.merge,
-            changed=lambda: main.post(state.changed),
+            changed=lambda gone: main.post(partial(in_force_changed, gone)),
             clock=node.clock.monotonic,
         )
         state = RulesStatePublisher(node, loop, engine.extras, active, stamp, timers)
+
+        def in_force_changed(gone: frozenset[str]) -> None:
+            alarms.end_those_of(gone)
+            state.changed()
+
         tables = TableManager(
             store,
             engine,

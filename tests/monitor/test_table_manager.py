@@ -126,7 +126,7 @@ class Changes:
             edited=lambda *what: self.edited.append(what),
         )
 
-    def _count(self) -> None:
+    def _count(self, _: frozenset[str]) -> None:
         self.count += 1
 
     def apply(self, rules: list[dict[str, Any]], who: Who = OPERATOR, **more: Any) -> ChangeAnswer:
@@ -472,7 +472,7 @@ def test_without_a_store_rules_can_be_seen_and_not_changed() -> None:
         None,
         LoneEngine(table),
         MessageTypes(),
-        ActiveTable(InForce(table, 0, 0, notice=notice), None, lambda: None),
+        ActiveTable(InForce(table, 0, 0, notice=notice), None, lambda gone: None),
         recipe=table,
         permissions=Permissions({}, table),
         robot="test",

@@ -22,6 +22,7 @@ from kompass.timeline.entry import TimelineEntry
 from kompass.timeline.query import TimelinePage, TimelineQuery
 from tests.support.client import LATCHED
 from tests.support.hand import Hand
+from tests.support.rules import Rules
 from tests.support.virtual_robot import VirtualRobot
 
 
@@ -143,6 +144,20 @@ def test_alarms_are_told_of_acknowledged_and_shelved(robot: RememberingRobot) ->
     robot.says("/ring")
     robot.wait_until(lambda: robot.alarms() and robot.alarms()[0]["shelved_until"], 10, "shelved")
     robot.wait_until(lambda: not robot.alarms()[0]["shelved_until"], 70, "the end of the shelf")
+
+
+def test_an_alarm_ends_with_the_rule_that_raised_it(robot: RememberingRobot) -> None:
+    robot.says("/ring")
+    robot.wait_until(robot.alarms, 10, "the alarm")
+    rules = Rules(robot)
+    hush = next(rule for rule in rules.rules() if rule["id"] == "hush")
+    ring = next(rule for rule in rules.rules() if rule["id"] == "ring")
+    # Of another name, but the same rule.
+    rules.must_apply([{**ring, "name": "Ring"}, hush])
+    assert robot.alarms()
+    rules.must_apply([hush])
+    robot.wait_until(lambda: not robot.alarms(), 5, "its end")
+    assert "Ended with its rule: bell" in robot.titles("alarm")
 
 
 def test_what_was_written_is_there_after_the_monitor_was_killed_and_goes_on(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import get_args
 
 from std_msgs.msg import String
@@ -71,6 +71,13 @@ class Alarms:
             self._publish()
             self._tell(Over(self._clock.wall(), f"alarm {name}"))
         return found
+
+    def end_those_of(self, rules: Collection[str]) -> None:
+        """Take back what was raised by rules that are in force no more: nobody would clear it."""
+        for name in [name for name, alarm in self._alarms.items() if alarm.rule_id in rules]:
+            self.clear(name)
+            title = f"Ended with its rule: {name}"
+            self._tell(Happened(self._clock.wall(), "alarm", title))
 
     # -- what people do -----------------------------------------------------------------------
 

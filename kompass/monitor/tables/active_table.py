@@ -18,7 +18,7 @@ class ActiveTable:
     in_force, merge
         At first.
     changed
-        Called after every change of what is in force.
+        Called after every change of what is in force, with the ids of the rules that are no more.
     clock
         Monotonic seconds.
 
@@ -34,7 +34,7 @@ class ActiveTable:
         self,
         in_force: InForce,
         merge: Merge | None,
-        changed: Callable[[], None],
+        changed: Callable[[frozenset[str]], None],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.in_force, self.merge = in_force, merge
@@ -71,5 +71,6 @@ class ActiveTable:
         self._set(self.in_force._replace(probation_ends=None, notice=notice))
 
     def _set(self, in_force: InForce) -> None:
+        before = {rule.id for rule in self.in_force.table.rules}
         self.in_force = in_force
-        self._changed()
+        self._changed(frozenset(before - {rule.id for rule in in_force.table.rules}))
