@@ -3,6 +3,7 @@ import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { giveControl, keepControl } from "../api/controlClient";
 import { Band } from "../ui/Band";
+import { sentence } from "./controlText";
 import { TakeForm } from "./TakeForm";
 import { useControl } from "./useControl";
 
@@ -35,7 +36,7 @@ export function ControlBand() {
         <Band
           tone="notice"
           testId="control-lost"
-          title={`${lost.by} has taken control from you.`}
+          title={`${sentence(lost.by)} has taken control from you.`}
           action={
             <Button variant="default" size="md" onClick={() => setSeen(told)}>
               I know
@@ -58,7 +59,7 @@ function Asked({ by }: { by: string }) {
     <Band
       tone="notice"
       testId="control-asked"
-      title={`${by} asks you for control.`}
+      title={`${sentence(by)} asks you for control.`}
       action={
         <>
           <Button

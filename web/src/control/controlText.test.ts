@@ -43,4 +43,11 @@ describe("control of the robot", () => {
     expect(controlView(there, { ...AVA, account: true }, 0).own).toBe(true);
     expect(controlView(there, AVA, 0).own).toBe(false); // anybody may call himself ava
   });
+
+  it("of somebody who goes by the same name is another page's", () => {
+    const there = control({ holder: "ava", holder_key: "a2" });
+    expect(controlView(there, AVA, 0).text).toBe("Another page (ava) has control");
+    const asked = control({ holder: "ava", holder_key: "a1", asked_by: "ava", asked_key: "a2" });
+    expect(controlView(asked, AVA, 0).askedBy).toBe("another page (ava)");
+  });
 });

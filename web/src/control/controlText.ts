@@ -23,15 +23,23 @@ export function controlView(control: Control, session: Session, elapsed: number)
   const mine = holder !== "" && holder_key === session.key;
   const asks = asked_by !== "" && asked_key === session.key;
   const lost = holder !== "" && taken_key === session.key;
+  const other = named(holder, session);
   return {
     whose: holder === "" ? "nobody" : mine ? "mine" : "other",
-    text: mine ? "You have control" : `${holder} has control`,
-    askedBy: mine ? asked_by : "",
+    text: mine ? "You have control" : `${sentence(named(holder, session))} has control`,
+    askedBy: mine && asked_by !== "" ? named(asked_by, session) : "",
     waits: asks && holder !== "" ? Math.max(0, ANSWER_S - asked - elapsed) : null,
-    lost: lost ? { by: holder, reason } : null,
+    lost: lost ? { by: other, reason } : null,
     own: own(control, session),
   };
 }
 
 const own = (control: Control, session: Session) =>
   session.account && control.holder === session.user && control.holder_key !== session.key;
+
+/** Who that is. Where people log in with tokens, all of a role may have one name. */
+const named = (name: string, session: Session) =>
+  name === session.user ? `another page (${name})` : name;
+
+/** As a sentence begins; a person's name stays as it is written. */
+export const sentence = (name: string) => name.replace(/^another page/, "Another page");

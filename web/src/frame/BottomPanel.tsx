@@ -54,7 +54,7 @@ export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
     onGo?.(place);
   };
   const draw = (zone: Zone | null) => {
-    if (phone) setTab(null);
+    setTab(null); // the floor, and the form that comes over it, need the room
     onDraw?.(zone);
   };
   const open = rules.open ? null : tab;
@@ -99,14 +99,16 @@ export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
             </div>
           )}
           <RulesSheet />
-          <div className={classes.draft}>
-            <DraftBar />
-          </div>
+          {rules.place.at !== "timeline" && (
+            <div className={classes.draft}>
+              <DraftBar />
+            </div>
+          )}
         </div>
       )}
       <div className={classes.bar}>
         <div className={classes.left}>
-          <MissionStatus />
+          <MissionStatus brief={rules.open} />
           <GoalStatus />
           <div className={classes.tabs}>
             {TABS.map(({ key, label, Icon }) => (

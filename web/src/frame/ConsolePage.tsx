@@ -41,6 +41,7 @@ import { StopBand } from "../stop/StopBand";
 import { StopButton } from "../stop/StopButton";
 import { StopProvider } from "../stop/StopContext";
 import { Band } from "../ui/Band";
+import { BandStack } from "../ui/BandStack";
 import { PHONE } from "../ui/screen";
 import { useZones } from "../zones/useZones";
 import { useZoneTool, type ZoneStroke, type ZoneTool } from "../zones/useZoneTool";
@@ -173,7 +174,9 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
         setLayersOpen(!layersOpen);
         return true;
       case "r":
-        rules.toggle();
+        // The timeline has a key of its own.
+        if (rules.place.at === "timeline") rules.go({ at: "table" });
+        else rules.toggle();
         return true;
       case "e":
         if (rules.open && rules.place.at === "timeline") rules.close();
@@ -223,7 +226,9 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
     if (measure.active) measure.toggle();
     goal.checkPlace(place);
   };
-  const goTo = view === null || plays ? null : checkPlace;
+  // A zone that is drawn is not lost by a press beside it.
+  const drawing = zone.active && zone.corners.length > 0;
+  const goTo = view === null || plays || drawing ? null : checkPlace;
   const onDraw = view === null || plays ? null : drawZone;
   return (
     <>
@@ -378,21 +383,23 @@ function SceneStack({
         </>
       )}
       <div className={scene.bands}>
-        {!covered && <StopBand why={<StoppedByRule />} />}
-        <PlayedBand />
-        <CauseBand />
-        <StaleBand />
-        {!covered && <DriveBand />}
-        <ControlBand />
-        <BatteryBand onGo={onGo} />
-        <AuditBand />
-        <AlarmsBand />
-        {!rulesOpen && <ProbationBand />}
-        {view !== null && error !== null && (
-          <Band tone="notice" title={error.title} testId="view-error">
-            {error.remedy}
-          </Band>
-        )}
+        <BandStack>
+          {!covered && <StopBand why={<StoppedByRule />} />}
+          <PlayedBand />
+          <StaleBand />
+          <ControlBand />
+          <CauseBand />
+          {!covered && <DriveBand />}
+          <AlarmsBand />
+          <BatteryBand onGo={onGo} />
+          {!rulesOpen && <ProbationBand />}
+          {view !== null && error !== null && (
+            <Band tone="notice" title={error.title} testId="view-error">
+              {error.remedy}
+            </Band>
+          )}
+          <AuditBand />
+        </BandStack>
       </div>
     </>
   );

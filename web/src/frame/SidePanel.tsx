@@ -27,16 +27,16 @@ export interface Props {
  * scrolls under.
  */
 export function SidePanel({ onGo, asked, onDraw }: Props) {
-  const { open } = useNav();
+  const { open, place } = useNav();
   if (open) {
     return (
       <aside className={classes.side} aria-label="Rules and goal">
         <RulesSheet />
         <div className={classes.foot}>
           <div className={classes.footText}>
-            <MissionStatus />
+            <MissionStatus brief />
             <GoalStatus />
-            <DraftBar />
+            {place.at !== "timeline" && <DraftBar />}
           </div>
           <StopPlace />
         </div>

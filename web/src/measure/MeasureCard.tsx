@@ -23,7 +23,7 @@ export function MeasureCard({ tool }: { tool: MeasureTool }) {
           onClick={() => set(points.slice(0, -1))}
           data-testid="measure-undo"
         >
-          Last point
+          Remove last point
         </Button>
       )}
       {points.length > 1 && (

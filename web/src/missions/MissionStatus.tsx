@@ -15,8 +15,8 @@ import { isOver, progressText, runLine } from "./missionText";
 /** What ended so long (s) ago is no news. */
 const OLD_NEWS_S = 600;
 
-/** The mission that runs, for everybody; who may, steers it. */
-export function MissionStatus() {
+/** The mission that runs, for everybody; who may, steers it. `brief` beside what needs the room. */
+export function MissionStatus({ brief = false }: { brief?: boolean }) {
   const { state, elapsed, frozen } = useRobot();
   const { session } = useSession();
   const { drive } = useStop();
@@ -37,17 +37,23 @@ export function MissionStatus() {
       data-tone={line.tone}
       data-under-way={!over || undefined}
       data-stale={frozen || undefined}
+      data-brief={brief || undefined}
       aria-label="Mission"
     >
       <div className={goal.statusText} role="status">
         <strong>{line.text}</strong>
         {its?.phase === "driving" && <span>{remaining(its)}</span>}
         {limit !== null && <span className={goal.limit}>▲ {limit}</span>}
-        {line.more !== "" && <span className={goal.detail}>{line.more}</span>}
-        <span className={goal.detail}>
-          {run.name} · {progressText(run)}
-        </span>
-        <span className={goal.place}>begun by {run.by}</span>
+        {brief && <span className={goal.detail}>{run.name}</span>}
+        {!brief && line.more !== "" && <span className={goal.detail}>{line.more}</span>}
+        {!brief && (
+          <>
+            <span className={goal.detail}>
+              {run.name} · {progressText(run)}
+            </span>
+            <span className={goal.place}>begun by {run.by}</span>
+          </>
+        )}
       </div>
       {over ? (
         <CloseButton

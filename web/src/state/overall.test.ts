@@ -78,3 +78,19 @@ test("no path is the calm state of a robot without a goal, no map is not", () =>
     streamLevel(stream("map", "Map", "/map", { age: null, deadline: null, stale: true }), 0),
   ).toBe("unknown");
 });
+
+test("an alarm that stands, or a low battery, is not all well", () => {
+  const rules = { ...robot().rules, alarms: 1 };
+  expect(overall(robot({ rules }), 0, null)).toEqual({ level: "degraded", text: "One alarm" });
+  const battery = {
+    charge: 0.12,
+    charging: false,
+    low: true,
+    voltage: null,
+    topic: "/battery_state",
+    age: 1,
+  };
+  expect(overall(robot({ battery }), 0, null)).toEqual({ level: "degraded", text: "Battery low" });
+  const charged = { ...battery, charging: true };
+  expect(overall(robot({ battery: charged }), 0, null).level).toBe("healthy");
+});

@@ -107,6 +107,13 @@ export function overall(
     };
   }
   if (state.pose === null) return { level: "unknown", text: "Position unknown" };
+  const { alarms } = state.rules;
+  if (alarms > 0) {
+    return { level: "degraded", text: alarms === 1 ? "One alarm" : `${alarms} alarms` };
+  }
+  if (state.battery?.low && !state.battery.charging) {
+    return { level: "degraded", text: "Battery low" };
+  }
   // A robot that may not move is not well, whatever its components say.
   const well = state.drive?.stopped ? "No faults" : "All well";
   return { level: "healthy", text: restart === null ? well : `${well} · ${restart}` };

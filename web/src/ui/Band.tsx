@@ -7,14 +7,17 @@ interface Props {
   children?: ReactNode;
   action?: ReactNode;
   testId?: string;
+  /** Somebody has seen it: a line is enough. */
+  brief?: boolean;
 }
 
 /** A message across the scene: something the operator must not overlook. */
-export function Band({ tone, title, children, action, testId }: Props) {
+export function Band({ tone, title, children, action, testId, brief = false }: Props) {
   return (
     <div
       className={classes.band}
       data-tone={tone}
+      data-brief={brief || undefined}
       data-testid={testId}
       role={tone === "alarm" || tone === "failed" ? "alert" : "status"}
     >

@@ -56,7 +56,7 @@ export function ZoneCard({ tool }: { tool: ZoneTool }) {
               leftSection={<IconArrowBackUp size={18} aria-hidden />}
               onClick={() => set(corners.slice(0, -1))}
             >
-              Last corner
+              Remove last corner
             </Button>
           </>
         )}

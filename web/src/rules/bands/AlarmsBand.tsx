@@ -62,8 +62,17 @@ function AlarmBand({ alarm, now }: { alarm: Alarm; now: number }) {
   const shelved = alarm.shelved_until > now;
   const calm = alarm.acknowledged_by !== "" || shelved;
   const may = session.role !== "viewer";
+  const told = [
+    alarm.acknowledged_by !== "" && `Acknowledged by ${alarm.acknowledged_by}`,
+    shelved &&
+      `Shelved by ${alarm.shelved_by || "somebody"}, for ${leftText(alarm.shelved_until - now)} more`,
+    alarm.text,
+    rule !== undefined && `Raised by "${ruleName(rule)}"`,
+    `${whenText(alarm.since, now)}${alarm.count > 1 ? `, ${alarm.count} times` : ""}`,
+  ];
   return (
     <Band
+      brief={calm}
       tone={LOUD.has(alarm.severity) && !calm ? "failed" : "notice"}
       title={`Alarm: ${alarm.name}`}
       testId="alarm-band"
@@ -120,13 +129,7 @@ function AlarmBand({ alarm, now }: { alarm: Alarm; now: number }) {
         )
       }
     >
-      {alarm.text !== "" && `${alarm.text} `}
-      {rule !== undefined && `Raised by "${ruleName(rule)}" `}
-      {whenText(alarm.since, now)}
-      {alarm.count > 1 && `, ${alarm.count} times`}
-      {alarm.acknowledged_by !== "" && `. Acknowledged by ${alarm.acknowledged_by}`}
-      {shelved &&
-        `. Shelved by ${alarm.shelved_by || "somebody"}, for ${leftText(alarm.shelved_until - now)} more`}
+      {told.filter(Boolean).join(" · ")}
       <Problem error={seen.error ?? away.error} />
     </Band>
   );

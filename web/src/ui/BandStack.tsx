@@ -1,0 +1,47 @@
+import { UnstyledButton } from "@mantine/core";
+import { useMediaQuery } from "@mantine/hooks";
+import { type ReactNode, useEffect, useRef, useState } from "react";
+import classes from "./Band.module.css";
+
+/** Messages across the scene, the gravest first: what there is no room for waits behind a button. */
+export function BandStack({ children }: { children: ReactNode }) {
+  const list = useRef<HTMLDivElement>(null);
+  const [count, setCount] = useState(0);
+  const [open, setOpen] = useState(false);
+  const roomy = useMediaQuery("(min-width: 1101px)", true, { getInitialValueInEffect: false });
+  const low = useMediaQuery("(max-height: 700px)", false, { getInitialValueInEffect: false });
+  const room = (roomy ? 3 : 2) - (low ? 1 : 0);
+  useEffect(() => {
+    const element = list.current;
+    if (element === null) return;
+    const look = () => setCount(element.childElementCount);
+    const observer = new MutationObserver(look);
+    observer.observe(element, { childList: true });
+    look();
+    return () => observer.disconnect();
+  }, []);
+  const more = Math.max(0, count - room);
+  return (
+    <div className={classes.stack}>
+      <div
+        ref={list}
+        className={classes.list}
+        id="bands"
+        data-room={open || more === 0 ? undefined : room}
+      >
+        {children}
+      </div>
+      {more > 0 && (
+        <UnstyledButton
+          className={classes.others}
+          aria-expanded={open}
+          aria-controls="bands"
+          data-testid="bands-more"
+          onClick={() => setOpen(!open)}
+        >
+          {open ? "Fewer messages" : more === 1 ? "One more message" : `${more} more messages`}
+        </UnstyledButton>
+      )}
+    </div>
+  );
+}
