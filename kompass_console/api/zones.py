@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from kompass.invalid import first_invalid
 from kompass.places.place import MapIdentity
 from kompass.zones.change import DeleteZone, EditZone, RestoreZone, SaveZone, ZoneChange
+from kompass.zones.in_force import Outlines
 from kompass.zones.zone import MOST_ZONES, Zone, ZonePlan
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
 from kompass_console.api.gesture import points_on_floor
@@ -64,7 +65,7 @@ async def sketch_zone(body: ZoneSketch, session: Operator, console: CurrentConso
     if body.view is not None and body.start is not None:
         found = await points_on_floor(body.view, body.start, body.end, session, console)
         if found is None:
-            return ZoneDrawn(corners=corners, problem="This is above the horizon; press the floor.")
+            return _drawn(console, corners, "This is above the horizon; press the floor.")
         start, end = found
         corners += _rectangle(start, end) if not corners else [end or start]
     corners = [(round(x, 3), round(y, 3)) for x, y in corners]
@@ -82,7 +83,7 @@ async def sketch_zone(body: ZoneSketch, session: Operator, console: CurrentConso
             problem = ""
         except ValidationError as error:
             problem = sentence(first_invalid(error).text)
-    return ZoneDrawn(corners=corners, problem=problem)
+    return _drawn(console, corners, problem)
 
 
 @router.post("", status_code=201)
@@ -182,6 +183,23 @@ async def _plan(console: Console, body: ZoneSave) -> ZonePlan:
         wrong = first_invalid(error)
         what = f"The {wrong.where} of the zone" if wrong.where else "The zone"
         raise ConsoleError(422, f"{what} cannot be so.", sentence(wrong.text)) from None
+
+
+def _drawn(console: Console, corners: list[tuple[float, float]], problem: str) -> ZoneDrawn:
+    """What a page shows of it, with who would be in it: a robot is got out by hand only."""
+    whole = Outlines([corners] if not problem else [])
+    motion, places = console.world.motion.get(), console.world.places.get()
+    marks = () if places is None else places.value
+    return ZoneDrawn(
+        corners=corners,
+        problem=problem,
+        robot_inside=motion is not None and _holds(whole, motion.value.pose.x, motion.value.pose.y),
+        places_inside=[mark.name for mark in marks if _holds(whole, mark.x, mark.y)],
+    )
+
+
+def _holds(outlines: Outlines, x: float, y: float) -> bool:
+    return bool(outlines.inside(x, y).any())
 
 
 def _rectangle(

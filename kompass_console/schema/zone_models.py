@@ -76,7 +76,9 @@ class ZoneSketch(In):
 
 class ZoneDrawn(BaseModel):
     """The corners with those that were added. `problem` says why they make no zone yet; empty when
-    they do."""
+    they do. What would be in it: the robot, and places of the map by their names."""
 
     corners: list[tuple[float, float]]
     problem: str
+    robot_inside: bool
+    places_inside: list[str]

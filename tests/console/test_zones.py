@@ -154,6 +154,22 @@ def test_what_is_drawn_is_judged_before_it_is_saved(ava: httpx.Client) -> None:
     assert listed(ava)["zones"] == []
 
 
+def test_who_would_be_in_a_zone_is_told_before_it_is_saved(ava: httpx.Client) -> None:
+    around_robot = [[-1.0, -0.9], [-0.5, -0.9], [-0.5, -0.3], [-1.0, -0.3]]  # it is at -0.75, -0.6
+    saved = ava.post("/api/places", json={"name": "Ramp", "pose": {"x": 0.5, "y": 0.5}})
+    assert saved.status_code == 201, saved.text
+
+    def inside(corners: list[list[float]]) -> tuple[bool, list[str]]:
+        told = ava.post("/api/zones/sketch", json={"corners": corners}).json()
+        return told["robot_inside"], told["places_inside"]
+
+    wait_until(lambda: inside(CORNERS) == (False, ["Ramp"]), 5.0, "the place is told of")
+    assert inside(around_robot) == (True, [])
+    assert inside(CORNERS[:2]) == (False, [])
+    gone = ava.delete(f"/api/places/{saved.json()['id']}", params={"version": 1})
+    assert gone.status_code == 200, gone.text
+
+
 def test_on_another_map_a_zone_is_not_in_force_until_it_is_taken_along(
     ava: httpx.Client, domain: int
 ) -> None:

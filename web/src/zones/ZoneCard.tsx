@@ -7,7 +7,7 @@ import { nameProblem } from "../places/placeText";
 import { Problem } from "../ui/Problem";
 import type { ZoneTool } from "./useZoneTool";
 import classes from "./Zones.module.css";
-import { cornersText, readCorners, readSpeed } from "./zoneText";
+import { cornersText, readCorners, readSpeed, shutInText } from "./zoneText";
 
 type Kind = "keep_out" | "speed";
 
@@ -28,6 +28,7 @@ export function ZoneCard({ tool }: { tool: ZoneTool }) {
       <span role="status" data-testid="zone-problem">
         {toldOf(tool)}
       </span>
+      <ShutIn tool={tool} />
       <Problem error={error} testId="zone-error" />
       <div className={classes.buttons}>
         {corners.length === 0 ? (
@@ -72,6 +73,16 @@ const toldOf = ({ corners, problem }: ZoneTool): string =>
   corners.length === 0
     ? "Drag a rectangle on the floor, or tap corner after corner."
     : problem || `${corners.length} corners.`;
+
+/** A zone may be drawn around the robot, or a place that it is to go to: not unseen. */
+function ShutIn({ tool }: { tool: ZoneTool }) {
+  const text = shutInText(tool.inside.robot, tool.inside.places);
+  return text === null ? null : (
+    <p className={classes.warned} role="status" data-testid="zone-shuts-in">
+      ▲ {text}
+    </p>
+  );
+}
 
 interface FormProps {
   tool: ZoneTool;
@@ -159,6 +170,7 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
       <p className={classes.told} role="status" data-testid="zone-problem">
         {toldOf(tool)}
       </p>
+      {kind === "keep_out" && <ShutIn tool={tool} />}
       {typed !== null && (
         <Textarea
           label="Corners: x, y in metres, a line each"

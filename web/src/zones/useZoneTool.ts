@@ -12,6 +12,8 @@ export interface ZoneTool {
   corners: readonly Corner[];
   /** Why the corners make no zone yet; empty when they do, null while that is looked at. */
   problem: string | null;
+  /** Who would be in it as it is drawn. */
+  inside: Inside;
   error: ApiError | null;
   /** Begins a new zone, or to change one. */
   begin: (zone: Zone | null) => void;
@@ -22,6 +24,13 @@ export interface ZoneTool {
   /** Leaves the tool. Returns whether there was anything to leave. */
   back: () => boolean;
 }
+
+export interface Inside {
+  robot: boolean;
+  places: readonly string[];
+}
+
+const NOBODY: Inside = { robot: false, places: [] };
 
 /** A press on the floor, and its release where it was a drag, m. */
 export interface ZoneStroke {
@@ -35,6 +44,7 @@ export function useZoneTool(viewId: string | null): ZoneTool {
   const [zone, setZone] = useState<Zone | null>(null);
   const [corners, setCorners] = useState<readonly Corner[]>([]);
   const [problem, setProblem] = useState<string | null>("");
+  const [inside, setInside] = useState(NOBODY);
   const [error, setError] = useState<ApiError | null>(null);
   const asking = useRef<AbortController | null>(null);
   useEffect(() => () => asking.current?.abort(), []);
@@ -52,6 +62,7 @@ export function useZoneTool(viewId: string | null): ZoneTool {
           if (asking.current !== mine) return;
           setCorners(asCorners(answer.corners));
           setProblem(answer.problem);
+          setInside({ robot: answer.robot_inside, places: answer.places_inside });
           setError(null);
         },
         (failure: unknown) => {
@@ -93,6 +104,7 @@ export function useZoneTool(viewId: string | null): ZoneTool {
     setActive(false);
     setZone(null);
     setCorners([]);
+    setInside(NOBODY);
     if (viewId !== null) {
       removePreview(viewId).catch((failure: unknown) => {
         // Only a drawing is left behind, and the next check replaces it.
@@ -106,7 +118,7 @@ export function useZoneTool(viewId: string | null): ZoneTool {
   }, [active, leave]);
 
   return useMemo(
-    () => ({ active, zone, corners, problem, error, begin, draw, set, leave, back }),
-    [active, zone, corners, problem, error, begin, draw, set, leave, back],
+    () => ({ active, zone, corners, problem, inside, error, begin, draw, set, leave, back }),
+    [active, zone, corners, problem, inside, error, begin, draw, set, leave, back],
   );
 }

@@ -1,5 +1,13 @@
 import { expect, test } from "vitest";
-import { cornersText, drawn, labelText, readCorners, readSpeed, ruleText } from "./zoneText";
+import {
+  cornersText,
+  drawn,
+  labelText,
+  readCorners,
+  readSpeed,
+  ruleText,
+  shutInText,
+} from "./zoneText";
 
 test("a zone says what it asks for", () => {
   const slow = { name: "Aisle", kind: "speed", speed: 0.3 } as const;
@@ -46,4 +54,11 @@ test("a press adds a corner; a drag makes a rectangle, and later one corner more
     [5, 5],
     [2, 1],
   ]);
+});
+
+test("what a zone would shut in is told before it is saved", () => {
+  expect(shutInText(false, [])).toBeNull();
+  expect(shutInText(true, [])).toBe("The robot stands in it: then it is got out by hand only.");
+  expect(shutInText(false, ["Gate"])).toBe("The place Gate lies in it.");
+  expect(shutInText(true, ["Gate", "Dock", "Bay"])).toMatch(/Gate, Dock and Bay lie in it\.$/);
 });

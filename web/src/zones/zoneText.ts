@@ -47,3 +47,14 @@ export function drawn(corners: readonly Corner[], start: Corner, end: Corner | n
   if (end === null || corners.length > 0) return [...corners, end ?? start];
   return [start, [end[0], start[1]], end, [start[0], end[1]]];
 }
+
+/** What a keep-out zone would shut in, as it is drawn now; null when that is nothing. */
+export function shutInText(robot: boolean, places: readonly string[]): string | null {
+  const [first, ...others] = places;
+  const told: string[] = [];
+  if (robot) told.push("The robot stands in it: then it is got out by hand only.");
+  if (first !== undefined && others.length === 0) told.push(`The place ${first} lies in it.`);
+  if (others.length > 0)
+    told.push(`The places ${places.slice(0, -1).join(", ")} and ${others.at(-1)} lie in it.`);
+  return told.length === 0 ? null : told.join(" ");
+}
