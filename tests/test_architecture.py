@@ -1,6 +1,7 @@
 """Arrows run one way: a package imports only what lies below it, and no modules form a circle."""
 
 import ast
+import functools
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -98,7 +99,13 @@ def imported(name: str) -> Iterator[str]:
         yield from (each for each in found if each in MODULES)
 
 
-IMPORTS = {name: set(imported(name)) for name in MODULES}
+@functools.cache
+def imports() -> dict[str, set[str]]:
+    """What each module of ours imports of ours.
+
+    Found out by who asks: every worker collects this file, and one runs it.
+    """
+    return {name: set(imported(name)) for name in MODULES}
 
 
 def part_of(name: str, package: str) -> str | None:
@@ -114,7 +121,7 @@ def test_a_part_of_a_package_imports_only_what_lies_below_it(package: str) -> No
     assert parts == set(layer_of), "each part has a place in LAYERS"
     upward = [
         f"{name} imports {other}"
-        for name, others in sorted(IMPORTS.items())
+        for name, others in sorted(imports().items())
         for other in sorted(others)
         if (mine := part_of(name, package))
         and (theirs := part_of(other, package))
@@ -127,7 +134,7 @@ def test_a_part_of_a_package_imports_only_what_lies_below_it(package: str) -> No
 def test_the_stack_knows_nothing_of_the_console() -> None:
     aware = [
         f"{name} imports {other}"
-        for name, others in IMPORTS.items()
+        for name, others in imports().items()
         for other in others
         if part_of(name, "kompass") and part_of(other, "kompass_console")
     ]
@@ -136,13 +143,13 @@ def test_the_stack_knows_nothing_of_the_console() -> None:
 
 def test_what_every_import_runs_first_imports_nothing_else_of_ours() -> None:
     first = {"kompass.porting", "kompass.rclpy_ext.middleware"}
-    assert IMPORTS["kompass"] == first
-    assert all(IMPORTS[name] == set() for name in first)
-    assert IMPORTS["kompass_console"] == set()
+    assert imports()["kompass"] == first
+    assert all(imports()[name] == set() for name in first)
+    assert imports()["kompass_console"] == set()
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
     try:
-        TopologicalSorter(IMPORTS).prepare()
+        TopologicalSorter(imports()).prepare()
     except CycleError as error:
         pytest.fail(" imports ".join(reversed(error.args[1])))

@@ -207,7 +207,12 @@ def test_a_fault_that_cannot_be_had_is_refused_before_anything_starts(
 
 
 def test_the_base_is_driven_with_the_commands_of_its_distribution(robot: Robot) -> None:
-    offered = robot.node.get_publishers_info_by_topic("/cmd_vel")
-    assert {info.topic_type for info in offered} == {"geometry_msgs/msg/TwistStamped"}
-    readers = robot.node.get_subscriptions_info_by_topic("/cmd_vel")
-    assert "geometry_msgs/msg/TwistStamped" in {info.topic_type for info in readers}
+    def offered() -> set[str]:
+        return {info.topic_type for info in robot.node.get_publishers_info_by_topic("/cmd_vel")}
+
+    def taken() -> set[str]:
+        return {info.topic_type for info in robot.node.get_subscriptions_info_by_topic("/cmd_vel")}
+
+    wait_until(offered, 10, "who drives the base")
+    assert offered() == {"geometry_msgs/msg/TwistStamped"}
+    wait_until(lambda: "geometry_msgs/msg/TwistStamped" in taken(), 10, "the base")

@@ -193,9 +193,15 @@ def observer(simulator: int) -> Iterator[Observer]:
 def test_every_topic_has_its_type_and_quality_of_service(observer: Observer) -> None:
     from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
+    infos = observer.node.get_publishers_info_by_topic
+
+    def named(topic: str) -> bool:
+        return [info.node_name for info in infos(topic)] == ["robot_under_test"]
+
+    # What a node is called arrives after its publishers, and after its first messages.
+    observer.until(lambda: all(map(named, STREAMS | LATCHED)), "publishers, all of the robot")
     for topic, type_name in (STREAMS | LATCHED).items():
-        (info,) = observer.node.get_publishers_info_by_topic(topic)
-        assert info.node_name == "robot_under_test"
+        (info,) = infos(topic)
         assert info.topic_type == type_name
         reliable = info.qos_profile.reliability == ReliabilityPolicy.RELIABLE
         assert reliable == (topic not in BEST_EFFORT), topic
