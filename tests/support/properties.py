@@ -10,7 +10,7 @@ from hypothesis.strategies import SearchStrategy
 
 FEW = 8
 # KOMPASS_EXAMPLES=10000 for a long night.
-MANY = int(os.environ.get("KOMPASS_EXAMPLES", "40"))
+MANY = int(os.environ.get("KOMPASS_EXAMPLES", "80"))
 
 
 def few_or_many(many: int, few: int = FEW) -> pytest.MarkDecorator:
