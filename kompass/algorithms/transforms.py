@@ -4,6 +4,7 @@ There is no tf2 among the ROS wheels. This holds what a planar navigation stack 
 frame is in another now, and an error that names the missing link.
 """
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -70,6 +71,22 @@ class TransformTree:
             f"no transform from '{source}' to '{target}': '{source}' leads to "
             f"'{self._root(source)}', '{target}' to '{self._root(target)}'"
         )
+
+    def moved_at(self, target: str, source: str) -> float:
+        """When the oldest moving transform between two frames is from [s]; inf when none moves.
+
+        Raises
+        ------
+        TransformError
+            When there is no connection.
+        """
+        target, source = target.removeprefix("/"), source.removeprefix("/")
+        self.lookup(target, source)
+        ways = [[frame for frame, _ in self._to_root(one)] for one in (target, source)]
+        # What both go through on their way to the root is not between them.
+        between = set(ways[0]) ^ set(ways[1])
+        edges = [self._edges[frame] for frame in between if frame in self._edges]
+        return min((edge.stamp for edge in edges if not edge.static), default=math.inf)
 
     def planar(self, target: str, source: str) -> Pose2D:
         """As :meth:`lookup`, as a planar pose (x [m], y [m], yaw [rad])."""
