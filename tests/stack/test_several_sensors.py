@@ -117,8 +117,9 @@ def test_one_sensor_that_falls_silent_holds_the_robot_and_is_named(
 
     def says() -> bool:
         status = robot.newest.get(STATUS)
-        named = status is not None and [topic] == list(status.src_topics)
-        return named and status.status == SYSTEM and told in status.msg
+        if status is None or status.status != SYSTEM:
+            return False
+        return list(status.src_topics) == [topic] and told in status.msg
 
     robot.wait_until(says, 5, f"a drive manager that says '{told}'")
     robot.wait_until(lambda: robot.speed < 0.01, 1, "a halt")

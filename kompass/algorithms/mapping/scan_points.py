@@ -103,32 +103,6 @@ def read_rays(
     return Rays(index, r, ends, np.where(free, np.minimum(measured, range_max), 0.0))
 
 
-def scan_to_points(
-    ranges: ArrayLike,
-    angle_min: float,
-    angle_increment: float,
-    range_min: float,
-    range_max: float,
-    sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
-) -> Floats:
-    """The places (M, 2) where rays met something; parameters as of :func:`read_rays`.
-
-    -inf, which is something nearer than the sensor can measure (REP 117), counts as met at
-    ``range_min``.
-
-    Raises
-    ------
-    ValueError
-        The scan says nothing of what is around the robot; see :func:`scan_fault`.
-    """
-    fault = scan_fault(ranges, angle_min, angle_increment, range_min, range_max)
-    if fault:
-        raise ValueError(fault)
-    measured = np.asarray(ranges, dtype=np.float64)
-    near = np.where(np.isneginf(measured), max(range_min, NEAREST), measured)
-    return read_rays(near, angle_min, angle_increment, range_min, range_max, sensor_pose).ends
-
-
 @dataclass(frozen=True)
 class PlacedScan:
     """A planar scan and where its scanner is on the robot; read as :func:`read_rays` says.
@@ -207,18 +181,25 @@ class PlacedScan:
             self.range_max,
         )
 
-    @property
+    @cached_property
     def fault(self) -> str:
         """Why it says nothing of what is around the robot; see :func:`scan_fault`."""
         return scan_fault(*self.rays)
 
     @cached_property
     def points(self) -> Floats:
-        """What is in the way, (M, 2) in the robot's frame [m]; see :func:`scan_to_points`.
+        """Where rays met something, (M, 2) in the robot's frame [m].
+
+        -inf, which is something nearer than the sensor can measure (REP 117), counts as met at
+        ``range_min``.
 
         Raises
         ------
         ValueError
             It says nothing of what is around the robot.
         """
-        return scan_to_points(*self.rays, self.sensor)
+        if self.fault:
+            raise ValueError(self.fault)
+        nearest = max(self.range_min, NEAREST)
+        near = np.where(np.isneginf(self.ranges), nearest, self.ranges)
+        return read_rays(near, *self.rays[1:], self.sensor).ends

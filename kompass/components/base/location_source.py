@@ -197,10 +197,10 @@ class LocationSource:
                 self._transforms.want_moving()
             raise
         self._sought = math.inf
-        behind = stamp - self._transforms.tree.moved_at(base, frame)
-        if behind > LONGEST_UNMOVED:
+        if stamp - self._transforms.tree.moved_at(base, frame) > LONGEST_UNMOVED:
+            # Not by how much: a sentence that changes ten times a second cannot be read.
             raise TransformError(
-                f"the transform from '{frame}' to '{base}' is {behind:.1f} s older than what was "
-                "measured there"
+                f"the transform from '{frame}' to '{base}', which moves, is more than "
+                f"{LONGEST_UNMOVED:g} s older than what was measured there"
             )
         return mounted

@@ -17,6 +17,7 @@ from kompass.components.base.location_source import LocationSource
 from kompass.components.base.ports import Input
 from kompass.components.base.seen import cloud_memory, read_seen, stamp_of
 from kompass.components.drive.config import DriveManagerConfig
+from kompass.printable import printable
 
 Points = NDArray[np.float64]
 
@@ -73,7 +74,8 @@ class SensorWatch:
             try:
                 self._read(message, now)
             except TransformError as error:
-                warn(f"{self._what(message)} cannot be placed on the robot: {error}")
+                warn(f"the {self._what(message)} cannot be placed on the robot: {error}")
+                self._fault = printable(str(error))
                 return None
             except ValueError as error:
                 self._fault = str(error)
