@@ -116,7 +116,7 @@ Robot = Annotated[
     str | None,
     typer.Option(
         metavar="NAME",
-        help="Which embedded robot (turtlebot3 if not named, or jackal); the recipe must describe "
+        help="Which embedded robot (turtlebot3 if not named, jackal or turtlebot3-plus); the recipe must describe "
         "it.",
         show_default=False,
     ),
