@@ -75,18 +75,21 @@ class TransformTree:
     def moved_at(self, target: str, source: str) -> float:
         """When the oldest moving transform between two frames is from [s]; inf when none moves.
 
-        Raises
-        ------
-        TransformError
-            When there is no connection.
+        The two must be connected, as :meth:`lookup` says.
         """
-        target, source = target.removeprefix("/"), source.removeprefix("/")
-        self.lookup(target, source)
-        ways = [[frame for frame, _ in self._to_root(one)] for one in (target, source)]
         # What both go through on their way to the root is not between them.
-        between = set(ways[0]) ^ set(ways[1])
+        between = self._way(target.removeprefix("/")) ^ self._way(source.removeprefix("/"))
         edges = [self._edges[frame] for frame in between if frame in self._edges]
         return min((edge.stamp for edge in edges if not edge.static), default=math.inf)
+
+    def _way(self, frame: str) -> set[str]:
+        """All frames from one to its root."""
+        way: set[str] = set()
+        while frame not in way:
+            way.add(frame)
+            edge = self._edges.get(frame)
+            frame = frame if edge is None else edge.parent
+        return way
 
     def planar(self, target: str, source: str) -> Pose2D:
         """As :meth:`lookup`, as a planar pose (x [m], y [m], yaw [rad])."""

@@ -78,5 +78,3 @@ def test_what_moves_between_two_frames_is_as_old_as_its_oldest_part() -> None:
     assert tree.moved_at("base", "camera") == tree.moved_at("camera", "base") == 3.0
     assert tree.moved_at("neck", "camera") == 5.0
     assert tree.moved_at("base", "lidar") == math.inf  # that odom moves does not matter
-    with pytest.raises(TransformError):
-        tree.moved_at("base", "nowhere")

@@ -147,9 +147,9 @@ def test_a_low_box_is_for_robots_that_have_a_camera(
     def low() -> int:
         """Points that are nearer than the floor would be, along the middle of the image."""
         assert seeing.camera is not None
-        return int((np.nan_to_num(seeing.camera.points()[18:, 36, 0], nan=9.0) < before).sum())
+        return int((np.nan_to_num(seeing.camera.points()[:, 36, 0], nan=9.0) < before).sum())
 
-    before = np.nan_to_num(seeing.camera.points()[18:, 36, 0], nan=9.0) - 0.03
+    before = np.nan_to_num(seeing.camera.points()[:, 36, 0], nan=9.0) - 0.03
     scan = seeing.scan()
     broken = RobotFaults(seeing)
     broken.begin("low_box")
