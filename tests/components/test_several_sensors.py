@@ -11,7 +11,7 @@ import pytest
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import OccupancyGrid
 from numpy.typing import NDArray
-from rclpy.qos import qos_profile_sensor_data
+from rclpy.qos import QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan, PointCloud2, PointField
 from tf2_msgs.msg import TFMessage
 
@@ -349,3 +349,25 @@ def test_a_band_in_which_nothing_is_is_refused() -> None:
 def test_other_kinds_of_sensors_are_refused_when_they_are_named() -> None:
     with pytest.raises(TypeError, match="takes LaserScan or PointCloud2, not the Float64 of '/us'"):
         DriveManager(inputs={"sensor_data": Topic(name="/us", msg_type="Float64")})
+
+
+def test_large_clouds_of_a_driver_that_sends_reliably_all_come(run_on_dds: Run) -> None:
+    driver = DriveManager(inputs={"sensor_data": BOTH})
+    alive, heard = run_on_dds(driver), list[PointCloud2]()
+    publisher = alive.publisher(PointCloud2, "/cloud", QoSProfile(depth=10))
+    topic = "/cloud"
+
+    def is_reliable() -> bool:
+        readers = alive.node.get_subscriptions_info_by_topic(topic)
+        return [one.qos_profile.reliability for one in readers] == [ReliabilityPolicy.RELIABLE]
+
+    alive.wait_until(is_reliable, 10, "a reader that has lost parts sent again")
+    alive.wait_until(publisher.get_subscription_count, 10, "the reader")
+    driver.input("sensor_data", 1).on_message = heard.append
+    # Some 1,200 kB each, far more than a socket holds.
+    cloud = PointCloud2(height=1, width=76_800, point_step=16, row_step=16 * 76_800)
+    cloud.data = bytes(cloud.row_step)
+    for _ in range(10):
+        publisher.publish(cloud)
+        alive.rest(0.05)
+    alive.wait_until(lambda: len(heard) == 10, 20, "all ten")

@@ -11,6 +11,7 @@ import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 from automatika_ros_sugar.srv import ExecuteMethod
 from kompass_interfaces.msg import DriveState
+from kompass_interfaces.srv import SetFault
 
 from kompass.launch.virtual_stack import Embedded
 from kompass.simulation.physics.robot_model import TURTLEBOT3_PLUS
@@ -81,6 +82,18 @@ def test_a_box_that_the_lidar_looks_over_is_gone_round(robot: VirtualRobot) -> N
     ended = robot.result(robot.send_goal(2.6, 0.0), timeout=90)
     assert ended.status == SUCCEEDED, ended.result.message
     assert robot.distance_to(2.6, 0.0) < 0.10
+    assert robot.contacts == 0
+
+
+def test_a_low_box_that_comes_up_in_the_way_is_gone_round_as_the_recipe_says(
+    robot: VirtualRobot,
+) -> None:
+    handle = robot.send_goal(0.0, 1.5)
+    robot.wait_until(lambda: robot.speed > 0.15, 20, "motion")
+    request = SetFault.Request(fault="low_box", on=True)
+    assert robot.call(SetFault, "/simulator/set_fault", request).success
+    ended = robot.result(handle, timeout=90)
+    assert ended.status == SUCCEEDED, ended.result.message
     assert robot.contacts == 0
 
 
