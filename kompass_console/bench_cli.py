@@ -64,17 +64,17 @@ def bench_nav(
     from kompass.bench.report import report_html
     from kompass.bench.runner import BenchOrder, make_bench_drives
     from kompass.bench.score import THERE
+    from kompass.bench.stack import LIMITS
     from kompass.components.controller.config import ControllerConfig
     from kompass.components.controller.controllers_id import ControllersID
     from kompass.drills.runner.worker import DriveFailed
-    from kompass.simulation.physics.robot_model import robot_names
 
     file = _read(worlds)
     chosen = _chosen(file, worlds, only)
     known = {one.value.lower(): one.value for one in ControllersID}
     known |= {one.name.lower(): one.value for one in ControllersID}
     default = str(ControllerConfig().algorithm.value)
-    _check("--robot", robot, robot_names())
+    _check("--robot", robot, tuple(LIMITS))
     _check("--map", map_, get_args(MapKnown))
     if follower is not None and follower.lower() not in known:
         _check("--follower", follower, [one.value for one in ControllersID])

@@ -116,8 +116,8 @@ Robot = Annotated[
     str | None,
     typer.Option(
         metavar="NAME",
-        help="Which embedded robot (turtlebot3 if not named, or jackal); the recipe must describe "
-        "it.",
+        help="Which embedded robot (turtlebot3 if not named, jackal or turtlebot3-plus); the "
+        "recipe must describe it.",
         show_default=False,
     ),
 ]

@@ -4,6 +4,7 @@ There is no tf2 among the ROS wheels. This holds what a planar navigation stack 
 frame is in another now, and an error that names the missing link.
 """
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -70,6 +71,25 @@ class TransformTree:
             f"no transform from '{source}' to '{target}': '{source}' leads to "
             f"'{self._root(source)}', '{target}' to '{self._root(target)}'"
         )
+
+    def moved_at(self, target: str, source: str) -> float:
+        """When the oldest moving transform between two frames is from [s]; inf when none moves.
+
+        The two must be connected, as :meth:`lookup` says.
+        """
+        # What both go through on their way to the root is not between them.
+        between = self._way(target.removeprefix("/")) ^ self._way(source.removeprefix("/"))
+        edges = [self._edges[frame] for frame in between if frame in self._edges]
+        return min((edge.stamp for edge in edges if not edge.static), default=math.inf)
+
+    def _way(self, frame: str) -> set[str]:
+        """All frames from one to its root."""
+        way: set[str] = set()
+        while frame not in way:
+            way.add(frame)
+            edge = self._edges.get(frame)
+            frame = frame if edge is None else edge.parent
+        return way
 
     def planar(self, target: str, source: str) -> Pose2D:
         """As :meth:`lookup`, as a planar pose (x [m], y [m], yaw [rad])."""

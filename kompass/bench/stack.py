@@ -19,7 +19,7 @@ from kompass.simulation.physics.robot_model import RobotModel
 
 COMPONENTS = ("planner", "controller", "mapper", "drive_manager")
 # What a robot is driven with: top speed, acceleration, braking, of driving and of turning.
-_LIMITS: dict[str, tuple[LinearCtrlLimits, AngularCtrlLimits]] = {
+LIMITS: dict[str, tuple[LinearCtrlLimits, AngularCtrlLimits]] = {
     "turtlebot3": (
         LinearCtrlLimits(max_vel=0.22, max_acc=1.5, max_decel=2.5),
         AngularCtrlLimits(max_vel=1.5, max_acc=3.0, max_decel=3.0),
@@ -33,7 +33,7 @@ _LIMITS: dict[str, tuple[LinearCtrlLimits, AngularCtrlLimits]] = {
 
 def described(robot: RobotModel) -> RobotConfig:
     """What a recipe says of one of the embedded robots."""
-    along, turning = _LIMITS[robot.name]
+    along, turning = LIMITS[robot.name]
     if robot.box is None:
         kind, params = RobotGeometry.Type.CYLINDER, [robot.radius, robot.body_height]
     else:

@@ -27,6 +27,7 @@ from kompass.simulation.faults.fault_names import (
     FAULTS,
     MACHINE_FAULTS,
     MAP_WITHHELD,
+    NEEDS_CAMERA,
     TARGETED,
     WRONG,
     UnknownFault,
@@ -67,9 +68,10 @@ def expand_faults(names: Iterable[str], nodes: Sequence[str]) -> tuple[str, ...]
         There is no such fault, or its parameter cannot be read.
     """
     kinds = {whole.partition(":")[0]: whole for whole in (*FAULTS, *MACHINE_FAULTS)}
+    usual = [kind for kind in kinds if kind not in NEEDS_CAMERA]
     found: list[str] = []
     for name in names:
-        for one in kinds if name == ALL else (name,):
+        for one in usual if name == ALL else (name,):
             kind, _, word = kinds.get(one, one).partition(":")
             if one in kinds and word:
                 values = nodes if word == "NAME" else _usual(kind)

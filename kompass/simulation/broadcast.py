@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 
 from builtin_interfaces.msg import Time as StampMessage
@@ -9,7 +10,7 @@ from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
-from sensor_msgs.msg import BatteryState, Imu, LaserScan
+from sensor_msgs.msg import BatteryState, Imu, LaserScan, PointCloud2
 from std_msgs.msg import Float32, String, UInt32
 from tf2_msgs.msg import TFMessage
 
@@ -23,6 +24,7 @@ from kompass.simulation.physics.parts import NoReading
 from kompass.simulation.robot import SimulatedRobot
 
 MAP, ODOM, BASE, LIDAR, IMU = "map", "odom", "base_link", "LDS-01", "imu_link"
+REAR, CAMERA = "rear_scanner", "camera_link"
 
 _RELIABLE = QoSProfile(depth=10)
 _SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -43,6 +45,11 @@ class Broadcast:
         self._clock = node.get_clock()
         publisher = node.create_publisher
         self._scan = publisher(LaserScan, "/scan", _SENSOR)
+        self._rear = self._cloud = None
+        if robot.rear is not None:
+            self._rear = publisher(LaserScan, "/rear_scan", _SENSOR)
+        if robot.camera is not None:
+            self._cloud = publisher(PointCloud2, "/camera/points", _SENSOR)
         self._imu = publisher(Imu, "/imu", _SENSOR)
         self._filtered = publisher(Odometry, "/odometry/filtered", _RELIABLE)
         self._wheels = publisher(Odometry, "/odom", _RELIABLE)
@@ -97,14 +104,27 @@ class Broadcast:
         messages.fill_transform(self._motion, wheels.pose, stamp)
         self._tf.publish(self._tf_message)
 
+    def cloud(self) -> None:
+        """One image of the depth camera, where there is one."""
+        camera, publisher = self._robot.camera, self._cloud
+        if camera is None or publisher is None or not self._is_heard(publisher):
+            return
+        stamp = self._clock.now().to_msg()
+        publisher.publish(messages.point_cloud(camera.points(), stamp, CAMERA))
+
     def scan(self, period: float) -> None:
-        """One turn of the lidar, ``period`` seconds after the one before."""
+        """One turn of the lidars, ``period`` seconds after the one before."""
         now = self._clock.now()
         with suppress(NoReading):
             ranges = self._robot.scan()
             stamp = _stamp(now, self._robot.scan_age)
             self._scan.publish(
                 messages.laser_scan(ranges, stamp, LIDAR, period, self._robot.kind.lidar)
+            )
+        rear, kind = self._robot.rear, self._robot.kind.rear
+        if rear is not None and kind is not None and self._rear is not None:
+            self._rear.publish(
+                messages.laser_scan(rear.scan(), now.to_msg(), REAR, period, kind.lidar)
             )
 
     def rate(self, rate: float) -> None:
@@ -146,9 +166,18 @@ class Broadcast:
             messages.transform(BASE, LIDAR, self._robot.kind.lidar.height),
             messages.transform(BASE, IMU, self._robot.kind.imu_height),
         )
-        self._tf_static.publish(
-            TFMessage(transforms=[messages.fill_transform(one, origin, stamp) for one in sensors])
-        )
+        found = [messages.fill_transform(one, origin, stamp) for one in sensors]
+        rear, camera = self._robot.kind.rear, self._robot.kind.camera
+        more = []
+        if rear is not None:
+            place = (-rear.behind, 0.0, rear.lidar.height)
+            more.append(messages.mounting(BASE, REAR, place, math.pi))
+        if camera is not None:
+            place = (camera.ahead, 0.0, camera.height)
+            more.append(messages.mounting(BASE, CAMERA, place, 0.0, camera.down))
+        for one in more:
+            one.header.stamp = stamp
+        self._tf_static.publish(TFMessage(transforms=[*found, *more]))
 
 
 def _stamp(now: Time, age: float) -> StampMessage:

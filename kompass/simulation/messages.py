@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import array
+import math
 
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
-from sensor_msgs.msg import Imu, LaserScan
+from sensor_msgs.msg import Imu, LaserScan, PointCloud2, PointField
 
 from kompass.algorithms.geometry import quaternion_from_yaw
 from kompass.simulation.physics.motion import BodyMotion, Matrix3
@@ -72,6 +73,38 @@ def fill_transform(
     translation = message.transform.translation
     translation.x, translation.y = pose[0], pose[1]
     _set_yaw(message.transform.rotation, pose[2])
+    return message
+
+
+def mounting(
+    parent: str, child: str, place: tuple[float, float, float], yaw: float, down: float = 0.0
+) -> TransformStamped:
+    """Where a sensor is on the robot [m], turned left by ``yaw``, then down [rad]."""
+    message = TransformStamped()
+    message.header.frame_id = parent
+    message.child_frame_id = child
+    offset, turned = message.transform.translation, message.transform.rotation
+    offset.x, offset.y, offset.z = place
+    half, nod = yaw / 2, down / 2
+    turned.w, turned.x = math.cos(half) * math.cos(nod), -math.sin(half) * math.sin(nod)
+    turned.y, turned.z = math.cos(half) * math.sin(nod), math.sin(half) * math.cos(nod)
+    return message
+
+
+def point_cloud(points: NDArray[np.float32], stamp: Time, frame: str) -> PointCloud2:
+    """``points`` (rows, columns, 3) as an organized sensor_msgs/PointCloud2."""
+    rows, columns, _ = points.shape
+    message = PointCloud2()
+    message.header.stamp = stamp
+    message.header.frame_id = frame
+    message.height, message.width = rows, columns
+    message.fields = [
+        PointField(name=name, offset=4 * index, datatype=PointField.FLOAT32, count=1)
+        for index, name in enumerate("xyz")
+    ]
+    message.point_step, message.row_step = 12, 12 * columns
+    message.is_dense = False
+    message.data = array.array("B", points.tobytes())
     return message
 
 

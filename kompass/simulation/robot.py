@@ -33,6 +33,7 @@ from kompass.simulation.physics.parts import (
 from kompass.simulation.physics.person import Person
 from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 from kompass.simulation.sensors.bumper import Bumper
+from kompass.simulation.sensors.depth_camera import DepthCamera
 from kompass.simulation.sensors.imu import Imu, ImuReading
 from kompass.simulation.sensors.lidar import Lidar
 from kompass.simulation.sensors.localizer import Localizer
@@ -71,6 +72,8 @@ class SimulatedRobot:
         Which robot it is.
     battery, drive, lidar, imu_sensor, wheels, localizer, bumper
         Its parts, which may be exchanged for objects that behave otherwise.
+    rear, camera
+        A scanner that looks back and a depth camera, where the robot has them.
     slip
         How much further the (left, right) wheel has turned than its rolling says, per turn. The
         encoders count it; the drive has to leave it out.
@@ -88,6 +91,14 @@ class SimulatedRobot:
         self.drive: WheelDrive = DifferentialDrive(kind)
         self._lidar = Lidar(self._model, self._data, lidar, kind.lidar)
         self.lidar: RangeFinder = self._lidar
+        self.rear: RangeFinder | None = None
+        if kind.rear is not None:
+            stream = self.chance("rear")
+            self.rear = Lidar(self._model, self._data, stream, kind.rear.lidar, "rear")
+        self.camera: DepthCamera | None = None
+        if kind.camera is not None:
+            stream = self.chance("camera")
+            self.camera = DepthCamera(self._model, self._data, stream, kind.camera)
         self.imu_sensor = Imu(self._model, self._data, imu)
         self.wheels: Odometer = WheelOdometry(wheels, kind)
         self.localizer: PoseSource = Localizer(localizer, SAMPLE_PERIOD)

@@ -14,7 +14,7 @@ BLOCKED = 5.0  # s before something that is in the way
 STOP, HAND, BACK = "stop", "hand", "held back"  # keys
 
 _FAULTS: dict[str, str] = {
-    "scan stale": "Held: no laser scan arrives",
+    "scan stale": "Held: a scanner or camera is silent",
     "odometry stale": "Held: no odometry arrives",
     "place unknown": "Held: its place is not known",
     "second publisher": "Held: somebody else commands the base",

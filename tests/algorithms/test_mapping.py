@@ -4,10 +4,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass.algorithms.mapping.local_map import LocalMapBuilder
-from kompass.algorithms.mapping.scan_points import scan_fault, scan_to_points
+from kompass.algorithms.mapping.scan_points import PlacedScan, scan_fault
+from kompass.algorithms.transforms import matrix_of
 from tests.support.properties import property_test
 
 FULL_TURN = {"angle_min": 0.0, "angle_increment": 2 * math.pi / 360}
@@ -134,9 +136,14 @@ def test_a_scan_without_rays_is_refused() -> None:
         LocalMapBuilder(3.0, 3.0, 0.05).update([1.0], 0.0, 0.0, 0.1, 3.5)
 
 
+LEVEL = matrix_of((0.0, 0.0, 0.2), (0.0, 0.0, 0.0, 1.0))
+
+
 def test_only_real_returns_become_points_in_the_base_frame() -> None:
     ranges = [1.0, math.inf, math.nan, 0.0, 0.05, 3.5, -math.inf, 2.0]
-    points = scan_to_points(ranges, 0.0, math.pi / 2, 0.12, 3.5, (0.1, 0.0, math.pi / 2))
+    half = math.sqrt(0.5)
+    mounted = matrix_of((0.1, 0.0, 0.2), (0.0, 0.0, half, half))
+    points = PlacedScan.of(ranges, 0.0, math.pi / 2, 0.12, 3.5, mounted).points
     too_near = (0.1, -0.12)  # of -inf: nearer than can be measured, and there
     assert points == pytest.approx(np.array([(0.1, 1.0), too_near, (2.1, 0.0)]), abs=1e-9)
 
@@ -163,9 +170,33 @@ def test_a_scan_that_says_nothing_is_not_one_that_met_nothing(
     assert scan_fault(**scan) == ""
     assert said in scan_fault(**(scan | more))
     with pytest.raises(ValueError, match=re.escape(said)):
-        scan_to_points(**(scan | more))
+        assert PlacedScan.of(**(scan | more), mounted=LEVEL).points is None
 
 
 def test_in_the_open_a_scan_meets_nothing_and_is_a_scan() -> None:
-    assert len(scan_to_points([math.inf] * 4, 0.0, 0.1, 0.12, 3.5)) == 0
-    assert len(scan_to_points([3.5] * 4, 0.0, 0.1, 0.12, 3.5)) == 0
+    assert len(PlacedScan.of([math.inf] * 4, 0.0, 0.1, 0.12, 3.5, LEVEL).points) == 0
+    assert len(PlacedScan.of([3.5] * 4, 0.0, 0.1, 0.12, 3.5, LEVEL).points) == 0
+
+
+@given(st.floats(-math.pi, math.pi), st.floats(-3, 3), st.floats(-0.3, 0.3))
+@settings(max_examples=60, deadline=None)
+def test_a_scanner_is_where_it_is_mounted_also_upside_down(
+    yaw: float, angle: float, tilt: float
+) -> None:
+    for roll in (tilt, math.pi + tilt):
+        turn_x = np.array([math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)])
+        mounted = matrix_of((0.2, -0.1, 0.3), (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)))
+        mounted = mounted @ matrix_of((0.0, 0.0, 0.0), tuple(turn_x.tolist()))
+        found = PlacedScan.of([2.0], angle, 0.1, 0.1, 3.5, mounted)
+        met = mounted @ np.array([2 * math.cos(angle), 2 * math.sin(angle), 0.0, 1.0])
+        # As far as a scanner that is not quite level is taken for one that is.
+        assert found.points == pytest.approx(met[None, :2], abs=2 * (1 - math.cos(tilt)) + 1e-9)
+        assert found.height == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("tilt", [25.0, 90.0, 155.0])
+def test_a_scanner_that_looks_up_or_down_is_refused_with_the_remedy(tilt: float) -> None:
+    half = math.radians(tilt) / 2
+    mounted = matrix_of((0.0, 0.0, 0.3), (0.0, math.sin(half), 0.0, math.cos(half)))
+    with pytest.raises(ValueError, match=r"mounted \d+ degrees out of the level.*a PointCloud2"):
+        PlacedScan.of([2.0], 0.0, 0.1, 0.1, 3.5, mounted)

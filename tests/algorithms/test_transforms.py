@@ -66,3 +66,15 @@ def test_a_loop_of_frames_ends_in_an_error_and_not_in_a_loop() -> None:
     tree.add("b", "a", 0.0, planar(0, 0, 0))
     with pytest.raises(TransformError):
         tree.lookup("c", "a")
+
+
+def test_what_moves_between_two_frames_is_as_old_as_its_oldest_part() -> None:
+    tree = TransformTree()
+    tree.add("odom", "base", 9.0, planar(1, 0, 0))
+    tree.add("base", "neck", 3.0, planar(0, 0, 1))
+    tree.add("neck", "head", 5.0, planar(0, 0, 1))
+    tree.add("head", "camera", 0.0, planar(0, 0, 0), static=True)
+    tree.add("base", "lidar", 0.0, planar(0, 0, 0), static=True)
+    assert tree.moved_at("base", "camera") == tree.moved_at("camera", "base") == 3.0
+    assert tree.moved_at("neck", "camera") == 5.0
+    assert tree.moved_at("base", "lidar") == math.inf  # that odom moves does not matter

@@ -58,7 +58,7 @@ def test_an_unknown_input_lists_the_known_ones() -> None:
 
 def test_an_input_of_a_wrong_type_is_refused_and_nothing_changes() -> None:
     mapper = LocalMapper()
-    with pytest.raises(TypeError, match="sensor_data takes LaserScan, not the Bool of '/x'"):
+    with pytest.raises(TypeError, match="takes LaserScan or PointCloud2, not the Bool of '/x'"):
         mapper.inputs(
             location=Topic(name="/y", msg_type="Odometry"),
             sensor_data=Topic(name="/x", msg_type="Bool"),

@@ -17,7 +17,7 @@ RECIPE = recipe_path("01_point_navigation.py")
         (
             "hexagon",
             "husky",
-            "--robot husky: there is no such robot; known are turtlebot3, jackal",
+            "--robot husky: there is no such robot; known are turtlebot3, jackal, turtlebot3-plus",
         ),
         (None, "jackal", "--robot jackal is for the embedded robot; add --sim"),
     ],

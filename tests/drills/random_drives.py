@@ -45,7 +45,7 @@ from kompass.launch.virtual_stack import VirtualStack
 from kompass.ros import Launcher, Topic
 from kompass.rules.schema.actions import Log
 from kompass.rules.schema.table import Table
-from kompass.simulation.faults.fault_names import FAULTS
+from kompass.simulation.faults.fault_names import FAULTS, NEEDS_CAMERA
 from kompass.simulation.faults.fault_parameters import PARAMETERS
 from kompass.simulation.faults.fault_service import SERVICE as SET_FAULT
 from kompass.simulation.worlds.registry import world
@@ -190,7 +190,8 @@ def _fault_name(rng: random.Random, place: str) -> str:
     if rng.random() < 0.25:
         kind = rng.choice(("starve", "hang", "flicker", "wrong"))
         return f"{kind}:{rng.choice(COMPONENTS if kind == 'wrong' else PROCESSES)}"
-    whole = rng.choice([name for name in FAULTS if not name.endswith(":NAME")])
+    robot = [one for one in FAULTS if one not in NEEDS_CAMERA]
+    whole = rng.choice([one for one in robot if not one.endswith(":NAME")])
     kind, _, word = whole.partition(":")
     if word == "DOORWAY":
         doors = [door.name for door in world(place).doorways]

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.ros
 
 # Stacks of these run for tests that click too: test_navigation.py, test_own_components.py,
 # test_patrol.py.
-ELSEWHERE = ("01_point_navigation", "07_own_components", "08_patrol")
+ELSEWHERE = ("01_point_navigation", "07_own_components", "08_patrol", "09_several_sensors")
 BY_RULE = (
     "03_events_and_actions"  # a rule makes a goal of a click, where the planner does elsewhere
 )

@@ -20,6 +20,7 @@ from kompass.simulation.faults.fault_names import (
 from kompass.simulation.faults.fault_parameters import PARAMETERS
 from kompass.simulation.faults.robot_faults import RobotFaults
 from kompass.simulation.physics.parts import NoReading
+from kompass.simulation.physics.robot_model import TURTLEBOT3_PLUS
 from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.registry import world
 from tests.simulation.hall import PERIOD, drive
@@ -132,6 +133,30 @@ def test_a_wall_across_the_way_stands_ahead_and_nowhere_else(
     assert ranges[180] > 0.5
     faults.end("way_blocked")
     assert robot.scan()[0] > 1.0
+
+
+def test_a_low_box_is_for_robots_that_have_a_camera(
+    robot: SimulatedRobot, faults: RobotFaults
+) -> None:
+    with pytest.raises(NotYet, match=r"a turtlebot3 has no camera.*--robot turtlebot3-plus"):
+        faults.begin("low_box")
+    assert faults.active == ()
+    seeing = SimulatedRobot(world("hexagon"), kind=TURTLEBOT3_PLUS)
+    assert seeing.camera is not None
+
+    def low() -> int:
+        """Points that are nearer than the floor would be, along the middle of the image."""
+        assert seeing.camera is not None
+        return int((np.nan_to_num(seeing.camera.points()[:, 36, 0], nan=9.0) < before).sum())
+
+    before = np.nan_to_num(seeing.camera.points()[:, 36, 0], nan=9.0) - 0.03
+    scan = seeing.scan()
+    broken = RobotFaults(seeing)
+    broken.begin("low_box")
+    assert low() >= 3
+    assert seeing.scan() == pytest.approx(scan, abs=0.05)  # looks over it
+    broken.end("low_box")
+    assert low() == 0
 
 
 def test_faults_overlap_and_end_in_any_order(robot: SimulatedRobot, faults: RobotFaults) -> None:

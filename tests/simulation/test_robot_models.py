@@ -1,11 +1,19 @@
 """Each embedded robot has the body, the speed and the lidar that its model says."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from kompass.simulation.physics.robot_model import JACKAL, TURTLEBOT3, RobotModel, robot_model
+from kompass.algorithms.transforms import matrix_of
+from kompass.simulation.physics.robot_model import (
+    JACKAL,
+    TURTLEBOT3,
+    RobotModel,
+    robot_model,
+)
+from kompass.simulation.physics.robot_model import TURTLEBOT3_PLUS as PLUS
 from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
@@ -85,6 +93,35 @@ def test_the_jackal_sees_270_degrees_to_10_m() -> None:
     assert np.isinf(ranges[np.abs(angles) > math.radians(30.0)]).all()
 
 
+def test_a_box_lower_than_the_lidar_is_seen_by_the_camera_ahead_and_the_scanner_behind() -> None:
+    low = Box("low", (0.6, 0.0), (0.2, 0.4), height=0.1)
+    robot = SimulatedRobot(replace(LONG, obstacles=(low,), start=(0.0, 0.0, 0.0)), kind=PLUS)
+    assert robot.camera is not None
+    assert robot.rear is not None
+    camera, rear = PLUS.camera, PLUS.rear
+    assert camera is not None
+    assert rear is not None
+
+    points = robot.camera.points().reshape(-1, 3).astype(float)
+    points = points[np.isfinite(points).all(axis=1)]
+    pitch = camera.down / 2
+    mounted = matrix_of(
+        (camera.ahead, 0.0, camera.height), (0.0, math.sin(pitch), 0.0, math.cos(pitch))
+    )
+    points = points @ mounted[:3, :3].T + mounted[:3, 3]
+    high = points[(points[:, 2] > 0.03) & (points[:, 0] < 1.0)]
+    assert high[:, 2].max() == pytest.approx(0.1, abs=0.02)
+    assert high[:, 0].min() == pytest.approx(0.5, abs=0.02)
+    assert np.abs(high[:, 1]).max() == pytest.approx(0.2, abs=0.03)
+    floor = points[points[:, 2] < 0.03]
+    assert floor[:, 2].min() == pytest.approx(0.0, abs=0.02)
+    assert floor[:, 0].min() == pytest.approx(0.24, abs=0.03)
+    ahead = PLUS.lidar.rays // 2
+    assert robot.scan()[ahead] > 2.0  # the lidar looks over it
+    robot.place((0.0, 0.0, math.pi))
+    assert robot.rear.scan()[rear.lidar.rays // 2] == pytest.approx(0.5 - rear.behind, abs=0.03)
+
+
 def test_gaps_are_those_of_the_body() -> None:
     pose = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, math.pi / 2]])
     points = np.array([[1.0, 0.0], [0.0, 1.0], [0.1, 0.1]])
@@ -95,5 +132,7 @@ def test_gaps_are_those_of_the_body() -> None:
 
 
 def test_a_robot_that_there_is_not_is_refused_with_those_that_there_are() -> None:
-    with pytest.raises(ValueError, match=r"robot is 'husky'.* choose one of: turtlebot3, jackal"):
+    with pytest.raises(
+        ValueError, match=r"robot is 'husky'.* choose one of: turtlebot3, jackal, turt"
+    ):
         robot_model("husky")

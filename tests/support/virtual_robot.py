@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from kompass.launch.stack import Stack, stacks_go_to
-from kompass.launch.virtual_stack import VirtualStack
+from kompass.launch.virtual_stack import USUAL, Embedded, VirtualStack
 from kompass.rules.schema.table import Table
 from kompass.simulation.faults.fault_names import parse_fault
 from kompass.simulation.worlds.registry import world
@@ -44,6 +44,8 @@ class VirtualRobot(InVirtualTime, Tester):
         Of all that is left to chance.
     table
         The rules in force; the recipe's own when left out.
+    embedded
+        Which robot it is, and what map it has.
     remembers
         Whether its monitor keeps rules, places and missions.
     environment
@@ -67,10 +69,11 @@ class VirtualRobot(InVirtualTime, Tester):
         start: tuple[float, float, float] | None = None,
         seed: int = 0,
         table: Table | None = None,
+        embedded: Embedded = USUAL,
         remembers: bool = False,
         **environment: str,
     ) -> None:
-        self._remembers = remembers
+        self._remembers, self._embedded = remembers, embedded
         self._ending = ExitStack()
         try:
             where = world(place) if start is None else replace(world(place), start=start)
@@ -103,6 +106,7 @@ class VirtualRobot(InVirtualTime, Tester):
             table=table,
             orders=orders,
             folder=Path(folder) / "robot" if self._remembers else None,
+            embedded=self._embedded,
             remembers=self._remembers,
         )
         self.news: list[ProcessNews] = []

@@ -73,7 +73,7 @@ def test_what_holds_the_robot_back_is_told_when_it_lasts() -> None:
     drive.says(blind, 10.0)
     (it,) = drive.due(10.6)
     assert isinstance(it, Began)
-    assert (it.title, it.level) == ("Held: no laser scan arrives", "error")
+    assert (it.title, it.level) == ("Held: a scanner or camera is silent", "error")
     drive.says(DriveSaid(), 12.0)
     drive.says(DriveSaid(limited_by="obstacle", speed_factor=0.4), 13.0)
     assert list(drive.due(99.0)) == [], "slower is no standstill"

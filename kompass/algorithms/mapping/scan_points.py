@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kompass.algorithms.geometry import Floats, transform_points
+from kompass.algorithms.geometry import Floats, Pose2D, transform_points
+from kompass.algorithms.transforms import Matrix
 
 NEAREST = 1e-6  # m; a range of 0 is none
+MOST_TILTED = 20.0  # degrees out of the level that a planar scanner may be mounted with
 
 
 def scan_fault(
@@ -99,27 +103,103 @@ def read_rays(
     return Rays(index, r, ends, np.where(free, np.minimum(measured, range_max), 0.0))
 
 
-def scan_to_points(
-    ranges: ArrayLike,
-    angle_min: float,
-    angle_increment: float,
-    range_min: float,
-    range_max: float,
-    sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
-) -> Floats:
-    """The places (M, 2) where rays met something; parameters as of :func:`read_rays`.
+@dataclass(frozen=True)
+class PlacedScan:
+    """A planar scan and where its scanner is on the robot; read as :func:`read_rays` says.
 
-    -inf, which is something nearer than the sensor can measure (REP 117), counts as met at
-    ``range_min``.
-
-    Raises
-    ------
-    ValueError
-        The scan says nothing of what is around the robot; see :func:`scan_fault`.
+    Attributes
+    ----------
+    ranges, angle_min, angle_increment, range_min, range_max
+        As measured, anticlockwise seen from above, also by a scanner that hangs upside down.
+    sensor
+        (x, y, yaw) in the robot's frame.
+    height
+        Of its plane above the origin of that frame [m].
     """
-    fault = scan_fault(ranges, angle_min, angle_increment, range_min, range_max)
-    if fault:
-        raise ValueError(fault)
-    measured = np.asarray(ranges, dtype=np.float64)
-    near = np.where(np.isneginf(measured), max(range_min, NEAREST), measured)
-    return read_rays(near, angle_min, angle_increment, range_min, range_max, sensor_pose).ends
+
+    ranges: Floats
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    sensor: Pose2D
+    height: float
+
+    @classmethod
+    def of(
+        cls,
+        ranges: ArrayLike,
+        angle_min: float,
+        angle_increment: float,
+        range_min: float,
+        range_max: float,
+        mounted: Matrix,
+    ) -> Self:
+        """Place a scan on the robot.
+
+        Parameters
+        ----------
+        mounted
+            Matrix (4, 4) that takes points of the scanner's frame to the robot's.
+
+        Raises
+        ------
+        ValueError
+            The scanner does not look around in a level plane.
+        """
+        upright = float(mounted[2, 2])
+        tilt = math.degrees(math.acos(min(1.0, abs(upright))))
+        if tilt > MOST_TILTED:
+            raise ValueError(
+                f"its scanner is mounted {tilt:.0f} degrees out of the level, and what it sees is "
+                f"taken to be in one plane; mount it within {MOST_TILTED:g} degrees, or have its "
+                "points sent as a PointCloud2"
+            )
+        turns = 1.0 if upright > 0.0 else -1.0
+        return cls(
+            np.asarray(ranges, dtype=np.float64),
+            turns * angle_min,
+            turns * angle_increment,
+            range_min,
+            range_max,
+            (
+                float(mounted[0, 3]),
+                float(mounted[1, 3]),
+                float(np.arctan2(mounted[1, 0], mounted[0, 0])),
+            ),
+            float(mounted[2, 3]),
+        )
+
+    @property
+    def rays(self) -> tuple[Floats, float, float, float, float]:
+        """Ranges, angle_min, angle_increment, range_min and range_max."""
+        return (
+            self.ranges,
+            self.angle_min,
+            self.angle_increment,
+            self.range_min,
+            self.range_max,
+        )
+
+    @cached_property
+    def fault(self) -> str:
+        """Why it says nothing of what is around the robot; see :func:`scan_fault`."""
+        return scan_fault(*self.rays)
+
+    @cached_property
+    def points(self) -> Floats:
+        """Where rays met something, (M, 2) in the robot's frame [m].
+
+        -inf, which is something nearer than the sensor can measure (REP 117), counts as met at
+        ``range_min``.
+
+        Raises
+        ------
+        ValueError
+            It says nothing of what is around the robot.
+        """
+        if self.fault:
+            raise ValueError(self.fault)
+        nearest = max(self.range_min, NEAREST)
+        near = np.where(np.isneginf(self.ranges), nearest, self.ranges)
+        return read_rays(near, *self.rays[1:], self.sensor).ends

@@ -8,13 +8,15 @@ an hour is forgotten as fast as what has stood for a second once rays pass throu
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kompass.algorithms.geometry import Floats, Pose2D, transform_points
+from kompass.algorithms.geometry import Floats, Pose2D, inverse, transform_points
 from kompass.algorithms.grid import FREE, OCCUPIED, Grid
+from kompass.algorithms.mapping.cloud_view import CloudView
 from kompass.algorithms.mapping.scan_points import read_rays
 
 HIT, MISS = 0.85, -0.4  # log-odds of one reading that ends in a cell, or goes through it
@@ -29,16 +31,43 @@ class TooFar(ValueError):
     """A place is so far away that the model would not hold all in between."""
 
 
+class _Layer:
+    """What one source has seen: log-odds of its cells, when it looked there, and how high it saw.
+
+    Heights are those of clouds; a planar scan, whose ray clears all of a cell, has none.
+    """
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self.odds: NDArray[np.float32] = np.zeros(shape, dtype=np.float32)
+        self.seen: NDArray[np.float64] = np.zeros(shape, dtype=np.float64)
+        self.bottoms: NDArray[np.float32] | None = None
+        self.tops: NDArray[np.float32] | None = None
+
+    def with_heights(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Lowest and highest of what was seen in each cell."""
+        if self.bottoms is None or self.tops is None:
+            self.bottoms, self.tops = np.zeros_like(self.odds), np.zeros_like(self.odds)
+        return self.bottoms, self.tops
+
+    def move(self, before: NDArray[np.int64], after: NDArray[np.int64]) -> None:
+        """Make room for so many (columns, rows) before and after those that there are."""
+        pad = ((int(before[1]), int(after[1])), (int(before[0]), int(after[0])))
+        self.odds, self.seen = np.pad(self.odds, pad), np.pad(self.seen, pad)
+        if self.bottoms is not None and self.tops is not None:
+            self.bottoms, self.tops = np.pad(self.bottoms, pad), np.pad(self.tops, pad)
+
+
 @dataclass(frozen=True)
 class Change:
-    """What one scan has changed.
+    """What one scan, or one cloud, has changed.
 
     Attributes
     ----------
     marked
-        Centres (N, 2) of cells in the world that are obstacles now, and were not [m].
+        Centres (N, 2) of cells in the world that are obstacles now, and were none of its source's
+        before [m].
     cleared
-        How many cells are obstacles no more.
+        How many cells are obstacles of its source no more.
     """
 
     marked: Floats
@@ -51,6 +80,9 @@ class WorldModel:
     With a map, the model has the map's cells, and what is outside of it is left out; what the map
     has as an obstacle stays one. Without a map it grows as far as it is asked to, and what was
     never seen is free.
+
+    Sources that do not see the same things have a layer each, and an obstacle in one of them is
+    one: a lidar that looks over a low box does not clear what a camera has seen of it.
 
     Parameters
     ----------
@@ -81,14 +113,14 @@ class WorldModel:
         self._static: Grid | None = None
         self._origin: Pose2D
         self._resolution: float
-        self._odds: NDArray[np.float32]
-        self._seen: NDArray[np.float64]
+        self._shape: tuple[int, int]
+        self._layers: dict[Hashable, _Layer]
         self._lay_out((0.0, 0.0, 0.0), resolution, (0, 0))
 
     @property
     def is_empty(self) -> bool:
         """Whether it knows nothing: no map, and no place was ever asked for or seen."""
-        return self._odds.size == 0
+        return 0 in self._shape
 
     @property
     def has_map(self) -> bool:
@@ -98,8 +130,7 @@ class WorldModel:
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns."""
-        rows, cols = self._odds.shape
-        return rows, cols
+        return self._shape
 
     @property
     def resolution(self) -> float:
@@ -108,16 +139,21 @@ class WorldModel:
 
     def set_map(self, grid: Grid) -> None:
         """Take a map; what was seen before stays, on the map's cells."""
-        known = np.flatnonzero(self._odds.ravel() > 0.0)
-        width = self._odds.shape[1]
-        places = self._world(np.stack([known % max(1, width), known // max(1, width)], axis=1))
-        odds, seen = self._odds.ravel()[known], self._seen.ravel()[known]
+        before = {key: (layer, *self._known(layer)) for key, layer in self._layers.items()}
         self._static = grid
-        self._lay_out(grid.origin, grid.resolution, grid.cells.shape)
-        inside = grid.contains(places) if len(places) else np.empty(0, dtype=bool)
-        cols, rows = grid.world_to_cell(places[inside]).T
-        self._odds[rows, cols] = odds[inside]
-        self._seen[rows, cols] = seen[inside]
+        rows, cols = grid.cells.shape
+        self._lay_out(grid.origin, grid.resolution, (rows, cols))
+        for key, (old, known, places) in before.items():
+            inside = grid.contains(places) if len(places) else np.empty(0, dtype=bool)
+            to_cols, to_rows = grid.world_to_cell(places[inside]).T
+            from_ = tuple(index[inside] for index in known)
+            layer = self._layer(key)
+            layer.odds[to_rows, to_cols] = old.odds[from_]
+            layer.seen[to_rows, to_cols] = old.seen[from_]
+            if old.bottoms is not None and old.tops is not None:
+                bottoms, tops = layer.with_heights()
+                bottoms[to_rows, to_cols] = old.bottoms[from_]
+                tops[to_rows, to_cols] = old.tops[from_]
 
     def include(self, points: ArrayLike, margin: float) -> None:
         """Have a model without a map reach around world points (N, 2), ``margin`` [m] further.
@@ -132,7 +168,7 @@ class WorldModel:
         cells = self._cells(np.asarray(points, dtype=np.float64).reshape(-1, 2))
         more = math.ceil(margin / self._resolution)
         low, high = cells.min(axis=0) - more, cells.max(axis=0) + more + 1
-        height, width = self._odds.shape
+        height, width = self._shape
         before = np.array([math.ceil(max(0, -value) / _CHUNK) * _CHUNK for value in low])
         if self.is_empty:  # nothing there to grow from
             before = -low
@@ -150,9 +186,9 @@ class WorldModel:
                 f"a model of {cols * self._resolution:.0f} m x {rows * self._resolution:.0f} m has "
                 f"more than {MOST_CELLS} cells of {self._resolution:g} m"
             )
-        pad = ((int(before[1]), int(after[1])), (int(before[0]), int(after[0])))
-        self._odds = np.pad(self._odds, pad)
-        self._seen = np.pad(self._seen, pad)
+        self._shape = int(rows), int(cols)
+        for layer in self._layers.values():
+            layer.move(before, after)
         x, y, yaw = self._origin
         step = -before * self._resolution
         self._origin = (x + float(step[0]), y + float(step[1]), yaw)
@@ -166,6 +202,7 @@ class WorldModel:
         range_max: float,
         sensor_pose: Pose2D,
         now: float,
+        source: Hashable = None,
     ) -> Change:
         """Take a scan in.
 
@@ -186,6 +223,8 @@ class WorldModel:
             (x, y, yaw) in the world, when it was measured.
         now
             [s]
+        source
+            Of which layer it is; scanners that look in one plane may share theirs.
 
         Raises
         ------
@@ -203,24 +242,73 @@ class WorldModel:
         self.include([sensor_pose[:2]], farthest)
         rays = read_rays(measured, angle_min, angle_increment, range_min, farthest, sensor_pose)
         rows, cols, passed = self._passed(rays.free_to, angle_min, angle_increment, sensor_pose)
-        end_cols, end_rows = self._cells(rays.ends).T
-        height, width = self._odds.shape
-        inside = (end_cols >= 0) & (end_rows >= 0) & (end_cols < width) & (end_rows < height)
-        end_cols, end_rows = end_cols[inside], end_rows[inside]
+        end_rows, end_cols, _ = self._inside(rays.ends)
 
         window = (rows, cols)
-        odds = self._odds[window]
+        layer = self._layer(source)
+        odds = layer.odds[window]
         before = odds > 0.0
         hit = np.zeros(odds.shape, dtype=bool)
         hit[end_rows - rows.start, end_cols - cols.start] = True
         passed &= ~hit
         odds[passed] = np.maximum(odds[passed] + MISS, MOST_FREE)
         odds[hit] = np.minimum(odds[hit] + HIT, MOST_OCCUPIED)
-        self._seen[window][passed | hit] = now
+        layer.seen[window][passed | hit] = now
         after = odds > 0.0
         new_rows, new_cols = np.nonzero(after & ~before)
         marked = np.stack([new_cols + cols.start, new_rows + rows.start], axis=1)
         return Change(self._world(marked), int((before & ~after).sum()))
+
+    def look(self, view: CloudView, robot_pose: Pose2D, now: float, source: Hashable) -> Change:
+        """Take a cloud in.
+
+        An obstacle of its layer counts as looked through when a line of sight goes on behind it at
+        a height at which it was seen; what is out of the cloud's sight stays as it was.
+
+        Parameters
+        ----------
+        view
+            In the robot's frame.
+        robot_pose
+            (x, y, yaw) in the world, when it was made.
+        now
+            [s]
+        source
+            Of which layer it is.
+
+        Raises
+        ------
+        TooFar
+            When a model without a map would become too large.
+        """
+        self.include([robot_pose[:2]], self.reach)
+        layer = self._layer(source)
+        bottoms, tops = layer.with_heights()
+        (old_rows, old_cols), places = self._known(layer)
+        seen_from = transform_points(inverse(robot_pose), places)
+        through = view.sees_through(
+            seen_from,
+            bottoms[old_rows, old_cols].astype(np.float64),
+            tops[old_rows, old_cols].astype(np.float64),
+        )
+        points, near = view.points, np.hypot(*view.points.T) < self.reach
+        rows, cols, kept = self._inside(transform_points(robot_pose, points[near]))
+        hit = np.zeros(self._shape, dtype=bool)
+        hit[rows, cols] = True
+        through &= ~hit[old_rows, old_cols]
+        gone_rows, gone_cols = old_rows[through], old_cols[through]
+        layer.odds[gone_rows, gone_cols] += np.float32(MISS)
+        cleared = layer.odds[gone_rows, gone_cols] <= 0.0
+        # What is seen anew has the heights that it is seen at now.
+        new = hit & (layer.odds <= 0.0)
+        bottoms[new], tops[new] = np.inf, -np.inf
+        np.minimum.at(bottoms, (rows, cols), view.bottoms[near][kept].astype(np.float32))
+        np.maximum.at(tops, (rows, cols), view.tops[near][kept].astype(np.float32))
+        layer.odds[hit] = np.minimum(np.maximum(layer.odds[hit], 0.0) + HIT, MOST_OCCUPIED)
+        layer.seen[hit] = layer.seen[gone_rows, gone_cols] = now
+        new_rows, new_cols = np.nonzero(new)
+        marked = self._world(np.stack([new_cols, new_rows], axis=1))
+        return Change(marked, int(cleared.sum()))
 
     def grid(self, now: float) -> Grid:
         """The map with all that was seen on it, as a planner wants it.
@@ -232,7 +320,7 @@ class WorldModel:
         """
         seen = self.obstacles(now)
         if self._static is None:
-            cells = np.full(self._odds.shape, FREE, dtype=np.int8)
+            cells = np.full(self._shape, FREE, dtype=np.int8)
         else:
             cells = self._static.cells.copy()
         cells[seen] = OCCUPIED
@@ -240,9 +328,11 @@ class WorldModel:
 
     def obstacles(self, now: float) -> NDArray[np.bool_]:
         """What was seen, and is not forgotten, bool (H, W) on the cells of :meth:`grid`."""
-        old = (self._odds > 0.0) & (now - self._seen > self.memory)
-        self._odds[old] = 0.0
-        return self._odds > 0.0
+        found = np.zeros(self._shape, dtype=bool)
+        for layer in self._layers.values():
+            layer.odds[(layer.odds > 0.0) & (now - layer.seen > self.memory)] = 0.0
+            found |= layer.odds > 0.0
+        return found
 
     def _passed(
         self, free_to: Floats, angle_min: float, increment: float, pose: Pose2D
@@ -250,7 +340,7 @@ class WorldModel:
         """Which cells of a window around the sensor rays have gone through."""
         x, y, yaw = pose
         at_x, at_y = (float(v) for v in self._local(np.array([[x, y]]))[0] / self._resolution)
-        height, width = self._odds.shape
+        height, width = self._shape
         reach = float(np.max(free_to, initial=0.0)) / self._resolution + 1.0
         col, row = max(0, math.floor(at_x - reach)), max(0, math.floor(at_y - reach))
         cols = slice(col, max(col, min(width, math.ceil(at_x + reach) + 1)))
@@ -273,10 +363,29 @@ class WorldModel:
         passed: NDArray[np.bool_] = away < least[ray]
         return rows, cols, passed
 
-    def _lay_out(self, origin: Pose2D, resolution: float, shape: tuple[int, ...]) -> None:
-        self._origin, self._resolution = origin, resolution
-        self._odds = np.zeros(shape, dtype=np.float32)
-        self._seen = np.zeros(shape, dtype=np.float64)
+    def _lay_out(self, origin: Pose2D, resolution: float, shape: tuple[int, int]) -> None:
+        self._origin, self._resolution, self._shape = origin, resolution, shape
+        self._layers = {}
+
+    def _layer(self, source: Hashable) -> _Layer:
+        layer = self._layers.get(source)
+        if layer is None:
+            layer = self._layers[source] = _Layer(self._shape)
+        return layer
+
+    def _known(self, layer: _Layer) -> tuple[tuple[NDArray[np.intp], NDArray[np.intp]], Floats]:
+        """Rows and columns of a layer's obstacles, and where they are in the world (N, 2)."""
+        rows, cols = np.nonzero(layer.odds > 0.0)
+        return (rows, cols), self._world(np.stack([cols, rows], axis=1))
+
+    def _inside(
+        self, points: Floats
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+        """Which of world points (N, 2) are on the model's cells, with their rows and columns."""
+        cols, rows = self._cells(points).T
+        height, width = self._shape
+        inside = (cols >= 0) & (rows >= 0) & (cols < width) & (rows < height)
+        return rows[inside], cols[inside], inside
 
     def _local(self, points: Floats) -> Floats:
         x, y, yaw = self._origin

@@ -3,11 +3,13 @@
 import math
 from typing import Protocol
 
+import numpy as np
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
 from kompass.algorithms.geometry import Pose2D, compose
-from kompass.algorithms.transforms import TransformError, TransformTree, matrix_of
+from kompass.algorithms.transforms import Matrix, TransformError, TransformTree, matrix_of
+from kompass.bus.clock import Clock
 from kompass.bus.node import LifecycleNode
 from kompass.components.base.convert import pose_of, speed_of
 from kompass.components.base.ports import Input
@@ -15,6 +17,8 @@ from kompass.rclpy_ext.topic import LATCHED, QoSConfig
 from kompass.robot import RobotFrames
 
 LONGEST_STEP = 0.2  # s over which a speed tells where the robot was, or will be
+STATIC_COMES = 2.0  # s in which static transforms are there; what is missing then may be moving
+LONGEST_UNMOVED = 0.5  # s by which a moving frame may be older than what is placed by it
 
 
 class TransformListener:
@@ -75,6 +79,8 @@ class Located(Protocol):
     @property
     def node(self) -> LifecycleNode: ...
     @property
+    def clock(self) -> Clock: ...
+    @property
     def frames(self) -> RobotFrames: ...
     def input(self, key: str, index: int = 0) -> Input: ...
     def warn(self, text: str, every: float = 5.0) -> None: ...
@@ -90,6 +96,7 @@ class LocationSource:
     def __init__(self, component: Located) -> None:
         self._component = component
         self._transforms = TransformListener(component.node)
+        self._sought = math.inf  # since when a sensor's frame leads nowhere
 
     def close(self) -> None:
         """Stop listening to transforms."""
@@ -162,15 +169,38 @@ class LocationSource:
         message = self._component.input("location").message
         return speed_of(message) if hasattr(message, "twist") else (0.0, 0.0, 0.0)
 
-    def of_sensor(self, frame: str) -> Pose2D:
-        """Where a sensor is mounted, in the robot's frame.
+    def mounting(self, frame: str, stamp: float) -> Matrix:
+        """Matrix (4, 4) that takes points of a sensor's frame to the robot's.
+
+        A frame that static transforms do not lead to for a while may be one that moves, as that of
+        a camera on a neck; from then on moving ones are listened to, too.
+
+        Parameters
+        ----------
+        stamp
+            When it was measured what is to be placed [s].
 
         Raises
         ------
         TransformError
-            When nothing has told yet.
+            When nothing has told yet, or not for so long that the sensor may be elsewhere.
         """
         base = self._component.frames.robot_base
         if not frame or frame == base:
-            return 0.0, 0.0, 0.0
-        return self._transforms.tree.planar(base, frame)
+            return np.eye(4)
+        try:
+            mounted = self._transforms.tree.lookup(base, frame)
+        except TransformError:
+            now = self._component.clock.monotonic()
+            self._sought = min(self._sought, now)
+            if now - self._sought > STATIC_COMES:
+                self._transforms.want_moving()
+            raise
+        self._sought = math.inf
+        if stamp - self._transforms.tree.moved_at(base, frame) > LONGEST_UNMOVED:
+            # Not by how much: a sentence that changes ten times a second cannot be read.
+            raise TransformError(
+                f"the transform from '{frame}' to '{base}', which moves, is more than "
+                f"{LONGEST_UNMOVED:g} s older than what was measured there"
+            )
+        return mounted

@@ -11,8 +11,12 @@ from kompass.bus.clock import SYSTEM, Clock
 from kompass.bus.node import LifecycleNode
 from kompass.components.base.topics import DeclaredTopics
 from kompass.components.base.values import message_of, value_of
+from kompass.rclpy_ext.qos import best_for
 from kompass.rclpy_ext.topic import SENSOR, QoSConfig, Topic
 
+# Messages of so many datagrams that where nobody resends one of them, most do not come whole.
+LARGE_TYPES = {"PointCloud2"}
+LOOK = 0.5  # s between looks at who publishes these
 SENSOR_TYPES = {"LaserScan", "PointCloud2", "Imu", "Odometry", "Image", "Range"}
 # Key and index of a topic among the inputs, or among the outputs.
 Place = tuple[str, int]
@@ -25,6 +29,9 @@ class Input:
 
     A message is as old when it comes as its stamp says, where that can be believed
     (:class:`kompass.algorithms.safety.lateness.Lateness`).
+
+    Large messages are read reliably where all who publish them let one; that is looked at again
+    and again. Where the topic says how, it is read so.
 
     Parameters
     ----------
@@ -52,7 +59,9 @@ class Input:
         self._qos = topic.qos_profile or qos or fitting
         self._callbacks = [] if callbacks is None else callbacks
         self._postprocessors = [] if postprocessors is None else postprocessors
+        self._follows = topic.msg_type in LARGE_TYPES and topic.qos_profile is None
         self._subscription: Any = None
+        self._look: Any = None  # timer
         self._clock: Clock = SYSTEM
 
     @property
@@ -89,16 +98,34 @@ class Input:
         if self.is_open:
             return
         self._clock = node.clock
-        self._subscription = node.create_subscription(
-            self.topic.ros_msg_type, self.topic.name, self._receive, self._qos.to_ros()
-        )
+        self._subscribe(node)
+        if self._follows:
+            self._look = node.create_timer(LOOK, lambda: self._follow(node))
 
     def close(self, node: LifecycleNode) -> None:
         """Unsubscribe and forget the last message."""
         if self._subscription is not None:
             node.destroy_subscription(self._subscription)
             self._subscription = None
+        if self._look is not None:
+            node.destroy_timer(self._look)
+            self._look = None
         self.clear()
+
+    def _subscribe(self, node: LifecycleNode) -> None:
+        self._subscription = node.create_subscription(
+            self.topic.ros_msg_type, self.topic.name, self._receive, self._qos.to_ros()
+        )
+
+    def _follow(self, node: LifecycleNode) -> None:
+        """Ask for what the publishers offer now; the newest message stays."""
+        infos = node.get_publishers_info_by_topic(node.resolve_topic_name(self.topic.name))
+        offers = [info for info in infos if info.topic_type.endswith(f"/{self.topic.msg_type}")]
+        wanted = best_for(offers).reliability
+        if offers and wanted != self._qos.reliability:
+            self._qos = self._qos.model_copy(update={"reliability": wanted})
+            node.destroy_subscription(self._subscription)
+            self._subscribe(node)
 
     def clear(self) -> None:
         """Forget the last message."""

@@ -10,13 +10,21 @@ from numpy.typing import NDArray
 from kompass.algorithms.following.command import Command, FollowStep
 from kompass.algorithms.following.follower import NoCommand, PathFollower
 from kompass.algorithms.geometry import Pose2D, compose, inverse, transform_points
+from kompass.algorithms.mapping.cloud_memory import CloudMemory
+from kompass.algorithms.mapping.cloud_view import CloudView
 from kompass.algorithms.mapping.moving import MovingObstacles, seen_from
-from kompass.algorithms.mapping.scan_points import scan_to_points
 from kompass.components.base.actions import component_action
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_of, path_poses, quaternion_msg
 from kompass.components.base.location_source import LocationSource
+from kompass.components.base.seen import (
+    MOST_SENSORS,
+    SENSOR_INPUTS,
+    cloud_memory,
+    read_seen,
+    stamp_of,
+)
 from kompass.components.base.zones_heard import ZonesHeard
 from kompass.components.controller.config import CmdPublishType, ControllerConfig
 from kompass.components.controller.controllers_id import ControllersID
@@ -43,7 +51,8 @@ class Controller(Component):
 
     An algorithm that needs obstacles (DWA, MPPI) sees them in ``local_map``, or, with
     ``use_direct_sensor``, in ``sensor_data``; only the one in use is subscribed to. For the others
-    (Stanley, pure pursuit) neither is.
+    (Stanley, pure pursuit) neither is. Of several sensors each has to speak; what moves, MPPI
+    learns from planar scans.
     """
 
     config: ControllerConfig
@@ -54,7 +63,7 @@ class Controller(Component):
     allowed_inputs: ClassVar = {
         "plan": AllowedTopics(["Path"]),
         "location": AllowedTopics(["Odometry", "PoseStamped", "Pose"]),
-        "sensor_data": AllowedTopics(["LaserScan"]),
+        "sensor_data": AllowedTopics(SENSOR_INPUTS, 1, MOST_SENSORS),
         "local_map": AllowedTopics(["OccupancyGrid"]),
     }
     allowed_outputs: ClassVar = {
@@ -134,7 +143,8 @@ class Controller(Component):
         self._has_path = False
         self._interruptions: int | None = None  # by people, as the drive manager counts them
         self._progress = Progress()
-        self._moving = MovingObstacles()
+        self._moving: dict[int, MovingObstacles] = {}  # by the index of their sensor
+        self._clouds: dict[int, CloudMemory] = {}
         self._obstacles: ObstacleSource | None = None
 
     def wants_input(self, key: str) -> bool:
@@ -150,7 +160,9 @@ class Controller(Component):
         self._location = LocationSource(self)
         self.input("plan").on_message = self._on_plan
         self._obstacles = ObstacleSource(
-            self.node, self.input, {"sensor_data": self._place_scan, "local_map": self._place_map}
+            self.node,
+            lambda key: self._inputs[key],
+            {"sensor_data": self._place_seen, "local_map": self._place_map},
         )
         self._obstacles.want(self._sensor)
 
@@ -160,6 +172,7 @@ class Controller(Component):
 
     def on_config_changed(self, names: set[str]) -> None:
         follower = self._make_follower()
+        self._clouds = {}  # which may be read otherwise from now on
         if self._obstacles is not None and self.is_active:
             self._obstacles.want(self._sensor)
         sees = self._follower.needs_obstacles
@@ -218,28 +231,25 @@ class Controller(Component):
             self._halt()
         self._has_path = False
 
-    def _place_scan(self, scan: Any) -> NDArray[np.float64]:
-        measured = (
-            np.asarray(scan.ranges, dtype=np.float64),
-            scan.angle_min,
-            scan.angle_increment,
-            scan.range_min,
-            scan.range_max,
-        )
-        mounted = self._location.of_sensor(scan.header.frame_id)
-        points = scan_to_points(*measured, mounted)
-        stamp = scan.header.stamp.sec + 1e-9 * scan.header.stamp.nanosec
+    def _place_seen(self, index: int, message: Any) -> NDArray[np.float64]:
+        seen = read_seen(message, self._location, self.config)
         # At 2 m/s and while it turns the robot is elsewhere when the next location comes.
-        pose = self._location.pose_at(stamp)
+        pose = self._location.pose_at(stamp_of(message))
         if pose is None:
             raise LookupError("the robot does not know where it is")
+        now = self.clock.monotonic()
+        points = transform_points(pose, seen.points)
+        if isinstance(seen, CloudView):
+            memory = self._clouds.setdefault(index, cloud_memory(self.config))
+            memory.see(seen, pose, now)
+            return np.concatenate([points, memory.points(now)])
         if self._follower.looks_ahead_in_time:
-            x, y, yaw = (float(value) for value in compose(pose, mounted))
-            now = self.clock.monotonic()
-            self._moving.see(*measured, (x, y, yaw), now)
-        return transform_points(pose, points)
+            x, y, yaw = (float(value) for value in compose(pose, seen.sensor))
+            moving = self._moving.setdefault(index, MovingObstacles())
+            moving.see(*seen.rays, (x, y, yaw), now)
+        return points
 
-    def _place_map(self, message: Any) -> NDArray[np.float64]:
+    def _place_map(self, _index: int, message: Any) -> NDArray[np.float64]:
         frame = message.header.frame_id
         if frame and frame != self.frames.world:
             raise ValueError(f"it is in frame '{frame}', not in '{self.frames.world}'")
@@ -271,7 +281,7 @@ class Controller(Component):
         period = 1.0 / self.config.loop_rate
         try:
             points = transform_points(inverse(pose), self._with_zones(seen, pose))
-            moving = seen_from(pose, self._moving.at(self.clock.monotonic()))
+            moving = seen_from(pose, self._moving_now())
             step = self._follower.step(pose, vx, omega, period, points, moving)
         except NoCommand as error:
             self.health.set_fail_algorithm([self.config.algorithm.value], str(error))
@@ -313,20 +323,37 @@ class Controller(Component):
 
     def _seen(self) -> NDArray[np.float64] | None:
         """Obstacles (N, 2) in the world's frame, or None with the reason in the health."""
-        source = self._obstacles.input if self._obstacles is not None else None
-        if self._obstacles is None or source is None or not self._follower.needs_obstacles:
+        if (
+            self._obstacles is None
+            or not self._obstacles.inputs
+            or not self._follower.needs_obstacles
+        ):
             return np.empty((0, 2))
-        points = self._obstacles.points(self.config.sensor_timeout)
+        limit = self.config.sensor_timeout
+        points = self._obstacles.points(limit)
         if points is not None:
             return points
-        topic = f"/{source.topic.name}"
-        if self.awaits(source) or (self._obstacles.problem and self.is_starting):
-            self.health.set_healthy(f"waiting for {topic}")
-        else:
-            old = source.too_old(self.config.sensor_timeout) or f"nothing on {topic}"
-            reason = self._obstacles.problem or f"{old}, to see obstacles with"
-            self.health.set_fail_system(topics=[topic], message=reason)
+        silent = self._obstacles.silent(limit)
+        topics = [f"/{source.topic.name}" for source in silent]
+        if self.is_starting and all(
+            problem or self.awaits(source) for source, problem in silent.items()
+        ):
+            self.health.set_healthy(f"waiting for {', '.join(topics)}")
+            return None
+        several = len(self._obstacles.inputs) > 1
+        reasons = []
+        for topic, (source, problem) in zip(topics, silent.items(), strict=True):
+            old = source.too_old(limit) or f"nothing on {topic}"
+            told = f"{topic}: {problem}" if problem and several else problem
+            reasons.append(told or f"{old}, to see obstacles with")
+        self.health.set_fail_system(topics=topics, message="; ".join(reasons))
         return None
+
+    def _moving_now(self) -> NDArray[np.float64]:
+        """What moves, (M, 5) in the world's frame, by each of the scanners."""
+        now = self.clock.monotonic()
+        moving = [each.at(now) for each in self._moving.values()]
+        return np.concatenate([np.empty((0, 5)), *moving])
 
     def _with_zones(self, seen: NDArray[np.float64], pose: Pose2D) -> NDArray[np.float64]:
         """What is seen (N, 2), and the edges of keep-out zones, which are as much in the way."""

@@ -5,10 +5,10 @@ from typing import ClassVar
 
 from pydantic import Field, model_validator
 
-from kompass.components.base.component_config import ComponentConfig
+from kompass.components.base.sensor_settings import SensorSettings
 
 
-class DriveManagerConfig(ComponentConfig):
+class DriveManagerConfig(SensorSettings):
     """What lies between a command and the wheels."""
 
     ignored_settings: ClassVar[Mapping[str, str]] = {
@@ -19,7 +19,7 @@ class DriveManagerConfig(ComponentConfig):
         "smooth_commands": "accelerations are always limited",
         "critical_zone_angle": "the zone is the way that the body sweeps",
         "use_gpu": "the stop zone needs no GPU",
-        "pointcloud_angle_resolution": "obstacles come from a scan, not from a point cloud",
+        "pointcloud_angle_resolution": "points of a cloud are told apart by cells of 5 cm",
     }
 
     loop_rate: float = Field(default=20.0, ge=1.0, le=1e3, description="Hz")

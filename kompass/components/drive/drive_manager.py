@@ -5,6 +5,7 @@ import secrets
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -21,17 +22,15 @@ from std_msgs.msg import Bool
 from kompass.access.gatekeeper import UNSIGNED_HAND, NotAdmitted
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import inverse, transform_points
-from kompass.algorithms.mapping.scan_points import scan_to_points
-from kompass.algorithms.safety.frozen_scan import FrozenScan
 from kompass.algorithms.safety.rhythm import Rhythm
 from kompass.algorithms.safety.standstill import Standstill
-from kompass.algorithms.transforms import TransformError
 from kompass.components.base.actions import ActionRefused, component_action
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.location_source import LocationSource
 from kompass.components.base.ports import Input
 from kompass.components.base.robot_limits import velocity_limits
+from kompass.components.base.seen import MOST_SENSORS, SENSOR_INPUTS
 from kompass.components.base.zones_heard import ZonesHeard
 from kompass.components.drive.command_queue import STILL, CommandQueue, Twist2D
 from kompass.components.drive.config import DriveManagerConfig
@@ -39,6 +38,7 @@ from kompass.components.drive.drive_gate import KEEP_OUT, SPEED, DriveGate, Gate
 from kompass.components.drive.halt import HALT_NODE
 from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
 from kompass.components.drive.publisher_watch import PublisherWatch, WatchedTopic
+from kompass.components.drive.sensor_watch import SensorWatch, told_for
 from kompass.components.drive.stop_file import StopFile, StopKeeper, stop_path
 from kompass.components.drive.stop_latch import StopLatch
 from kompass.components.drive.wheel import LAPSE, LOOK, Wheel
@@ -96,7 +96,7 @@ class DriveManager(Component):
     allowed_inputs: ClassVar = {
         "command": AllowedTopics(["Twist"]),
         "multi_command": AllowedTopics(["TwistArray"]),
-        "sensor_data": AllowedTopics(["LaserScan"]),
+        "sensor_data": AllowedTopics(SENSOR_INPUTS, 1, MOST_SENSORS),
         "location": AllowedTopics(["Odometry"]),
     }
     allowed_outputs: ClassVar = {
@@ -126,12 +126,17 @@ class DriveManager(Component):
         # Without a robot it is not configured, and can be told to halt, and nothing else.
         self._gate = None if self.lacks_robot else DriveGate(self._gate_limits())
         self._standstill = Standstill()
-        self._scans, self._odometries = Rhythm(), Rhythm()
-        self._repeats = FrozenScan()
+        self._odometries = Rhythm()
+        self._sensors = [
+            SensorWatch(
+                partial(self.input, "sensor_data", index),
+                lambda: self._location,
+                lambda: self.config,
+            )
+            for index, _ in enumerate(self._topics_in["sensor_data"])
+        ]
         self._told_of_clock: set[str] = set()
-        self._points: NDArray[np.float64] = np.empty((0, 2))
-        self._points_of: object = None
-        self._scan_fault = self._location_fault = ""  # of the newest message
+        self._location_fault = ""  # of the newest message
         self._emergency = False
         self._emergency_sent = -float("inf")
         self._state = DriveState(speed_factor=1.0)
@@ -162,6 +167,8 @@ class DriveManager(Component):
         assert self._gate is not None
         self._gate.set_limits(self._gate_limits())
         self._queue.timeout = self.config.command_timeout
+        for sensor in self._sensors:
+            sensor.forget_settings()
 
     def create_interfaces(self) -> None:
         self._state_publisher = self.node.create_publisher(
@@ -187,7 +194,8 @@ class DriveManager(Component):
         self.input("command").on_message = self._on_command
         self.input("multi_command").on_message = self._on_commands
         self.input("location").on_message = self._on_location
-        self.input("sensor_data").on_message = self._on_scan
+        for sensor in self._sensors:
+            sensor.source.on_message = partial(self._on_seen, sensor)
         footprint = PolygonStamped()
         footprint.header.frame_id = self.frames.robot_base
         footprint.polygon.points = [
@@ -512,7 +520,7 @@ class DriveManager(Component):
 
     def _tell_of_clocks(self) -> None:
         """Say once of each source that its stamps cannot be believed."""
-        for source in (self.input("sensor_data"), self.input("location")):
+        for source in (*self._inputs["sensor_data"], self.input("location")):
             note, topic = source.lateness.note, source.topic.name
             if note and topic not in self._told_of_clock:
                 self._told_of_clock.add(topic)
@@ -525,9 +533,8 @@ class DriveManager(Component):
         if not self._location_fault:
             self._standstill.update(self._location.speed(), now)
 
-    def _on_scan(self, message: Any) -> None:
-        self._scans.heard(self.clock.monotonic())
-        self._repeats.heard(np.asarray(message.ranges), self._location.pose())
+    def _on_seen(self, sensor: SensorWatch, message: Any) -> None:
+        sensor.hear(message, self.clock.monotonic())
 
     def _overdue(self, source: Input, rhythm: Rhythm, timeout: float) -> bool:
         """Whether the robot is not to drive by the newest message of an input any more.
@@ -537,32 +544,20 @@ class DriveManager(Component):
         return source.silence() > rhythm.patience(self.config.missed_messages, timeout)
 
     def _obstacles(self) -> NDArray[np.float64] | None:
-        """Points of the newest scan in the robot's frame, shape (N, 2); None when unknown."""
-        source = self.input("sensor_data")
-        scan = source.message
-        if scan is None or source.age() > self.config.scan_timeout or self._repeats.is_frozen:
+        """What is in the way, in the robot's frame, shape (N, 2); None when unknown."""
+        now = self.clock.monotonic()
+        seen = {sensor: sensor.points(now, self.warn) for sensor in self._sensors}
+        return self._together({one: points for one, points in seen.items() if points is not None})
+
+    def _together(
+        self, seen: Mapping[SensorWatch, NDArray[np.float64]]
+    ) -> NDArray[np.float64] | None:
+        """What the sensors show; None when one shows nothing and it may not drive without."""
+        enough = len(seen) == len(self._sensors) or self.config.use_without_scan_sensor
+        if not (seen and enough):
             return None
-        if scan is not self._points_of:
-            try:
-                mounted = self._location.of_sensor(scan.header.frame_id)
-            except TransformError as error:
-                self.warn(f"the scan cannot be placed on the robot: {error}")
-                return None
-            try:
-                self._points = scan_to_points(
-                    np.asarray(scan.ranges, dtype=np.float64),
-                    scan.angle_min,
-                    scan.angle_increment,
-                    scan.range_min,
-                    scan.range_max,
-                    mounted,
-                )
-            except ValueError as error:
-                self._scan_fault = str(error)
-                return None
-            self._scan_fault = ""
-            self._points_of = scan
-        return self._points
+        points = list(seen.values())
+        return points[0] if len(points) == 1 else np.concatenate(points)
 
     # -- the loop -----------------------------------------------------------------------------
 
@@ -575,27 +570,32 @@ class DriveManager(Component):
 
     def _turn(self, now: float) -> None:
         wanted = self._wanted(now)
-        obstacles = self._obstacles()
+        seen = [(sensor, sensor.points(now, self.warn)) for sensor in self._sensors]
+        blind = [sensor for sensor, points in seen if points is None]
         odometry_age = math.inf if self._location_fault else self.input("location").age()
         intruders = self._watch.intruders(now)
         if intruders:
             self._queue.clear()  # nor is what they commanded carried out once they have gone
             self._judge_intruders(intruders)
         else:
-            self._judge_health(obstacles is not None, odometry_age <= self.config.odometry_timeout)
+            self._judge_health(blind, odometry_age <= self.config.odometry_timeout)
         self._tell_of_clocks()
         if self._latch.is_set:
             self._queue.clear()
             self._wheel.let_go()
-        scan, odometry = self.input("sensor_data"), self.input("location")
-        if self._overdue(scan, self._scans, self.config.scan_timeout):
-            obstacles = None
+        odometry = self.input("location")
+        timeout = self.config.scan_timeout
+        known = {
+            sensor: points
+            for sensor, points in seen
+            if points is not None and not self._overdue(sensor.source, sensor.rhythm, timeout)
+        }
         if self._overdue(odometry, self._odometries, self.config.odometry_timeout):
             odometry_age = math.inf
         given = GateInput(
             wanted=wanted,
             command_stale=self._queue.is_stale(now) or self._wheel.is_cut(now),
-            obstacles=obstacles,
+            obstacles=self._together(known),
             odometry_age=odometry_age,
             stopped=self._latch.is_set,
             intruded=bool(intruders),
@@ -672,14 +672,15 @@ class DriveManager(Component):
             message=f"others publish past the gate or before it: {'; '.join(texts)}",
         )
 
-    def _judge_health(self, scan_known: bool, odometry_known: bool) -> None:
-        scan, odometry = self.input("sensor_data"), self.input("location")
+    def _judge_health(self, blind: list[SensorWatch], odometry_known: bool) -> None:
+        odometry = self.input("location")
         missing = {}
-        needs_scan = not (self.config.disable_safety_stop or self.config.use_without_scan_sensor)
-        if needs_scan and not scan_known:
-            missing[scan] = self._missing(scan, "scan", self.config.scan_timeout)
+        if not (self.config.disable_safety_stop or self.config.use_without_scan_sensor):
+            for sensor in blind:
+                name = f"/{sensor.source.topic.name}" if len(self._sensors) > 1 else ""
+                missing[sensor.source] = sensor.missing(name)
         if not odometry_known:
-            missing[odometry] = self._missing(odometry, "odometry", self.config.odometry_timeout)
+            missing[odometry] = self._missing_odometry()
         topics = [f"/{source.topic.name}" for source in missing]
         if not missing:
             self.health.set_healthy()
@@ -688,23 +689,21 @@ class DriveManager(Component):
         else:
             self.health.set_fail_system(topics=topics, message="; ".join(missing.values()))
 
-    def _missing(self, source: Input, what: str, timeout: float) -> str:
-        """Why an input is of no use, for people."""
-        if source.age() > timeout:
+    def _missing_odometry(self) -> str:
+        """Why the odometry is of no use, for people."""
+        source = self.input("location")
+        if source.age() > self.config.odometry_timeout:
             if not source.comes_late:
-                return f"no {what} {_for(source.silence())}"
-            return f"the {what} is too old: {source.lateness.told}"
-        fault = self._location_fault if what == "odometry" else self._scan_fault
-        if fault:
-            return f"the {what} cannot be used: {fault}"
-        if self._repeats.is_frozen:
-            return f"the {what} stays the same to the last bit while the robot moves: it is frozen"
-        return f"no {what} that can be used"
+                return f"no odometry {told_for(source.silence())}"
+            return f"the odometry is too old: {source.lateness.told}"
+        if self._location_fault:
+            return f"the odometry cannot be used: {self._location_fault}"
+        return "no odometry that can be used"
 
     def _has_served(self, source: Input) -> bool:
-        """Whether an input has been of use since the activation; a scan needs its transform."""
-        used = source.received is not None
-        return used and (source is not self.input("sensor_data") or self._points_of is not None)
+        """Whether an input has been of use since the activation; a sensor needs its transform."""
+        used = {sensor.source: sensor.has_served for sensor in self._sensors}
+        return source.received is not None and used.get(source, True)
 
     def _publish_emergency(self, now: float, emergency: bool) -> None:
         if emergency != self._emergency or now - self._emergency_sent >= EMERGENCY_PERIOD:
@@ -890,8 +889,3 @@ class DriveManager(Component):
 def _not_released(response: ReleaseStop.Response, error: Exception) -> ReleaseStop.Response:
     response.message = f"not released: {type(error).__name__}: {error}"
     return response
-
-
-def _for(age: float) -> str:
-    # Coarse on purpose: a sentence that changes ten times a second cannot be read.
-    return "yet" if age == float("inf") else f"for {age:.0f} s" if age >= 1 else "any more"

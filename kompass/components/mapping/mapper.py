@@ -1,26 +1,39 @@
-"""The local map: what the scan shows around the robot, as a grid that turns with it."""
+"""The local map: what the sensors show around the robot, as a grid that turns with it."""
 
 import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from kompass.algorithms.geometry import compose
-from kompass.algorithms.grid import Grid
+from kompass.algorithms.geometry import Pose2D, compose, inverse, transform_points
+from kompass.algorithms.grid import FREE, OCCUPIED, UNKNOWN, Grid
+from kompass.algorithms.mapping.cloud_view import CloudView
 from kompass.algorithms.mapping.local_map import LocalMapBuilder
-from kompass.algorithms.mapping.scan_points import scan_fault
 from kompass.algorithms.transforms import TransformError
 from kompass.components.base.component import Component
-from kompass.components.base.component_config import ComponentConfig, ComponentRunType
+from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_msg
 from kompass.components.base.location_source import LocationSource
+from kompass.components.base.ports import Input
+from kompass.components.base.seen import (
+    MOST_SENSORS,
+    SENSOR_INPUTS,
+    Seen,
+    cloud_memory,
+    read_seen,
+    stamp_of,
+)
+from kompass.components.base.sensor_settings import SensorSettings
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.settings import Settings
 
 # 50 m × 50 m at 5 cm: 60 MB while it is made, and 1 MB in each message.
 MOST_CELLS = 1_000_000
+# m above the lowest height that counts; where a cloud looks lower than this, nothing stands.
+SEEN_TO_FLOOR = 0.05
 
 
 class MapConfig(Settings):
@@ -63,7 +76,7 @@ class MapConfig(Settings):
         return self
 
 
-class LocalMapperConfig(ComponentConfig):
+class LocalMapperConfig(SensorSettings):
     """Settings of the local mapper."""
 
     ignored_settings: ClassVar[Mapping[str, str]] = {"scan_model": "rays are taken as they are"}
@@ -77,12 +90,16 @@ class LocalMapperConfig(ComponentConfig):
 
 
 class LocalMapper(Component):
-    """Publishes a robot-centred occupancy grid of each new scan, with the scan's stamp."""
+    """Publishes a robot-centred occupancy grid of each new scan, with the scan's stamp.
+
+    With several sensors it is made whenever the first of them speaks, of the newest that each has
+    said. What one of them sees is occupied, whatever another one looks over.
+    """
 
     config: LocalMapperConfig
     config_class = LocalMapperConfig
     allowed_inputs: ClassVar = {
-        "sensor_data": AllowedTopics(["LaserScan"]),
+        "sensor_data": AllowedTopics(SENSOR_INPUTS, 1, MOST_SENSORS),
         "location": AllowedTopics(["Odometry", "PoseStamped", "Pose"]),
     }
     allowed_outputs: ClassVar = {"local_map": AllowedTopics(["OccupancyGrid"])}
@@ -115,47 +132,111 @@ class LocalMapper(Component):
 
     def _set_up(self) -> None:
         size = self.config.map_params
-        self._builder = LocalMapBuilder(size.width, size.height, size.resolution)
+        self._layers = [
+            _Layer(LocalMapBuilder(size.width, size.height, size.resolution), self.config)
+            for _ in self._topics_in["sensor_data"]
+        ]
 
     def _execution_step(self) -> None:
-        source, location = self.input("sensor_data"), self.input("location")
+        sources, location = self._inputs["sensor_data"], self.input("location")
         given = (
-            (source, self.config.sensor_timeout),
+            *((source, self.config.sensor_timeout) for source in sources),
             (location, self.config.location_timeout),
         )
         missing = [f"/{item.topic.name}" for item, limit in given if item.age() > limit]
         reasons = filter(None, (item.too_old(limit) for item, limit in given))
-        if missing and len(self.awaits(source, location)) >= len(missing):
+        if missing and len(self.awaits(*sources, location)) >= len(missing):
             self.health.set_healthy(f"waiting for {', '.join(missing)}")
             return
         if missing:
             self.health.set_fail_system(topics=missing, message="; ".join(reasons))
             return
-        scan = source.message
-        if scan is self._mapped:
-            return
-        measured = np.asarray(scan.ranges, dtype=np.float64)
-        rays = (scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
-        fault = scan_fault(measured, *rays)
-        if fault:
-            text = f"what is on /{source.topic.name} cannot be used: {fault}"
-            self.health.set_fail_system(topics=[f"/{source.topic.name}"], message=text)
+        newest = sources[0].message
+        if newest is self._mapped:
             return
         pose = self._location.pose()
-        try:
-            mounted = self._location.of_sensor(scan.header.frame_id)
-        except TransformError as error:
-            if self._mapped is None and self.is_starting:
-                self.health.set_healthy("waiting for /tf_static")
-                return
-            self.health.set_fail_system(topics=["/tf_static"], message=str(error))
+        if not all(
+            self._take_in(source, layer, pose)
+            for source, layer in zip(sources, self._layers, strict=True)
+        ):
             return
         if pose is None:
             self.health.set_fail_system(topics=["/tf"], message="the location cannot be placed")
             return
-        cells = self._builder.update(measured, *rays, mounted)
-        x, y, yaw = (float(value) for value in compose(pose, self._builder.origin))
-        grid = Grid(cells, self._builder.resolution, (x, y, yaw))
-        self._mapped = scan
-        self.publish("local_map", grid_msg(grid, self.frames.world, scan.header.stamp))
+        cells = self._layers[0].cells(pose)
+        for layer in self._layers[1:]:
+            np.maximum(cells, layer.cells(pose), out=cells)
+        builder = self._layers[0].builder
+        x, y, yaw = (float(value) for value in compose(pose, builder.origin))
+        grid = Grid(cells, builder.resolution, (x, y, yaw))
+        self._mapped = newest
+        self.publish("local_map", grid_msg(grid, self.frames.world, newest.header.stamp))
         self.health.set_healthy()
+
+    def _take_in(self, source: Input, layer: "_Layer", pose: Pose2D | None) -> bool:
+        """Have a sensor's layer show its newest message; False when it says nothing."""
+        message, topic = source.message, f"/{source.topic.name}"
+        if message is layer.taken:
+            return True
+        # The map is where the robot is now, and so is what the first sensor has just seen.
+        first = layer is self._layers[0]
+        there = pose if first else self._location.pose_at(stamp_of(message))
+        try:
+            seen = read_seen(message, self._location, self.config)
+        except ValueError as error:
+            text = f"what is on {topic} cannot be used: {error}"
+            self.health.set_fail_system(topics=[topic], message=text)
+            return False
+        except TransformError as error:
+            if self._mapped is None and self.is_starting:
+                self.health.set_healthy("waiting for /tf_static")
+                return False
+            self.health.set_fail_system(topics=["/tf_static"], message=str(error))
+            return False
+        if there is not None:
+            layer.take(message, seen, there, self.clock.monotonic())
+        return True
+
+
+class _Layer:
+    """What one sensor has seen last, and where the robot was then."""
+
+    def __init__(self, builder: LocalMapBuilder, config: LocalMapperConfig) -> None:
+        self.builder = builder
+        self.taken: object = None
+        self._floor = config.height_band.low + SEEN_TO_FLOOR
+        self._memory = cloud_memory(config)
+        self._now = 0.0
+
+    def take(self, message: object, seen: Seen, pose: Pose2D, now: float) -> None:
+        """Show this from now on."""
+        self.taken, self._seen, self._there, self._now = message, seen, pose, now
+        if isinstance(seen, CloudView):
+            self._memory.see(seen, pose, now)
+
+    def cells(self, pose: Pose2D) -> NDArray[np.int8]:
+        """The map (rows, cols) around a robot that is at a pose (x, y, yaw) now."""
+        builder, seen = self.builder, self._seen
+        if not isinstance(seen, CloudView):
+            if pose == self._there:
+                return builder.update(*seen.rays, seen.sensor)
+            moved = compose(compose(inverse(pose), self._there), seen.sensor)
+            return builder.update(*seen.rays, moved)
+        grid = Grid(
+            np.full((builder.rows, builder.cols), UNKNOWN, np.int8),
+            builder.resolution,
+            tuple(compose(pose, builder.origin).tolist()),
+        )
+        rows, cols = np.indices(grid.cells.shape).reshape(2, -1)
+        places = transform_points(
+            inverse(self._there), grid.cell_to_world(np.stack([cols, rows], axis=1))
+        )
+        floor = np.full(len(places), self._floor)
+        free = seen.sees_through(places, floor - SEEN_TO_FLOOR, floor)
+        grid.cells[rows[free], cols[free]] = FREE
+        met = np.concatenate(
+            [transform_points(self._there, seen.points), self._memory.points(self._now)]
+        )
+        cols, rows = grid.world_to_cell(met[grid.contains(met)]).T
+        grid.cells[rows, cols] = OCCUPIED
+        return grid.cells

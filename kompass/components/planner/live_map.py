@@ -1,6 +1,7 @@
 """What the planner plans on: the map, if there is one, and what the sensor has seen."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -8,8 +9,9 @@ from numpy.typing import NDArray
 
 from kompass.algorithms.geometry import Pose2D, compose
 from kompass.algorithms.grid import Grid
-from kompass.algorithms.mapping.scan_points import scan_fault
+from kompass.algorithms.mapping.cloud_view import CloudView
 from kompass.algorithms.mapping.world_model import TooFar, WorldModel, pose_at
+from kompass.components.base.seen import Seen, stamp_of
 
 # Without a map: how far beside robot and goal a way is looked for; further when there is none [m].
 MARGINS = (2.5, 5.0, 10.0)
@@ -18,7 +20,8 @@ RENEW = 5.0  # s after which what was forgotten is found out
 
 
 class LiveMap:
-    """Takes scans in at the pose that they were made at, and knows when a new plan is worth it.
+    """Takes scans and clouds in at the pose that they were made at, and knows when a new plan is
+    worth it.
 
     Parameters
     ----------
@@ -28,8 +31,9 @@ class LiveMap:
 
     def __init__(self, memory: float) -> None:
         self.model = WorldModel(memory=memory)
-        self._scan: Any = None
+        self._waiting: dict[str, Any] = {}  # by topic
         self._before: tuple[float, Pose2D] | None = None
+        self._after: tuple[float, Pose2D] | None = None
         self._margin = 0
         self._changed = True  # since the last grid
         self._made = self._tried = -np.inf
@@ -41,47 +45,49 @@ class LiveMap:
         self.model.set_map(grid)
         self._changed = self._freed = True
 
-    def wait_with(self, scan: Any) -> None:
-        """Keep a scan until it is known where the robot was."""
-        self._scan = scan
+    def wait_with(self, topic: str, message: Any) -> None:
+        """Keep a scan or cloud until it is known where the robot was."""
+        self._waiting[topic] = message
 
-    def locate(
-        self, pose: Pose2D, header: Any, mounted: Callable[[str], Pose2D], now: float
-    ) -> None:
-        """Take a location; with it the scan that waits, if it was made before.
+    def locate(self, pose: Pose2D, header: Any) -> Iterator[tuple[str, Any]]:
+        """Take a location; yields what waits, by topic, if it was made before.
 
         Parameters
         ----------
         header
             Of the location; None when it has none, and then it is as new as can be.
-        mounted
-            Where the sensor of a frame is on the robot.
+        """
+        self._marked = np.empty((0, 2))
+        newest = max((stamp_of(message) for message in self._waiting.values()), default=-math.inf)
+        stamp = newest if header is None else float(header.stamp.sec + 1e-9 * header.stamp.nanosec)
+        self._before = self._after
+        if math.isfinite(stamp):
+            self._after = (stamp, pose)
+        for topic, message in list(self._waiting.items()):
+            if stamp_of(message) <= stamp:
+                yield topic, self._waiting.pop(topic)
+
+    def see(self, topic: str, message: Any, read: Callable[[Any], Seen], now: float) -> None:
+        """Take in what :meth:`locate` has given.
 
         Raises
         ------
         TransformError
-            That is not known.
+            It is not known where its sensor is on the robot.
         ValueError
-            It is no scan, or too far from where the model began.
+            It says nothing of what is around, or is too far from where the model began.
         """
-        self._marked = np.empty((0, 2))
-        scan, before = self._scan, self._before
-        made = None if scan is None else _seconds(scan.header)
-        stamp = _seconds(header) if header is not None else made
-        if stamp is not None:
-            self._before = (stamp, pose)
-        if scan is None or made is None or stamp is None or stamp < made:
-            return
-        self._scan = None
-        there = pose if before is None else pose_at(made, before, (stamp, pose))
-        x, y, yaw = (float(value) for value in compose(there, mounted(scan.header.frame_id)))
-        measured = np.asarray(scan.ranges, dtype=np.float64)
-        rays = (scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
-        fault = scan_fault(measured, *rays)
-        if fault:
-            raise ValueError(fault)
-        change = self.model.see(measured, *rays, (x, y, yaw), now)
-        self._marked = change.marked
+        assert self._after is not None
+        made, before = stamp_of(message), self._before
+        there = self._after[1] if before is None else pose_at(made, before, self._after)
+        seen = read(message)
+        if isinstance(seen, CloudView):
+            change = self.model.look(seen, there, now, topic)
+        else:
+            x, y, yaw = (float(value) for value in compose(there, seen.sensor))
+            # Those that look around in one plane see the same things.
+            change = self.model.see(*seen.rays, (x, y, yaw), now, round(seen.height, 2))
+        self._marked = np.concatenate([self._marked, change.marked])
         self._freed |= change.cleared > 0
         self._changed |= change.cleared > 0 or len(change.marked) > 0
 
@@ -126,7 +132,3 @@ class LiveMap:
             return None
         self._changed, self._made = False, now
         return self.model.grid(now)
-
-
-def _seconds(header: Any) -> float:
-    return float(header.stamp.sec + 1e-9 * header.stamp.nanosec)

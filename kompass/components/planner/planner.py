@@ -28,6 +28,7 @@ from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_of, path_msg, pose_of, quaternion_msg
 from kompass.components.base.location_source import LocationSource
+from kompass.components.base.seen import MOST_SENSORS, SENSOR_INPUTS, read_seen
 from kompass.components.base.zones_heard import ZonesHeard
 from kompass.components.planner.config import PlannerConfig, usable_planner
 from kompass.components.planner.goal_check import check_goal
@@ -96,7 +97,7 @@ class Planner(Component):
         "map": AllowedTopics(["OccupancyGrid"]),
         "goal_point": AllowedTopics(["PoseStamped", "PointStamped", "Odometry"], 1, 2),
         "location": AllowedTopics(["Odometry", "PoseStamped", "Pose"]),
-        "sensor_data": AllowedTopics(["LaserScan"]),
+        "sensor_data": AllowedTopics(SENSOR_INPUTS, 1, MOST_SENSORS),
     }
     allowed_outputs: ClassVar = {
         "plan": AllowedTopics(["Path"]),
@@ -194,31 +195,34 @@ class Planner(Component):
 
     def _watch(self) -> None:
         """Begin to listen to the sensor, or end it, as it is set."""
-        source = self.input("sensor_data")
+        sources = self._inputs["sensor_data"]
         if not self.config.use_sensor:
             self._live = None
-            source.close(self.node)
+            for source in sources:
+                source.close(self.node)
             return
         self._live = LiveMap(self.config.obstacle_memory)
-        source.on_message = self._on_scan
-        source.open(self.node)
+        for index, source in enumerate(sources):
+            source.on_message = partial(self._on_seen, index)
+            source.open(self.node)
 
-    def _on_scan(self, scan: Any) -> None:
+    def _on_seen(self, index: int, message: Any) -> None:
         if self._live is not None:
-            self._live.wait_with(scan)
+            self._live.wait_with(self.input("sensor_data", index).topic.name, message)
 
-    def _take_scan_in(self) -> None:
+    def _take_seen_in(self) -> None:
         """Once it is known where the robot was when it was made."""
         live, pose = self._live, self._location.pose()
         if live is None or pose is None:
             return
         now = self.clock.monotonic()
         stamped = getattr(self.input("location").message, "header", None)
-        try:
-            live.locate(pose, stamped, self._location.of_sensor, now)
-        except (TransformError, ValueError) as error:
-            self.warn(f"/{self._topics_in['sensor_data'][0].name}: {error}")
-            return
+        read = partial(read_seen, location=self._location, settings=self.config)
+        for topic, message in live.locate(pose, stamped):
+            try:
+                live.see(topic, message, read, now)
+            except (TransformError, ValueError) as error:
+                self.warn(f"/{topic}: {error}")
         pursued = self._pursued
         if pursued is None or pursued.path is None:
             return
@@ -282,7 +286,7 @@ class Planner(Component):
 
     def _on_location(self, _message: Any) -> None:
         self._standstill.update(self._location.speed(), self.clock.monotonic())
-        self._take_scan_in()
+        self._take_seen_in()
 
     def _on_drive_state(self, state: DriveState) -> None:
         self._stopped = f"{state.stopped_by} pressed STOP" if state.stopped else ""

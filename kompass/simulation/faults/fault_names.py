@@ -34,6 +34,8 @@ FAULTS = {
     "wheel_slip:WHEEL": "the left, the right or both wheels turn more than they move the robot",
     "battery_low": "the battery has no more than 12 %, and does not fill",
     "way_blocked": "a wall stands across the way, right ahead of the robot",
+    "low_box": "a box of 10 cm, which a lidar looks over, stands in the way of a robot that has a "
+    "camera",
     "boxed_in": "walls stand around the robot, too close to leave",
     "person_ahead": "a person steps into the robot's way and stands there",
     "person_crossing": "a person crosses the robot's way and is gone; the fault ends with that",
@@ -60,6 +62,8 @@ SIGNALLED = ("stop", "kill")
 WRONG = "wrong:"
 TARGETED = (*SIGNALLED, "starve", "hang", "flicker", "wrong")
 DOOR_CLOSED = "door_closed"
+# Others would run into it. Drills are drawn for robots without one.
+NEEDS_CAMERA = ("low_box",)
 _ALL = {**FAULTS, **MACHINE_FAULTS}
 _MACHINE_KINDS = {name.partition(":")[0] for name in MACHINE_FAULTS}
 

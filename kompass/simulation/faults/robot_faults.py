@@ -10,7 +10,7 @@ import numpy as np
 
 from kompass.simulation.faults import faulty_parts as faulty
 from kompass.simulation.faults.fault_manager import NotYet
-from kompass.simulation.faults.fault_names import DOOR_CLOSED, check_place
+from kompass.simulation.faults.fault_names import DOOR_CLOSED, NEEDS_CAMERA, check_place
 from kompass.simulation.physics import person
 from kompass.simulation.physics.barriers import Barriers
 from kompass.simulation.robot import SimulatedRobot
@@ -120,7 +120,7 @@ _PARTS: dict[str, _Break] = {
     "wheel_slip": _wheel_slip,
     "battery_low": _battery_low,
 }
-_WALLS = ("way_blocked", "boxed_in")
+_WALLS = ("way_blocked", "low_box", "boxed_in")
 _SURFACES = ("glass", "mirrors")
 # Who comes, how the way is found, and whether it ends with the person's being through.
 _PEOPLE = {
@@ -145,7 +145,11 @@ class RobotFaults:
     def __init__(self, robot: SimulatedRobot) -> None:
         self._robot = robot
         walls = Barriers(robot.kind.radius)
-        self._walls = {"way_blocked": walls.across, "boxed_in": walls.box}
+        self._walls = {
+            "way_blocked": walls.across,
+            "low_box": walls.low,
+            "boxed_in": walls.box,
+        }
         self._sound = {slot: getattr(robot, slot) for slot in _SLOTS}
         self._active: dict[str, _Parts] = {}
         self._begun: dict[str, int] = {}
@@ -169,10 +173,16 @@ class RobotFaults:
         UnknownFault
             The world has no such doorway.
         NotYet
-            There is no room for a person ahead of the robot, or it stands in the doorway.
+            There is no room for a person ahead of the robot, it stands in the doorway, or it has no
+            camera to see with what stands there.
         """
         if name in self._active:
             return True
+        if name in NEEDS_CAMERA and self._robot.camera is None:
+            raise NotYet(
+                f"{name}: a {self._robot.kind.name} has no camera, and would run into it; take "
+                "--robot turtlebot3-plus"
+            )
         kind, _, argument = name.partition(":")
         random = self._robot.chance(f"{name} {self._begun.get(name, 0)}")
         parts: _Parts = {}

@@ -9,6 +9,8 @@ _BOX_GAP = 0.05  # m between the shell and each wall of the box
 # Far enough that a robot at full speed comes to rest before the wall, near enough to be in its way.
 _ACROSS_GAP = 0.15
 _THICKNESS = 0.02
+# Far enough to be gone round by who sees it, and lower than the plane of any lidar here.
+_LOW_GAP, _LOW_DEPTH, _LOW_HEIGHT = 0.5, 0.2, 0.1
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,8 @@ class Barriers:
         Four walls close around it.
     across
         One in its way.
+    low
+        A low box in its way, for robots that can see it.
     """
 
     def __init__(self, radius: float) -> None:
@@ -66,7 +70,9 @@ class Barriers:
         )
         self.across = (Barrier("barrier_across", radius + _ACROSS_GAP, 0.0, 0.3 + 2 * radius),)
 
+        self.low = (Barrier("barrier_low", radius + _LOW_GAP, 0.0, 0.3, _LOW_DEPTH, _LOW_HEIGHT),)
+
     @property
     def all(self) -> tuple[Barrier, ...]:
-        """All that may ever stand."""
+        """All that may ever stand, whatever the robot sees with."""
         return (*self.box, *self.across)

@@ -37,9 +37,11 @@ def door_body(name: str) -> str:
 def model_text(world: World, robot: RobotModel = TURTLEBOT3) -> str:
     """MJCF of ``world`` with the robot at its start pose."""
     solids = "\n".join(_solid(shape) for shape in world.solids)
+    barriers = Barriers(robot.radius)
+    low = barriers.low if robot.camera is not None else ()
     movable = "\n".join(
         [
-            *map(_barrier, Barriers(robot.radius).all),
+            *map(_barrier, (*barriers.all, *low)),
             *(
                 _movable(door_body(door.name), _box(door.size, door.height), door.height)
                 for door in world.doorways
@@ -139,6 +141,7 @@ def _robot(robot: RobotModel, start: tuple[float, float, float]) -> str:
             friction="0" pos="{offset} 0 {caster + robot.front_caster_gap}"/>
       <site name="lidar" pos="0 0 {robot.lidar.height}"/>
       <site name="imu" pos="0 0 {robot.imu_height}"/>
+      {_more_sensors(robot)}
       <body name="shell">
         <geom name="shell" {_shell(robot, half)} pos="0 0 {middle}" mass="0"
               contype="0" conaffinity="{_SOLID_BIT}" group="{ROBOT_GROUP}" friction="0.4"/>
@@ -148,6 +151,18 @@ def _robot(robot: RobotModel, start: tuple[float, float, float]) -> str:
       {_wheel(robot, "left", robot.wheel_separation / 2)}
       {_wheel(robot, "right", -robot.wheel_separation / 2)}
     </body>"""
+
+
+def _more_sensors(robot: RobotModel) -> str:
+    """Where the sensors are that not every robot has."""
+    sites = []
+    if robot.rear is not None:
+        place = f"-{robot.rear.behind} 0 {robot.rear.lidar.height}"
+        sites.append(f'<site name="rear" pos="{place}" euler="0 0 {math.pi}"/>')
+    if robot.camera is not None:
+        place = f"{robot.camera.ahead} 0 {robot.camera.height}"
+        sites.append(f'<site name="camera" pos="{place}" euler="0 {robot.camera.down} 0"/>')
+    return "\n      ".join(sites)
 
 
 def _shell(robot: RobotModel, half: float, times: float = 1) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,54 @@ class LidarModel:
 
 
 @dataclass(frozen=True)
+class RearScanner:
+    """A planar scanner that looks back.
+
+    Attributes
+    ----------
+    lidar
+        What it is like; its angles are from where it looks.
+    behind
+        How far behind the robot's axis [m].
+    """
+
+    lidar: LidarModel
+    behind: float
+
+
+@dataclass(frozen=True)
+class CameraModel:
+    """A depth camera that looks ahead.
+
+    Attributes
+    ----------
+    rows, columns
+        Of its image.
+    width_angle, height_angle
+        That it sees across and upright [rad].
+    down
+        By how much it looks down [rad].
+    ahead, height
+        Where it is, from the robot's axis and above the floor [m].
+    range_min, range_max
+        Between them it measures [m].
+    noise
+        Standard deviation of one distance [m].
+    """
+
+    rows: int
+    columns: int
+    width_angle: float
+    height_angle: float
+    down: float
+    ahead: float
+    height: float
+    range_min: float
+    range_max: float
+    noise: float
+
+
+@dataclass(frozen=True)
 class RobotModel:
     """A differential drive on two wheels and two casters.
 
@@ -91,6 +139,8 @@ class RobotModel:
         To which commands are cut [m/s], [rad/s].
     lidar
         On top.
+    rear, camera
+        Sensors that not every robot has.
     """
 
     name: str
@@ -113,6 +163,8 @@ class RobotModel:
     max_speed: float
     max_turn_rate: float
     lidar: LidarModel
+    rear: RearScanner | None = None
+    camera: CameraModel | None = None
 
     def gap(self, pose: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Distance between the body and points [m]; negative for points inside of it.
@@ -189,7 +241,30 @@ JACKAL = RobotModel(
     lidar=LidarModel(541, -math.radians(135.0), math.radians(0.5), 0.10, 10.0, 0.005, 0.30),
 )
 
-_ROBOTS = {model.name: model for model in (TURTLEBOT3, JACKAL)}
+TURTLEBOT3_PLUS = replace(
+    TURTLEBOT3,
+    name="turtlebot3-plus",
+    title="TurtleBot3-sized, with a lidar of 270 degrees, a scanner behind and a depth camera",
+    lidar=LidarModel(271, -math.radians(135.0), math.radians(1.0), 0.12, 3.5, 0.005, 0.17),
+    rear=RearScanner(
+        LidarModel(181, -math.radians(90.0), math.radians(1.0), 0.04, 3.5, 0.005, 0.06), 0.07
+    ),
+    # It sees the floor from a quarter of a metre before the robot's axis on.
+    camera=CameraModel(
+        rows=36,
+        columns=72,
+        width_angle=math.radians(87.0),
+        height_angle=math.radians(58.0),
+        down=math.radians(20.0),
+        ahead=0.08,
+        height=0.18,
+        range_min=0.1,
+        range_max=3.0,
+        noise=0.003,
+    ),
+)
+
+_ROBOTS = {model.name: model for model in (TURTLEBOT3, JACKAL, TURTLEBOT3_PLUS)}
 
 
 def robot_names() -> tuple[str, ...]:

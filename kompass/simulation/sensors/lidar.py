@@ -27,12 +27,13 @@ class Lidar:
         data: mujoco.MjData,
         random: np.random.Generator,
         kind: LidarModel,
+        site: str = "lidar",
     ) -> None:
         self._kind = kind
         self._model = model
         self._data = data
         self._random = random
-        self._site = model.site("lidar").id
+        self._site = model.site(site).id
         angles, rays = kind.angles, kind.rays
         self._rays = np.stack([np.cos(angles), np.sin(angles), np.zeros(rays)], axis=1)
         self._groups = np.zeros(6, dtype=np.uint8)

@@ -98,7 +98,7 @@ test("a held robot says what holds it, a free one nothing", () => {
     "Slowed to 40 %: an obstacle is close",
   );
   expect(limitText({ ...drive, limited_by: "scan stale", speed_factor: 0 })).toBe(
-    "Held: no laser scan arrives",
+    "Held: a scanner or camera is silent",
   );
 });
 

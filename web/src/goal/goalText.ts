@@ -106,7 +106,7 @@ const HELD: Record<string, string> = {
   "speed zone": "a speed zone",
   "place unknown": "it does not know where it is, and there are zones",
   "second publisher": "another program commands it, too",
-  "scan stale": "no laser scan arrives",
+  "scan stale": "a scanner or camera is silent",
   "odometry stale": "no odometry arrives",
   "command stale": "no commands arrive",
 };

@@ -73,6 +73,22 @@ test("a scan that was unplugged is the cause, and who waits for it or for whoeve
   expect(rootCause(state, 0)?.advice).toContain("/scan");
 });
 
+test("a second scanner that is silent is named, with who waits for it, though the first one speaks", () => {
+  const state = robot({
+    components: [
+      planner,
+      controller,
+      { ...mapper, ...waits("/rear_scan") },
+      { ...gate, ...waits("/rear_scan") },
+    ],
+    drive: HELD,
+  });
+  const cause = rootCause(state, 0);
+  expect(cause?.text).toContain("gets nothing on /rear_scan");
+  expect(cause?.advice).toBe("Check who publishes /rear_scan.");
+  expect(cause?.effects).toContain("robot held");
+});
+
 test("a topic is late before it is lost, and counts on while no snapshot comes", () => {
   const late = { ...STREAMS.scan, age: 1.5, stale: true };
   expect(streamWord(late, 0)).toBe("late");
