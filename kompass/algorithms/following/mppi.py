@@ -64,6 +64,9 @@ _STRAY = 0.06
 _PERSONAL, _SHY, _STANDS = 0.12, 0.5, 0.02
 # How much farther than rollouts obstacles are looked for [m].
 _FARTHER = 0.3
+# What comes no farther than this leads nowhere; so many directions on the spot are looked at, and
+# so much free way [m] makes one of them open.
+_SOMEWHERE, _DIRECTIONS, _OPEN_AHEAD = 0.05, 48, 0.3
 # Within this of it points are taken as those of what moves [m].
 _ITS_OWN = 0.15
 # Of single precision [m].
@@ -256,10 +259,14 @@ class MPPI(PathFollower[MPPIParams]):
             self._plan[:] = 0.0
             if situation.speed > _STANDS:
                 return self._brake(seen, situation)
-            raise NoCommand(
-                f"No way keeps {self.config.clearance:.2f} m between the robot and the obstacles; "
-                f"the nearest is at {max(seen.here, 0.0):.2f} m."
-            )
+            raise self._enclosed(seen)
+        if situation.speed <= _STANDS and not len(situation.movers):
+            # To stand is a plan too, and so is to turn here and there: a robot that can do nothing
+            # else is to say so.
+            furthest = float(rollouts.plans[0].sum(axis=0)[cost < _CONTACT].max())
+            if furthest * self._step_time < _SOMEWHERE and not self._open_beside(seen):
+                self._plan[:] = 0.0
+                raise self._enclosed(seen)
         weight = np.exp((least - cost) / self.config.temperature)
         mean = rollouts.plans @ (weight / weight.sum()).astype(np.float32)
         # Speeds end at the top, and so their mean lies below it: the same way, driven faster. Two
@@ -270,6 +277,20 @@ class MPPI(PathFollower[MPPIParams]):
         if costs[index] < _CONTACT:
             return self._take_up(means.plans[:, :, index])
         return self._take_up(rollouts.plans[:, :, int(np.argmin(cost))])
+
+    def _enclosed(self, seen: _Seen) -> NoCommand:
+        return NoCommand(
+            f"No way keeps {self.config.clearance:.2f} m between the robot and the obstacles; "
+            f"the nearest is at {max(seen.here, 0.0):.2f} m."
+        )
+
+    def _open_beside(self, seen: _Seen) -> bool:
+        """Whether there is a direction that it could turn to on the spot and drive on in."""
+        yaw = np.linspace(-math.pi, math.pi, _DIRECTIONS, endpoint=False, dtype=np.float32)
+        way = np.linspace(0.0, _OPEN_AHEAD, 7, dtype=np.float32)[1:, None]
+        room = self._room(seen.obstacles, way * np.cos(yaw), way * np.sin(yaw), yaw + 0.0 * way)
+        needed = np.minimum(self.config.clearance, seen.here + 0.1 * way) - _ROUNDING
+        return bool((room >= needed).all(axis=0).any())
 
     def _take_up(self, plan: Singles) -> tuple[float, float]:
         """Go on from this plan (2, steps), by its first velocities."""
@@ -284,7 +305,7 @@ class MPPI(PathFollower[MPPIParams]):
                 [min(float(each.min()), 0.0), max(float(each.max()), 0.0)]
                 for each in (rollouts.x, rollouts.y)
             ]
-        )
+        ).clip(-border, border)
         # The mean of plans, driven faster, may come a little farther than any of them.
         (low, high) = around.T + np.array([[-1.0], [1.0]]) * (float(self._free) + _FARTHER)
         near = (situation.obstacles > low) & (situation.obstacles < high)

@@ -82,9 +82,10 @@ class PointField:
     ) -> Singles:
         """The least one (M,) at ``centres`` (N, 2) of a body, at poses (M,).
 
-        The centres must stay within the border.
+        A body that sticks out over the border is looked at where it just does not.
         """
-        u, v = self._in_cells(x, y)
+        reach = float(np.hypot(centres[:, 0], centres[:, 1]).max())
+        u, v = self._in_cells(x, y, reach)
         least = np.full_like(u, np.inf)
         out, at_u, at_v, spare = (*(np.empty_like(u) for _ in range(3)), _Spare(u.shape))
         cos, sin = cos * self._per_metre, sin * self._per_metre
@@ -108,14 +109,16 @@ class PointField:
         ]
         return out
 
-    def _in_cells(self, x: Singles, y: Singles) -> tuple[Singles, Singles]:
-        """Places as columns and rows, those beyond the border on it."""
+    def _in_cells(self, x: Singles, y: Singles, reach: float = 0.0) -> tuple[Singles, Singles]:
+        """Places as columns and rows; those less than ``reach`` within the border are moved in."""
         u, v = x * self._per_metre, y * self._per_metre
         u -= self._first_x
         v -= self._first_y
+        kept = np.float32(reach) * self._per_metre
         for each, count in ((u, self._columns), (v, self._rows)):
-            np.maximum(each, np.float32(0.0), out=each)
-            np.minimum(each, np.float32(count - 1.001), out=each)
+            last = np.float32(count - 1.001)
+            np.maximum(each, np.minimum(kept, last / 2), out=each)
+            np.minimum(each, np.maximum(last - kept, last / 2), out=each)
         return u, v
 
     def _interpolate(self, u: Singles, v: Singles, out: Singles, spare: _Spare) -> None:
