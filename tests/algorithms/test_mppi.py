@@ -211,6 +211,25 @@ def test_who_is_enclosed_says_that_there_is_no_way_and_who_can_turn_to_one_does(
     follower.step((0, 0, 0), 0.0, 0.0, 0.1, pocket)
 
 
+def test_the_end_of_the_path_in_sight_does_not_slow_it_down_before_it_has_to_brake() -> None:
+    run = among(small(), NOTHING)
+    assert run.arrived
+    far = run.poses[:-1, 0] < 5.0 - 0.35
+    assert run.commands[far, 0][5:].min() > 0.95 * SMALL["max_v"]
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.5, -0.8])
+def test_a_wall_right_behind_the_goal_is_neither_touched_nor_a_reason_to_miss_it(
+    aside: float,
+) -> None:
+    along = np.linspace(-1.5, 1.5, 200)
+    wall = np.column_stack([5.0 + 0.105 + 0.08 + aside * along, along])
+    run = among(small(), wall[wall[:, 0] > 5.12])
+    assert run.arrived
+    assert run.error_to(STRAIGHT[-1])[0] <= 0.03
+    assert gap(Footprint.circle(0.105), run, wall[wall[:, 0] > 5.12]) > 0.0
+
+
 def test_the_same_inputs_give_the_same_commands() -> None:
     obstacles = posts((2.5, 0.1), (1.2, -0.2))
     first, second = (among(small(), obstacles, limit=5.0, dt=0.1) for _ in range(2))

@@ -314,7 +314,7 @@ class MPPI(PathFollower[MPPIParams]):
         origin = np.zeros(1, dtype=np.float32)
         here = float(self._room(obstacles, origin, origin, origin)[0])
 
-        path, left, course = self._ahead(situation)
+        path, left, course = self._ahead(situation, obstacles)
         within = np.clip(path, -border, border)
         low, high = (
             np.minimum(around[:, 0], within.min(axis=0)),
@@ -592,14 +592,20 @@ class MPPI(PathFollower[MPPIParams]):
             room.ravel()[near] = discs - np.float32(radius)
         return room
 
-    def _ahead(self, situation: Situation) -> tuple[Floats, Floats, Floats]:
+    def _ahead(self, situation: Situation, obstacles: PointField) -> tuple[Floats, Floats, Floats]:
         """Points (N, 2) of the path within reach, in the base frame; what is left; its course."""
         tracker = situation.tracker
         here = inverse((situation.x, situation.y, situation.yaw))
         if situation.homing:
             goal = transform_points(here, [tracker.goal])
             return goal, np.zeros(1), np.arctan2(goal[:, 1], goal[:, 0])
-        end = min(tracker.progress + self._reach, tracker.length)
+        # Beyond its end the path goes straight on where that is free. Plans are to come as far as
+        # they can; were they to stop there, a slow one would be as good as one that is there
+        # sooner. What makes the robot stop at the goal is the speed that it is allowed.
+        beyond = tracker.progress + self._reach - tracker.length
+        if beyond > 0.0:
+            beyond = self._straight_on(beyond, situation, obstacles)
+        end = min(tracker.progress + self._reach, tracker.length + max(beyond, 0.0))
         count = max(2, min(_MOST_PATH_POINTS, math.ceil((end - tracker.progress) / _PATH_SPACING)))
         at = np.linspace(tracker.progress, end, count)
         path = transform_points(here, tracker.points_at(at))
@@ -609,6 +615,18 @@ class MPPI(PathFollower[MPPIParams]):
         until = int(np.argmax(back)) if back.any() else count
         until = max(until, 2)
         return path[:until], at[until - 1] - at[:until], course[:until]
+
+    def _straight_on(self, most: float, situation: Situation, obstacles: PointField) -> float:
+        """How far the body could go on straight from the path's end with room to spare [m]."""
+        tracker = situation.tracker
+        here = inverse((situation.x, situation.y, situation.yaw))
+        further = np.linspace(0.0, most, max(2, math.ceil(most / (2.0 * _PATH_SPACING))))
+        places = transform_points(here, tracker.points_at(tracker.length + further))
+        x, y = places.astype(np.float32).T
+        yaw = np.full_like(x, tracker.end_heading - situation.yaw)
+        room = self._room(obstacles, x, y, yaw)
+        narrow = room < self.config.clearance + 0.5 * self.config.obstacle_range
+        return float(further[max(int(np.argmax(narrow)) - 1, 0)] if narrow.any() else most)
 
 
 def _standing(points: Floats, movers: Floats) -> Floats:
