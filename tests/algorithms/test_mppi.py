@@ -4,7 +4,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from kompass.algorithms.following.follower import NoCommand
 from kompass.algorithms.following.mppi import MPPI, MPPIParams
+from kompass.algorithms.following.point_field import Singles
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats, inverse, transform_points
 from kompass.algorithms.mapping.moving import seen_from
@@ -35,6 +37,16 @@ def small() -> MPPI:
 
 def large() -> MPPI:
     return MPPI(footprint=BOX, **LARGE)
+
+
+class Thorough(MPPI):
+    """Looks at the outline everywhere."""
+
+    def _room(self, *args: Any, **kwargs: Any) -> Singles:
+        free, self._free = self._free, np.float32(np.inf)
+        room = super()._room(*args, **kwargs)
+        self._free = free
+        return room
 
 
 def posts(*centres: tuple[float, float], radius: float = 0.075) -> Floats:
@@ -170,6 +182,52 @@ def test_whoever_crosses_is_let_pass_and_not_touched_while_it_moves(
         if done.phase == "arrived":
             break
     assert done.phase == "arrived"
+
+
+def test_what_is_only_looked_at_near_something_is_judged_as_under_the_whole_outline() -> None:
+    obstacles = posts((1.2, 0.4), (1.9, -0.45), (2.6, 0.5), (3.2, -0.3))
+    thorough = Thorough(footprint=BOX, **LARGE)
+    first, second = (among(each, obstacles, limit=4.0) for each in (large(), thorough))
+    assert first.commands == pytest.approx(second.commands, abs=1e-4)
+    assert gap(BOX, first, obstacles) < 0.25, "or the outline would not have mattered"
+
+
+def test_a_speed_that_no_robot_has_is_braked_from_and_nothing_else() -> None:
+    follower = large()
+    follower.set_path(STRAIGHT)
+    command = follower.step((0, 0, 0), 300.0, 0.0, 0.05, posts((2.5, 0.1))).command
+    assert 0.0 <= command.vx < 300.0
+
+
+def test_who_is_enclosed_says_that_there_is_no_way_and_who_can_turn_to_one_does() -> None:
+    turn = np.linspace(0.0, 2.0 * math.pi, 90)
+    ring = 0.145 * np.column_stack([np.cos(turn), np.sin(turn)])
+    follower = small()
+    follower.set_path(STRAIGHT)
+    with pytest.raises(NoCommand, match=r"the nearest is at 0\.04 m"):
+        follower.step((0, 0, 0), 0.0, 0.0, 0.1, ring)
+    # Open where it came from, and where nobody wants it to go.
+    pocket = ring[ring[:, 0] > 0.0]
+    follower.step((0, 0, 0), 0.0, 0.0, 0.1, pocket)
+
+
+def test_the_end_of_the_path_in_sight_does_not_slow_it_down_before_it_has_to_brake() -> None:
+    run = among(small(), NOTHING)
+    assert run.arrived
+    far = run.poses[:-1, 0] < 5.0 - 0.35
+    assert run.commands[far, 0][5:].min() > 0.95 * SMALL["max_v"]
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.5, -0.8])
+def test_a_wall_right_behind_the_goal_is_neither_touched_nor_a_reason_to_miss_it(
+    aside: float,
+) -> None:
+    along = np.linspace(-1.5, 1.5, 200)
+    wall = np.column_stack([5.0 + 0.105 + 0.08 + aside * along, along])
+    run = among(small(), wall[wall[:, 0] > 5.12])
+    assert run.arrived
+    assert run.error_to(STRAIGHT[-1])[0] <= 0.03
+    assert gap(Footprint.circle(0.105), run, wall[wall[:, 0] > 5.12]) > 0.0
 
 
 def test_the_same_inputs_give_the_same_commands() -> None:

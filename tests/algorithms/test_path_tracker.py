@@ -18,6 +18,16 @@ def test_driving_along_a_path_passes_all_of_it_once(name: str) -> None:
     assert tracker.advance(*tracker.goal) == pytest.approx(tracker.length, abs=0.06)
 
 
+@pytest.mark.parametrize("name", PATHS)
+def test_many_directions_and_places_are_told_at_once_as_one_by_one(name: str) -> None:
+    tracker = PathTracker(PATHS[name])
+    at = np.linspace(-0.1, tracker.length + 0.5, 50)
+    assert tracker.headings_at(at).tolist() == [tracker.heading_at(float(s)) for s in at]
+    assert tracker.points_at(at) == pytest.approx(
+        np.array([tracker.point_at(float(s)) for s in at])
+    )
+
+
 @property_test(st.sampled_from(sorted(PATHS)), st.integers(0, 2**31), many=40)
 def test_progress_never_goes_back_nor_past_the_end(name: str, seed: int) -> None:
     tracker = PathTracker(PATHS[name])

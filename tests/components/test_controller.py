@@ -185,7 +185,7 @@ def test_no_way_round_an_obstacle_is_an_algorithm_failure_and_stops(run: Run, di
     stage.alive.wait_until(stage.drives, 10, "motion")
     stage.ring = 0.14
     stage.alive.wait_until(lambda: stage.status().status == 1, 5, "an ALGORITHM failure")
-    assert list(stage.status().src_algorithms) == ["DWA"]
+    assert list(stage.status().src_algorithms) == ["MPPI"]
     stage.alive.wait_until(lambda: stage.speed == 0.0, 5, "a stop command")
     stage.ring = None
     stage.alive.wait_until(stage.drives, 5, "motion again")
@@ -218,7 +218,7 @@ def test_another_algorithm_drives_on_without_a_dip_in_speed(run: Run) -> None:
     stage.obeys = True
     stage.alive.wait_until(lambda: stage.speed > 0.19, 5, "full speed")
     before = len(stage.commands)
-    for name in ("Stanley", "DWA", "PurePursuit"):
+    for name in ("Stanley", "MPPI", "DWA", "PurePursuit"):
         assert stage.alive.execute("set_algorithm", algorithm_value=name).success
         now = len(stage.commands)
         stage.alive.wait_until(lambda: len(stage.commands) > now + 5, 5, f"commands of {name}")  # noqa: B023
@@ -244,7 +244,7 @@ def test_an_unknown_algorithm_is_refused_and_nothing_changes(run: Run) -> None:
     answer = stage.alive.execute("set_algorithm", algorithm_value="Stanly")
     assert not answer.success
     assert "'Stanly' is none of Stanley, PurePursuit, DWA" in answer.error_msg
-    assert stage.controller.algorithm is ControllersID.DWA
+    assert stage.controller.algorithm is ControllersID.MPPI
 
 
 def test_a_lost_pose_stops_the_robot(run: Run) -> None:

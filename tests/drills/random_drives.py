@@ -227,7 +227,7 @@ def stack_of(drive: RandomDrive) -> tuple[Stack, dict[int, Any]]:
     planner.run_type = "ActionServer"
     driver: DriveManager = DRIVER
     controller = Controller("controller")
-    controller.algorithm = rng.choice((ControllersID.PURE_PURSUIT, ControllersID.DWA))
+    controller.algorithm = rng.choice((ControllersID.PURE_PURSUIT, ControllersID.MPPI))
     controller.direct_sensor = rng.random() < 0.5
     components = [planner, controller, LocalMapper("mapper"), driver]
     launcher = Launcher()

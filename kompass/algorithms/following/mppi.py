@@ -18,21 +18,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from kompass.algorithms.following.command import Command
 from kompass.algorithms.following.follower import FollowerParams, NoCommand, PathFollower, Situation
 from kompass.algorithms.following.limits import stopping_speed
 from kompass.algorithms.following.path_tracker import PathTracker
+from kompass.algorithms.following.point_field import PointField, Singles
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats, inverse, transform_points, wrap_angle
 from kompass.algorithms.mapping.moving import predicted
-
-Singles: TypeAlias = NDArray[np.float32]
 
 # Of all plans together: more than any robot has time for.
 MOST_PLACES = 2_000_000
@@ -50,12 +48,13 @@ _MOST_PATH_POINTS = 80
 _PATH_SPACING = 0.05  # m between two points of it, if they are not too many
 _TURNED_BACK = 2.0  # rad
 # How much faster than the mean of all plans is looked at, too (3, 1, 1).
-_FASTER: Singles = np.array([[[1.0]], [[1.1]], [[1.3]]], dtype=np.float32)
+_FASTER: Singles = np.array([1.0, 1.1, 1.3], dtype=np.float32)
 # Ways to come to rest that are looked at, and into how many parts each step of them is divided.
 _BRAKING, _FINER = 31, 4
 _ASIDE = 0.6  # rad; what lies farther to the side at the end of the way is turned to on the spot
 # So far a command alone must be free, beyond the drive manager's critical zone [m].
 _HELD = 0.07
+_HELD_FOR: Singles = np.array([[0.5], [1.0]], dtype=np.float32)
 # So fast it passes obstacles however near [m/s], and faster by 1 m/s for so much room [s]; what
 # is faster costs more, per m/s, than it gains in way.
 _SLOW, _BESIDE, _HASTE = 0.4, 0.15, 12.0
@@ -63,6 +62,11 @@ _SLOW, _BESIDE, _HASTE = 0.4, 0.15, 12.0
 _STRAY = 0.06
 # Kept from what moves, and liked to be kept beyond that [m]; who drives slower stands [m/s].
 _PERSONAL, _SHY, _STANDS = 0.12, 0.5, 0.02
+# How much farther than rollouts obstacles are looked for [m].
+_FARTHER = 0.3
+# What comes no farther than this leads nowhere; so many directions on the spot are looked at, and
+# so much free way [m] makes one of them open.
+_SOMEWHERE, _DIRECTIONS, _OPEN_AHEAD = 0.05, 48, 0.3
 # Within this of it points are taken as those of what moves [m].
 _ITS_OWN = 0.15
 # Of single precision [m].
@@ -204,10 +208,15 @@ class MPPI(PathFollower[MPPIParams]):
                 f"resolution: {params.resolution} m is too fine for a grid that holds "
                 f"plans of {self._reach:g} m; give a coarser one, or a shorter prediction_time"
             )
+        # Where a body is seen to be free without its outline being looked at: so far from the
+        # middle to an obstacle it has all the room that a plan could be asked for.
+        fastest = max(self._linear.max_vel - _SLOW, 0.0)
+        counts = max(params.obstacle_range, _BESIDE * fastest, _STRAY * fastest)
+        self._free = np.float32(footprint.radius + params.clearance + counts)
         self._noise = self._draw(np.random.default_rng(seed))
         self._fixed = self._plain()
         self._bank = 0
-        self._plan: Singles = np.zeros((self._steps, 2), dtype=np.float32)
+        self._plan: Singles = np.zeros((2, self._steps), dtype=np.float32)
 
     def reset(self) -> None:
         super().reset()
@@ -215,7 +224,7 @@ class MPPI(PathFollower[MPPIParams]):
 
     def take_over(self, other: PathFollower[Any]) -> None:
         super().take_over(other)
-        self._plan[:] = (self._last.vx, self._last.omega)
+        self._plan[:] = [[self._last.vx], [self._last.omega]]
 
     def _move(self, *args: Any, **kwargs: Any) -> Command:
         # Turning is one of the plans, under which obstacles are looked at; so it has no phase
@@ -240,62 +249,103 @@ class MPPI(PathFollower[MPPIParams]):
         return max(limit, min(self.config.min_speed, self._linear.max_vel))
 
     def _drive(self, situation: Situation) -> tuple[float, float]:
-        border = self._half * self.config.resolution
-        near = situation.obstacles[(np.abs(situation.obstacles) < border).all(axis=1)]
-        near = _standing(near, situation.movers)
-        field = _Nearest(self.config.resolution, self._half, near).distance
-        origin = np.zeros(1, dtype=np.float32)
-        here = self._room(field, origin, origin, origin)[0]
-        if (home := self._home(situation, field, float(here))) is not None:
+        rollouts = self._roll_out(self._candidates(situation), situation)
+        seen = self._look(rollouts, situation)
+        if (home := self._home(seen, situation)) is not None:
             return home
-        plans = self._feasible(self._candidates(situation), situation)
-        cost = self._cost(plans, field, float(here), situation)
+        cost = self._cost(rollouts, seen, situation)
         least = float(cost.min())
         if least >= _CONTACT:
             self._plan[:] = 0.0
             if situation.speed > _STANDS:
-                return self._brake(situation, field)
-            raise NoCommand(
-                f"No way keeps {self.config.clearance:.2f} m between the robot and the obstacles; "
-                f"the nearest is at {max(float(here), 0.0):.2f} m."
-            )
+                return self._brake(seen, situation)
+            raise self._enclosed(seen)
+        if situation.speed <= _STANDS and not len(situation.movers):
+            # To stand is a plan too, and so is to turn here and there: a robot that can do nothing
+            # else is to say so.
+            furthest = float(rollouts.plans[0].sum(axis=0)[cost < _CONTACT].max())
+            if furthest * self._step_time < _SOMEWHERE and not self._open_beside(seen):
+                self._plan[:] = 0.0
+                raise self._enclosed(seen)
         weight = np.exp((least - cost) / self.config.temperature)
-        mean: Singles = np.tensordot((weight / weight.sum()).astype(np.float32), plans, axes=1)[
-            None
-        ]
-        best = plans[int(np.argmin(cost))][None]
+        mean = rollouts.plans @ (weight / weight.sum()).astype(np.float32)
         # Speeds end at the top, and so their mean lies below it: the same way, driven faster. Two
         # ways round something may lie on either side of the mean.
-        means = self._feasible(mean * _FASTER, situation)
-        costs = self._cost(means, field, float(here), situation)
+        means = self._roll_out(mean[:, :, None] * _FASTER, situation)
+        costs = self._cost(means, seen, situation)
         index = int(np.argmin(costs))
-        chosen = means[index] if costs[index] < _CONTACT else best[0]
-        self._plan = chosen
-        return float(chosen[0, 0]), float(chosen[0, 1])
+        if costs[index] < _CONTACT:
+            return self._take_up(means.plans[:, :, index])
+        return self._take_up(rollouts.plans[:, :, int(np.argmin(cost))])
 
-    def _brake(self, situation: Situation, field: _Field) -> tuple[float, float]:
+    def _enclosed(self, seen: _Seen) -> NoCommand:
+        return NoCommand(
+            f"No way keeps {self.config.clearance:.2f} m between the robot and the obstacles; "
+            f"the nearest is at {max(seen.here, 0.0):.2f} m."
+        )
+
+    def _open_beside(self, seen: _Seen) -> bool:
+        """Whether there is a direction that it could turn to on the spot and drive on in."""
+        yaw = np.linspace(-math.pi, math.pi, _DIRECTIONS, endpoint=False, dtype=np.float32)
+        way = np.linspace(0.0, _OPEN_AHEAD, 7, dtype=np.float32)[1:, None]
+        room = self._room(seen.obstacles, way * np.cos(yaw), way * np.sin(yaw), yaw + 0.0 * way)
+        needed = np.minimum(self.config.clearance, seen.here + 0.1 * way) - _ROUNDING
+        return bool((room >= needed).all(axis=0).any())
+
+    def _take_up(self, plan: Singles) -> tuple[float, float]:
+        """Go on from this plan (2, steps), by its first velocities."""
+        self._plan = plan.copy()
+        return float(plan[0, 0]), float(plan[1, 0])
+
+    def _look(self, rollouts: _Rollouts, situation: Situation) -> _Seen:
+        """What stands and where the path goes, as far as the rollouts come."""
+        params, border = self.config, self._half * self.config.resolution
+        around = np.array(
+            [
+                [min(float(each.min()), 0.0), max(float(each.max()), 0.0)]
+                for each in (rollouts.x, rollouts.y)
+            ]
+        ).clip(-border, border)
+        # The mean of plans, driven faster, may come a little farther than any of them.
+        (low, high) = around.T + np.array([[-1.0], [1.0]]) * (float(self._free) + _FARTHER)
+        near = (situation.obstacles > low) & (situation.obstacles < high)
+        standing = _standing(situation.obstacles[near.all(axis=1)], situation.movers)
+        obstacles = PointField(standing, tuple(low), tuple(high), params.resolution)
+        origin = np.zeros(1, dtype=np.float32)
+        here = float(self._room(obstacles, origin, origin, origin)[0])
+
+        path, left, course = self._ahead(situation, obstacles)
+        within = np.clip(path, -border, border)
+        low, high = (
+            np.minimum(around[:, 0], within.min(axis=0)),
+            np.maximum(around[:, 1], within.max(axis=0)),
+        )
+        ahead = PointField(path, tuple(low), tuple(high), border / _PATH_CELLS)
+        return _Seen(obstacles, here, ahead, path, left, course)
+
+    def _brake(self, seen: _Seen, situation: Situation) -> tuple[float, float]:
         """As hard as it can, and turned to where most room is left while it comes to rest.
 
         What lay behind something else is seen late: then the way straight on is not the best one.
         """
         turns = np.linspace(-1.0, 1.0, _BRAKING) * self._angular.max_vel
-        wanted = np.zeros((_BRAKING, self._steps, 2), dtype=np.float32)
-        wanted[:, :, 1] = turns[:, None]
-        plans = self._feasible(wanted, situation)
+        wanted = np.zeros((2, self._steps, _BRAKING), dtype=np.float32)
+        wanted[1] = turns
+        v, omega = plans = self._feasible(wanted, situation)
         # It stands when it has stopped: turning on the spot is looked at anew then.
-        v, omega = plans[:, :, 0], plans[:, :, 1] * (plans[:, :, 0] > 0.0)
+        omega = omega * (v > 0.0)
         # In finer steps than plans have: all of it is over within a few of them.
-        v, omega = np.repeat(v, _FINER, axis=1), np.repeat(omega, _FINER, axis=1)
+        v, omega = np.repeat(v, _FINER, axis=0), np.repeat(omega, _FINER, axis=0)
         step = np.float32(self._step_time / _FINER)
-        yaw: Singles = np.cumsum(omega, axis=1) * step
-        x: Singles = np.cumsum(v * np.cos(yaw), axis=1) * step
-        y: Singles = np.cumsum(v * np.sin(yaw), axis=1) * step
-        room = self._room(field, x, y, yaw).min(axis=1)
+        yaw: Singles = np.cumsum(omega, axis=0) * step
+        x: Singles = np.cumsum(v * np.cos(yaw), axis=0) * step
+        y: Singles = np.cumsum(v * np.sin(yaw), axis=0) * step
+        room = self._room(seen.obstacles, x, y, yaw).min(axis=0)
         # Of equally good ones the one that turns least.
         best = int(np.lexsort((np.abs(turns), -np.round(room, 3)))[0])
-        return 0.0, float(plans[best, 0, 1])
+        return 0.0, float(plans[1, 0, best])
 
-    def _home(self, situation: Situation, field: _Field, here: float) -> tuple[float, float] | None:
+    def _home(self, seen: _Seen, situation: Situation) -> tuple[float, float] | None:
         """The last bit of the way as pure pursuit drives it, if that is free; else None.
 
         There what a plan still wins by coming nearer is less than what the noise makes of it: the
@@ -311,37 +361,36 @@ class MPPI(PathFollower[MPPIParams]):
             return None  # the path comes back on itself
         if distance <= 0.7 * self.config.goal_tolerance:
             bearing = 0.0  # on the spot: where it lies does not matter any more
-        plan = np.zeros((1, self._steps, 2), dtype=np.float32)
+        plan = np.zeros((2, self._steps, 1), dtype=np.float32)
         if abs(bearing) > _ASIDE:
             rate = stopping_speed(abs(bearing), 0.5 * self._angular.max_decel, 1.5 * situation.dt)
             rate = max(min(rate, self._angular.max_vel), self.config.min_turn_rate)
-            plan[0, 0, 1] = math.copysign(min(rate, abs(bearing) / self._step_time), bearing)
+            plan[1, 0] = math.copysign(min(rate, abs(bearing) / self._step_time), bearing)
         else:
             curvature = 2.0 * math.sin(bearing) / max(distance, 0.05)
             way = np.arange(1, self._steps + 1) * situation.allowed_speed * self._step_time
             steps = np.diff(np.minimum(way, distance), prepend=0.0) / self._step_time
             plan[0, :, 0] = steps
-            plan[0, :, 1] = curvature * steps
-        plan = self._feasible(plan, situation)
-        if self._cost(plan, field, here, situation)[0] >= _CONTACT:
+            plan[1, :, 0] = curvature * steps
+        straight = self._roll_out(plan, situation)
+        if self._cost(straight, seen, situation)[0] >= _CONTACT:
             return None
-        self._plan = plan[0]
-        return float(plan[0, 0, 0]), float(plan[0, 0, 1])
+        return self._take_up(straight.plans[:, :, 0])
 
     def _draw(self, random: np.random.Generator) -> Singles:
-        """Noise (banks, rollouts, steps, 2) in velocity [m/s] and turning rate [rad/s]."""
+        """Noise (banks, 2, steps, rollouts) in velocity [m/s] and turning rate [rad/s]."""
         params = self.config
-        knots = random.standard_normal((_BANKS, params.rollouts, _KNOTS, 2))
+        knots = random.standard_normal((_BANKS, params.rollouts, _KNOTS, 2)).transpose(0, 3, 2, 1)
         at = np.linspace(0.0, _KNOTS - 1.0, self._steps)
         low = np.minimum(at.astype(np.int64), _KNOTS - 2)
         share = (at - low)[:, None]
         noise = knots[:, :, low] * (1.0 - share) + knots[:, :, low + 1] * share
-        noise[..., 0] *= params.speed_noise * self._linear.max_vel
-        noise[..., 1] *= params.turn_noise * self._angular.max_vel
-        return noise.astype(np.float32)
+        noise[:, 0] *= params.speed_noise * self._linear.max_vel
+        noise[:, 1] *= params.turn_noise * self._angular.max_vel
+        return np.ascontiguousarray(noise, dtype=np.float32)
 
     def _plain(self) -> Singles:
-        """Plans (N, steps, 2) that noise around the last one would rarely meet.
+        """Plans (2, steps, N) that noise around the last one would rarely meet.
 
         To stop, to turn, to drive an arc, to step aside, and to step aside and come back.
         """
@@ -363,164 +412,221 @@ class MPPI(PathFollower[MPPIParams]):
             for heading in (-1.1, -0.7, -0.35, 0.35, 0.7, 1.1)
             for rate in (2.0 * heading / horizon * aside, 4.0 * heading / horizon * back)
         ]
-        both = [np.column_stack([share * top * steady, rate]) for share, rate in plans]
-        return np.array(both, dtype=np.float32)
+        both = [[share * top * steady, rate] for share, rate in plans]
+        return np.ascontiguousarray(np.transpose(both, (1, 2, 0)), dtype=np.float32)
 
     def _candidates(self, situation: Situation) -> Singles:
-        """Plans (N, steps, 2) to be looked at, whether the robot could do them or not."""
+        """Plans (2, steps, N) to be looked at, whether the robot could do them or not."""
         at = np.arange(self._steps) + situation.dt / self._step_time
-        moved = np.empty_like(self._plan)
-        for axis in range(2):
-            moved[:, axis] = np.interp(at, np.arange(self._steps), self._plan[:, axis])
+        moved = np.array([np.interp(at, np.arange(self._steps), axis) for axis in self._plan])
         self._bank = (self._bank + 1) % _BANKS
-        plans: Singles = moved + self._noise[self._bank]
-        plans[0] = moved
-        plans[1 : 1 + len(self._fixed)] = self._fixed
+        plans: Singles = self._noise[self._bank] + moved[:, :, None].astype(np.float32)
+        plans[:, :, 0] = moved
+        plans[:, :, 1 : 1 + self._fixed.shape[2]] = self._fixed
         return plans
 
     def _feasible(self, plans: Singles, situation: Situation) -> Singles:
-        """The same plans within the robot's speeds and accelerations, from its velocity on."""
+        """Make plans (2, steps, N) keep to the robot's speeds and accelerations."""
         step = self._step_time
         linear, angular = self._linear, self._angular
-        top = np.minimum(linear.max_vel, situation.allowed_speed)
-        v = np.clip(plans[:, :, 0], 0.0, top)
-        omega = np.clip(plans[:, :, 1], -angular.max_vel, angular.max_vel)
-        speed = np.full(len(plans), max(situation.speed, 0.0), dtype=np.float32)
-        rate = np.full(len(plans), situation.turn_rate, dtype=np.float32)
-        faster, slower = linear.max_acc * step, linear.max_decel * step
-        bend = angular.max_acc * step
-        for index in range(plans.shape[1]):
-            speed = np.clip(v[:, index], speed - slower, speed + faster)
+        top = min(linear.max_vel, situation.allowed_speed)
+        np.clip(plans[0], 0.0, np.float32(top), out=plans[0])
+        speed = np.full(plans.shape[2], max(situation.speed, 0.0), dtype=np.float32)
+        rate = np.full_like(speed, situation.turn_rate)
+        faster, slower, bend, slip, slowest, fastest = (
+            np.float32(each)
+            for each in (
+                linear.max_acc * step,
+                linear.max_decel * step,
+                angular.max_acc * step,
+                self.config.lateral_acceleration,
+                1e-3,
+                angular.max_vel,
+            )
+        )
+        least, most = np.empty_like(speed), np.empty_like(speed)
+        for v, omega in zip(*plans, strict=True):
+            np.maximum(v, np.subtract(speed, slower, out=least), out=v)
+            speed = np.minimum(v, np.add(speed, faster, out=most), out=v)
             # Whoever wants to turn tightly slows down first: a wheel that slips turns nothing.
-            tightest = self.config.lateral_acceleration / np.maximum(speed, 1e-3)
-            wanted = np.clip(omega[:, index], -tightest, tightest)
-            rate = np.clip(wanted, rate - bend, rate + bend)
-            v[:, index], omega[:, index] = speed, rate
-        out: Singles = np.stack([v, omega], axis=2)
-        return out
+            np.divide(slip, np.maximum(speed, slowest, out=most), out=most)
+            np.minimum(most, fastest, out=most)
+            np.minimum(omega, most, out=omega)
+            np.maximum(omega, np.negative(most, out=most), out=omega)
+            np.maximum(omega, np.subtract(rate, bend, out=least), out=omega)
+            rate = np.minimum(omega, np.add(rate, bend, out=most), out=omega)
+        return plans
 
-    def _cost(self, plans: Singles, field: _Field, here: float, situation: Situation) -> Floats:
-        """What each plan (N, steps, 2) costs (N,); _CONTACT and more for those with a contact."""
-        params, step = self.config, self._step_time
-        v, omega = plans[:, :, 0], plans[:, :, 1]
+    def _roll_out(self, plans: Singles, situation: Situation) -> _Rollouts:
+        """Where plans (2, steps, N), which become feasible, lead."""
+        v, omega = self._feasible(plans, situation)
+        step = np.float32(self._step_time)
+        x, y, yaw = (np.empty((len(v) + len(_HELD_FOR), v.shape[1]), np.float32) for _ in range(3))
+        steps = len(v)
         # Where the robot will be when it takes the plan up, which it does not until then.
-        begin = np.float32(params.delay * situation.turn_rate)
-        ahead = np.float32(params.delay * max(situation.speed, 0.0))
-        yaw = begin + np.cumsum(omega, axis=1) * step
-        middle = yaw - 0.5 * step * omega
-        x = ahead * np.cos(begin / 2) + np.cumsum(v * np.cos(middle), axis=1) * step
-        y = ahead * np.sin(begin / 2) + np.cumsum(v * np.sin(middle), axis=1) * step
+        begin = np.float32(self.config.delay * situation.turn_rate)
+        ahead = np.float32(self.config.delay * max(situation.speed, 0.0))
+        np.multiply(omega, step, out=yaw[:steps])
+        middle = yaw[:steps] * np.float32(-0.5)
+        way = v * step
+        yaw[0] += begin
+        for index in range(1, steps):
+            yaw[index] += yaw[index - 1]
+        middle += yaw[:steps]
+        np.multiply(np.cos(middle), way, out=x[:steps])
+        np.multiply(np.sin(middle, out=middle), way, out=y[:steps])
+        x[0] += ahead * np.cos(begin / 2)
+        y[0] += ahead * np.sin(begin / 2)
+        for index in range(1, steps):
+            x[index] += x[index - 1]
+            y[index] += y[index - 1]
 
-        room = self._room(field, x, y, yaw) - params.clearance
-        nearness = np.clip(1.0 - room / params.obstacle_range, 0.0, 1.0)
+        # What looks at single commands, as the drive manager does, cannot know of the turn that a
+        # plan has in mind: one that would lead too close by itself would not be carried out.
+        fastest = v[0] + np.abs(omega[0]) * np.float32(self._body.radius)
+        seconds = np.minimum(np.float32(_HELD) / np.maximum(fastest, 1e-3), 1.0) * _HELD_FOR
+        np.multiply(seconds, omega[0], out=yaw[steps:])
+        seconds *= v[0]
+        middle = yaw[steps:] * np.float32(0.5)
+        np.multiply(seconds, np.cos(middle), out=x[steps:])
+        np.multiply(seconds, np.sin(middle), out=y[steps:])
+        return _Rollouts(plans, x, y, yaw)
+
+    def _cost(self, rollouts: _Rollouts, seen: _Seen, situation: Situation) -> Floats:
+        """What each rollout costs (N,); _CONTACT and more for those with a contact."""
+        params, steps = self.config, self._steps
+        needed = self._needed(rollouts, seen)
+        away = seen.obstacles.at(rollouts.x, rollouts.y)
+        cost = np.full(rollouts.count, _CONTACT)
+        # By the largest circle that the body holds: most of what touches something does so there.
+        surely = self._body.inscribed_radius - params.resolution
+        alive = np.flatnonzero((away >= needed + np.float32(surely)).all(axis=0))
+        rollouts, needed, away = rollouts.only(alive), needed.take(alive, 1), away.take(alive, 1)
+        room = self._room(seen.obstacles, rollouts.x, rollouts.y, rollouts.yaw, away)
+        free = np.flatnonzero((room >= needed).all(axis=0))
+        alive, rollouts, room = alive.take(free), rollouts.only(free), room[:steps].take(free, 1)
+        if not len(alive):
+            return cost
+        v, omega = rollouts.plans
+        room -= np.float32(params.clearance)
+        nearness = np.clip(1.0 - room / np.float32(params.obstacle_range), 0.0, 1.0)
         # The faster, the farther off what is planned comes out.
-        hasty = np.maximum(v - (_SLOW + np.maximum(room, 0.0) / _BESIDE), 0.0).mean(axis=1)
-        # A robot that stands too close already may go wherever it comes no closer.
-        travelled = np.cumsum(v, axis=1) * step
-        needed = np.minimum(0.0, here - params.clearance + 0.1 * travelled)
-        contact = (room < needed + _STRAY * np.maximum(v - _SLOW, 0.0) - _ROUNDING).any(axis=1)
+        hasty = np.maximum(v - (_SLOW + np.maximum(room, 0.0) / np.float32(_BESIDE)), 0.0)
+        x, y = rollouts.x[:steps], rollouts.y[:steps]
+        meets = np.zeros(len(alive), dtype=bool)
         if len(situation.movers):
             close, meets = self._people(situation, x, y, v)
             nearness = np.maximum(nearness, close)
-            contact |= meets
-        contact |= self._held(plans, field) < min(0.0, here) - _ROUNDING
-
-        off, along, course = self._along(situation, x, y)
-        facing = np.abs(wrap_angle(yaw[:, -1] - course))
-        change = np.abs(np.diff(v, axis=1)).mean(axis=1) / self._linear.max_vel
-        change += np.abs(np.diff(omega, axis=1)).mean(axis=1) / self._angular.max_vel
-        cost: Floats = (
+        off, along, course = seen.along(x, y)
+        facing = np.abs(wrap_angle(rollouts.yaw[steps - 1] - course))
+        change = np.abs(np.diff(v, axis=0)).mean(axis=0) / self._linear.max_vel
+        change += np.abs(np.diff(omega, axis=0)).mean(axis=0) / self._angular.max_vel
+        cost[alive] = (
             params.path_weight * off
             + params.progress_weight * along
             + params.heading_weight * facing
-            + params.obstacle_weight * (nearness * nearness).mean(axis=1)
+            + params.obstacle_weight * (nearness * nearness).mean(axis=0)
             + params.smoothness_weight * change
-            + _HASTE * hasty
-            + _CONTACT * contact
+            + _HASTE * hasty.mean(axis=0)
+            + _CONTACT * meets
         )
         return cost
+
+    def _needed(self, rollouts: _Rollouts, seen: _Seen) -> Singles:
+        """Room (steps + 2, N) that rollouts must have where they lead [m]."""
+        params, steps = self.config, self._steps
+        v = rollouts.plans[0]
+        needed = np.empty_like(rollouts.x)
+        stray = np.subtract(v, np.float32(_SLOW), out=needed[:steps])
+        np.maximum(stray, np.float32(0.0), out=stray)
+        stray *= np.float32(_STRAY)
+        needed[:steps] += np.float32(params.clearance - _ROUNDING)
+        lacking = seen.here - params.clearance
+        if lacking < 0.0:
+            # A robot that stands too close already may go wherever it comes no closer.
+            travelled = np.cumsum(v, axis=0) * np.float32(0.1 * self._step_time)
+            needed[:steps] += np.minimum(0.0, np.float32(lacking) + travelled)
+        needed[steps:] = min(0.0, seen.here) - _ROUNDING
+        return needed
 
     def _people(
         self, situation: Situation, x: Singles, y: Singles, v: Singles
     ) -> tuple[Singles, NDArray[np.bool_]]:
-        """Nearness (N, steps) of what moves, 0 … 1, and which plans (N,) drive into it.
+        """Nearness (steps, N) of what moves, 0 … 1, and which plans (N,) drive into it.
 
         Whoever stands is walked round, so a plan that stands when somebody comes is a good one.
         """
         movers = situation.movers
-        times = self.config.delay + self._step_time * np.arange(1, x.shape[1] + 1)
-        at_x, at_y = (each.astype(np.float32) for each in predicted(movers, times))
+        times: Floats = self.config.delay + self._step_time * np.arange(1.0, len(x) + 1.0)
+        at_x, at_y = (each.astype(np.float32)[:, :, None] for each in predicted(movers, times))
         nearness = np.zeros_like(x)
-        meets = np.zeros(len(x), dtype=bool)
+        meets = np.zeros(x.shape[1], dtype=bool)
         for index, radius in enumerate(movers[:, 4].tolist()):
             kept = np.float32(radius + self._body.radius + _PERSONAL)
             room = np.hypot(x - at_x[index], y - at_y[index]) - kept
             now = float(np.hypot(*movers[index, :2]) - kept)
             nearness = np.maximum(nearness, np.clip(1.0 - room / _SHY, 0.0, 1.0))
-            meets |= ((room < min(0.0, now)) & (v > _STANDS)).any(axis=1)
+            meets |= ((room < min(0.0, now)) & (v > _STANDS)).any(axis=0)
         return nearness, meets
 
-    def _held(self, plans: Singles, field: _Field) -> Singles:
-        """Room left (N,) where each plan's first twist leads within the gate's reach [m].
+    def _room(
+        self,
+        field: PointField,
+        x: Singles,
+        y: Singles,
+        yaw: Singles,
+        away: Singles | None = None,
+    ) -> Singles:
+        """Distance between the body at poses of any shape and the nearest obstacle [m].
 
-        What looks at single commands, as the drive manager does, cannot know of the turn that a
-        plan has in mind: a command that would lead too close by itself would not be carried out.
+        Where that is more than counts, of the circle around the body: the outline is looked at
+        only near something. ``away`` is the distance from the body's middle, if it is known.
         """
-        v, omega = plans[:, 0, 0], plans[:, 0, 1]
-        fastest = v + np.abs(omega) * np.float32(self._body.radius)
-        seconds = np.minimum(np.float32(_HELD) / np.maximum(fastest, 1e-3), 1.0)[:, None]
-        seconds = seconds * np.array([0.5, 1.0], dtype=np.float32)
-        yaw = seconds * omega[:, None]
-        way = seconds * v[:, None]
-        out: Singles = self._room(field, way * np.cos(yaw / 2), way * np.sin(yaw / 2), yaw).min(
-            axis=1
-        )
-        return out
-
-    def _room(self, field: _Field, x: Singles, y: Singles, yaw: Singles) -> Singles:
-        """Distance between the body at poses of any shape and the nearest obstacle [m]."""
+        away = field.at(x, y) if away is None else away
+        room: Singles = away - np.float32(self._body.radius)
         centres, radius = self._body.discs
-        if len(centres) == 1:
-            return field.at(x, y) - np.float32(radius)
-        cos, sin = np.cos(yaw), np.sin(yaw)
-        nearest = np.full(x.shape, np.inf, dtype=np.float32)
-        for px, py in centres.astype(np.float32):
-            distance = field.at(x + px * cos - py * sin, y + px * sin + py * cos)
-            np.minimum(nearest, distance, out=nearest)
-        nearest -= np.float32(radius)
-        return nearest
+        if len(centres) > 1:
+            near = np.flatnonzero(away < self._free)
+            x, y, yaw = (each.ravel().take(near) for each in (x, y, yaw))
+            discs = field.least(x, y, np.cos(yaw), np.sin(yaw), centres.astype(np.float32))
+            room.ravel()[near] = discs - np.float32(radius)
+        return room
 
-    def _along(self, situation: Situation, x: Singles, y: Singles) -> tuple[Floats, Floats, Floats]:
-        """Mean distance from the path [m], what is left of its part ahead [m], its course there."""
-        path, left, course = self._ahead(situation)
-        spacing = self._half * self.config.resolution / _PATH_CELLS
-        cells = _Nearest(spacing, _PATH_CELLS, path)
-        off = cells.distance.at(x, y).mean(axis=1)
-        nearest = cells.index(x[:, -1], y[:, -1])
-        # Between two points of the path: by the way along its course.
-        dx, dy = x[:, -1] - path[nearest, 0], y[:, -1] - path[nearest, 1]
-        cos, sin = np.cos(course[nearest]), np.sin(course[nearest])
-        onward = np.clip(dx * cos + dy * sin, -_PATH_SPACING, _PATH_SPACING)
-        beside = np.hypot(dx - onward * cos, dy - onward * sin)
-        return off, left[nearest] - onward + beside, course[nearest]
-
-    def _ahead(self, situation: Situation) -> tuple[Floats, Floats, Floats]:
+    def _ahead(self, situation: Situation, obstacles: PointField) -> tuple[Floats, Floats, Floats]:
         """Points (N, 2) of the path within reach, in the base frame; what is left; its course."""
         tracker = situation.tracker
         here = inverse((situation.x, situation.y, situation.yaw))
         if situation.homing:
             goal = transform_points(here, [tracker.goal])
             return goal, np.zeros(1), np.arctan2(goal[:, 1], goal[:, 0])
-        end = min(tracker.progress + self._reach, tracker.length)
+        # Beyond its end the path goes straight on where that is free. Plans are to come as far as
+        # they can; were they to stop there, a slow one would be as good as one that is there
+        # sooner. What makes the robot stop at the goal is the speed that it is allowed.
+        beyond = tracker.progress + self._reach - tracker.length
+        if beyond > 0.0:
+            beyond = self._straight_on(beyond, situation, obstacles)
+        end = min(tracker.progress + self._reach, tracker.length + max(beyond, 0.0))
         count = max(2, min(_MOST_PATH_POINTS, math.ceil((end - tracker.progress) / _PATH_SPACING)))
         at = np.linspace(tracker.progress, end, count)
-        path = transform_points(here, np.array([tracker.point_at(float(s)) for s in at]))
-        course = np.array([tracker.heading_at(float(s)) for s in at]) - situation.yaw
+        path = transform_points(here, tracker.points_at(at))
+        course = tracker.headings_at(at) - situation.yaw
         # Where the path comes back on itself, what lies behind the turn is not yet to be reached.
         back = np.abs(np.unwrap(course) - course[0]) > _TURNED_BACK
         until = int(np.argmax(back)) if back.any() else count
         until = max(until, 2)
         return path[:until], at[until - 1] - at[:until], course[:until]
+
+    def _straight_on(self, most: float, situation: Situation, obstacles: PointField) -> float:
+        """How far the body could go on straight from the path's end with room to spare [m]."""
+        tracker = situation.tracker
+        here = inverse((situation.x, situation.y, situation.yaw))
+        further = np.linspace(0.0, most, max(2, math.ceil(most / (2.0 * _PATH_SPACING))))
+        places = transform_points(here, tracker.points_at(tracker.length + further))
+        x, y = places.astype(np.float32).T
+        yaw = np.full_like(x, tracker.end_heading - situation.yaw)
+        room = self._room(obstacles, x, y, yaw)
+        narrow = room < self.config.clearance + 0.5 * self.config.obstacle_range
+        return float(further[max(int(np.argmax(narrow)) - 1, 0)] if narrow.any() else most)
 
 
 def _standing(points: Floats, movers: Floats) -> Floats:
@@ -530,78 +636,72 @@ def _standing(points: Floats, movers: Floats) -> Floats:
     return points
 
 
-class _Field:
-    """Values on a square grid around the robot, in the base frame.
+@dataclass(frozen=True, eq=False)
+class _Rollouts:
+    """Plans and where they lead, in the base frame.
 
-    Parameters
+    Attributes
     ----------
-    per_metre
-        Cells [1/m].
-    half
-        Cells from the robot to the border.
-    values
-        (2 half + 1, 2 half + 1), by row (y) and column (x).
+    plans
+        (2, steps, N): velocities and turning rates.
+    x, y, yaw
+        (steps + 2, N): after each step [m, m, rad], and last where the first twist alone leads
+        within the drive manager's reach.
     """
 
-    def __init__(self, per_metre: float, half: int, values: Singles) -> None:
-        self._per_metre, self._half, self._n = np.float32(per_metre), np.float32(half), 2 * half + 1
-        self._last = np.float32(2 * half - 0.001)
-        self._flat = values.ravel()
+    plans: Singles
+    x: Singles
+    y: Singles
+    yaw: Singles
 
-    def at(self, x: Singles, y: Singles) -> Singles:
-        """Interpolated between cells, at places of any shape; beyond the border its values."""
-        u, v = x * self._per_metre, y * self._per_metre
-        for index in (u, v):
-            index += self._half
-            np.clip(index, 0.0, self._last, out=index)
-        col, row = u.astype(np.int32), v.astype(np.int32)
-        u -= col
-        v -= row
-        i = row * self._n + col
-        flat, n = self._flat, self._n
-        low, high = flat.take(i), flat.take(i + n)
-        low += (flat.take(i + 1) - low) * u
-        high += (flat.take(i + n + 1) - high) * u
-        high -= low
-        high *= v
-        low += high
-        return low
+    @property
+    def count(self) -> int:
+        return len(self.x[0])
+
+    def only(self, which: NDArray[np.int64]) -> _Rollouts:
+        """Some of them, by their numbers."""
+        if len(which) == self.count:
+            return self
+        return _Rollouts(
+            self.plans.take(which, 2), *(each.take(which, 1) for each in (self.x, self.y, self.yaw))
+        )
 
 
-class _Nearest:
-    """The nearest of given points from everywhere on a square grid around the robot.
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """What one cycle's plans are judged by, in the base frame.
 
-    Which one it is may be off by what is left of a cell; how far it is, is not.
-
-    Parameters
+    Attributes
     ----------
-    resolution
-        [m]
-    half
-        Cells from the robot to the border.
-    points
-        (N, 2) in the base frame [m]; those beyond the border count as the nearest cells on it.
+    obstacles
+        Distance from them.
+    here
+        What room the robot has now [m].
+    ahead
+        Distance from the path ahead, which is
+    path
+        its points (M, 2),
+    left
+        how much of it comes after each (M,) [m],
+    course
+        and its direction there (M,) [rad].
     """
 
-    def __init__(self, resolution: float, half: int, points: Floats) -> None:
-        n = 2 * half + 1
-        self._resolution, self._half, self._n = resolution, half, n
-        if not len(points):
-            far = np.full((n, n), n * resolution, dtype=np.float32)
-            self.distance = _Field(1.0 / resolution, half, far)
-            return
-        cell = np.clip(np.rint(points / resolution), -half, half).astype(np.int64) + half
-        which = np.full((n, n), -1, dtype=np.int64)
-        which[cell[:, 1], cell[:, 0]] = np.arange(len(points))
-        row, col = distance_transform_edt(which < 0, return_distances=False, return_indices=True)
-        self._which = which[row, col]
-        at = (np.arange(n) - half) * resolution
-        away = np.hypot(points[self._which, 0] - at[None, :], points[self._which, 1] - at[:, None])
-        self.distance = _Field(1.0 / resolution, half, away.astype(np.float32))
+    obstacles: PointField
+    here: float
+    ahead: PointField
+    path: Floats
+    left: Floats
+    course: Floats
 
-    def index(self, x: Singles, y: Singles) -> NDArray[np.int64]:
-        """Of the nearest point, at places (M,)."""
-        col = np.clip(np.rint(x / self._resolution), -self._half, self._half).astype(np.int64)
-        row = np.clip(np.rint(y / self._resolution), -self._half, self._half).astype(np.int64)
-        out: NDArray[np.int64] = self._which[row + self._half, col + self._half]
-        return out
+    def along(self, x: Singles, y: Singles) -> tuple[Singles, Floats, Floats]:
+        """Of places (steps, N): mean distance from the path [m], what is left of it, its course."""
+        off: Singles = self.ahead.at(x, y).mean(axis=0)
+        nearest = self.ahead.index(x[-1], y[-1])
+        course = self.course[nearest]
+        # Between two points of the path: by the way along its course.
+        dx, dy = x[-1] - self.path[nearest, 0], y[-1] - self.path[nearest, 1]
+        cos, sin = np.cos(course), np.sin(course)
+        onward = np.clip(dx * cos + dy * sin, -_PATH_SPACING, _PATH_SPACING)
+        beside = np.hypot(dx - onward * cos, dy - onward * sin)
+        return off, self.left[nearest] - onward + beside, course

@@ -117,6 +117,10 @@ class PathTracker:
         """The path's direction at arc length ``s`` [rad], turning gradually between its legs."""
         return float(wrap_angle(float(np.interp(s, self._middles, self._headings))))
 
+    def headings_at(self, s: Floats) -> Floats:
+        """The directions (N,) at arc lengths ``s`` (N,); as :meth:`heading_at`."""
+        return wrap_angle(np.interp(s, self._middles, self._headings))
+
     def sharpest(self, start: float, end: float) -> float:
         """The largest |curvature| [1/m] between two arc lengths."""
         at = np.linspace(start, end, 8)

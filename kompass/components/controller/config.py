@@ -50,7 +50,7 @@ class ControllerConfig(SensorSettings):
     }
 
     loop_rate: float = Field(default=20.0, ge=0.1, le=1e3, description="Hz")
-    algorithm: Annotated[ControllersID, _by_value(ControllersID)] = ControllersID.DWA
+    algorithm: Annotated[ControllersID, _by_value(ControllersID)] = ControllersID.MPPI
     control_time_step: float = Field(
         default=0.1, gt=0, le=10, description="s that one command holds"
     )
