@@ -26,6 +26,7 @@ from kompass_console.api import (
     insight,
     live,
     localisation,
+    log,
     missions,
     page,
     places,
@@ -86,6 +87,7 @@ def create_app(console: Console | None) -> FastAPI:
                 console.rules_feed.run(console.link.rules, console.settings.robot_name)
             ),
             asyncio.create_task(console.sockets.run()),
+            asyncio.create_task(console.webhooks.run(lambda: _builder(console)(0, 0))),
         )
         yield
         for task in feeding:
@@ -114,6 +116,7 @@ def create_app(console: Console | None) -> FastAPI:
         missions.router,
         places.router,
         timeline.router,
+        log.router,
         zones.router,
         localisation.router,
         stop.router,
@@ -172,6 +175,7 @@ def _builder(console: Console) -> Any:
         viewers,
         control=console.control.info(),
         audit_problem=console.audit.log.problem,
+        webhook_problem=console.webhooks.problem,
     )
 
 

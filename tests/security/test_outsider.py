@@ -165,7 +165,16 @@ def test_nothing_that_a_stranger_sends_is_an_error_of_ours(
     console: Served, caplog: pytest.LogCaptureFixture
 ) -> None:
     chance = random.Random(10)
-    paths = ["/", "/api/login", "/api/session", "/api/stop", "/api/views/x", "/scene/x/", "/x"]
+    paths = [
+        "/",
+        "/api/login",
+        "/api/session",
+        "/api/stop",
+        "/api/stop/without-login",
+        "/api/views/x",
+        "/scene/x/",
+        "/x",
+    ]
     bodies = [
         "", "{", "null", "[]", '{"token": 1}', '{"token": "\\ud800"}', '{"\\ud800": 1}',
         '{"token": "' + "x" * 5000 + '"}', "[" * 3000, '{"token": 1e999, "user": NaN}', "\x00",

@@ -52,6 +52,7 @@ import { SidePanel } from "./SidePanel";
 import { StatusLine } from "./StatusLine";
 import { ToolRail } from "./ToolRail";
 import { TopBar } from "./TopBar";
+import { WebhookBand } from "./WebhookBand";
 
 export function ConsolePage({ onRefused }: { onRefused: () => void }) {
   return (
@@ -350,6 +351,7 @@ function SceneStack({
         <ControlBand />
         <BatteryBand onGo={onGo} />
         <AuditBand />
+        <WebhookBand />
         <AlarmsBand />
         {!rulesOpen && <ProbationBand />}
         {view !== null && error !== null && (
