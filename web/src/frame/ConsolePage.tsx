@@ -52,6 +52,7 @@ import { SidePanel } from "./SidePanel";
 import { StatusLine } from "./StatusLine";
 import { ToolRail } from "./ToolRail";
 import { TopBar } from "./TopBar";
+import { UpdateBand } from "./UpdateBand";
 import { WebhookBand } from "./WebhookBand";
 
 export function ConsolePage({ onRefused }: { onRefused: () => void }) {
@@ -352,6 +353,7 @@ function SceneStack({
         <BatteryBand onGo={onGo} />
         <AuditBand />
         <WebhookBand />
+        <UpdateBand />
         <AlarmsBand />
         {!rulesOpen && <ProbationBand />}
         {view !== null && error !== null && (
