@@ -95,10 +95,11 @@ IdleLimit = Annotated[
         help="Hours after which somebody has to log in again who had no page open.",
     ),
 ]
-StopWithoutLogin = Annotated[
+NoOpenStop = Annotated[
     bool,
     typer.Option(
-        help="Whether the log-in page has a STOP, for whoever reaches the console. It only stops."
+        "--no-stop-without-login",
+        help="No STOP on the log-in page, which whoever reaches the console may press.",
     ),
 ]
 Webhooks = Annotated[
@@ -181,7 +182,7 @@ def run(
     tls_key: TlsKey = None,
     trusted_proxy: TrustedProxy = None,
     idle_limit: IdleLimit = 12.0,
-    stop_without_login: StopWithoutLogin = True,
+    no_stop_without_login: NoOpenStop = False,
     webhooks: Webhooks = None,
     data_dir: DataDir = None,
     safe_mode: SafeMode = False,
@@ -199,7 +200,7 @@ def run(
     from kompass_console.stack import ConsoleListener, Door, run_recipe
 
     called = _prepare(name, sim, data_dir, safe_mode=safe_mode, no_record=no_record)
-    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit, stop_without_login)
+    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit, not no_stop_without_login)
     console = ConsoleListener(host, port, not no_browser, called, token, ros, door, webhooks)
     run_recipe(recipe, console, sim, fault or [], robot)
 
@@ -221,7 +222,7 @@ def demo(
     tls_key: TlsKey = None,
     trusted_proxy: TrustedProxy = None,
     idle_limit: IdleLimit = 12.0,
-    stop_without_login: StopWithoutLogin = True,
+    no_stop_without_login: NoOpenStop = False,
     webhooks: Webhooks = None,
     data_dir: DataDir = None,
     safe_mode: SafeMode = False,
@@ -235,7 +236,7 @@ def demo(
     from kompass_console.stack import ConsoleListener, Door, run_recipe
 
     robot = _prepare(name, world, data_dir, safe_mode=safe_mode, no_record=no_record)
-    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit, stop_without_login)
+    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit, not no_stop_without_login)
     console = ConsoleListener(host, port, not no_browser, robot, token, ros, door, webhooks)
     run_recipe(recipe_path("01_point_navigation.py"), console, world, fault or [])
 
@@ -254,7 +255,7 @@ def attach(
     tls_key: TlsKey = None,
     trusted_proxy: TrustedProxy = None,
     idle_limit: IdleLimit = 12.0,
-    stop_without_login: StopWithoutLogin = True,
+    no_stop_without_login: NoOpenStop = False,
     webhooks: Webhooks = None,
 ) -> None:
     """Show a stack that something else started, on this machine or another of the ROS domain."""
@@ -262,7 +263,7 @@ def attach(
     choose_key(robot_key)
     from kompass_console.stack import ConsoleListener, Door, run_attached
 
-    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit, stop_without_login)
+    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit, not no_stop_without_login)
     robot = name or _robot_name(None)
     run_attached(ConsoleListener(host, port, not no_browser, robot, token, ros, door, webhooks))
 
