@@ -49,6 +49,7 @@ class Webhook(BaseModel):
         try:
             parts = urlsplit(url)
             port = parts.port
+            (parts.hostname or "").encode("idna")  # as it is looked up
         except ValueError as error:
             raise ValueError(f"is no address ({error}); write https://host/path") from None
         if parts.scheme not in ("http", "https") or not parts.hostname or port == 0:

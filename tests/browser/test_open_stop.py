@@ -14,6 +14,12 @@ from tests.support.stack import TOKEN, Stack
 pytestmark = pytest.mark.browser
 
 
+def stopped_by(robot: Robot) -> str:
+    """Who has stopped the robot, once another client than the console has heard of it."""
+    wait_until(lambda: robot.newest["/drive_state"].stopped, 5.0, "that the robot is stopped")
+    return str(robot.newest["/drive_state"].stopped_by)
+
+
 @pytest.mark.parametrize(("width", "height"), [(1120, 640), (390, 700)], ids=["desk", "phone"])
 def test_the_log_in_page_stops_the_robot_and_cannot_release_it(
     new_page: OpenPage, robot: Robot, width: int, height: int
@@ -29,8 +35,7 @@ def test_the_log_in_page_stops_the_robot_and_cannot_release_it(
     assert submit["y"] + submit["height"] <= stop["y"]
     button.click()
     expect(button).to_have_attribute("data-phase", "stopped")
-    assert robot.newest["/drive_state"].stopped
-    assert robot.newest["/drive_state"].stopped_by == "somebody at 127.0.0.1"
+    assert stopped_by(robot) == "somebody at 127.0.0.1"
     expect(page.get("stop-band")).to_contain_text("until an operator has logged in")
     assert page.get("release-button").count() == 0
     page.keep(f"open-stop-{width}")
@@ -49,7 +54,7 @@ def test_a_blank_in_a_password_is_no_stop_and_ctrl_space_is(
     assert not robot.newest["/drive_state"].stopped
     page.page.keyboard.press("Control+Space")
     expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped")
-    assert robot.newest["/drive_state"].stopped
+    assert stopped_by(robot) == "somebody at 127.0.0.1"
 
 
 def test_a_page_whose_session_has_ended_keeps_its_stop(new_page: OpenPage, robot: Robot) -> None:
@@ -59,8 +64,7 @@ def test_a_page_whose_session_has_ended_keeps_its_stop(new_page: OpenPage, robot
     page.page.context.clear_cookies()
     page.get("stop-button").click()
     expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped")
-    wait_until(lambda: robot.newest["/drive_state"].stopped, 5.0, "that the robot is stopped")
-    assert robot.newest["/drive_state"].stopped_by == "somebody at 127.0.0.1"
+    assert stopped_by(robot) == "somebody at 127.0.0.1"
 
 
 def test_who_is_logged_out_elsewhere_finds_stop_beside_the_log_in(
@@ -73,7 +77,7 @@ def test_who_is_logged_out_elsewhere_finds_stop_beside_the_log_in(
     page.page.get_by_role("heading", name=re.compile("Kompass")).click()  # out of the text field
     page.page.keyboard.press("Space")
     expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped")
-    assert robot.newest["/drive_state"].stopped
+    assert stopped_by(robot) == "somebody at 127.0.0.1"
 
 
 def test_a_console_that_does_not_answer_is_told_beside_the_button(new_page: OpenPage) -> None:

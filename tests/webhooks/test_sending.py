@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import shutil
 import socket
+import ssl
+import subprocess
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -138,6 +142,30 @@ def test_one_that_hangs_or_is_dead_keeps_nobody_waiting(monkeypatch: pytest.Monk
             await until(lambda: "cannot be reached" in webhooks.problem, "that one is dead")
 
         with_webhooks(tell, hanging.url, dead, well.url)
+
+
+def test_https_takes_a_certificate_that_this_machine_believes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    openssl = shutil.which("openssl")
+    if openssl is None:
+        pytest.skip("openssl, which makes the certificate, is not installed")
+    key, certificate = tmp_path / "key.pem", tmp_path / "certificate.pem"
+    made = [openssl, "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2"]
+    made += ["-subj", "/CN=127.0.0.1", "-addext", "subjectAltName=IP:127.0.0.1"]
+    made += ["-keyout", str(key), "-out", str(certificate)]
+    subprocess.run(made, check=True, capture_output=True)
+    tls = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    tls.load_cert_chain(certificate, key)
+    with receiving(tls) as receiver:
+        hook = Webhook(url=receiver.url)
+        with pytest.raises(NotTaken, match="its certificate is not valid"):
+            asyncio.run(post(hook, b"{}"))
+        assert receiver.bodies == []
+        monkeypatch.setenv("SSL_CERT_FILE", str(certificate))
+        asyncio.run(post(hook, b"{}"))
+        assert receiver.bodies == [b"{}"]
+        assert "Kompass-Signature" not in receiver.heads[0]  # without a secret
 
 
 def test_what_says_no_http_or_more_than_it_may_is_not_believed() -> None:

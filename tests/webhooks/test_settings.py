@@ -38,6 +38,7 @@ webhooks:
         ("webhooks: []", "webhooks:"),
         ("webhooks: [{url: 'ftp://a/b'}]", "webhooks.0.url: is no address of the web"),
         ("webhooks: [{url: 'https:///b'}]", "webhooks.0.url: is no address of the web"),
+        ("webhooks: [{url: 'https://a..b/c'}]", "webhooks.0.url: is no address"),
         ("webhooks: [{url: 'https://a:99999/b'}]", "webhooks.0.url: is no address"),
         ("webhooks: [{url: 'https://me:pw@a/b'}]", "a name, a password or a # part"),
         ('webhooks: [{url: "https://a/b\\r\\nHost: c"}]', "has blanks or letters"),
