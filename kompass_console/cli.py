@@ -95,6 +95,23 @@ IdleLimit = Annotated[
         help="Hours after which somebody has to log in again who had no page open.",
     ),
 ]
+NoOpenStop = Annotated[
+    bool,
+    typer.Option(
+        "--no-stop-without-login",
+        help="No STOP on the log-in page, which whoever reaches the console may press.",
+    ),
+]
+Webhooks = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Addresses that are told when the robot is stopped, fails or needs somebody (YAML). "
+        "Nobody is told of anything, if it is left out.",
+        envvar="KOMPASS_WEBHOOKS",
+        show_default=False,
+    ),
+]
 Sim = Annotated[
     str | None,
     typer.Option(
@@ -165,6 +182,8 @@ def run(
     tls_key: TlsKey = None,
     trusted_proxy: TrustedProxy = None,
     idle_limit: IdleLimit = 12.0,
+    no_stop_without_login: NoOpenStop = False,
+    webhooks: Webhooks = None,
     data_dir: DataDir = None,
     safe_mode: SafeMode = False,
     no_record: NoRecord = False,
@@ -181,8 +200,8 @@ def run(
     from kompass_console.stack import ConsoleListener, Door, run_recipe
 
     called = _prepare(name, sim, data_dir, safe_mode=safe_mode, no_record=no_record)
-    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit)
-    console = ConsoleListener(host, port, not no_browser, called, token, ros, door)
+    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit, not no_stop_without_login)
+    console = ConsoleListener(host, port, not no_browser, called, token, ros, door, webhooks)
     run_recipe(recipe, console, sim, fault or [], robot)
 
 
@@ -203,6 +222,8 @@ def demo(
     tls_key: TlsKey = None,
     trusted_proxy: TrustedProxy = None,
     idle_limit: IdleLimit = 12.0,
+    no_stop_without_login: NoOpenStop = False,
+    webhooks: Webhooks = None,
     data_dir: DataDir = None,
     safe_mode: SafeMode = False,
     no_record: NoRecord = False,
@@ -215,8 +236,8 @@ def demo(
     from kompass_console.stack import ConsoleListener, Door, run_recipe
 
     robot = _prepare(name, world, data_dir, safe_mode=safe_mode, no_record=no_record)
-    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit)
-    console = ConsoleListener(host, port, not no_browser, robot, token, ros, door)
+    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit, not no_stop_without_login)
+    console = ConsoleListener(host, port, not no_browser, robot, token, ros, door, webhooks)
     run_recipe(recipe_path("01_point_navigation.py"), console, world, fault or [])
 
 
@@ -234,15 +255,17 @@ def attach(
     tls_key: TlsKey = None,
     trusted_proxy: TrustedProxy = None,
     idle_limit: IdleLimit = 12.0,
+    no_stop_without_login: NoOpenStop = False,
+    webhooks: Webhooks = None,
 ) -> None:
     """Show a stack that something else started, on this machine or another of the ROS domain."""
     ros = choose_domain(domain_id, network)
     choose_key(robot_key)
     from kompass_console.stack import ConsoleListener, Door, run_attached
 
-    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit)
+    door = Door(tls_cert, tls_key, trusted_proxy or [], idle_limit, not no_stop_without_login)
     robot = name or _robot_name(None)
-    run_attached(ConsoleListener(host, port, not no_browser, robot, token, ros, door))
+    run_attached(ConsoleListener(host, port, not no_browser, robot, token, ros, door, webhooks))
 
 
 def _prepare(

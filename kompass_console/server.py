@@ -39,11 +39,13 @@ from kompass_console.web.connections import (
 from kompass_console.web.console import Console
 from kompass_console.web.control import Control
 from kompass_console.web.hands import Hands
+from kompass_console.web.joint_call import JointCall
 from kompass_console.web.open_sockets import OpenSockets
 from kompass_console.web.rules_feed import RulesFeed
 from kompass_console.web.session_records import SessionRecords
 from kompass_console.web.state_feed import StateFeed
 from kompass_console.web.views import ViewRegistry
+from kompass_console.webhooks.sender import Webhooks
 
 _logger = logging.getLogger(__name__)
 
@@ -51,6 +53,7 @@ _logger = logging.getLogger(__name__)
 # of a slow tablet; what waits here instead is replaced by what is newer.
 _NOT_SENT_LOW_WATER = 16_384
 MEET = 5.0  # s
+_BETWEEN_OPEN_STOPS = 0.2  # s; nobody who floods us floods the robot
 
 _TICKS_OF_SWEEP = 3  # of 0.1 s, between two looks for who keeps us waiting
 
@@ -118,6 +121,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
             auth=auth,
             limiter=LoginLimiter(),
             passwords=asyncio.Semaphore(1),
+            open_stop=JointCall(_BETWEEN_OPEN_STOPS),
             audit=audit,
             world=world,
             link=link,
@@ -132,6 +136,7 @@ def running_console(settings: ConsoleSettings) -> Iterator[Console]:
             rules_feed=rules_feed,
             recordings=Recordings(folder) if (folder := settings.recordings) else None,
             drills=drills,
+            webhooks=Webhooks(settings.webhooks, settings.robot_name),
         )
 
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from kompass_console.drills.subject import DrillSubject
 from kompass_console.schema.models import Theme
 from kompass_console.schema.roles import Role
+from kompass_console.webhooks.settings import Webhook
 
 _SHORTEST_TOKEN = 16
 _DAY = 24 * 3600.0  # s
@@ -89,6 +90,10 @@ class ConsoleSettings(BaseModel):
         theirs was last open.
     trusted_proxies
         Addresses whose word on the client's own (X-Forwarded-For, -Proto) is believed.
+    stop_without_login
+        Whether whoever reaches the console may press STOP without a log-in.
+    webhooks
+        Who is told of what happens to the robot; nobody, if there are none.
     tls_cert, tls_key
         Files (PEM) to serve https with; both or none.
     """
@@ -109,6 +114,8 @@ class ConsoleSettings(BaseModel):
     session_lifetime: Seconds = 7 * _DAY
     idle_limit: Seconds = _DAY / 2
     trusted_proxies: tuple[str, ...] = ()
+    stop_without_login: bool = True
+    webhooks: tuple[Webhook, ...] = ()
     tls_cert: Path | None = None
     tls_key: Path | None = None
     limits: ConnectionLimits = ConnectionLimits()

@@ -17,6 +17,7 @@ import webbrowser
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import typer
 from pydantic import ValidationError
@@ -32,13 +33,16 @@ from kompass_console.cli_error import CliError
 from kompass_console.domain import look_elsewhere, where
 from kompass_console.drills.subject import DrillSubject
 
+if TYPE_CHECKING:
+    from kompass_console.webhooks.settings import Webhook
+
 _LOOPBACK = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # of those that listen on every interface
 
 
 @dataclass(frozen=True)
 class Door:
     """How the console is reached: TLS of its own (PEM files), proxies whose word on who comes is
-    believed, and the hours that an unused session lasts.
+    believed, the hours that an unused session lasts, and whether STOP takes no log-in.
 
     Raises
     ------
@@ -50,6 +54,7 @@ class Door:
     tls_key: Path | None = None
     trusted_proxies: Sequence[str] = ()
     idle_hours: float = 12.0
+    stop_without_login: bool = True
 
     def __post_init__(self) -> None:
         for proxy in self.trusted_proxies:
@@ -96,11 +101,13 @@ class ConsoleListener:
     token: str | None
     ros: str  # domain and network, in words
     door: Door = Door()
+    webhooks: Path | None = None  # a file
 
     def __post_init__(self) -> None:
         if self.token is not None and len(self.token) < 16:
             raise CliError(2, "--token is too short: give at least 16 characters, or leave it out")
         self.drill: DrillSubject | None = None
+        self.told = _webhooks(self.webhooks)
         self.accounts = _accounts_file()
         self.tokens = self._tokens(by_name=_anybody_in(self.accounts))
         self.socket = self._listen()
@@ -163,7 +170,8 @@ class ConsoleListener:
             )
         else:
             ways = f"\n  Console:    {self.url(here=False)}\n  Log in:     by name and password"
-        typer.echo(f"{ways}\n  Robot:      {self.ros}\n")
+        told = "".join(f"\n  Webhook:    {hook.place}" for hook in self.told)
+        typer.echo(f"{ways}\n  Robot:      {self.ros}{told}\n")
         if self.door.scheme == "http" and not _is_loopback(self.host):
             typer.echo(
                 "  Without TLS, whoever can listen in on this network reads tokens, sessions and "
@@ -191,6 +199,8 @@ class ConsoleListener:
                 "sessions_file": _sessions_file(),
                 "idle_limit": self.door.idle_hours * 3600.0,
                 "trusted_proxies": tuple(self.door.trusted_proxies),
+                "stop_without_login": self.door.stop_without_login,
+                "webhooks": self.told,
                 "tls_cert": self.door.tls_cert,
                 "tls_key": self.door.tls_key,
             }
@@ -250,6 +260,18 @@ def _anybody_in(file: Path | None) -> bool:
         return bool(Accounts(file).all())
     except AccountsUnreadable as error:
         raise CliError(2, str(error)) from None
+
+
+def _webhooks(file: Path | None) -> tuple[Webhook, ...]:
+    """Who is told of what happens; nobody without a file."""
+    if file is None:
+        return ()
+    from kompass_console.webhooks.settings import BadWebhooks, read_webhooks
+
+    try:
+        return read_webhooks(file)
+    except BadWebhooks as error:
+        raise CliError(2, f"--webhooks: {error}") from None
 
 
 def _sessions_file() -> Path | None:

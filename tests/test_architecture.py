@@ -60,7 +60,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass_console": (
         ("control",),
         ("audit", "cli_error", "private_file", "progress", "recordings", "schema"),
-        ("accounts", "domain", "drills"),
+        ("accounts", "domain", "drills", "webhooks"),
         ("settings",),
         ("link", "scene"),
         ("web",),

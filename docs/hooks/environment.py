@@ -33,6 +33,7 @@ VARIABLES: tuple[tuple[str, str, str, str], ...] = (
         f"`{DEFAULT}`",
         "What may be done over ROS without the robot's key: `off`, `read` or `full`.",
     ),
+    ("KOMPASS_WEBHOOKS", "--webhooks", "nobody is told", "File of addresses that are told."),
     (GIVEN, "--robot-key", "the one in the data folder", "File of the robot's key."),
     (SAFE_MODE, "--safe-mode", "off", "`1`: begin with the recipe's rules; edits are kept."),
     (RECORD, "--no-record", "on", "`0`: no flight recorder."),

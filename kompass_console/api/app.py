@@ -26,6 +26,7 @@ from kompass_console.api import (
     insight,
     live,
     localisation,
+    log,
     measure,
     missions,
     page,
@@ -87,6 +88,7 @@ def create_app(console: Console | None) -> FastAPI:
                 console.rules_feed.run(console.link.rules, console.settings.robot_name)
             ),
             asyncio.create_task(console.sockets.run()),
+            asyncio.create_task(console.webhooks.run(lambda: _builder(console)(0, 0))),
         )
         yield
         for task in feeding:
@@ -115,6 +117,7 @@ def create_app(console: Console | None) -> FastAPI:
         missions.router,
         places.router,
         timeline.router,
+        log.router,
         zones.router,
         measure.router,
         localisation.router,
@@ -174,6 +177,7 @@ def _builder(console: Console) -> Any:
         viewers,
         control=console.control.info(),
         audit_problem=console.audit.log.problem,
+        webhook_problem=console.webhooks.problem,
     )
 
 

@@ -27,9 +27,11 @@ from kompass_console.link.graph import convert
 from kompass_console.link.graph.discovery import NODE_NAME
 from kompass_console.link.graph.services import ServicePool
 from kompass_console.link.initial_pose import InitialPose
+from kompass_console.link.log_ring import LogRing
 from kompass_console.link.missions import MissionsWatch
 from kompass_console.link.places import PlacesWatch
 from kompass_console.link.processes import Processes
+from kompass_console.link.rosout import PERIOD, Rosout
 from kompass_console.link.rules.backtests import Backtests
 from kompass_console.link.rules.monitor import MonitorLink
 from kompass_console.link.rules.topic_watch import TopicWatch
@@ -95,13 +97,7 @@ class RosLink:
         self.domain_id = int(self._context.get_domain_id())
         self.middleware = str(get_rmw_implementation_identifier())
         # The process id keeps two consoles on one robot apart.
-        self._node = PlainNode(
-            f"{NODE_NAME}_{os.getpid()}",
-            context=self._context,
-            use_global_arguments=False,
-            enable_rosout=False,
-            start_parameter_services=False,
-        )
+        self._node = self._make_node(f"{NODE_NAME}_{os.getpid()}")
         self.streams = Streams(self._node, world, settings.topics)
         self.battery = Battery(self._node, changed)
         self.processes = Processes(self._node, changed)
@@ -120,9 +116,13 @@ class RosLink:
         self.notes = Notes(self.monitor)
         self.backtests = Backtests(self.monitor)
         self.topics = TopicWatch(self._node, self._run)
+        self._log_node = self._make_node(f"{NODE_NAME}_log_{os.getpid()}")
+        self.log = LogRing()
+        self.rosout = Rosout(self._log_node, self.log)
         self._checks = ServicePool(self._node, CheckGoal, "kompass_interfaces/srv/CheckGoal")
         self._node.create_timer(_LOOK_AROUND, self._look_around)
         self._node.create_timer(_TICK, self.goals.tick)
+        self._node.create_timer(PERIOD, self.rosout.look)
         self._executor = TaskExecutor(self._context)
         self._executor.add_node(self._node)
         self._look_around()
@@ -174,8 +174,18 @@ class RosLink:
         self._executor.wake()
         self._thread.join(2.0)
         self._executor.shutdown(0.0)
+        self._log_node.destroy_node()
         self._node.destroy_node()
         rclpy.shutdown(context=self._context, uninstall_handlers=False)
+
+    def _make_node(self, name: str) -> PlainNode:
+        return PlainNode(
+            name,
+            context=self._context,
+            use_global_arguments=False,
+            enable_rosout=False,
+            start_parameter_services=False,
+        )
 
     def _spin(self) -> None:
         while not self._ending.is_set() and self._context.ok():

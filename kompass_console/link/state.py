@@ -32,6 +32,7 @@ def build_state(
     *,
     control: ControlInfo | None = None,
     audit_problem: str = "",
+    webhook_problem: str = "",
 ) -> State:
     """One snapshot; ages are measured from when each value was received."""
     motion = world.motion.get()
@@ -66,9 +67,11 @@ def build_state(
         zones=link.zones.info(),
         missions=link.missions.info(),
         timeline=link.timeline.info(),
+        log=link.rosout.info(),
         processes=link.processes.infos(),
         ros=RosInfo(domain_id=link.domain_id, middleware=link.middleware),
         viewers=viewers,
         control=control or ControlInfo(),
         audit_problem=audit_problem,
+        webhook_problem=webhook_problem,
     )

@@ -250,6 +250,24 @@ class StopAnswer(BaseModel):
     message: str
 
 
+class StopSeen(BaseModel):
+    """What the drive manager says of STOP: whether it is latched, and whether the robot stands."""
+
+    stopped: bool
+    standstill: bool
+
+
+class OpenStop(BaseModel):
+    """STOP for those who are not logged in: whether there is one here, and what became of it.
+
+    `seen` is None while the drive manager is silent. Whether a robot moves that nobody has stopped
+    is not told.
+    """
+
+    offered: bool
+    seen: StopSeen | None
+
+
 class RobotInfo(BaseModel):
     """The robot's name and the radius (m) of the circle around its footprint.
 
@@ -526,10 +544,18 @@ class RosInfo(BaseModel):
     middleware: str
 
 
+class LogInfo(BaseModel):
+    """The robot's log: whether anybody writes to it, and the number of its newest line."""
+
+    available: bool = False
+    newest: int = 0
+
+
 class State(BaseModel):
     """Everything the page shows in numbers and words, at one moment (`time`, epoch s).
 
     `audit_problem` says why the audit log is not written, or what of it is missing; else empty.
+    `webhook_problem` says which webhooks take no notices, and why.
     """
 
     type: Literal["state"] = "state"
@@ -549,11 +575,13 @@ class State(BaseModel):
     zones: ZonesInfo
     timeline: TimelineInfo
     missions: MissionsInfo
+    log: LogInfo
     processes: list[ProcessInfo]
     ros: RosInfo
     viewers: int
     control: ControlInfo = ControlInfo()
     audit_problem: str = ""
+    webhook_problem: str = ""
 
 
 class Hello(BaseModel):

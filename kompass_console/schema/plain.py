@@ -11,6 +11,8 @@ LONGEST_TEXT = 500  # of a reason, a message, the name of a rule
 _CUT = "…"
 _MOST_ITEMS = 200  # of a list
 _DEEPEST = 20
+_LONGEST_LINES = 2000  # characters of a text of several lines
+_MOST_LINES = 60
 
 
 def plain(text: object, longest: int = LONGEST_TEXT) -> str:
@@ -23,6 +25,23 @@ def plain(text: object, longest: int = LONGEST_TEXT) -> str:
     head = str(text)[: 4 * longest]
     line = " ".join("".join(c if c.isprintable() else " " for c in head).split())
     return line if len(line) <= longest else line[: longest - 1] + _CUT
+
+
+def plain_lines(text: str, longest: int = _LONGEST_LINES) -> str:
+    """As :func:`plain`, of a text whose lines and indentation say something, as a traceback's do.
+
+    Lines that are too many are cut off, as letters are.
+    """
+    lines = text[: 4 * longest].splitlines()
+    kept = []
+    for line in lines[:_MOST_LINES]:
+        bare = line.lstrip(" \t")
+        indent = len(line) - len(bare)
+        kept.append(" " * min(indent, _DEEPEST) + plain(bare, longest))
+    if len(lines) > _MOST_LINES:
+        kept.append(_CUT)
+    whole = "\n".join(kept).strip("\n")
+    return whole if len(whole) <= longest else whole[: longest - 1] + _CUT
 
 
 def plain_json(value: JsonValue, depth: int = 0) -> JsonValue:

@@ -13,6 +13,8 @@ from kompass_console.audit.log import CONSOLE, ITSELF, AuditLog
 from kompass_console.web.auth import LoginSession
 from kompass_console.web.noted import note_of
 
+OPEN_STOP = "stop without log-in"
+
 _MINUTE = 60.0  # s
 _FROM_ONE = 20  # lines a minute about one address that is not logged in
 _FROM_ALL = 60  # and about all of them
@@ -37,7 +39,8 @@ class AuditTrail:
     """Makes a line of what a request did. Never waits, and never fails: STOP comes first.
 
     What those who are not logged in cause is bounded, or they could push everything else out of
-    the log; what is over the bound is counted, and the count is a line.
+    the log; what is over the bound is counted, and the count is a line. STOP has a bound of its
+    own: who fails to log in, however often, does not keep it out of the log.
 
     Parameters
     ----------
@@ -56,6 +59,7 @@ class AuditTrail:
         self._note = note
         self._now = now
         self._strangers = StrangersBudget(now)
+        self._open_stops = StrangersBudget(now)
 
     def record(
         self,
@@ -81,12 +85,13 @@ class AuditTrail:
         address = "" if request is None else request.address
         if request is not None:
             request.written = True
-        untold = self._strangers.untold()
+        untold = self._strangers.untold() + self._open_stops.untold()
         if untold:
             said = f"{untold} more lines about strangers are left out"
             self.log.append(AuditEntry(time.time(), CONSOLE, "", "", "", ITSELF, said))
         if session is None:
-            if not self._strangers.allows(address):
+            budget = self._open_stops if what == OPEN_STOP else self._strangers
+            if not budget.allows(address):
                 return
             name, role, of_log_in = clean_name(who) or "?", "none", ""
         else:

@@ -162,6 +162,7 @@ def test_axe_finds_nothing_wrong_in_any_state_of_the_page(
         ("history", "history"),
         ("firings", "firings"),
         ("timeline", "timeline-plot"),
+        ("log", "log-text"),
         ("recordings", "recordings"),
         ("audit", "audit"),
     ):

@@ -82,10 +82,10 @@ def cookie_of(client: httpx.Client) -> str:
 
 @contextlib.contextmanager
 def serving(
-    audit_folder: Path, domain_id: int, recordings: Path | None = None, **more: Any
+    audit_folder: Path, domain_id: int, recordings: Path | None = None, port: int = 0, **more: Any
 ) -> Iterator[Served]:
     """Serve a console for as long as the block lasts; `more` are other settings of it."""
-    listening = socket.create_server(("127.0.0.1", 0))
+    listening = socket.create_server(("127.0.0.1", port))
     settings = ConsoleSettings(
         robot_name="test robot",
         audit_folder=audit_folder,

@@ -9,6 +9,7 @@ import pytest
 
 from kompass_console.schema.models import (
     LocalisationInfo,
+    LogInfo,
     MissionsInfo,
     PlacesInfo,
     RobotInfo,
@@ -37,6 +38,7 @@ def build(seq: int, viewers: int) -> State:
         places=PlacesInfo(),
         zones=ZonesInfo(),
         timeline=TimelineInfo(),
+        log=LogInfo(),
         missions=MissionsInfo(),
         processes=[],
         ros=RosInfo(domain_id=0, middleware="none"),

@@ -32,6 +32,9 @@ from kompass_console.cli import app, name_the_world
 from kompass_console.cli_error import CliError
 from kompass_console.drill_cli import recipe_first
 from kompass_console.rules_cli.table_file import TableFile
+from kompass_console.webhooks.notice import Notice
+from kompass_console.webhooks.sender import notice_body
+from kompass_console.webhooks.settings import read_webhooks
 from tests.docs.blocks import PAGES, ROOT, Block, all_blocks, blocks_of, links_of, paths_of
 from tests.docs.preludes import PRELUDES, Bringup
 
@@ -169,8 +172,8 @@ def robot() -> list[Any]:
 
 
 def is_rules(block: Block) -> bool:
-    other = block.option("settings") or block.option("scenario") or block.option("worlds")
-    return other is None and "refused" not in block.note.split()
+    others = ("settings", "scenario", "worlds", "webhooks")
+    return not any(block.option(other) for other in others) and "refused" not in block.note.split()
 
 
 def table_of(block: Block, folder: Path) -> Table:
@@ -221,6 +224,26 @@ def test_every_file_of_settings_is_taken(block: Block, tmp_path: Path) -> None:
     assert sections <= {component.node_name for component in robot()}
     for component in robot():
         component.apply_config_file(str(file))
+
+
+def webhook_block(option: str) -> Block:
+    [block] = [b for b in all_blocks("yaml", "json") if b.option("webhooks") == option]
+    return block
+
+
+def test_the_file_of_webhooks_is_taken(tmp_path: Path) -> None:
+    file = tmp_path / "webhooks.yaml"
+    file.write_text(webhook_block("yes").text, encoding="utf-8")
+    file.chmod(0o600)
+    assert len(read_webhooks(file)) == 2
+
+
+def test_a_notice_has_the_fields_that_are_shown() -> None:
+    shown = json.loads(webhook_block("body").text)
+    sent = json.loads(notice_body("ava", Notice("stop", "Stopped by ben: a child")))
+    assert {name: type(value) for name, value in sent.items()} == {
+        name: type(value) for name, value in shown.items()
+    }
 
 
 def scenario_blocks(option: str) -> list[Block]:

@@ -6,6 +6,7 @@ import { ConsolePage } from "./frame/ConsolePage";
 import { LoginPage } from "./session/LoginPage";
 import { SessionContext } from "./session/SessionContext";
 import { takeToken } from "./session/token";
+import { OpenStop } from "./stop/OpenStop";
 
 type Gate =
   | { at: "opening" }
@@ -75,7 +76,12 @@ export function App({ token }: { token: string | null }) {
     case "opening":
       return null;
     case "login":
-      return <LoginPage notice={gate.notice} onLogin={onLogin} />;
+      return (
+        <>
+          <LoginPage notice={gate.notice} onLogin={onLogin} />
+          <OpenStop />
+        </>
+      );
     case "inside":
       return (
         <SessionContext value={{ session: gate.session, logout: onLogout }}>

@@ -11,6 +11,12 @@ import { theme } from "./ui/theme";
 // Before anything is drawn, so that the token is never on screen.
 const token = takeToken();
 
+// Where a browser takes it: over https, or on the robot itself. One that refuses says so in its own
+// console, and only the page that tells of a robot out of reach is missing.
+if (import.meta.env.PROD && "serviceWorker" in navigator) {
+  void navigator.serviceWorker.register("/sw.js");
+}
+
 const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no #root element");
 createRoot(root).render(

@@ -18,6 +18,8 @@ const GOAL_MS = 8000;
 const LOGIN_MS = 8000;
 /** The drive manager has 1 s to answer the console; a little more for the network. */
 const STOP_MS = 2000;
+/** Of those who are not logged in one may have to wait until another was answered. */
+const OPEN_STOP_MS = 3500;
 
 export const login = (proof: { token: string } | { user: string; password: string }) =>
   answer(http.POST("/api/login", { body: proof, signal: within(LOGIN_MS) }));
@@ -94,10 +96,24 @@ export const setRobotPose = (place: RobotPose) =>
 export const cancelGoal = () =>
   answer(http.POST("/api/goals/cancel", { signal: within(QUICK_MS) }));
 
-export const stopRobot = () =>
-  answer(
-    http.POST("/api/stop", { body: { reason: "" }, signal: within(STOP_MS), priority: "high" }),
-  );
+/** A session that ended without a word, while the page was open, keeps nobody from STOP. */
+export async function stopRobot() {
+  try {
+    return await answer(
+      http.POST("/api/stop", { body: { reason: "" }, signal: within(STOP_MS), priority: "high" }),
+    );
+  } catch (error) {
+    if (error instanceof ApiError && error.status === 401) return stopWithoutLogin();
+    throw error;
+  }
+}
+
+export const stopWithoutLogin = () =>
+  answer(http.POST("/api/stop/without-login", { signal: within(OPEN_STOP_MS), priority: "high" }));
+
+/** Whether STOP takes no log-in here, and what became of it. */
+export const openStop = (signal: AbortSignal) =>
+  answer(http.GET("/api/stop/without-login", { signal: within(STOP_MS, signal) }));
 
 /** A release is on the robot's disk before it is answered, which the console awaits for a few seconds. */
 export const releaseStop = () =>

@@ -39,6 +39,10 @@ export type Zone = ZoneList["zones"][number];
 export type ZoneSave = Schemas["ZoneSave"];
 export type ZoneSketch = Schemas["ZoneSketch"];
 
+export type LogPage = Sent<Schemas["LogPage"]>;
+export type LogLine = LogPage["lines"][number];
+export type LogLevel = LogLine["level"];
+
 export type MissionList = Sent<Schemas["MissionList"]>;
 export type Mission = MissionList["missions"][number];
 export type MissionSave = Schemas["MissionSave"];

@@ -5,6 +5,7 @@ import type { Place, Zone } from "../api/types";
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
+import { LogPanel } from "../log/LogPanel";
 import { MissionStatus } from "../missions/MissionStatus";
 import { MissionsPanel } from "../missions/MissionsPanel";
 import { PlacesPanel } from "../places/PlacesPanel";
@@ -84,6 +85,7 @@ export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
           {open === "health" && (
             <>
               <HealthPanel />
+              <LogPanel />
               <FiringsPanel />
             </>
           )}

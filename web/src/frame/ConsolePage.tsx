@@ -55,6 +55,8 @@ import { SidePanel } from "./SidePanel";
 import { StatusLine } from "./StatusLine";
 import { ToolRail } from "./ToolRail";
 import { TopBar } from "./TopBar";
+import { UpdateBand } from "./UpdateBand";
+import { WebhookBand } from "./WebhookBand";
 
 export function ConsolePage({ onRefused }: { onRefused: () => void }) {
   return (
@@ -399,6 +401,8 @@ function SceneStack({
             </Band>
           )}
           <AuditBand />
+          <WebhookBand />
+          <UpdateBand />
         </BandStack>
       </div>
     </>

@@ -2,6 +2,7 @@ import type { Place, Zone } from "../api/types";
 import { GoalStatus } from "../goal/GoalStatus";
 import { DataPanel } from "../health/DataPanel";
 import { HealthPanel } from "../health/HealthPanel";
+import { LogPanel } from "../log/LogPanel";
 import { MissionStatus } from "../missions/MissionStatus";
 import { MissionsPanel } from "../missions/MissionsPanel";
 import { PlacesPanel } from "../places/PlacesPanel";
@@ -54,6 +55,7 @@ export function SidePanel({ onGo, asked, onDraw }: Props) {
         <MissionsPanel />
         <ZonesPanel onDraw={onDraw} />
         <HealthPanel />
+        <LogPanel />
         <FiringsPanel />
         <DataPanel />
       </div>

@@ -1,5 +1,6 @@
 import { CloseButton, UnstyledButton } from "@mantine/core";
 import { useEffect, useRef } from "react";
+import { LogPage } from "../log/LogPage";
 import { useSession } from "../session/SessionContext";
 import { TimelinePage } from "../timeline/TimelinePage";
 import { AuditPage } from "./audit/AuditPage";
@@ -27,6 +28,7 @@ const TABS: Tab[] = [
   { label: "Rules", place: { at: "table" }, holds: ["table", "edit", "why", "review", "conflict"] },
   { label: "Firings", place: { at: "firings", rule: null }, holds: ["firings"] },
   { label: "Timeline", place: { at: "timeline" }, holds: ["timeline"] },
+  { label: "Log", place: { at: "log" }, holds: ["log"] },
   { label: "History", place: { at: "history", revision: null }, holds: ["history"] },
   { label: "Recordings", place: { at: "recordings", name: null }, holds: ["recordings"] },
   { label: "Audit", place: { at: "audit" }, holds: ["audit"], engineer: true },
@@ -109,6 +111,8 @@ function Page({ place }: { place: Place }) {
       return <FiringsPage rule={place.rule} />;
     case "timeline":
       return <TimelinePage />;
+    case "log":
+      return <LogPage />;
     case "history":
       return <HistoryPage revision={place.revision} />;
     case "recordings":

@@ -58,6 +58,7 @@ export const robot = (part: Partial<State> = {}): State => ({
   places: { available: false, revision: 0, map: null },
   zones: { available: false, revision: 0 },
   timeline: { available: false, newest: 0, changes: 0 },
+  log: { available: false, newest: 0 },
   missions: { available: false, revision: 0, notice: "", run: null, queue: [] },
   control: {
     holder: "",
@@ -82,5 +83,6 @@ export const robot = (part: Partial<State> = {}): State => ({
   ros: { domain_id: 0, middleware: "" },
   viewers: 1,
   audit_problem: "",
+  webhook_problem: "",
   ...part,
 });

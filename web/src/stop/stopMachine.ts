@@ -1,5 +1,8 @@
 import type { Drive } from "../api/types";
 
+/** What is to be known of the robot, to say what became of STOP. */
+export type Latch = Pick<Drive, "stopped" | "standstill">;
+
 /**
  * What STOP shows. Honest by construction: "stopped" only while the drive manager says that it is
  * latched *and* odometry says standstill, never because a request was answered. "silent" is a robot
@@ -22,7 +25,7 @@ export type StopEvent =
   | { type: "pressed"; now: number }
   | { type: "refused"; problem: string; remedy: string }
   /** `drive` is null when the newest report is too old to believe. */
-  | { type: "observed"; drive: Drive | null; now: number }
+  | { type: "observed"; drive: Latch | null; now: number }
   | { type: "dismissed" };
 
 export const IDLE: StopState = {
@@ -58,7 +61,7 @@ export function stopReducer(state: StopState, event: StopEvent): StopState {
   }
 }
 
-function observe(state: StopState, drive: Drive | null, now: number): StopState {
+function observe(state: StopState, drive: Latch | null, now: number): StopState {
   if (drive?.stopped && drive.standstill) {
     return state.phase === "stopped" ? state : { ...IDLE, phase: "stopped", latched: true };
   }
@@ -87,7 +90,7 @@ function observe(state: StopState, drive: Drive | null, now: number): StopState 
 
 const MOVING = "Standstill is no longer confirmed: the odometry reports motion, or is silent.";
 
-function why(drive: Drive | null): string {
+function why(drive: Latch | null): string {
   if (drive === null) return "The drive manager is silent: nobody confirms that the robot stopped.";
   if (!drive.stopped) return "The drive manager has not taken the stop.";
   return "The wheels are blocked but no standstill was measured within 2 s.";

@@ -11,6 +11,7 @@ export type Place =
   | { at: "firings"; rule: string | null }
   | { at: "history"; revision: number | null }
   | { at: "timeline" }
+  | { at: "log" }
   | { at: "recordings"; name: string | null }
   | { at: "audit" };
 
@@ -43,6 +44,7 @@ const TABS: ReadonlySet<Place["at"]> = new Set([
   "table",
   "firings",
   "timeline",
+  "log",
   "history",
   "recordings",
   "audit",

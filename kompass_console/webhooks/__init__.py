@@ -1,0 +1,1 @@
+"""What happens to the robot, told to addresses that an engineer has named."""

@@ -1,0 +1,26 @@
+import { Button } from "@mantine/core";
+import { useState } from "react";
+import { useRobot } from "../state/RobotContext";
+import { Band } from "../ui/Band";
+
+/** A page that is open for weeks outlives the console that it came from. */
+export function UpdateBand() {
+  const { version } = useRobot();
+  const [from, setFrom] = useState(version);
+  if (from === null && version !== null) setFrom(version);
+  if (from === null || version === null || version === from) return null;
+  return (
+    <Band
+      tone="notice"
+      title={`The console is ${version} now`}
+      testId="update-band"
+      action={
+        <Button variant="default" size="compact-md" onClick={() => location.reload()}>
+          Reload
+        </Button>
+      }
+    >
+      This page is of {from}: reload it when you can look away for a moment.
+    </Band>
+  );
+}

@@ -1,0 +1,49 @@
+import type { LogLine } from "../api/types";
+import { whenText } from "../rules/model/words";
+import { type Level, StatusMark } from "../ui/StatusMark";
+import classes from "./Log.module.css";
+
+const MARKS: Record<LogLine["level"], Level> = {
+  debug: "healthy",
+  info: "healthy",
+  warning: "degraded",
+  error: "failed",
+  fatal: "failed",
+};
+
+/**
+ * One line of the robot's log.
+ *
+ * @param label of the component that wrote it; empty where it is not one.
+ */
+export function LogRow({ line, label, now }: { line: LogLine; label: string; now: number }) {
+  const lines = line.text.includes("\n");
+  return (
+    <>
+      <div className={classes.row} data-testid="log-line" data-level={line.level}>
+        <StatusMark level={MARKS[line.level]} />
+        <span className={classes.when}>{whenText(line.time, now)}</span>
+        <span className={classes.what}>
+          <span className={classes.node}>
+            {label === "" ? line.node : label}
+            {line.level !== "info" && <b> · {line.level}</b>}
+          </span>
+          {/* Its columns say something where it has lines: a traceback, a table. */}
+          <span className={lines ? classes.lines : classes.text} title={line.where || undefined}>
+            {line.text}
+          </span>
+        </span>
+      </div>
+      {line.left_out > 0 && (
+        <p className={classes.gap} data-testid="log-gap">
+          {leftOutText(line.left_out)}
+        </p>
+      )}
+    </>
+  );
+}
+
+export const leftOutText = (count: number): string =>
+  count === 1
+    ? "Here one line was left out: they came too fast."
+    : `Here at least ${count.toLocaleString("en")} lines were left out: they came too fast.`;

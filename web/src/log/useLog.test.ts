@@ -1,0 +1,36 @@
+import { expect, test } from "vitest";
+import type { LogLine, LogPage } from "../api/types";
+import { joined } from "./useLog";
+
+const line = (number: number): LogLine => ({
+  number,
+  time: 0,
+  level: "info",
+  node: "planner",
+  text: "",
+  where: "",
+  left_out: 0,
+});
+const page = (numbers: number[], newest: number, more = false): LogPage => ({
+  lines: numbers.map(line),
+  more,
+  newest,
+  nodes: [],
+});
+const shown = ({ lines }: LogPage) => lines.map(({ number }) => number);
+
+test("what has come stands before what was known, up to so many lines", () => {
+  const both = joined(page([2, 1], 2), page([4, 3], 4), 3);
+  expect(shown(both)).toEqual([4, 3, 2]);
+  expect(both.more).toBe(true);
+});
+
+test("where lines are missing between the two, what was known is not put behind a gap", () => {
+  const both = joined(page([2, 1], 2), page([9, 8], 9, true), 10);
+  expect(shown(both)).toEqual([9, 8]);
+  expect(both.more).toBe(true);
+});
+
+test("the log of a console that was started again takes the place of the one before", () => {
+  expect(shown(joined(page([90, 89], 90), page([1], 1), 10))).toEqual([1]);
+});

@@ -1,0 +1,92 @@
+import { Button } from "@mantine/core";
+import { useCallback, useEffect, useReducer } from "react";
+import { openStop, stopWithoutLogin } from "../api/client";
+import { asApiError } from "../api/errors";
+import { useAsked } from "../api/queries";
+import { useStopKey } from "../keys";
+import { Band } from "../ui/Band";
+import classes from "./Stop.module.css";
+import { StopFace } from "./StopFace";
+import { IDLE, type StopState, stopReducer } from "./stopMachine";
+
+const PRESSED_MS = 250;
+const WAITING_MS = 1000;
+
+/**
+ * STOP for who is not logged in, where the console has one: the same button and the same key. It
+ * only stops; what became of it is asked for, and a console that does not answer is told as that.
+ */
+export function OpenStop() {
+  const [stop, dispatch] = useReducer(stopReducer, IDLE);
+  const { data, error } = useAsked({
+    key: ["open stop"],
+    ask: openStop,
+    again: stop.phase === "stopping" ? PRESSED_MS : WAITING_MS,
+  });
+  const seen = error === null ? (data?.seen ?? null) : null;
+  useEffect(() => {
+    const look = () => dispatch({ type: "observed", drive: seen, now: performance.now() });
+    look();
+    const timer = window.setInterval(look, PRESSED_MS);
+    return () => window.clearInterval(timer);
+  }, [seen]);
+
+  const press = useCallback(() => {
+    dispatch({ type: "pressed", now: performance.now() });
+    stopWithoutLogin().then(
+      (answer) => {
+        if (!answer.accepted) dispatch({ type: "refused", problem: answer.message, remedy: "" });
+      },
+      (failure: unknown) => {
+        const { title, remedy } = asApiError(failure);
+        dispatch({ type: "refused", problem: title, remedy });
+      },
+    );
+  }, []);
+
+  // A console that does not answer may have one all the same: whoever presses it learns that.
+  const offered = data === null ? error !== null : data.offered;
+  return offered ? (
+    <Offered stop={stop} press={press} onLooked={() => dispatch({ type: "dismissed" })} />
+  ) : null;
+}
+
+function Offered({
+  stop,
+  press,
+  onLooked,
+}: {
+  stop: StopState;
+  press: () => void;
+  onLooked: () => void;
+}) {
+  useStopKey(press);
+  return (
+    <>
+      <section className={classes.said} aria-label="Stop">
+        {stop.phase === "unconfirmed" && (
+          <Band tone="alarm" title="Stop is not confirmed" testId="stop-unconfirmed">
+            {stop.problem} {stop.remedy}
+            {!stop.latched && (
+              <Button variant="default" size="compact-md" onClick={onLooked} ml="sm">
+                I have looked
+              </Button>
+            )}
+          </Band>
+        )}
+        {stop.phase === "stopped" && (
+          <Band tone="stopped" title="Stopped" testId="stop-band">
+            The robot stands, until an operator has logged in and releases it.
+          </Band>
+        )}
+        {stop.phase === "silent" && (
+          <Band tone="stale" title="Was stopped" testId="stop-band-stale">
+            Nothing is heard of the robot now; it stays so until somebody releases it.
+          </Band>
+        )}
+      </section>
+      {/* The page begins in a text field, where the space bar alone is a blank. */}
+      <StopFace stop={stop} press={press} hint="Ctrl Space" />
+    </>
+  );
+}
