@@ -222,15 +222,22 @@ class WorldModel:
         marked = np.stack([new_cols + cols.start, new_rows + rows.start], axis=1)
         return Change(self._world(marked), int((before & ~after).sum()))
 
-    def grid(self, now: float) -> Grid:
+    def grid(self, now: float, seen_within: float = math.inf) -> Grid:
         """The map with all that was seen on it, as a planner wants it.
+
+        Parameters
+        ----------
+        now
+            [s]
+        seen_within
+            Without what no ray has come to for longer than that [s].
 
         Raises
         ------
         ValueError
             The model is empty.
         """
-        seen = self.obstacles(now)
+        seen = self.obstacles(now) & (now - self._seen <= seen_within)
         if self._static is None:
             cells = np.full(self._odds.shape, FREE, dtype=np.int8)
         else:
@@ -243,6 +250,38 @@ class WorldModel:
         old = (self._odds > 0.0) & (now - self._seen > self.memory)
         self._odds[old] = 0.0
         return self._odds > 0.0
+
+    def near(self, place: ArrayLike, reach: float, now: float) -> tuple[Floats, Floats, Floats]:
+        """What was seen, and what the map has, within ``reach`` [m] of a place (x, y).
+
+        Returns
+        -------
+        tuple[Floats, Floats, Floats]
+            Centres (N, 2) of what was seen [m], for how long no ray has come there (N,) [s], and
+            centres (M, 2) of what is an obstacle on the map; all in the world.
+        """
+        rows, cols = self._around(place, reach)
+        start = np.array([cols.start, rows.start])
+        seen = self._odds[rows, cols] > 0.0
+        at = np.argwhere(seen)[:, ::-1] + start
+        ages = now - self._seen[rows, cols][seen]
+        if self._static is None:
+            return self._world(at), ages, np.empty((0, 2))
+        known = np.argwhere(self._static.occupied()[rows, cols])[:, ::-1] + start
+        return self._world(at), ages, self._world(known)
+
+    def forget(self, unseen_for: float, now: float) -> int:
+        """Forget what no ray has come to for so long [s]; how many cells that were."""
+        old = (self._odds > 0.0) & (now - self._seen > unseen_for)
+        self._odds[old] = 0.0
+        return int(old.sum())
+
+    def _around(self, place: ArrayLike, reach: float) -> tuple[slice, slice]:
+        col, row = self._cells(np.asarray(place, dtype=np.float64).reshape(1, 2))[0]
+        more = math.ceil(reach / self._resolution)
+        height, width = self._odds.shape
+        cols = slice(max(0, min(width, col - more)), max(0, min(width, col + more + 1)))
+        return slice(max(0, min(height, row - more)), max(0, min(height, row + more + 1))), cols
 
     def _passed(
         self, free_to: Floats, angle_min: float, increment: float, pose: Pose2D

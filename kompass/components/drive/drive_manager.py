@@ -37,7 +37,13 @@ from kompass.components.drive.command_queue import STILL, CommandQueue, Twist2D
 from kompass.components.drive.config import DriveManagerConfig
 from kompass.components.drive.drive_gate import KEEP_OUT, SPEED, DriveGate, GateInput, GateLimits
 from kompass.components.drive.halt import HALT_NODE
-from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
+from kompass.components.drive.manoeuvre import (
+    Manoeuvre,
+    free_way,
+    looked_at,
+    open_turn,
+    widest_turn,
+)
 from kompass.components.drive.publisher_watch import PublisherWatch, WatchedTopic
 from kompass.components.drive.stop_file import StopFile, StopKeeper, stop_path
 from kompass.components.drive.stop_latch import StopLatch
@@ -57,6 +63,7 @@ TAKE_WHEEL, HAND = "take_wheel", "hand"  # names of the service, and of the topi
 IGNORED_PERIOD = 5.0  # s between two lines on commands of a hand that were not obeyed
 SHARE_OF_TOP_SPEED = 0.5
 MARGIN = 0.03  # m to stay outside the critical zone, so that the way out does not end in it
+BEHIND = math.radians(60.0)  # to either side, that the scanner must see for a way back
 USEFUL = 0.05  # m; a shorter way frees nothing
 HELD = 0.7  # s of being held back after which it is given up; a late scan passes sooner
 LONGEST_NAME = 40  # characters of who pressed STOP, in the log
@@ -720,6 +727,7 @@ class DriveManager(Component):
             speed_factor=round(factor, 2),
             limited_by=limited_by,
             driven_by=self._wheel.driver,
+            manoeuvre=self._busy,
             hand_session=self._wheel.session,
             interruptions=self._latch.interruptions,
         )
@@ -768,6 +776,50 @@ class DriveManager(Component):
         """
         with self._manoeuvring("rotate_in_place"):
             return await self._rotate(max_rotation, self._obstacles(), safety_margin)
+
+    @component_action(active=True)
+    async def back_off(self, max_distance: float | None = None) -> bool:
+        """Drive straight back, as far as the scan has measured that nothing is there.
+
+        Parameters
+        ----------
+        max_distance
+            Three times the robot's radius unless given [m].
+        """
+        with self._manoeuvring("back_off"):
+            points = self._obstacles()
+            if points is None:
+                return self.fails("there is no scan to measure the room behind by")
+            radius = self.config.described_robot.radius
+            if not self._looks_back():
+                return self.fails("the scanner does not look behind the robot")
+            free = free_way(points, radius, math.pi) - self.config.critical_zone_distance - MARGIN
+            wanted = 3 * radius if max_distance is None else abs(float(max_distance))
+            distance = min(wanted, free)
+            if distance < USEFUL:
+                return self.fails(f"no more than {max(0.0, free):.2f} m behind are free")
+            return await self._go(-distance)
+
+    @component_action(active=True)
+    async def turn_to_room(self, max_rotation: float = math.pi) -> bool:
+        """Turn on the spot to where the way is free the farthest.
+
+        Parameters
+        ----------
+        max_rotation
+            Largest turn either way [rad].
+        """
+        with self._manoeuvring("turn_to_room"):
+            points = self._obstacles()
+            if points is None:
+                return self.fails("there is no scan to choose a way by")
+            radius = self.config.described_robot.radius
+            turn, free = widest_turn(points, radius, abs(max_rotation))
+            if free < USEFUL:
+                return self.fails("no way is free after a turn")
+            if turn == 0.0:
+                return self.fails("no turn leads to more room than there is ahead")
+            return await self._rotate(turn, points, None)
 
     @component_action(active=True)
     async def move_to_unblock(
@@ -839,6 +891,14 @@ class DriveManager(Component):
                 self._queue.clear()
             else:
                 self._halt()
+
+    def _looks_back(self) -> bool:
+        """Whether the newest scan has measured what the body would sweep on its way back."""
+        scan = self.input("sensor_data").message
+        ranges = np.asarray(scan.ranges, dtype=np.float64)
+        _, _, yaw = self._location.of_sensor(scan.header.frame_id)
+        bearings = yaw + scan.angle_min + scan.angle_increment * np.arange(len(ranges))
+        return looked_at(ranges, bearings, math.pi, BEHIND)
 
     async def _go(self, distance: float) -> bool:
         limits = velocity_limits(self.config.described_robot).vx

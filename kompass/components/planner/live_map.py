@@ -1,5 +1,6 @@
 """What the planner plans on: the map, if there is one, and what the sensor has seen."""
 
+from collections import deque
 from collections.abc import Callable
 from typing import Any
 
@@ -8,12 +9,14 @@ from numpy.typing import NDArray
 
 from kompass.algorithms.geometry import Pose2D, compose
 from kompass.algorithms.grid import Grid
+from kompass.algorithms.mapping.moving import MovingObstacles
 from kompass.algorithms.mapping.scan_points import scan_fault
 from kompass.algorithms.mapping.world_model import TooFar, WorldModel, pose_at
 
 # Without a map: how far beside robot and goal a way is looked for; further when there is none [m].
 MARGINS = (2.5, 5.0, 10.0)
 AT_LEAST = 0.2  # s between two plans
+TRACES = 200  # places of what moves that are kept
 RENEW = 5.0  # s after which what was forgotten is found out
 
 
@@ -24,10 +27,17 @@ class LiveMap:
     ----------
     memory
         Seconds after which what nobody looks at is forgotten.
+
+    Attributes
+    ----------
+    moved
+        Where something that moves was seen last, (x, y) [m] and when [s]; the oldest first.
     """
 
     def __init__(self, memory: float) -> None:
         self.model = WorldModel(memory=memory)
+        self.moved: deque[tuple[float, float, float]] = deque(maxlen=TRACES)
+        self._moving = MovingObstacles()
         self._scan: Any = None
         self._before: tuple[float, Pose2D] | None = None
         self._margin = 0
@@ -81,9 +91,18 @@ class LiveMap:
         if fault:
             raise ValueError(fault)
         change = self.model.see(measured, *rays, (x, y, yaw), now)
+        self._moving.see(measured, *rays, (x, y, yaw), now)
+        self.moved.extend((float(row[0]), float(row[1]), now) for row in self._moving.at(now))
         self._marked = change.marked
         self._freed |= change.cleared > 0
         self._changed |= change.cleared > 0 or len(change.marked) > 0
+
+    def forget(self, unseen_for: float, now: float) -> int:
+        """Forget what no ray has come to for so long [s]; how many cells that were."""
+        cells = self.model.forget(unseen_for, now)
+        self._freed |= cells > 0
+        self._changed |= cells > 0
+        return cells
 
     def threatens(self, path: NDArray[np.float64], near: float) -> bool:
         """Whether what the last scan has marked is nearer to a path (N, 3) than ``near`` [m]."""
