@@ -95,7 +95,8 @@ def test_what_is_only_remembered_is_told_from_what_is_in_sight() -> None:
     saw(live, disc(1.0, 0.0), 0.0)
     saw(live, np.full(RAYS, -math.inf), 30.0)
     there = found(live, 30.0)
-    assert (there.kind, there.since) == ("remembered", pytest.approx(0.0))
+    assert there.kind == "remembered"
+    assert there.since == pytest.approx(0.0)
     assert "30 s ago" in there.told(HERE, RADIUS, 30.0)
 
 

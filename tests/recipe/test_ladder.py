@@ -3,7 +3,7 @@
 import pytest
 from kompass_interfaces.msg import GoalHindrance
 
-from kompass.components import DriveManager, Planner, PlannerConfig
+from kompass.components import Component, DriveManager, Planner, PlannerConfig
 from kompass.launch.stack import Stack, stacks_go_to
 from kompass.launcher import Launcher
 from kompass.recipe.ladder import ladder
@@ -78,7 +78,7 @@ def test_the_clearance_of_the_steps_is_a_multiple_of_the_planners() -> None:
 
 
 @pytest.mark.parametrize("added", [[], [Planner()], [DriveManager()]])
-def test_without_planner_and_drive_manager_it_is_refused(added: list[Planner]) -> None:
+def test_without_planner_and_drive_manager_it_is_refused(added: list[Component]) -> None:
     launcher = Launcher()
     if added:
         launcher.kompass(added)
