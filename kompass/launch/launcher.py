@@ -11,6 +11,8 @@ from kompass.components.base.component import Component
 from kompass.components.base.component_config import NO_ROBOT, ComponentConfig
 from kompass.components.base.config_file import sections_of_nobody
 from kompass.components.base.parameter import with_values
+from kompass.components.drive.drive_manager import DriveManager
+from kompass.components.planner.planner import Planner
 from kompass.launch.companions import (
     add_companion,
     function_process,
@@ -26,6 +28,7 @@ from kompass.monitor.tables.recipe_check import check_recipe
 from kompass.named_arguments import named_arguments
 from kompass.printable import log_to_terminal
 from kompass.rclpy_ext.topic import Topic
+from kompass.recipe.ladder import ladder
 from kompass.recipe.table import recipe_rules
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.rulebook.permissions import NOTHING_OPENED, Opened, opened
@@ -237,6 +240,26 @@ class Launcher:
         """
         more = list(action) if isinstance(action, list | tuple) else [action]
         self._events_actions[event] = [*self._events_actions.get(event, ()), *more]
+
+    def recovery(self) -> None:
+        """Add the recovery ladder: rules for what is tried before a goal is given up.
+
+        They are ordinary rules, in the table like all others.
+
+        Raises
+        ------
+        ValueError
+            When there is not one planner and one drive manager among the components.
+        """
+        planners = [one for one in self._components if isinstance(one, Planner)]
+        drivers = [one for one in self._components if isinstance(one, DriveManager)]
+        if len(planners) != 1 or len(drivers) != 1:
+            raise ValueError(
+                f"recovery: {len(planners)} planners and {len(drivers)} drive managers were added; "
+                "the ladder is for one of each, so add them first, with launcher.kompass(…)"
+            )
+        for event, action in ladder(planners[0], drivers[0]).items():
+            self.on(event, action)
 
     def open_to_rules(
         self,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from geometry_msgs.msg import PolygonStamped
+from kompass_interfaces.msg import GoalHindrance
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rclpy.node import Node
 from sensor_msgs.msg import LaserScan
@@ -70,6 +71,9 @@ class Streams:
         self._footprint = Reader(
             node, PolygonStamped, convert.polygon, world.footprint.set, latched=True
         )
+        self._hindrance = Reader(
+            node, GoalHindrance, convert.hindrance, world.hindrance.set, latched=True
+        )
         self._description = Reader(
             node, String, lambda m: str(m.data), world.description.set, latched=True
         )
@@ -93,6 +97,9 @@ class Streams:
                 self._slots[key].clear()
         footprints = of_type(published, "geometry_msgs/msg/PolygonStamped")
         self._footprint.follow(next((n for n in footprints if n.endswith("footprint")), None))
+        told = of_type(published, "kompass_interfaces/msg/GoalHindrance")
+        if self._hindrance.follow(next(iter(told), None)):
+            self._world.hindrance.clear()
         described = of_type(published, "std_msgs/msg/String")
         self._description.follow(
             next((n for n in described if n.endswith("robot_description")), None)

@@ -17,7 +17,14 @@ from kompass_console.scene.layers.shapes import Vertices
 from kompass_console.scene.layers.trail import Trail
 from kompass_console.scene.urdf import BadDescription, Description, read_description
 from kompass_console.schema.plain import plain
-from kompass_console.schema.world import GoalMark, PlaceMark, Pose, WorldModel, ZoneMark
+from kompass_console.schema.world import (
+    GoalMark,
+    HindranceMark,
+    PlaceMark,
+    Pose,
+    WorldModel,
+    ZoneMark,
+)
 
 LayerKey = str
 
@@ -34,6 +41,7 @@ _PERIODS: dict[LayerKey, float] = {
     "description": 2.0,
     "robot": 0.05,
     "goal": 0.05,
+    "hindrance": 0.2,
     "places": 0.2,
     "zones": 0.2,
 }
@@ -55,6 +63,7 @@ class Drawings:
     description: Description | None = None
     robot: Pose | None = None
     goal: GoalMark | None = None
+    hindrance: HindranceMark | None = None
     places: tuple[PlaceMark, ...] = ()
     zones: tuple[ZoneMark, ...] = ()
     counts: dict[LayerKey, int] = field(default_factory=lambda: dict.fromkeys(_PERIODS, 0))
@@ -89,6 +98,9 @@ class Converter:
             drawings.counts["trail"] += 1
         if (goal := world.goal.get()) is not None and self._is_new("goal", goal.version):
             drawings.goal = goal.value
+        hindrance = world.hindrance.get()
+        if hindrance is not None and self._is_new("hindrance", hindrance.version):
+            drawings.hindrance = hindrance.value
         if (marks := world.places.get()) is not None and self._is_new("places", marks.version):
             drawings.places = marks.value
         if (drawn := world.zones.get()) is not None and self._is_new("zones", drawn.version):

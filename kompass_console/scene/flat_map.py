@@ -13,10 +13,10 @@ from kompass_console.scene.layers.local_map import LocalMapDrawing
 from kompass_console.scene.layers.map import MapDrawing
 from kompass_console.scene.layers.robot import outline
 from kompass_console.scene.layers.shapes import Vertices
-from kompass_console.schema.map_models import FlatAreas, FlatGoal, FlatMapInfo, FlatNews
-from kompass_console.schema.world import GoalMark
+from kompass_console.schema.map_models import FlatAreas, FlatGoal, FlatMapInfo, FlatNews, FlatPoint
+from kompass_console.schema.world import GoalMark, HindranceMark
 
-_LAYERS = ("map", "local_map", "path", "scan", "trail", "footprint", "goal")
+_LAYERS = ("map", "local_map", "path", "scan", "trail", "footprint", "goal", "hindrance")
 
 
 class FlatMap:
@@ -83,6 +83,10 @@ def _goal(mark: GoalMark) -> FlatGoal:
     return FlatGoal(x=mark.x, y=mark.y, yaw=mark.yaw)
 
 
+def _hindrance(mark: HindranceMark) -> FlatPoint:
+    return FlatPoint(x=mark.x, y=mark.y)
+
+
 def _numbers(points: npt.NDArray[np.floating], digits: int = 2) -> list[float]:
     return np.asarray(points, np.float64).round(digits).ravel().tolist()
 
@@ -95,4 +99,5 @@ _IN_NUMBERS: dict[str, Callable[[Any], object]] = {
     "trail": _line,
     "footprint": _footprint,
     "goal": _goal,
+    "hindrance": _hindrance,
 }

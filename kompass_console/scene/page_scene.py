@@ -13,6 +13,7 @@ import viser
 from kompass_console.scene import camera as cameras
 from kompass_console.scene.drawings import Drawings, LayerKey
 from kompass_console.scene.drive_drawing import DriveDrawing
+from kompass_console.scene.layers.cross import CrossNodes
 from kompass_console.scene.layers.goal import GoalNodes
 from kompass_console.scene.layers.local_map import LocalMapNodes
 from kompass_console.scene.layers.map import MapNodes
@@ -189,6 +190,9 @@ class PageScene:
                 self._local_map.draw(drawings.local_map)
             if self._changed("goal", counts):
                 self._goal.draw(drawings.goal)
+            if self._changed("hindrance", counts):
+                mark = drawings.hindrance
+                self._hindrance.draw(None if mark is None else (mark.x, mark.y))
             if self._changed("trail", counts) and drawings.trail is not None:
                 self._trail.draw(drawings.trail)
             if self._changed("places", counts):
@@ -225,6 +229,7 @@ class PageScene:
         self._places = PlaceNodes(self._scene, _WORLD, colours.place)
         self._zones = ZoneNodes(self._scene, _WORLD, colours)
         self._goal = GoalNodes(self._scene, f"{_WORLD}/goal", colours.goal)
+        self._hindrance = CrossNodes(self._scene, f"{_WORLD}/hindrance", colours.alert)
         self._preview_nodes = PreviewNodes(self._scene, _WORLD, theme)
         self._preview_nodes.draw(self._preview)
         if self._playback is not None:
@@ -241,7 +246,9 @@ class PageScene:
 
     def _changed(self, layer: LayerKey, counts: dict[LayerKey, int]) -> bool:
         # A hidden layer is not sent; it is brought up to date when it is shown again.
-        shown = layer in ("footprint", "description", "robot") or getattr(self._view.layers, layer)
+        belongs_to = {"hindrance": "goal"}.get(layer, layer)
+        always = layer in ("footprint", "description", "robot")
+        shown = always or getattr(self._view.layers, belongs_to)
         if not shown or self._drawn.get(layer, 0) == counts[layer]:
             return False
         self._drawn[layer] = counts[layer]
@@ -255,6 +262,7 @@ class PageScene:
         self._scan.show(layers.scan)
         self._robot_nodes.show(layers.robot)
         self._goal.show(layers.goal)
+        self._hindrance.show(layers.goal)
         self._trail.show(layers.trail)
         self._places.show(layers.places)
         self._zones.show(layers.zones)

@@ -42,6 +42,13 @@ class FlatGoal(BaseModel):
     yaw: float | None
 
 
+class FlatPoint(BaseModel):
+    """A place, m."""
+
+    x: float
+    y: float
+
+
 class FlatNews(BaseModel):
     """What has changed since the last message: what is left out is as it was, null is not there.
 
@@ -56,3 +63,4 @@ class FlatNews(BaseModel):
     trail: list[float] | None = None
     footprint: list[float] | None = None
     goal: FlatGoal | None = None
+    hindrance: FlatPoint | None = None

@@ -396,6 +396,7 @@ class GoalInfo(BaseModel):
     """The goal being followed: distance left (m), time left (s), miss at arrival (m).
 
     `elapsed` is from its beginning to now, or to its end; `ended` is how long ago (s) that was.
+    `hindrance` says what is in the way of a goal under way; empty where nothing is.
     """
 
     id: str
@@ -410,6 +411,7 @@ class GoalInfo(BaseModel):
     error: float | None
     elapsed: float
     ended: float | None = None
+    hindrance: str = ""
 
 
 LocalisationProblem = Literal["no_map", "no_scan", "no_pose", "too_little"]

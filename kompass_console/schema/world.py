@@ -99,6 +99,15 @@ class GoalMark:
 
 
 @dataclass(frozen=True, slots=True)
+class HindranceMark:
+    """What is in the way of the goal, m, and a sentence about it."""
+
+    x: float
+    y: float
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class ZoneMark:
     """A zone of the map of now: corners in m, and its speed in m/s; None of a keep-out zone."""
 
@@ -165,6 +174,7 @@ class WorldModel:
         self.description: Latest[str] = Latest(now)
         self.description_problem = ""  # why the robot's own description is not drawn, or not whole
         self.goal: Latest[GoalMark | None] = Latest(now)
+        self.hindrance: Latest[HindranceMark | None] = Latest(now)
         self.places: Latest[tuple[PlaceMark, ...]] = Latest(now)
         self.zones: Latest[tuple[ZoneMark, ...]] = Latest(now)
 

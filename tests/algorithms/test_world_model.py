@@ -224,3 +224,36 @@ def test_a_pose_between_two_is_found_the_short_way_round() -> None:
     assert (x, y) == (0.5, 1.0)
     assert abs(yaw) == pytest.approx(math.pi)
     assert pose_at(9.0, (10.0, (1.0, 0.0, 0.0)), (11.0, (2.0, 0.0, 0.0))) == (1.0, 0.0, 0.0)
+
+
+def test_what_is_out_of_sight_is_forgotten_on_request_and_what_is_in_sight_is_not() -> None:
+    model = WorldModel()
+    behind = np.full(RAYS, math.inf)
+    behind[80:100] = 1.0
+    look(model, behind, now=0.0)
+    ahead = np.full(RAYS, math.nan)  # nothing looks behind any more
+    ahead[:5] = 1.0
+    look(model, ahead, now=10.0)
+    seen, ages, known = model.near((0.0, 0.0), 3.0, now=10.0)
+    assert len(known) == 0
+    assert sorted(set(ages.round(1))) == [0.0, 10.0]
+    assert model.grid(10.0, seen_within=1.0).occupied().sum() == (ages < 1.0).sum()
+    assert model.forget(1.0, now=10.0) == (ages > 1.0).sum() > 0
+    left, ages, _ = model.near((0.0, 0.0), 3.0, now=10.0)
+    assert (left[:, 0] > 0.9).all()
+    assert len(left) < len(seen)
+    assert (ages < 1.0).all()
+
+
+def test_near_a_place_the_map_and_what_was_seen_are_told_apart() -> None:
+    model = WorldModel()
+    cells = np.full((40, 40), FREE, dtype=np.int8)
+    cells[20, 38] = OCCUPIED
+    model.set_map(Grid(cells, 0.05, (-1.0, -1.0, 0.0)))
+    ranges = np.full(RAYS, math.inf)
+    ranges[45] = 0.5  # to the left
+    look(model, ranges)
+    seen, _, known = model.near((0.0, 0.0), 2.0, now=0.0)
+    assert known == pytest.approx(np.array([[0.925, 0.025]]))
+    assert np.hypot(*(seen - (0.0, 0.5)).T).max() < 0.06
+    assert len(model.near((0.0, 0.0), 0.2, now=0.0)[2]) == 0

@@ -122,3 +122,50 @@ def test_driving_along_another_path_is_progress_though_it_is_longer() -> None:
     made.replanned(np.concatenate([out, [[2.0, 3.0, 0.0], [2.0, 0.0, 0.0]]]), (0.5, 0.0, 0.0))
     for second in range(1, 30):  # away from the goal, at 0.1 m/s
         assert not made.stuck((0.5, 0.1 * second, 0.0), now=1.0 + second)
+
+
+def test_the_time_that_help_takes_does_not_count() -> None:
+    made, pose = progress(), (0.5, 0.0, 0.0)
+    assert not made.stuck(pose, now=1.0)
+    assert made.patience_used(pose, now=6.0) == pytest.approx(0.5)
+    assert made.is_hindered
+    made.pause(20.0)
+    assert not made.stuck(pose, now=26.0)
+    assert made.patience_used(pose, now=26.0) == pytest.approx(0.5)
+    assert made.stuck(pose, now=31.0)
+    assert made.patience_used(pose, now=31.0) == 1.0
+
+
+def test_who_is_helped_at_one_place_again_and_again_does_not_try_for_ever() -> None:
+    made, now = progress(), 0.0
+    used = []
+    for _ in range(5):
+        made.unplanned(now)
+        made.patience_used((0.5, 0.0, 0.0), now)
+        made.pause(1.0)
+        now += 5.0
+        used.append(made.patience_used((0.5, 0.0, 0.0), now))
+        made.planned(STRAIGHT, now)
+        made.patience_used((0.5, 0.0, 0.0), now)
+    assert used[:3] == [pytest.approx(0.4)] * 3
+    assert used[3] == 1.0
+
+
+def test_who_is_not_helped_is_not_given_up_for_being_hindered_often() -> None:
+    made, now = progress(), 0.0
+    for _ in range(10):
+        made.unplanned(now)
+        now += 5.0
+        assert made.patience_used((0.5, 0.0, 0.0), now) == pytest.approx(0.5)
+        made.planned(STRAIGHT, now)
+        made.patience_used((0.5, 0.0, 0.0), now)
+
+
+def test_without_a_path_the_way_ahead_is_that_of_the_last_one_or_straight_to_the_goal() -> None:
+    made = progress()
+    made.unplanned(now=1.0)
+    assert made.ahead((1.0, 0.0, 0.0))[0] == pytest.approx((1.0, 0.0, 0.0))
+    new = GoalProgress((2.0, 1.0, 0.0), Tolerance(0.05, 0.2), patience=10.0)
+    straight = new.ahead((0.0, 0.0, 0.0))
+    assert straight[0] == pytest.approx((0.0, 0.0, 0.0))
+    assert straight[-1] == pytest.approx((2.0, 1.0, 0.0))

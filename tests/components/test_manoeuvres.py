@@ -11,7 +11,13 @@ from kompass_interfaces.srv import ReleaseStop, StopRobot
 from std_msgs.msg import Bool
 
 from kompass.components import DriveManager, DriveManagerConfig
-from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
+from kompass.components.drive.manoeuvre import (
+    Manoeuvre,
+    free_way,
+    looked_at,
+    open_turn,
+    widest_turn,
+)
 from kompass.robot import (
     AngularCtrlLimits,
     LinearCtrlLimits,
@@ -86,6 +92,50 @@ def test_the_smallest_turn_to_an_open_way_is_found() -> None:
     turn = open_turn(posts, 0.1, math.pi, 1.0)
     assert turn is not None
     assert 2.5 < abs(turn) < math.pi
+
+
+def test_the_widest_way_is_turned_to_by_the_smallest_turn() -> None:
+    posts = np.array([(x, y) for x, y, _ in ring(0.3, count=72, gap=0.6)])
+    turn, free = widest_turn(posts, 0.1, math.pi)
+    assert abs(turn) > 2.5
+    assert free == 2.0
+    assert widest_turn(np.array([[-0.5, 0.0]]), 0.1, math.pi) == (0.0, 2.0)
+
+
+def test_what_no_ray_has_looked_at_is_not_free() -> None:
+    bearings = np.radians(np.arange(-90.0, 91.0))
+    ranges = np.full(len(bearings), math.inf)
+    assert looked_at(ranges, bearings, 0.0, math.radians(60.0))
+    assert not looked_at(ranges, bearings, math.pi, math.radians(60.0))
+    ranges[80:100] = math.nan
+    assert not looked_at(ranges, bearings, 0.0, math.radians(60.0))
+
+
+@pytest.mark.parametrize(("behind", "expected"), [(None, -0.3), ((-0.35, 0.0, 0.05), -0.12)])
+def test_backing_off_goes_as_far_as_is_measured_to_be_free(
+    run: Run, behind: Post | None, expected: float
+) -> None:
+    alive, toy = started(run, [AHEAD, *([behind] if behind else [])])
+    answer = alive.execute("back_off")
+    assert answer.success, answer.error_msg
+    assert toy.x == pytest.approx(expected, abs=0.05)
+    assert toy.x > -0.2 or behind is None
+
+
+def test_there_is_no_backing_off_where_something_is_behind(run: Run) -> None:
+    alive, toy = started(run, [BEHIND])
+    answer = alive.execute("back_off")
+    assert not answer.success
+    assert "behind are free" in answer.error_msg
+    assert toy.x == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_turn_leads_to_where_there_is_room(run: Run) -> None:
+    alive, toy = started(run, [(0.5, 0.0, 0.05)])
+    answer = alive.execute("turn_to_room")
+    assert answer.success, answer.error_msg
+    assert 0.2 < abs(toy.turned) < 1.0
+    assert not alive.execute("turn_to_room").success  # it faces the room
 
 
 @pytest.mark.parametrize(

@@ -36,10 +36,12 @@ steps_in_any_run_type stop stops_robot tells_missing_inputs ui_main_action_input
 OF_AN_OBJECT = "action_problem config fallbacks health node_name on_intent"
 OWN = {
     Component: "",
-    Planner: "trigger_main_action_server",
+    Planner: "clear_obstacles replan trigger_main_action_server wait_for_way",
     Controller: "algorithm algorithms_config direct_sensor set_algorithm",
     LocalMapper: "",
-    DriveManager: "move_backward move_forward move_to_unblock rotate_in_place",
+    DriveManager: (
+        "back_off move_backward move_forward move_to_unblock rotate_in_place turn_to_room"
+    ),
     MapServer: "",
 }
 

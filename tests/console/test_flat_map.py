@@ -24,7 +24,7 @@ from kompass_console.scene.layers.path import path_segments
 from kompass_console.scene.layers.trail import Trail
 from kompass_console.schema.models import GoalCheck, PointXY
 from kompass_console.schema.roles import Role
-from kompass_console.schema.world import GoalMark, Pose
+from kompass_console.schema.world import GoalMark, HindranceMark, Pose
 from tests.console.conftest import Served, cookie_of, running_stack
 from tests.support.processes import wait_until
 
@@ -59,6 +59,20 @@ def test_the_picture_has_a_pixel_for_each_cell_and_north_up() -> None:
     assert tuple(pixels[1, 0]) == colours.occupied
     assert tuple(pixels[0, 0]) == colours.unknown
     assert tuple(pixels[0, 2]) == colours.free
+
+
+def test_a_page_is_told_where_something_is_in_the_way_and_that_it_is_gone() -> None:
+    drawings = Drawings()
+    flat = FlatMap(drawings)
+    flat.news()
+    drawings.hindrance = HindranceMark(1.2, 0.45, "In the way: a box.")
+    told = flat.news().hindrance
+    assert told is not None
+    assert (told.x, told.y) == (1.2, 0.45)
+    drawings.hindrance = None
+    gone = flat.news()
+    assert "hindrance" in gone.model_fields_set
+    assert gone.hindrance is None
 
 
 def test_a_page_is_told_everything_once_and_then_what_has_changed() -> None:

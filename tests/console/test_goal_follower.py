@@ -16,7 +16,7 @@ from kompass_console.link.goals.goal_follower import (
     length_left,
 )
 from kompass_console.schema.models import GoalInfo
-from kompass_console.schema.world import Pose, RobotMotion, WorldModel
+from kompass_console.schema.world import HindranceMark, Latest, Pose, RobotMotion, WorldModel
 
 ACTION = "/planner/plan_path"
 
@@ -235,3 +235,21 @@ def test_length_left_counts_from_the_nearest_point_of_the_path() -> None:
     assert length_left(corner, (2.4, 1.0)) == pytest.approx(2.0)
     assert length_left(corner, (2.0, 9.0)) == pytest.approx(0.0)
     assert math.isfinite(length_left(np.zeros((3, 2)), (1.0, 1.0)))
+
+
+def test_what_is_in_the_way_is_told_while_the_goal_is_under_way_and_it_is_news(
+    world: WorldModel, clock: Clock
+) -> None:
+    world.hindrance = Latest(clock)
+    follower = GoalFollower(world, lambda: None, now=clock)
+    follower.statuses(ACTION, {"aa": at(EXECUTING)})
+    assert info(follower).hindrance == ""
+    world.hindrance.set(HindranceMark(1.2, 0.45, "In the way: a box."))
+    assert info(follower).hindrance == "In the way: a box."
+    clock.now += 5.0
+    assert info(follower).hindrance == ""
+    world.hindrance.set(HindranceMark(1.2, 0.45, "In the way: a box."))
+    follower.statuses(ACTION, {"aa": at(ABORTED)})
+    follower.result("aa", Ending(ABORTED, "No way. In the way: a box."))
+    assert info(follower).hindrance == ""
+    assert "a box" in info(follower).message

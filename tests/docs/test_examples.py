@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 from geometry_msgs.msg import PointStamped
+from kompass_interfaces.msg import GoalHindrance
 from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import BatteryState, LaserScan, Temperature
@@ -52,6 +53,13 @@ def firings(rule: Rule, said: list[Said]) -> list[float]:
                 fired.append(round(time, 1))
                 state, _ = step(table, state, RunEnded(output.rule_id, output.run_id), time)
     return fired
+
+
+def hindrances(*said: tuple[float, str, float]) -> list[Said]:
+    return [
+        (time, "goal_hindrance", GoalHindrance(kind=kind, patience_used=used))
+        for time, kind, used in said
+    ]
 
 
 def scans(*nearest: float, every: float = 0.5) -> list[Said]:
@@ -115,6 +123,18 @@ def test_a_hiccup_does_not_use_up_the_rule_of_the_mapper(rules: dict[str, Rule])
     said: list[Said] = [(0.0, "mapper/status", failed), (0.2, "mapper/status", well)]
     said += [(1.0 + 0.2 * n, "mapper/status", failed) for n in range(40)]
     assert firings(rules["mapper-lost"], said) == [1.5]
+
+
+def test_somebody_who_walks_about_in_the_way_is_waited_for(rules: dict[str, Rule]) -> None:
+    said = hindrances(
+        (0.0, "moving", 0.05),
+        (0.5, "seen", 0.2),
+        (1.0, "moving", 0.2),
+        (1.5, "moving", 0.25),
+        (2.0, "", 0.0),
+        (2.5, "moving", 0.15),
+    )
+    assert firings(rules["let-people-pass"], said) == [1.0, 2.5]
 
 
 def test_silence_is_noticed_without_a_message(rules: dict[str, Rule]) -> None:

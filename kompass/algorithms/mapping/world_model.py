@@ -310,15 +310,22 @@ class WorldModel:
         marked = self._world(np.stack([new_cols, new_rows], axis=1))
         return Change(marked, int(cleared.sum()))
 
-    def grid(self, now: float) -> Grid:
+    def grid(self, now: float, seen_within: float = math.inf) -> Grid:
         """The map with all that was seen on it, as a planner wants it.
+
+        Parameters
+        ----------
+        now
+            [s]
+        seen_within
+            Without what no ray has come to for longer than that [s].
 
         Raises
         ------
         ValueError
             The model is empty.
         """
-        seen = self.obstacles(now)
+        seen = self.obstacles(now, seen_within)
         if self._static is None:
             cells = np.full(self._shape, FREE, dtype=np.int8)
         else:
@@ -326,13 +333,54 @@ class WorldModel:
         cells[seen] = OCCUPIED
         return Grid(cells, self._resolution, self._origin)
 
-    def obstacles(self, now: float) -> NDArray[np.bool_]:
-        """What was seen, and is not forgotten, bool (H, W) on the cells of :meth:`grid`."""
+    def obstacles(self, now: float, seen_within: float = math.inf) -> NDArray[np.bool_]:
+        """What was seen, and is not forgotten, bool (H, W) on the cells of :meth:`grid`; without
+        what no ray has come to for longer than ``seen_within`` [s]."""
         found = np.zeros(self._shape, dtype=bool)
         for layer in self._layers.values():
             layer.odds[(layer.odds > 0.0) & (now - layer.seen > self.memory)] = 0.0
-            found |= layer.odds > 0.0
+            found |= (layer.odds > 0.0) & (now - layer.seen <= seen_within)
         return found
+
+    def near(self, place: ArrayLike, reach: float, now: float) -> tuple[Floats, Floats, Floats]:
+        """What was seen, and what the map has, within ``reach`` [m] of a place (x, y).
+
+        Returns
+        -------
+        tuple[Floats, Floats, Floats]
+            Centres (N, 2) of what was seen [m], for how long no ray has come there (N,) [s], and
+            centres (M, 2) of what is an obstacle on the map; all in the world.
+        """
+        rows, cols = self._around(place, reach)
+        start = np.array([cols.start, rows.start])
+        # Of layers that have the same obstacle, the one counts that was looked at last.
+        newest = np.full((rows.stop - rows.start, cols.stop - cols.start), -np.inf)
+        for layer in self._layers.values():
+            looked = np.where(layer.odds[rows, cols] > 0.0, layer.seen[rows, cols], -np.inf)
+            np.maximum(newest, looked, out=newest)
+        seen = newest > -np.inf
+        at = np.argwhere(seen)[:, ::-1] + start
+        ages = now - newest[seen]
+        if self._static is None:
+            return self._world(at), ages, np.empty((0, 2))
+        known = np.argwhere(self._static.occupied()[rows, cols])[:, ::-1] + start
+        return self._world(at), ages, self._world(known)
+
+    def forget(self, unseen_for: float, now: float) -> int:
+        """Forget what no ray has come to for so long [s]; how many cells that were."""
+        gone = np.zeros(self._shape, dtype=bool)
+        for layer in self._layers.values():
+            old = (layer.odds > 0.0) & (now - layer.seen > unseen_for)
+            layer.odds[old] = 0.0
+            gone |= old
+        return int(gone.sum())
+
+    def _around(self, place: ArrayLike, reach: float) -> tuple[slice, slice]:
+        col, row = self._cells(np.asarray(place, dtype=np.float64).reshape(1, 2))[0]
+        more = math.ceil(reach / self._resolution)
+        height, width = self._shape
+        cols = slice(max(0, min(width, col - more)), max(0, min(width, col + more + 1)))
+        return slice(max(0, min(height, row - more)), max(0, min(height, row + more + 1))), cols
 
     def _passed(
         self, free_to: Floats, angle_min: float, increment: float, pose: Pose2D

@@ -36,7 +36,12 @@ from kompass.components.drive.command_queue import STILL, CommandQueue, Twist2D
 from kompass.components.drive.config import DriveManagerConfig
 from kompass.components.drive.drive_gate import KEEP_OUT, SPEED, DriveGate, GateInput, GateLimits
 from kompass.components.drive.halt import HALT_NODE
-from kompass.components.drive.manoeuvre import Manoeuvre, free_way, open_turn
+from kompass.components.drive.manoeuvre import (
+    Manoeuvre,
+    free_way,
+    open_turn,
+    widest_turn,
+)
 from kompass.components.drive.publisher_watch import PublisherWatch, WatchedTopic
 from kompass.components.drive.sensor_watch import SensorWatch, told_for
 from kompass.components.drive.stop_file import StopFile, StopKeeper, stop_path
@@ -57,6 +62,7 @@ TAKE_WHEEL, HAND = "take_wheel", "hand"  # names of the service, and of the topi
 IGNORED_PERIOD = 5.0  # s between two lines on commands of a hand that were not obeyed
 SHARE_OF_TOP_SPEED = 0.5
 MARGIN = 0.03  # m to stay outside the critical zone, so that the way out does not end in it
+BEHIND = math.radians(60.0)  # to either side, that the scanner must see for a way back
 USEFUL = 0.05  # m; a shorter way frees nothing
 HELD = 0.7  # s of being held back after which it is given up; a late scan passes sooner
 LONGEST_NAME = 40  # characters of who pressed STOP, in the log
@@ -719,6 +725,7 @@ class DriveManager(Component):
             speed_factor=round(factor, 2),
             limited_by=limited_by,
             driven_by=self._wheel.driver,
+            manoeuvre=self._busy,
             hand_session=self._wheel.session,
             interruptions=self._latch.interruptions,
         )
@@ -767,6 +774,57 @@ class DriveManager(Component):
         """
         with self._manoeuvring("rotate_in_place"):
             return await self._rotate(max_rotation, self._obstacles(), safety_margin)
+
+    @component_action(active=True)
+    async def back_off(self, max_distance: float | None = None) -> bool:
+        """Drive straight back, as far as the scan has measured that nothing is there.
+
+        Parameters
+        ----------
+        max_distance
+            Three times the robot's radius unless given [m].
+        """
+        with self._manoeuvring("back_off"):
+            points = self._obstacles()
+            if points is None:
+                return self.fails("there is no scan to measure the room behind by")
+            radius = self.config.described_robot.radius
+            if not self._looks_back():
+                return self.fails("the scanner does not look behind the robot")
+            free = free_way(points, radius, math.pi) - self.config.critical_zone_distance - MARGIN
+            wanted = 3 * radius if max_distance is None else abs(float(max_distance))
+            distance = min(wanted, free)
+            if distance < USEFUL:
+                return self.fails(f"no more than {max(0.0, free):.2f} m behind are free")
+            before = self._location.pose()
+            if await self._go(-distance):
+                return True
+            after = self._location.pose()
+            if before is None or after is None or self._latch.is_set or self._wheel.driver:
+                return False
+            # The gate slows it before what is behind; what it gained helps all the same.
+            return math.dist(before[:2], after[:2]) >= USEFUL
+
+    @component_action(active=True)
+    async def turn_to_room(self, max_rotation: float = math.pi) -> bool:
+        """Turn on the spot to where the way is free the farthest.
+
+        Parameters
+        ----------
+        max_rotation
+            Largest turn either way [rad].
+        """
+        with self._manoeuvring("turn_to_room"):
+            points = self._obstacles()
+            if points is None:
+                return self.fails("there is no scan to choose a way by")
+            radius = self.config.described_robot.radius
+            turn, free = widest_turn(points, radius, abs(max_rotation))
+            if free < USEFUL:
+                return self.fails("no way is free after a turn")
+            if turn == 0.0:
+                return self.fails("no turn leads to more room than there is ahead")
+            return await self._rotate(turn, points, None)
 
     @component_action(active=True)
     async def move_to_unblock(
@@ -838,6 +896,10 @@ class DriveManager(Component):
                 self._queue.clear()
             else:
                 self._halt()
+
+    def _looks_back(self) -> bool:
+        """Whether a scan has measured what the body would sweep on its way back."""
+        return any(sensor.looked_at(math.pi, BEHIND) for sensor in self._sensors)
 
     async def _go(self, distance: float) -> bool:
         limits = velocity_limits(self.config.described_robot).vx

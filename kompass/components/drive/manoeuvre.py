@@ -17,6 +17,8 @@ BRAKING_SHARE = 0.5  # of the robot's deceleration, to come to rest gently
 SLOWEST = 0.2  # of the manoeuvre's speed, until it is there
 DELAY = 0.15  # s from a measurement to its effect
 PATIENCE = 3.0  # s beyond twice the time that the motion takes
+GAP = math.radians(6.0)  # between two rays; what is narrower hides nothing that matters nearby
+FAR = 2.0  # m of free way, beyond which more is no better
 
 
 @dataclass
@@ -89,6 +91,45 @@ def free_way(points: NDArray[np.float64], radius: float, direction: float = 0.0)
         return math.inf
     reach = ahead[meets] - np.sqrt(radius**2 - aside[meets] ** 2)
     return max(0.0, float(reach.min()))
+
+
+def looked_at(
+    ranges: NDArray[np.float64], bearings: NDArray[np.float64], direction: float, width: float
+) -> bool:
+    """Whether a scan has measured all of a sector: no gap in it is wider than ``GAP``.
+
+    Parameters
+    ----------
+    ranges
+        (N,) [m]; what is NaN, 0 or negative says nothing.
+    bearings
+        Of the rays (N,), from the robot [rad].
+    direction, width
+        Middle of the sector, and how far it reaches to either side [rad].
+    """
+    valid = bearings[ranges > 0.0]
+    off = np.remainder(valid - direction + math.pi, math.tau) - math.pi
+    reached = np.concatenate([[-width], np.sort(off[np.abs(off) <= width]), [width]])
+    return bool(np.diff(reached).max() <= GAP)
+
+
+def widest_turn(points: NDArray[np.float64], radius: float, most: float) -> tuple[float, float]:
+    """The turn after which the way ahead is free the farthest, and how far [rad], [m].
+
+    Of ways that are free for ``FAR`` or more the smallest turn is taken.
+
+    Parameters
+    ----------
+    points, radius
+        As of :func:`free_way`.
+    most
+        Turns up to this angle either way are looked at [rad].
+    """
+    steps = max(1, math.ceil(most / math.radians(10)))
+    turns = sorted(np.linspace(-most, most, 2 * steps + 1), key=abs)
+    ways = [min(FAR, free_way(points, radius, float(turn))) for turn in turns]
+    best = int(np.argmax(ways))
+    return float(turns[best]), ways[best]
 
 
 def open_turn(

@@ -10,6 +10,7 @@ from sensor_msgs.msg import PointCloud2
 from kompass.algorithms.geometry import inverse, transform_points
 from kompass.algorithms.mapping.cloud_memory import CloudMemory
 from kompass.algorithms.mapping.cloud_view import CloudView
+from kompass.algorithms.mapping.scan_points import PlacedScan
 from kompass.algorithms.safety.frozen_scan import FrozenScan
 from kompass.algorithms.safety.rhythm import Rhythm
 from kompass.algorithms.transforms import TransformError
@@ -17,6 +18,7 @@ from kompass.components.base.location_source import LocationSource
 from kompass.components.base.ports import Input
 from kompass.components.base.seen import cloud_memory, read_seen, stamp_of
 from kompass.components.drive.config import DriveManagerConfig
+from kompass.components.drive.manoeuvre import looked_at
 from kompass.printable import printable
 
 Points = NDArray[np.float64]
@@ -48,6 +50,7 @@ class SensorWatch:
         self._memory: CloudMemory | None = None
         self._points: Points = np.empty((0, 2))
         self._points_of: object = None
+        self._scan: PlacedScan | None = None  # that was read last
         self._fault = ""  # of the newest message
 
     @property
@@ -86,6 +89,21 @@ class SensorWatch:
             return None
         return self._points if self._memory is None else self._with_remembered(now)
 
+    def looked_at(self, direction: float, width: float) -> bool:
+        """Whether the scan that was read last has measured all of a sector; a cloud never has.
+
+        Parameters
+        ----------
+        direction, width
+            Middle of the sector, and how far it reaches to either side [rad].
+        """
+        scan = self._scan
+        if scan is None:
+            return False
+        rays = np.arange(len(scan.ranges))
+        bearings = scan.sensor[2] + scan.angle_min + scan.angle_increment * rays
+        return looked_at(scan.ranges, bearings, direction, width)
+
     def missing(self, name: str) -> str:
         """Why it is of no use, for people.
 
@@ -111,6 +129,7 @@ class SensorWatch:
         location, config = self._location(), self._config()
         seen = read_seen(message, location, config)
         self._points = seen.points
+        self._scan = None if isinstance(seen, CloudView) else seen
         if not isinstance(seen, CloudView):
             self._memory = None
             return

@@ -59,28 +59,35 @@ class GoalProgress:
     tolerance: Tolerance
     patience: float
     path: NDArray[np.float64] | None = None
+    route: NDArray[np.float64] | None = None  # the last path that there was
     under_way: bool = False  # there has been a path, so the robot may have moved
     _no_plan_since: float | None = None
     _best: float = math.inf
     _best_at: float = field(default=-math.inf)
     _least_off: float = math.inf  # from where the path leads, since it came nearer last [rad]
     _inside_since: float | None = None
+    _was_helped: bool = False
+    _is_hindered: bool = False
+    _hindered_at: list[tuple[float, float]] = field(default_factory=list)
 
     SETTLE = 2.0  # s inside the tolerance after which a robot that still creeps has arrived
     PROGRESS = 0.05  # m (or rad/10) that count as progress
     TURNED = 0.2  # rad by which it must face the way ahead better than ever, to have got somewhere
     AHEAD = 0.35  # m along the path, to where it has to face
+    HINDERED = 0.1  # share of the patience that is used up when something hinders the robot
+    SAME_PLACE = 0.5  # m
+    ROUNDS = 3  # times that something may hinder it at one place although it was helped
 
     def planned(self, path: NDArray[np.float64], now: float) -> None:
         """A path of poses (N, 3) was found."""
-        self.path, self.under_way = path, True
+        self.path, self.route, self.under_way = path, path, True
         self._no_plan_since = None
         self._best, self._best_at = math.inf, now
 
     def replanned(self, path: NDArray[np.float64], pose: Pose2D) -> None:
         """A better path (N, 3) was found, on the way at ``pose``: it is no progress by itself."""
         before = self.distance_left(pose)
-        self.path = path
+        self.path = self.route = path
         self._best += self.distance_left(pose) - before
 
     def unplanned(self, now: float) -> bool:
@@ -90,16 +97,51 @@ class GoalProgress:
             self._no_plan_since = now
         return now - self._no_plan_since >= self.patience
 
+    def pause(self, seconds: float) -> None:
+        """The robot was being helped for so long: that is no time in which it tried in vain."""
+        self._was_helped = True
+        self._best_at += seconds
+        if self._no_plan_since is not None:
+            self._no_plan_since += seconds
+
+    def patience_used(self, pose: Pose2D, now: float) -> float:
+        """The share of patience that is used up, from 0 to 1.
+
+        1, too, where the robot was helped, and got somewhere, and is hindered at the same place
+        again and again: else it would try for ever.
+        """
+        since = self._best_at if self.path is not None else self._no_plan_since
+        waited = 0.0 if since is None or since == -math.inf else now - since
+        used = min(1.0, max(0.0, waited / self.patience))
+        was, self._is_hindered = self._is_hindered, used >= self.HINDERED
+        if self._is_hindered and not was:
+            self._hindered_at.append(pose[:2])
+        near = [at for at in self._hindered_at if math.dist(at, pose[:2]) <= self.SAME_PLACE]
+        if self._is_hindered and self._was_helped and len(near) > self.ROUNDS:
+            return 1.0
+        return used
+
+    @property
+    def is_hindered(self) -> bool:
+        """Whether something hindered the robot when its patience was last looked at."""
+        return self._is_hindered
+
     def errors(self, pose: Pose2D) -> tuple[float, float]:
         """Distance [m] and heading error [rad] between a pose and the goal."""
         distance = math.hypot(self.goal[0] - pose[0], self.goal[1] - pose[1])
         return distance, abs(float(wrap_angle(self.goal[2] - pose[2])))
 
     def ahead(self, pose: Pose2D) -> NDArray[np.float64]:
-        """What is left of the path (M, 3) from the place nearest to ``pose``; there must be one."""
-        assert self.path is not None
-        away = np.hypot(self.path[:, 0] - pose[0], self.path[:, 1] - pose[1])
-        return self.path[int(np.argmin(away)) :]
+        """What is left of the last path (M, 3) from the place nearest to ``pose``.
+
+        Without one, the straight line to the goal.
+        """
+        route = self.route
+        if route is None:
+            steps = max(2, math.ceil(10 * self.errors(pose)[0]))
+            return np.linspace((*pose[:2], pose[2]), self.goal, steps)
+        away = np.hypot(route[:, 0] - pose[0], route[:, 1] - pose[1])
+        return route[int(np.argmin(away)) :]
 
     def distance_left(self, pose: Pose2D) -> float:
         """Length of the path still ahead [m]; the straight distance while there is none."""

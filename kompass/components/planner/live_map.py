@@ -1,6 +1,7 @@
 """What the planner plans on: the map, if there is one, and what the sensor has seen."""
 
 import math
+from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -10,12 +11,14 @@ from numpy.typing import NDArray
 from kompass.algorithms.geometry import Pose2D, compose
 from kompass.algorithms.grid import Grid
 from kompass.algorithms.mapping.cloud_view import CloudView
+from kompass.algorithms.mapping.moving import MovingObstacles
 from kompass.algorithms.mapping.world_model import TooFar, WorldModel, pose_at
 from kompass.components.base.seen import Seen, stamp_of
 
 # Without a map: how far beside robot and goal a way is looked for; further when there is none [m].
 MARGINS = (2.5, 5.0, 10.0)
 AT_LEAST = 0.2  # s between two plans
+TRACES = 200  # places of what moves that are kept
 RENEW = 5.0  # s after which what was forgotten is found out
 
 
@@ -27,10 +30,17 @@ class LiveMap:
     ----------
     memory
         Seconds after which what nobody looks at is forgotten.
+
+    Attributes
+    ----------
+    moved
+        Where something that moves was seen last, (x, y) [m] and when [s]; the oldest first.
     """
 
     def __init__(self, memory: float) -> None:
         self.model = WorldModel(memory=memory)
+        self.moved: deque[tuple[float, float, float]] = deque(maxlen=TRACES)
+        self._moving: dict[str, MovingObstacles] = {}  # by topic
         self._waiting: dict[str, Any] = {}  # by topic
         self._before: tuple[float, Pose2D] | None = None
         self._after: tuple[float, Pose2D] | None = None
@@ -87,9 +97,19 @@ class LiveMap:
             x, y, yaw = (float(value) for value in compose(there, seen.sensor))
             # Those that look around in one plane see the same things.
             change = self.model.see(*seen.rays, (x, y, yaw), now, round(seen.height, 2))
+            moving = self._moving.setdefault(topic, MovingObstacles())
+            moving.see(*seen.rays, (x, y, yaw), now)
+            self.moved.extend((float(row[0]), float(row[1]), now) for row in moving.at(now))
         self._marked = np.concatenate([self._marked, change.marked])
         self._freed |= change.cleared > 0
         self._changed |= change.cleared > 0 or len(change.marked) > 0
+
+    def forget(self, unseen_for: float, now: float) -> int:
+        """Forget what no ray has come to for so long [s]; how many cells that were."""
+        cells = self.model.forget(unseen_for, now)
+        self._freed |= cells > 0
+        self._changed |= cells > 0
+        return cells
 
     def threatens(self, path: NDArray[np.float64], near: float) -> bool:
         """Whether what the last scan has marked is nearer to a path (N, 3) than ``near`` [m]."""

@@ -5,9 +5,9 @@ from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import Point, PoseStamped
 from kompass_interfaces.action import PlanPath
-from kompass_interfaces.msg import DriveState
+from kompass_interfaces.msg import DriveState, GoalHindrance
 from kompass_interfaces.srv import CheckGoal
 from nav_msgs.msg import Path
 from rclpy.action import CancelResponse, GoalResponse
@@ -23,7 +23,7 @@ from kompass.algorithms.planning.outline_planner import OutlinePlanner
 from kompass.algorithms.planning.planner import GlobalPlanner, Plan
 from kompass.algorithms.safety.standstill import Standstill
 from kompass.algorithms.transforms import TransformError
-from kompass.components.base.actions import component_action
+from kompass.components.base.actions import ActionRefused, component_action
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_of, path_msg, pose_of, quaternion_msg
@@ -39,6 +39,7 @@ from kompass.components.planner.goal_progress import (
     Tolerance,
 )
 from kompass.components.planner.goal_reports import GOAL_REPORTS, REPORTS
+from kompass.components.planner.hindrance import OUT_OF_SIGHT, Hindrance, find
 from kompass.components.planner.live_map import LiveMap
 from kompass.printable import printable
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
@@ -57,6 +58,9 @@ REPORTED: dict[GoalOutcome, Outcome] = {
 PROGRESS_RATE = 10.0  # Hz, only while a goal is pursued
 FEEDBACK_EVERY = 2  # turns of the progress timer
 REPLAN_EVERY = 5  # of these turns: twice a second
+HINDRANCE = "goal_hindrance"  # topic
+SET_OFF = 4.0  # s that a robot has to set off on a path that was planned to help it
+FIRST_SCAN = 1.0  # s in which one must come, where the planner begins to look
 RETRY = 1.0  # s from finding no way to looking again
 STRAYED = 0.5  # m
 BETTER = 0.1  # share of the way that another path must save to take the place of a good one
@@ -82,6 +86,10 @@ class Planner(Component):
 
     As ``ActionServer`` it serves ``<node>/plan_path``; as ``Timed`` or ``Event`` it takes goals
     from ``goal_point``. ``<node>/check_goal`` answers without moving anything.
+
+    Where the robot does not get on, ``goal_hindrance`` says what is in the way, where, since when,
+    and how much of the ``patience`` is used up. Rules answer that: what takes its time to help,
+    motions of the drive manager and :meth:`wait_for_way`, does not count.
     """
 
     config: PlannerConfig
@@ -139,6 +147,12 @@ class Planner(Component):
         self._stopped = self._driven = self._because = ""
         self._interruptions: int | None = None  # by people, as the drive manager counts them
         self._standstill = Standstill()
+        self._scout: LiveMap | None = None  # looks while a goal is hindered, if nothing else does
+        self._found: Hindrance | None = None
+        self._clearance: float | None = None  # for the goal that is pursued [m]
+        self._moved_by = self._held_by = self._why = ""
+        self._waiting = 0  # actions for which the patience stands still
+        self._followed = 0.0
 
     @property
     def _serves_action(self) -> bool:
@@ -151,6 +165,7 @@ class Planner(Component):
             DriveState, "drive_state", self._on_drive_state, LATCHED.to_ros()
         )
         self._zones = ZonesHeard(self.node, self._on_zones)
+        self._hindrances = self.node.create_publisher(GoalHindrance, HINDRANCE, LATCHED.to_ros())
         self._reports = self.node.create_publisher(String, GOAL_REPORTS, REPORTS.to_ros())
         if self._serves_action:
             self._server = self.node.create_action_server(
@@ -177,6 +192,7 @@ class Planner(Component):
                 source.on_message = self._on_goal_message
         self._progress = self.create_timer(1.0 / PROGRESS_RATE, self._follow)
         self._progress.cancel()
+        self._tell_hindrance(None)
         # What one before it pursued has failed with its process; nobody watches over that path.
         self.publish("plan", self._path_msg(np.empty((0, 3))))
 
@@ -195,24 +211,38 @@ class Planner(Component):
 
     def _watch(self) -> None:
         """Begin to listen to the sensor, or end it, as it is set."""
-        sources = self._inputs["sensor_data"]
+        self._scout = None
         if not self.config.use_sensor:
             self._live = None
-            for source in sources:
-                source.close(self.node)
+            self._look_away()
             return
-        self._live = LiveMap(self.config.obstacle_memory)
-        for index, source in enumerate(sources):
+        self._live = self._look()
+
+    def _look(self) -> LiveMap:
+        """Listen to the sensors, and make what takes in what they show."""
+        for index, source in enumerate(self._inputs["sensor_data"]):
             source.on_message = partial(self._on_seen, index)
             source.open(self.node)
+        made = LiveMap(self.config.obstacle_memory)
+        if self._map is not None:
+            made.set_map(self._map)
+        return made
+
+    def _look_away(self) -> None:
+        for source in self._inputs["sensor_data"]:
+            source.close(self.node)
+
+    @property
+    def _looking(self) -> LiveMap | None:
+        return self._live or self._scout
 
     def _on_seen(self, index: int, message: Any) -> None:
-        if self._live is not None:
-            self._live.wait_with(self.input("sensor_data", index).topic.name, message)
+        if self._looking is not None:
+            self._looking.wait_with(self.input("sensor_data", index).topic.name, message)
 
     def _take_seen_in(self) -> None:
         """Once it is known where the robot was when it was made."""
-        live, pose = self._live, self._location.pose()
+        live, pose = self._looking, self._location.pose()
         if live is None or pose is None:
             return
         now = self.clock.monotonic()
@@ -224,7 +254,7 @@ class Planner(Component):
             except (TransformError, ValueError) as error:
                 self.warn(f"/{topic}: {error}")
         pursued = self._pursued
-        if pursued is None or pursued.path is None:
+        if pursued is None or pursued.path is None or live is not self._live:
             return
         near = self.config.described_robot.radius + self._kept / 2
         if live.threatens(pursued.ahead(pose), near):
@@ -236,10 +266,10 @@ class Planner(Component):
         except ValueError as error:
             self.health.set_fail_system(topics=["/map"], message=str(error))
             return
-        if self._live is not None:
-            self._live.set_map(grid)
-        else:
-            self._map = grid
+        self._map = grid
+        if self._looking is not None:
+            self._looking.set_map(grid)
+        if self._live is None:
             self._planner = self._planner_on(grid)
 
     def _on_zones(self) -> None:
@@ -267,7 +297,7 @@ class Planner(Component):
             return OutlinePlanner(
                 grid,
                 footprint=body,
-                clearance=self.config.clearance,
+                clearance=self._wanted_clearance,
                 least=None if self._live is None else 0.0,
                 unknown_is_obstacle=self.config.unknown_is_obstacle,
                 points_per_meter=self.config.points_per_meter,
@@ -276,7 +306,7 @@ class Planner(Component):
         return GlobalPlanner(
             grid,
             robot_radius=robot.radius,
-            clearance=self.config.clearance,
+            clearance=self._wanted_clearance,
             unknown_is_obstacle=self.config.unknown_is_obstacle,
             points_per_meter=self.config.points_per_meter,
             planner_id=usable_planner(self.config.chosen_planner),
@@ -284,12 +314,17 @@ class Planner(Component):
             start_slack=start_slack,
         )
 
+    @property
+    def _wanted_clearance(self) -> float:
+        return self.config.clearance if self._clearance is None else self._clearance
+
     def _on_location(self, _message: Any) -> None:
         self._standstill.update(self._location.speed(), self.clock.monotonic())
         self._take_seen_in()
 
     def _on_drive_state(self, state: DriveState) -> None:
         self._stopped = f"{state.stopped_by} pressed STOP" if state.stopped else ""
+        self._moved_by, self._held_by = state.manoeuvre, state.limited_by
         held = state.limited_by
         self._because = f"; the drive manager holds the robot back: {held}" if held else ""
         if self._stopped:
@@ -389,6 +424,7 @@ class Planner(Component):
         self._pursued = GoalProgress(pose_of(goal.goal), tolerance, self.config.patience)
         self._goal_id = f"{self.node_name} {int(1e6 * self.clock.wall())}"
         self._report(self._pursued)
+        self._tell_hindrance(None)
         if self._stopped:
             self._end(
                 GoalOutcome.STOPPED, f"{self._stopped}; a person must release it before a new goal."
@@ -419,7 +455,7 @@ class Planner(Component):
         )
         self._reports.publish(String(data=report.model_dump_json()))
 
-    def _end(self, outcome: GoalOutcome, message: str) -> None:
+    def _end(self, outcome: GoalOutcome, message: str, *, hindered: bool = False) -> None:
         pursued, self._pursued = self._pursued, None
         if pursued is None:
             return
@@ -430,6 +466,9 @@ class Planner(Component):
         self.publish("reached_end", Bool(data=outcome is GoalOutcome.ARRIVED))
         self.node.get_logger().info(f"goal ended: {outcome.name}: {printable(message)}")
         self._report(pursued, outcome, message)
+        self._forget_help()
+        if not hindered:
+            self._tell_hindrance(None)
         self._handle = None
         if self._ended is not None:
             self._ended.set_result((outcome, message, displacement))
@@ -451,19 +490,31 @@ class Planner(Component):
         self._drive(plan)
 
     def _drive(self, plan: Plan) -> None:
-        self._kept = min(self.config.clearance, max(0.0, plan.room))
+        self._kept = min(self._wanted_clearance, max(0.0, plan.room))
         self.publish("plan", self._path_msg(plan.poses))
 
     def _fail(self, pursued: GoalProgress, failure: PlanningFailure, now: float) -> None:
         """There is no way: stand, and wait for one as long as patience lasts."""
-        self._failed = now
+        self._failed, self._why = now, failure.message
         self._judge(failure)
         over = pursued.unplanned(now)
         self.publish("plan", self._path_msg(np.empty((0, 3))))
         # On the way, even a goal that is now out of reach may come back: a door, a person.
-        if over or not (pursued.under_way or failure.reason in MAY_PASS):
-            outcome = GoalOutcome.BLOCKED if pursued.under_way else GoalOutcome.REFUSED
-            self._end(outcome, failure.message)
+        may_pass = failure.reason in MAY_PASS or self._only_remembered(pursued, failure)
+        if over or not (pursued.under_way or may_pass):
+            self._give_up(pursued, now)
+
+    def _only_remembered(self, pursued: GoalProgress, failure: PlanningFailure) -> bool:
+        """Whether nothing but what was seen, and is out of sight, keeps a goal out of reach."""
+        pose = self._location.pose()
+        if self._live is None or pose is None or failure.reason not in WIDER:
+            return False
+        grid = self._live.model.grid(self.clock.monotonic(), seen_within=OUT_OF_SIGHT)
+        try:
+            self._planner_on(grid, self._start_slack).check(pose, pursued.goal[:2])
+        except PlanningFailure:
+            return False
+        return True
 
     def _replan(self, now: float) -> None:
         """Look for a better path than the one that is driven."""
@@ -516,7 +567,7 @@ class Planner(Component):
         # A planner that weighs narrow ways against long ones has looked at them all.
         for share in () if isinstance(planner, OutlinePlanner) else NARROWER:
             try:
-                narrower = planner.with_clearance(share * self.config.clearance)
+                narrower = planner.with_clearance(share * self._wanted_clearance)
                 return narrower.plan(pose, (x, y, heading))
             except PlanningFailure as failure:
                 told = failure
@@ -625,16 +676,191 @@ class Planner(Component):
             distance, _ = pursued.errors(pose)
             self._end(GoalOutcome.ARRIVED, f"Arrived, {100 * distance:.0f} cm off.")
             return
-        if pursued.stuck(pose, now):
-            text = f"No progress for {self.config.patience:.0f} s{self._because}."
-            self.health.set_fail_algorithm([self.config.chosen_planner], text)
-            self._end(GoalOutcome.STUCK, text)
+        elapsed, self._followed = now - self._followed, now
+        if self._moved_by or self._waiting:
+            pursued.pause(min(elapsed, 2.0 / PROGRESS_RATE))
+        stuck = pursued.stuck(pose, now)
+        if pursued.patience_used(pose, now) >= 1.0 or stuck:
+            self._give_up(pursued, now)
             return
         self._turn += 1
-        if self._live is not None and self._turn % REPLAN_EVERY == 0:
-            self._replan(now)
+        if self._turn % REPLAN_EVERY == 0:
+            self._look_for_hindrance(pursued, pose, now)
+            if self._live is not None:
+                self._replan(now)
         if self._handle is not None and self._turn % FEEDBACK_EVERY == 0:
             self._handle.publish_feedback(self._feedback(pursued, pose))
+
+    def _give_up(self, pursued: GoalProgress, now: float) -> None:
+        """End a goal that its patience is over with, or that there is no way to."""
+        pose = self._location.pose()
+        if pursued.path is not None:
+            outcome = GoalOutcome.STUCK
+            text = f"No progress for {self.config.patience:.0f} s{self._because}."
+            self.health.set_fail_algorithm([self.config.chosen_planner], text)
+        else:
+            outcome = GoalOutcome.BLOCKED if pursued.under_way else GoalOutcome.REFUSED
+            text = self._why
+        hindered = pose is not None and (pursued.under_way or pursued.is_hindered)
+        if pose is not None and hindered:
+            self._found = self._hindrance(pursued, pose, now)
+            radius = self.config.described_robot.radius
+            text = f"{text} {self._found.told(pose, radius, now)}"
+            self._tell_hindrance(pursued, given_up=True)
+        self._end(outcome, text, hindered=hindered)
+
+    # -- what is in the way -------------------------------------------------------------------
+
+    def _look_for_hindrance(self, pursued: GoalProgress, pose: Pose2D, now: float) -> None:
+        if pursued.is_hindered:
+            if self._looking is None:
+                self._scout = self._look()
+            self._found = self._hindrance(pursued, pose, now)
+            self._tell_hindrance(pursued)
+        elif self._found is not None:
+            self._close_scout()
+            self._tell_hindrance(None)
+
+    def _hindrance(self, pursued: GoalProgress, pose: Pose2D, now: float) -> Hindrance:
+        return find(
+            self._looking,
+            self._zones.now,
+            pursued.ahead(pose),
+            pose,
+            self.config.described_robot.radius,
+            self._kept / 2,
+            self._held_by,
+            self._found,
+            now,
+        )
+
+    def _tell_hindrance(self, pursued: GoalProgress | None, *, given_up: bool = False) -> None:
+        """Tell what is in the way, or, without a goal, that nothing is."""
+        message = GoalHindrance()
+        message.header.frame_id = self.frames.world
+        message.header.stamp = self.node.get_clock().now().to_msg()
+        found, pose, now = self._found, self._location.pose(), self.clock.monotonic()
+        if pursued is None or found is None or pose is None:
+            self._found = None
+        else:
+            radius = self.config.described_robot.radius
+            message.patience_used = pursued.patience_used(pose, now)
+            message.given_up = given_up
+            message.kind, message.text = found.kind, printable(found.told(pose, radius, now))
+            message.place = Point(x=found.place[0], y=found.place[1])
+            message.distance = found.distance(pose, radius)
+            message.direction = found.direction(pose)
+            message.lasted = now - found.since
+        self._hindrances.publish(message)
+
+    def _close_scout(self) -> None:
+        if self._scout is not None:
+            self._scout = None
+            if not self.config.use_sensor and self._live is None:
+                self._look_away()
+
+    def _forget_help(self) -> None:
+        """What was done for a goal ends with it."""
+        self._close_scout()
+        if self._live is not None and not self.config.use_sensor:
+            self._live = None
+            self._look_away()
+            self._clearance, self._planner = None, None
+        elif self._clearance is not None:
+            self._clearance = self._planner = None
+
+    # -- help, for rules ----------------------------------------------------------------------
+
+    @component_action(active=True)
+    def clear_obstacles(self, unseen_for: float = OUT_OF_SIGHT) -> str:
+        """Forget what was seen, and what no ray has come to since; the map stays.
+
+        Parameters
+        ----------
+        unseen_for
+            How long nothing must have come to it [s].
+        """
+        if self._live is None:
+            return "it plans on the map alone; there is nothing to forget"
+        now = self.clock.monotonic()
+        cells = self._live.forget(unseen_for, now)
+        if cells and self._pursued is not None and self._pursued.path is None:
+            self._plan(now)
+        return f"forgot {cells} cells" if cells else "all that it remembers is in sight"
+
+    @component_action(active=True)
+    async def replan(self, clearance: float | None = None) -> str | bool:
+        """Plan the way to the goal anew, around what the scan shows, until the goal ends.
+
+        A planner that plans on the map alone otherwise looks from then on. The way from before
+        stays where there is no other.
+
+        Parameters
+        ----------
+        clearance
+            Between footprint and obstacle [m]; as it was unless given.
+        """
+        if clearance is not None and not 0.0 <= clearance <= 10.0:
+            raise ActionRefused(f"replan: clearance = {clearance} m; give 0 to 10")
+        pursued = self._pursued
+        if pursued is None:
+            return self.fails("no goal is pursued")
+        if self._live is None:
+            self._scout = self._scout or self._look()
+            until = self.clock.monotonic() + FIRST_SCAN
+            sensors = self._inputs["sensor_data"]
+            while self.clock.monotonic() < until and not all(one.got_msg for one in sensors):
+                await self.sleep(0.1)
+            if self._pursued is not pursued:
+                return self.fails("the goal has ended")
+            self._live, self._scout = self._scout, None
+        before, self._planner = self._clearance, None
+        self._clearance = before if clearance is None else clearance
+        try:
+            plan = self._find(pursued, narrow=False)
+        except PlanningFailure as failure:
+            self._clearance, self._planner = before, None
+            return self.fails(failure.message)
+        self.health.set_healthy()
+        pose = self._pose()
+        if pursued.path is None:
+            pursued.planned(plan.poses, self.clock.monotonic())
+        else:
+            pursued.replanned(plan.poses, pose)
+        self._drive(plan)
+        await self._helped(pursued, SET_OFF)
+        return f"{plan.length:.1f} m, with {plan.room:.2f} m of room"
+
+    @component_action(active=True)
+    async def wait_for_way(self, longest: float = 30.0) -> str | bool:
+        """Wait until the robot gets on; the goal is not given up meanwhile.
+
+        Parameters
+        ----------
+        longest
+            When it ends at the latest [s].
+        """
+        pursued, began = self._pursued, self.clock.monotonic()
+        if pursued is None:
+            return self.fails("no goal is pursued")
+        if await self._helped(pursued, longest):
+            return f"it got on after {self.clock.monotonic() - began:.0f} s"
+        if self._pursued is not pursued:
+            return self.fails("the goal has ended")
+        return self.fails(f"nothing has changed in {longest:g} s")
+
+    async def _helped(self, pursued: GoalProgress, longest: float) -> bool:
+        """Have the patience stand still until the robot gets on; False when it does not."""
+        until = self.clock.monotonic() + longest
+        self._waiting += 1
+        try:
+            while self._pursued is pursued and self.clock.monotonic() < until:
+                if not pursued.is_hindered:
+                    return True
+                await self.sleep(0.2)
+        finally:
+            self._waiting -= 1
+        return False
 
     def _feedback(self, pursued: GoalProgress, pose: Pose2D) -> PlanPath.Feedback:
         feedback = PlanPath.Feedback(distance_left=pursued.distance_left(pose))

@@ -34,6 +34,7 @@ from kompass.monitor.execution.service_refusal import refusal
 from kompass.monitor.recipe_call import RecipeCall
 from kompass.monitor.reporting.alarms import Alarms
 from kompass.monitor.reporting.entries import ActionOutcome
+from kompass.printable import printable
 from kompass.rclpy_ext.awaitables import Awaitables
 from kompass.rclpy_ext.executor import Cancelled
 from kompass.rclpy_ext.messages import checked, fill, part_to_plain, ros_class, to_plain
@@ -57,6 +58,7 @@ PARSING = 10.0  # s in which a parser must have made its argument
 _UNSIGNABLE = frozenset(
     {ChangeParameter, ChangeParameters, ConfigureFromFile, ExecuteMethod, ReplaceTopic, ChangeState}
 )
+LONGEST_ALARM = 400  # characters of a text that is taken from a message
 THREADS = 64  # functions of the recipe at a time, in each lane
 
 
@@ -303,10 +305,12 @@ class ActionRunner:
                 self._node.write_log(action.level, action.text)
                 return action.text
             case kinds.RaiseAlarm():
+                taken = arguments(kinds.arguments_of(action))
+                text = printable(str(taken["text"]), LONGEST_ALARM) if taken else action.text
                 self._alarms.raise_alarm(
-                    action.alarm, action.text, firing.rule_id, firing.severity.name.lower()
+                    action.alarm, text, firing.rule_id, firing.severity.name.lower()
                 )
-                return action.text or "raised"
+                return text or "raised"
             case kinds.StartMission():
                 return await self._mission(action, firing)
             case kinds.ClearAlarm():

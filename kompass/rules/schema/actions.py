@@ -10,7 +10,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import AfterValidator, Field, JsonValue
 
-from kompass.rules.schema.arguments import references
+from kompass.rules.schema.arguments import is_exactly_reference, references
 from kompass.rules.schema.model import JsonObject, Model, Name, PositiveSeconds, TopicName, TypeName
 
 
@@ -117,7 +117,10 @@ class CancelGoal(_Action):
 
 
 class RaiseAlarm(_Action):
-    """Show an alarm to the operators until it is cleared."""
+    """Show an alarm to the operators until it is cleared.
+
+    A ``text`` that is a reference is taken from the message; any other is shown as it is.
+    """
 
     kind: Literal["raise_alarm"] = "raise_alarm"
     alarm: Name
@@ -182,6 +185,8 @@ def arguments_of(action: Action) -> dict[str, JsonValue]:
         return action.parameters
     if isinstance(action, Publish):
         return action.message
+    if isinstance(action, RaiseAlarm):
+        return {"text": action.text} if is_exactly_reference(action.text) else {}
     if isinstance(action, CallService):
         return action.request
     return action.goal if isinstance(action, SendGoal) else {}

@@ -85,6 +85,11 @@ def is_reference(value: JsonValue) -> bool:
     return isinstance(value, str) and value.startswith("$") and not value.startswith("$$")
 
 
+def is_exactly_reference(text: str) -> bool:
+    """Whether a text is a reference that can be read; one that only starts like one is a text."""
+    return _REFERENCE.match(text) is not None
+
+
 def meant(value: JsonValue) -> JsonValue:
     """What an argument stands for that is no reference: of ``"$$5"`` the text ``"$5"``."""
     return value[1:] if isinstance(value, str) and value.startswith("$$") else value

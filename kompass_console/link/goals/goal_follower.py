@@ -26,6 +26,7 @@ ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)  # ac
 _UNANSWERED_AFTER = 4.0  # s
 _ARRIVED_WITHIN = 0.15  # m, where no action says that the robot has arrived
 _HEARD_WITHIN = 3.0  # s between a goal message of another program and the action goal it causes
+_TOLD_WITHIN = 3.0  # s, of what is in the way: planners tell it twice a second
 _CLOCKS_AGREE = 0.2  # s between this machine and the planner's
 _SAME_TIME = 1.0  # s between a goal and its path, when a console attaches to a driving robot
 _SLOWEST = 0.05  # m/s, for the time left
@@ -259,7 +260,14 @@ class GoalFollower:
                 error=goal.error,
                 elapsed=(goal.ended or self._now()) - goal.started,
                 ended=None if goal.ended is None else self._now() - goal.ended,
+                hindrance="" if goal.over else self._hindrance(),
             )
+
+    def _hindrance(self) -> str:
+        told = self._world.hindrance.get()
+        if told is None or told.value is None or told.age(self._now()) > _TOLD_WITHIN:
+            return ""
+        return told.value.text
 
     def _adopt(self, action: str, uuid: str) -> None:
         """An action goal has appeared: ours, or another program's."""

@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from kompass.algorithms.geometry import yaw_from_quaternion
 from kompass.algorithms.grid import Grid
-from kompass_console.schema.world import Pose, RobotMotion, Scan
+from kompass_console.schema.plain import plain
+from kompass_console.schema.world import HindranceMark, Pose, RobotMotion, Scan
 
 
 def seconds(stamp: Any) -> float:
@@ -80,3 +81,19 @@ def polygon(message: Any) -> npt.NDArray[np.float64]:
     if len(points) < 3 or not np.isfinite(points).all():
         raise ValueError(f"polygon.points has {len(points)} usable points; it needs three")
     return points
+
+
+def hindrance(message: Any) -> HindranceMark | None:
+    """kompass_interfaces/GoalHindrance -> what is in the way; None when nothing is.
+
+    Raises
+    ------
+    ValueError
+        When its place is none.
+    """
+    if message.kind == "":
+        return None
+    x, y = float(message.place.x), float(message.place.y)
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise ValueError(f"place = ({x}, {y}); both must be finite")
+    return HindranceMark(x, y, plain(message.text))

@@ -9,19 +9,16 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
+from kompass_console.scene.layers.cross import CrossNodes
 from kompass_console.scene.layers.goal import GoalNodes
-from kompass_console.scene.layers.map import WALL_HEIGHT
 from kompass_console.scene.layers.palette import palette
 from kompass_console.scene.layers.path import PathNodes, path_segments
 from kompass_console.scene.layers.scan import ScanNodes
-from kompass_console.scene.layers.shapes import Vertices, open_segments
+from kompass_console.scene.layers.shapes import Vertices
 from kompass_console.schema.models import Theme
 from kompass_console.schema.world import GoalMark
 
 _POINT = 0.025  # m; larger than those of the scan itself, which lie about it
-_CROSS = 0.13  # m from its middle, in both directions
-# Above the walls: a goal is refused inside of one more often than anywhere else.
-_CROSS_HEIGHT = WALL_HEIGHT + 0.02
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,14 +44,7 @@ class PreviewNodes:
         colour = colours.preview
         self._path = PathNodes(scene, f"{parent}/preview_path", colour, thickness=3.0)
         self._goal = GoalNodes(scene, f"{parent}/preview_goal", colour)
-        self._refused = scene.add_line_segments(
-            f"{parent}/preview_refused",
-            _cross(),
-            colours.alert,
-            thickness=5.0,
-            thickness_units="screen",
-            visible=False,
-        )
+        self._refused = CrossNodes(scene, f"{parent}/preview_refused", colours.alert)
         self._scan = ScanNodes(scene, f"{parent}/preview_scan", colour, _POINT)
 
     def draw(self, preview: Preview | None) -> None:
@@ -64,14 +54,4 @@ class PreviewNodes:
         self._scan.show(seen)
         if preview is not None and seen:
             self._scan.draw(preview.scan)
-        refused = None if preview is None else preview.refused
-        if refused is not None:
-            self._refused.position = (*refused, 0.0)
-        self._refused.visible = refused is not None
-
-
-def _cross() -> Vertices:
-    """Two lines that cross in the origin: what the ring of a goal cannot be taken for."""
-    diagonal = np.array([[-_CROSS, -_CROSS], [_CROSS, _CROSS]])
-    lines = [open_segments(line, _CROSS_HEIGHT) for line in (diagonal, diagonal * [1.0, -1.0])]
-    return np.concatenate(lines)
+        self._refused.draw(None if preview is None else preview.refused)

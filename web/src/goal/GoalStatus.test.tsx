@@ -31,6 +31,7 @@ const failed: Goal = {
   error: null,
   elapsed: 12,
   ended: 4,
+  hindrance: "",
 };
 const show = (goal: Goal) => {
   robot.state = { goal, missions: { run: null } } as State;
@@ -50,6 +51,12 @@ test("how a goal ended is told with when that was", () => {
   show(failed);
   expect(screen.getByTestId("goal-status").textContent).toContain("No way around.");
   expect(screen.getByTestId("goal-status").textContent).toContain("4 s ago");
+});
+
+test("what is in the way of a goal under way is told, with its place", () => {
+  const hindrance = "In the way: something that the lidar sees at (1.20, 0.45), 0.31 m ahead.";
+  show({ ...failed, phase: "driving", ended: null, hindrance });
+  expect(screen.getByTestId("goal-status").textContent).toContain(hindrance);
 });
 
 test("a goal that failed is sent again with one press, to the same place", () => {

@@ -55,6 +55,7 @@ export function GoalStatus() {
       <div className={classes.statusText} role="status">
         <strong>{line.text}</strong>
         {line.more !== "" && <span className={classes.detail}>{line.more}</span>}
+        {goal.hindrance !== "" && <span className={classes.limit}>▲ {goal.hindrance}</span>}
         {limit !== null && <span className={classes.limit}>▲ {limit}</span>}
         {failure !== null && (
           <span className={classes.problem}>

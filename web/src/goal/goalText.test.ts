@@ -30,6 +30,7 @@ const goal: Goal = {
   error: null,
   elapsed: 3,
   ended: null,
+  hindrance: "",
 };
 const drive: Drive = {
   available: true,

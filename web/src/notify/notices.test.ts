@@ -20,6 +20,7 @@ const GOAL: Goal = {
   eta: 2,
   error: null,
   ended: null,
+  hindrance: "",
 };
 
 const RUN: MissionRun = {

@@ -55,6 +55,18 @@ const picture: Picture = {
 };
 const scan = [1, 2, -3, 0];
 
+test("what is in the way of the goal is crossed out where it is, with the layer of the goal", () => {
+  const world = { ...NOTHING, hindrance: { x: 2, y: 1 } };
+  const shown = canvas();
+  paint(shown.context, { ...picture, world });
+  const ends = shown.drawn("lineTo").map(([, x, y]) => [x, y] as [number, number]);
+  expect(ends.length).toBeGreaterThan(0);
+  for (const [x, y] of ends) expect(Math.hypot(x - 120, y - 40)).toBeLessThan(20);
+  const hidden = canvas();
+  paint(hidden.context, { ...picture, layers: { ...all, goal: false }, world });
+  expect(hidden.drawn("lineTo")).toEqual([]);
+});
+
 test("the scan is drawn where its points are, y up", () => {
   const { context, drawn } = canvas();
   paint(context, { ...picture, world: { ...NOTHING, scan } });

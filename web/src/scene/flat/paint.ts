@@ -109,6 +109,9 @@ export function paint(canvas: Canvas, picture: Picture): void {
     for (const place of places) named(canvas, place.name, at(place.x, place.y), colours);
   }
   if (layers.goal && world.goal !== null) goal(canvas, world.goal, at, colours.goal);
+  if (layers.goal && world.hindrance !== null) {
+    cross(canvas, at(world.hindrance.x, world.hindrance.y), colours);
+  }
   if (considered !== null) {
     line(canvas, considered.way, at, colours.preview, 3);
     if (considered.mark !== null) goal(canvas, considered.mark, at, colours.preview);

@@ -11,6 +11,7 @@ export const NOTHING: FlatWorld = {
   trail: null,
   footprint: null,
   goal: null,
+  hindrance: null,
 };
 
 /** The world after news: what they leave out is as it was. */
