@@ -100,7 +100,7 @@ class SensorWatch:
         scan = self._scan
         if scan is None:
             return False
-        rays = np.arange(len(scan.ranges))
+        rays = np.arange(len(scan.ranges), dtype=np.float64)
         bearings = scan.sensor[2] + scan.angle_min + scan.angle_increment * rays
         return looked_at(scan.ranges, bearings, direction, width)
 
