@@ -133,6 +133,11 @@ class ZonesInForce:
     def __bool__(self) -> bool:
         return bool(self._barred or self._slow)
 
+    @property
+    def barred_names(self) -> list[str]:
+        """Of the keep-out zones."""
+        return [zone.name for zone in self._barred]
+
     def barred(self, x: float, y: float, near: float = 0.0) -> Zone | None:
         """The keep-out zone at a point, or the nearest of those less than ``near`` [m] away."""
         away = self._barred_outlines.distance(x, y)

@@ -259,3 +259,12 @@ def test_who_is_no_operator_changes_none_and_none_is_of_another_map(robot: Zoned
     stray = robot.asks(EditZone(id=zone.id, version=1, plan=robot.plan(map=other)))
     assert "another map" in stray.message
     assert robot.in_force == ["Wet floor"]
+
+
+def test_zones_that_close_every_way_are_named(robot: ZonedRobot) -> None:
+    # From wall to wall, between the robot and all the rest.
+    robot.zone(((-1.5, -1.9), (-1.35, -1.9), (-1.35, 1.9), (-1.5, 1.9)), name="Night shift")
+    robot.wait_until(lambda: not robot.looks_at(*BEYOND).reachable, 10, "no way there")
+    told = robot.looks_at(*BEYOND).message
+    assert "No way leads" in told
+    assert told.endswith("Keep-out zones close it: 'Night shift'.")

@@ -44,6 +44,7 @@ from kompass.components.planner.live_map import LiveMap
 from kompass.printable import printable
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 from kompass.timeline.goal import GoalReport, Outcome
+from kompass.zones.in_force import ZonesInForce
 
 REPORTED: dict[GoalOutcome, Outcome] = {
     GoalOutcome.ARRIVED: "arrived",
@@ -61,6 +62,7 @@ REPLAN_EVERY = 5  # of these turns: twice a second
 HINDRANCE = "goal_hindrance"  # topic
 SET_OFF = 4.0  # s that a robot has to set off on a path that was planned to help it
 FIRST_SCAN = 1.0  # s in which one must come, where the planner begins to look
+MOST_NAMED = 3  # keep-out zones in one sentence
 RETRY = 1.0  # s from finding no way to looking again
 STRAYED = 0.5  # m
 BETTER = 0.1  # share of the way that another path must save to take the place of a good one
@@ -289,8 +291,10 @@ class Planner(Component):
         if not holds:
             self._plan(self.clock.monotonic())
 
-    def _planner_on(self, grid: Grid, start_slack: float = 0.0) -> GlobalPlanner:
-        grid = self._zones.now.occupy(grid)
+    def _planner_on(
+        self, grid: Grid, start_slack: float = 0.0, zones: ZonesInForce | None = None
+    ) -> GlobalPlanner:
+        grid = (self._zones.now if zones is None else zones).occupy(grid)
         robot = self.config.described_robot
         body = Footprint(robot.footprint)
         if not body.is_round:
@@ -584,6 +588,7 @@ class Planner(Component):
         elif failure.reason == "start_blocked" and pose is not None:
             place, what, remedy = pose, "The robot", "; drive it away by hand"
         else:
+            self._blame_closed_way(failure, pose, goal)
             return
         zones, near = self._zones.now, self.config.described_robot.radius + self.config.clearance
         zone = zones.barred(*place[:2], near)
@@ -591,6 +596,24 @@ class Planner(Component):
             how = "inside" if zones.barred(*place[:2]) is zone else "too close to"
             told = f"{what} is {how} the keep-out zone {zone.name!r}{remedy}."
             raise PlanningFailure(failure.reason, told, failure.nearest)
+
+    def _blame_closed_way(
+        self, failure: PlanningFailure, pose: Pose2D | None, goal: Pose2D
+    ) -> None:
+        """Raise a failure anew where there would be a way without the keep-out zones."""
+        names = self._zones.now.barred_names
+        grid = self._map if self._live is None else self._live.model.grid(self.clock.monotonic())
+        closed = failure.reason in ("no_path", "unreachable")
+        if not closed or not names or grid is None or pose is None:
+            return
+        try:
+            self._planner_on(grid, self._start_slack, ZonesInForce()).check(pose, goal[:2])
+        except PlanningFailure:
+            return
+        shown = ", ".join(repr(name) for name in names[:MOST_NAMED])
+        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        told = f"{failure.message} Keep-out zones close it: {shown}{more}."
+        raise PlanningFailure(failure.reason, told, failure.nearest)
 
     @property
     def _start_slack(self) -> float:
