@@ -6,6 +6,7 @@ import json
 import time
 from typing import Any, cast
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sensor_msgs.msg import LaserScan
@@ -132,3 +133,15 @@ def test_no_text_brings_the_probe_down(text: str) -> None:
     page = PageProbes(watch(Topics()))
     page.take(text)
     page.readings()
+
+
+@pytest.mark.parametrize("topic", ["\0", "1scan", "a//b", "a-b", "x" * 241])
+def test_a_topic_that_ros_cannot_have_is_refused_in_a_sentence(topic: str) -> None:
+    topics = Topics()
+    probes = PageProbes(watch(topics))
+    signal = {"topic": topic, "type": "std_msgs/msg/Bool", "path": ["data"]}
+    condition = {"kind": "compare", "operator": "==", "value": True, "signal": signal}
+    probes.take(json.dumps({"id": "a", "condition": condition}))
+    (reading,) = probes.readings()
+    assert "is not valid; give a name such as 'scan'" in reading.error
+    assert not topics.listeners
