@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -26,6 +27,8 @@ ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)  # ac
 _UNANSWERED_AFTER = 4.0  # s
 _ARRIVED_WITHIN = 0.15  # m, where no action says that the robot has arrived
 _HEARD_WITHIN = 3.0  # s between a goal message of another program and the action goal it causes
+_OTHER = "another program"
+_REPORTS = 20  # that are kept
 _CLOCKS_AGREE = 0.2  # s between this machine and the planner's
 _SAME_TIME = 1.0  # s between a goal and its path, when a console attaches to a driving robot
 _SLOWEST = 0.05  # m/s, for the time left
@@ -62,6 +65,7 @@ class _Goal:
     path_seen: int = 0
     known_place: bool = True
     sent_stamp: float = math.inf
+    accepted: float = -math.inf  # ROS time
 
     @property
     def over(self) -> bool:
@@ -100,6 +104,8 @@ class GoalFollower:
     ----------
     changed
         Called after each event that matters.
+    sender
+        Who sends the robot to a place (m), where that is known; else empty.
     now
         The time in s.
     """
@@ -109,14 +115,19 @@ class GoalFollower:
         world: WorldModel,
         changed: Callable[[], None],
         *,
+        sender: Callable[[float, float], str] = lambda x, y: "",
         now: Callable[[], float] = time.monotonic,
     ) -> None:
+        self._sender = sender
         self._world = world
         self._changed = changed
         self._now = now
         self._lock = threading.RLock()
         self._goal: _Goal | None = None
         self._heard = _Heard()
+        self._reported: deque[_Heard] = deque(
+            maxlen=_REPORTS
+        )  # goals of planners; `at` in ROS time
         self._seen: dict[str, set[str]] = {}
 
     def sent(
@@ -154,6 +165,14 @@ class GoalFollower:
         with self._lock:
             self._heard = _Heard(x, y, yaw, self._now())
 
+    def reported(self, x: float, y: float, yaw: float | None, began: float) -> None:
+        """A planner tells of the goal that it pursues since ROS time `began` (s)."""
+        with self._lock:
+            self._reported.append(_Heard(x, y, yaw, began))
+            if self._goal is not None:
+                self._place_by_reports(self._goal)
+        self._changed()
+
     def statuses(self, action: str, goals: Mapping[str, ActionStatus]) -> list[str]:
         """The action server's list of goals, by uuid (hex). Returns the uuids to ask the result
         of."""
@@ -162,7 +181,7 @@ class GoalFollower:
             seen, self._seen[action] = self._seen.get(action, set()), set(goals)
             for uuid, (status, accepted) in goals.items():
                 if uuid not in seen and (status not in _ENDED or self._is_ours(accepted)):
-                    self._adopt(action, uuid)
+                    self._adopt(action, uuid, accepted)
                     ask.append(uuid)
                 if self._goal is not None and self._goal.uuid == uuid:
                     self._advance(self._goal, status)
@@ -261,13 +280,14 @@ class GoalFollower:
                 ended=None if goal.ended is None else self._now() - goal.ended,
             )
 
-    def _adopt(self, action: str, uuid: str) -> None:
+    def _adopt(self, action: str, uuid: str, accepted: float) -> None:
         """An action goal has appeared: ours, or another program's."""
         goal = self._goal
         if goal is None or goal.over or goal.uuid:
             goal = self._foreign(uuid)
             self._goal = goal
-        goal.action, goal.uuid = action, uuid
+        goal.action, goal.uuid, goal.accepted = action, uuid, accepted
+        self._place_by_reports(goal)
         goal.phase = "accepted"
         goal.message = "The planner has accepted the goal."
         self._mark()
@@ -291,14 +311,25 @@ class GoalFollower:
             x=heard.x,
             y=heard.y,
             yaw=heard.yaw,
-            sent_by="another program",
+            sent_by=_OTHER,
             started=self._now(),
             path_seen=path_seen,
             known_place=recent,
         )
 
+    def _place_by_reports(self, goal: _Goal) -> None:
+        """A goal sent straight to the action carries no place; its planner tells it, on the clock
+        by which it has accepted it."""
+        near = [each for each in self._reported if abs(each.at - goal.accepted) < _SAME_TIME]
+        if goal.sent_by != _OTHER or not near:
+            return
+        told = near[-1]
+        goal.x, goal.y, goal.yaw, goal.known_place = told.x, told.y, told.yaw, True
+        goal.sent_by = self._sender(told.x, told.y) or _OTHER
+        self._mark()
+
     def _learn_place(self, goal: _Goal) -> None:
-        """A goal sent straight to the action carries no place; the end of its path does."""
+        """Where no planner tells the place, the end of the path does."""
         path = self._path_of(goal)
         if goal.known_place or path is None:
             return
