@@ -27,8 +27,6 @@ ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)  # ac
 _UNANSWERED_AFTER = 4.0  # s
 _ARRIVED_WITHIN = 0.15  # m, where no action says that the robot has arrived
 _HEARD_WITHIN = 3.0  # s between a goal message of another program and the action goal it causes
-_OTHER = "another program"
-_REPORTS = 20  # that are kept
 _CLOCKS_AGREE = 0.2  # s between this machine and the planner's
 _SAME_TIME = 1.0  # s between a goal and its path, when a console attaches to a driving robot
 _SLOWEST = 0.05  # m/s, for the time left
@@ -39,6 +37,8 @@ _LOST = (
     "The planner's process died and took the goal with it; the robot drives no farther than the "
     "path that it has. Send the goal again."
 )
+_OTHER = "another program"
+_REPORTS = 20  # of planners that are kept
 _MESSAGES: dict[GoalPhase, str] = {
     "arrived": "The robot has arrived.",
     "canceled": "The goal was canceled.",
@@ -181,7 +181,8 @@ class GoalFollower:
             seen, self._seen[action] = self._seen.get(action, set()), set(goals)
             for uuid, (status, accepted) in goals.items():
                 if uuid not in seen and (status not in _ENDED or self._is_ours(accepted)):
-                    self._adopt(action, uuid, accepted)
+                    self._adopt(action, uuid)
+                    self._was_taken(accepted)
                     ask.append(uuid)
                 if self._goal is not None and self._goal.uuid == uuid:
                     self._advance(self._goal, status)
@@ -280,14 +281,13 @@ class GoalFollower:
                 ended=None if goal.ended is None else self._now() - goal.ended,
             )
 
-    def _adopt(self, action: str, uuid: str, accepted: float) -> None:
+    def _adopt(self, action: str, uuid: str) -> None:
         """An action goal has appeared: ours, or another program's."""
         goal = self._goal
         if goal is None or goal.over or goal.uuid:
             goal = self._foreign(uuid)
             self._goal = goal
-        goal.action, goal.uuid, goal.accepted = action, uuid, accepted
-        self._place_by_reports(goal)
+        goal.action, goal.uuid = action, uuid
         goal.phase = "accepted"
         goal.message = "The planner has accepted the goal."
         self._mark()
@@ -316,6 +316,12 @@ class GoalFollower:
             path_seen=path_seen,
             known_place=recent,
         )
+
+    def _was_taken(self, accepted: float) -> None:
+        """The goal that is followed was accepted at that ROS time (s)."""
+        if self._goal is not None:
+            self._goal.accepted = accepted
+            self._place_by_reports(self._goal)
 
     def _place_by_reports(self, goal: _Goal) -> None:
         """A goal sent straight to the action carries no place; its planner tells it, on the clock
