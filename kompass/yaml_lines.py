@@ -8,6 +8,8 @@ from typing import Any
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+MOST_NODES = 100_000  # that a text with aliases may come to, each alias written out
+
 
 class BadYaml(ValueError):
     """It cannot be read; the message says why, and what to do.
@@ -33,7 +35,8 @@ def read_yaml(text: str) -> tuple[Node | None, Any]:
     Raises
     ------
     BadYaml
-        It is no YAML, or a key is given twice: the second would silently win.
+        It is no YAML, or nested too deeply; a key is given twice: the second would silently win;
+        or its aliases come to more than :data:`MOST_NODES`.
     """
     try:
         loader = yaml.SafeLoader(text)
@@ -41,7 +44,8 @@ def read_yaml(text: str) -> tuple[Node | None, Any]:
             root: Node | None = loader.get_single_node()
             if root is None:
                 return None, None
-            for key in _doubles(root):
+            _check_size(root)
+            for key in _doubles(root, set()):
                 raise BadYaml(f"'{key.value}' is given twice; keep one", line_of(key))
             return root, loader.construct_document(root)
         finally:
@@ -53,7 +57,9 @@ def read_yaml(text: str) -> tuple[Node | None, Any]:
     except BadYaml:
         raise
     # What a scalar looks like and is not, as the date 2026-13-01, is a ValueError of Python's.
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
+    except RecursionError:
+        raise BadYaml("it is nested too deeply to be read; write it with fewer levels") from None
+    except (yaml.YAMLError, ValueError) as error:
         raise BadYaml(f"{' '.join(str(error).split())}; correct it") from None
 
 
@@ -88,8 +94,36 @@ def line_of(node: Node) -> int:
     return line + 1
 
 
-def _doubles(node: Node) -> Iterator[ScalarNode]:
-    """Keys that are given twice."""
+def _check_size(root: Node) -> None:
+    """Refuse aliases that stand for more than anybody writes: a few lines can come to billions."""
+    sizes: dict[Node, int] = {}  # with each alias written out; 0 for one that is being counted
+
+    def size(node: Node) -> int:
+        if node in sizes:
+            if not sizes[node]:
+                raise BadYaml("an alias stands for what it is in; write it out", line_of(node))
+            return sizes[node]
+        sizes[node] = 0
+        inner = node.value if isinstance(node, MappingNode | SequenceNode) else ()
+        count = 1
+        for each in inner:
+            count += sum(map(size, each)) if isinstance(each, tuple) else size(each)
+        sizes[node] = count
+        return count
+
+    if size(root) > max(MOST_NODES, len(sizes)):
+        first = min((each for each in sizes if sizes[each] > MOST_NODES), key=sizes.__getitem__)
+        raise BadYaml(
+            f"its aliases come to more than {MOST_NODES} values; write out what is meant",
+            line_of(first),
+        )
+
+
+def _doubles(node: Node, seen_nodes: set[Node]) -> Iterator[ScalarNode]:
+    """Keys that are given twice; what an alias stands for is looked at once."""
+    if node in seen_nodes:
+        return
+    seen_nodes.add(node)
     if isinstance(node, MappingNode):
         seen: set[str] = set()
         for key, value in node.value:
@@ -97,7 +131,7 @@ def _doubles(node: Node) -> Iterator[ScalarNode]:
                 if key.value in seen:
                     yield key
                 seen.add(key.value)
-            yield from _doubles(value)
+            yield from _doubles(value, seen_nodes)
     elif isinstance(node, SequenceNode):
         for item in node.value:
-            yield from _doubles(item)
+            yield from _doubles(item, seen_nodes)

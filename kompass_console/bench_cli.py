@@ -71,6 +71,11 @@ def bench_nav(
 
     file = _read(worlds)
     chosen = _chosen(file, worlds, only)
+    for one in chosen:
+        try:
+            one.place(file.start, file.goal)
+        except ValueError as error:
+            raise CliError(BAD_INPUT, f"--worlds: {worlds}: {error}") from None
     known = {one.value.lower(): one.value for one in ControllersID}
     known |= {one.name.lower(): one.value for one in ControllersID}
     default = str(ControllerConfig().algorithm.value)

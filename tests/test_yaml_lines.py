@@ -43,6 +43,36 @@ def test_what_cannot_be_read_is_said_with_its_line(text: str, line: int | None, 
     assert caught.value.line == line
 
 
+def laughs(levels: int) -> str:
+    """A few lines that stand for 9 to the power of ``levels`` values."""
+    lines = ["a0: &a0 lol"]
+    for level in range(1, levels + 1):
+        inner = ", ".join([f"*a{level - 1}"] * 9)
+        lines.append(f"a{level}: &a{level} [{inner}]")
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said"),
+    [
+        ("[" * 100_000, None, "nested too deeply"),
+        (laughs(12), 7, "its aliases come to more than 100000 values"),
+        ("a: &a [1, *a]\n", 1, "an alias stands for what it is in"),
+    ],
+    ids=["deep", "laughs", "circle"],
+)
+def test_what_would_take_for_ever_is_refused_at_once(
+    text: str, line: int | None, said: str
+) -> None:
+    with pytest.raises(BadYaml, match=said) as caught:
+        read_yaml(text)
+    assert caught.value.line == line
+
+
+def test_an_alias_is_what_it_stands_for() -> None:
+    assert read_yaml("a: &a {b: 1}\nc: *a\n")[1] == {"a": {"b": 1}, "c": {"b": 1}}
+
+
 def test_a_table_with_a_date_that_is_none_is_refused_in_a_sentence(tmp_path: Path) -> None:
     file = tmp_path / "rules.yaml"
     file.write_text("rules: 2026-13-01\n", encoding="utf-8")

@@ -141,6 +141,8 @@ def read_barn(file: Path) -> BarnFile:
         raise BadWorlds(
             f"{file}:{error.lineno}: it is no JSON ({error.msg}); write it anew"
         ) from None
+    except RecursionError:
+        raise BadWorlds(f"{file}: it is nested too deeply to be read; write it anew") from None
     except ValidationError as error:
         first = first_invalid(error)
         value = json.dumps(first.value, default=str)

@@ -12,6 +12,9 @@ from kompass.rules.schema.model import Model
 
 MissionId = Annotated[int, Field(ge=1, le=2**53)]
 RunNumber = Annotated[int, Field(ge=1, le=2**53)]
+# How often STOP had been pressed, or the wheel taken, when a person asked for it (DriveState): what
+# was asked for before a STOP does not begin after it. None where whoever asks has not heard.
+Interruptions = Annotated[int, Field(ge=0, lt=2**32)] | None
 
 
 class SaveMission(Model):
@@ -51,6 +54,7 @@ class StartMission(Model):
     kind: Literal["start"] = "start"
     id: MissionId
     version: Version
+    interruptions: Interruptions = None
 
 
 class SteerRun(Model):
@@ -68,6 +72,7 @@ class SteerRun(Model):
     verb: Literal["pause", "resume", "skip", "confirm", "cancel"]
     run: RunNumber
     step: Annotated[int, Field(ge=0, le=2**53)]
+    interruptions: Interruptions = None
 
 
 class Unqueue(Model):
@@ -81,6 +86,7 @@ class StartNext(Model):
     """Begin the first of the queue, which waits since a run before it was cancelled or failed."""
 
     kind: Literal["next"] = "next"
+    interruptions: Interruptions = None
 
 
 MissionEdit = SaveMission | EditMission | DeleteMission | RestoreMission

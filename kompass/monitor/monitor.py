@@ -229,7 +229,8 @@ class Monitor:
             )
             self._runner.start_mission = self._missions.start
             self._zones = Zones(
-                *(node, main, timers, gatekeeper, catalog, memory.zones, timeline.add)
+                *(node, main, timers, gatekeeper, catalog, sorted(permissions.gates)),
+                *(memory.zones, timeline.add),
             )
         if recording:
             recording.start(node, executor, store, gatekeeper)

@@ -6,7 +6,7 @@ component has to.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Literal
 
 from kompass_interfaces.srv import ChangeZones
@@ -16,6 +16,7 @@ from std_msgs.msg import String
 from kompass.access.gatekeeper import Gatekeeper
 from kompass.bus.node import Node
 from kompass.components.base.convert import grid_of
+from kompass.components.drive.zones_file import load_zones, zones_path
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.map_topic import map_topic
 from kompass.monitor.signed_changes import SignedChanges
@@ -27,6 +28,7 @@ from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.timers import Timers
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.store.errors import ChangeRefused, StoreError
+from kompass.store.paths import robot_folder
 from kompass.store.zone_store import ZoneStore
 from kompass.timeline.edit import edited
 from kompass.timeline.happening import Happening
@@ -55,6 +57,8 @@ class Zones:
         Lets requests in.
     catalog
         Says which component hears the map.
+    gates
+        Node names of the drive managers, which keep what is in force, too.
     open_store
         Opens the zones of this robot.
     happened
@@ -68,6 +72,7 @@ class Zones:
         timers: Timers,
         gatekeeper: Gatekeeper,
         catalog: RecipeCatalog,
+        gates: Iterable[str],
         open_store: Callable[[], ZoneStore],
         happened: Callable[[Happening], None],
     ) -> None:
@@ -93,6 +98,11 @@ class Zones:
             problem = f"zones cannot be kept: {error}"
             node.get_logger().error(problem)
             self._book = ZoneBook(problem=problem, available=False)
+        if self._book.revision == 0 and (lost := _lost(gates)):
+            # Nobody knows any more where the robot must not go, so whoever looks must be told.
+            node.get_logger().error(lost)
+            told = "; ".join(filter(None, (self._book.problem, lost)))
+            self._book = self._book.model_copy(update={"problem": told})
         self._tell(self._book)
         SignedChanges(
             *(node, main, gatekeeper, self._worker, ChangeZones, SERVICE, ZONE_CHANGE),
@@ -177,3 +187,14 @@ class Zones:
     def _moved_to(self, here: MapIdentity) -> None:
         self._map = here
         self._tell_counting()
+
+
+def _lost(gates: Iterable[str]) -> str:
+    """What drive managers kept of the zones in force, and cannot be read; empty for nothing."""
+    found = []
+    for gate in gates:
+        try:
+            load_zones(zones_path(robot_folder(), gate))
+        except (StoreError, ValueError) as error:
+            found.append(f"{error}, so no zone that it held is in force; draw them again")
+    return "; ".join(found)

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from kompass.drills.draw import expand_faults
 from kompass.drills.report_html import report_html
+from kompass.invalid import first_invalid
 from kompass.rules.schema.table import Table
 from kompass.simulation.faults.fault_names import FAULTS, MACHINE_FAULTS, UnknownFault
 from kompass.simulation.worlds.registry import world, world_names
@@ -86,7 +87,6 @@ async def start_drill(
         checked = await asked(console, lambda m: m.check(text, session.role), 422, remedy)
         answer = await asked(console, lambda m: m.table(), 404, "Load the rules again.")
         report, in_force = checked.parsed(), answer.parsed()
-        proposed = Table.model_validate_json(text)
     except ConsoleError as error:
         raise refuse(error) from None
     except ValidationError as error:
@@ -98,6 +98,12 @@ async def start_drill(
     if not report.ok:
         console.audit.record(session, "drill", "the table has errors", **what)
         return refusal(422, "The rules have errors.", _MEND, "report", checked)
+    try:
+        proposed = Table.model_validate_json(text)
+    except ValidationError as error:
+        wrong = first_invalid(error)
+        title = f"The table cannot be read: {wrong.where}: {wrong.text}."
+        raise refuse(ConsoleError(422, title, remedy)) from None
     try:
         drill = console.drills.start(
             options,

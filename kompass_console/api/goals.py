@@ -58,12 +58,13 @@ async def send(
     body: GoalRequest | PlaceGoal, session: Operator, console: CurrentConsole
 ) -> GoalSent:
     """Send the robot there, after checking the goal again unless it has only just passed."""
+    interrupted = console.link.drive.since()
     goal, name = await _meant(body, console)
     checked = await console.checker.check_before_sending(goal.x, goal.y, goal.yaw)
     what: dict[str, Any] = {"x": goal.x, "y": goal.y, "yaw": goal.yaw}
     if name:
         what["place"] = name
-    refusal = _refusal(console, checked)
+    refusal = _refusal(console, checked, interrupted=interrupted())
     if refusal is not None or checked.topic is None:
         refusal = refusal or ConsoleError(409, checked.check.message, _REMEDIES["nobody_listens"])
         console.audit.record(session, "send goal", refusal.title, **what)
@@ -135,7 +136,7 @@ def preview_of(checked: Checked) -> Preview:
     return Preview(mark, refused=(answer.x, answer.y))
 
 
-def _refusal(console: Console, checked: Checked) -> ConsoleError | None:
+def _refusal(console: Console, checked: Checked, *, interrupted: bool) -> ConsoleError | None:
     answer = checked.check
     if not answer.ok:
         remedy = _REMEDIES.get(answer.reason, "Choose another point.")
@@ -148,5 +149,11 @@ def _refusal(console: Console, checked: Checked) -> ConsoleError | None:
             409,
             f"{drive.driven_by} drives by hand.",
             "Send the goal again when the wheel has been given up.",
+        )
+    if interrupted:
+        return ConsoleError(
+            409,
+            "STOP was pressed, or the wheel taken, after this goal was asked for.",
+            "Send it again if it is still wanted.",
         )
     return None

@@ -111,7 +111,9 @@ async def start_mission(
 ) -> MissionInfo:
     """Begin a mission, or let it wait for its turn behind the one that runs."""
     _check_free(console, session, "start mission", mission_id)
-    change = StartMission(id=mission_id, version=body.version)
+    change = StartMission(
+        id=mission_id, version=body.version, interruptions=console.link.drive.interruptions
+    )
     return await _edited(console, session, "start mission", change, mission_id)
 
 
@@ -128,14 +130,18 @@ async def steer_mission(
         console.control.require(session, what, {"mission": number})
     run = console.link.missions.state.run
     name = run.mission.name if run is not None and run.number == number else number
-    await _carry_out(console, session, what, SteerRun(verb=verb, run=number, step=body.step), name)
+    change = SteerRun(
+        verb=verb, run=number, step=body.step, interruptions=console.link.drive.interruptions
+    )
+    await _carry_out(console, session, what, change, name)
 
 
 @router.post("/queue/next", status_code=204)
 async def start_next_mission(session: Operator, console: CurrentConsole) -> None:
     """Begin the first that waits, after one that was cancelled or has failed."""
     _check_free(console, session, "start next mission", None)
-    await _carry_out(console, session, "start next mission", StartNext(), None)
+    change = StartNext(interruptions=console.link.drive.interruptions)
+    await _carry_out(console, session, "start next mission", change, None)
 
 
 @router.delete("/queue/{number}", status_code=204)

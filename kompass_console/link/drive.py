@@ -28,7 +28,7 @@ FOUND_WITHIN = 1.5  # s in which a service shows up of a stack that has just com
 # have to be signed anew. Nobody is in danger meanwhile.
 RELEASE_TIMEOUT = 3.0  # s
 
-_Said = tuple[bool, bool, str, str, str, str, str, float]
+_Said = tuple[bool, bool, str, str, str, str, str, int, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +49,7 @@ class DriveLink:
         self._stops = ServicePool(node, StopRobot, "kompass_interfaces/srv/StopRobot")
         self._releases = ServicePool(node, ReleaseStop, "kompass_interfaces/srv/ReleaseStop")
         self._asking: asyncio.Task[None] | None = None
+        self._pressed = 0  # STOPs from here
 
     def refresh(self, published: Graph, services: Graph) -> None:
         """Listen to the drive manager that is there now, and keep its services connected."""
@@ -63,7 +64,9 @@ class DriveLink:
         if said is None:
             return None
         age = said.age()
-        stopped, standstill, stopped_by, reason, limited_by, driven_by, _, speed_factor = said.value
+        stopped, standstill, stopped_by, reason, limited_by, driven_by, *_, speed_factor = (
+            said.value
+        )
         return DriveInfo(
             available=age < AVAILABLE_WITHIN,
             stopped=stopped,
@@ -81,6 +84,24 @@ class DriveLink:
         """The word with which the wheel was taken, as it was last heard; empty when it is free."""
         said = self._said.get()
         return "" if said is None else said.value[6]
+
+    @property
+    def interruptions(self) -> int | None:
+        """How often people pressed STOP or took the wheel; None when the robot never told."""
+        said = self._said.get()
+        return None if said is None else said.value[7]
+
+    def since(self) -> Callable[[], bool]:
+        """What tells whether STOP was pressed, or the wheel taken, after this call. Any thread.
+
+        What was asked for before that must not begin after it, even if it was released meanwhile.
+        """
+        heard, pressed = self.interruptions, self._pressed
+
+        def interrupted() -> bool:
+            return self._pressed != pressed or (heard is not None and self.interruptions != heard)
+
+        return interrupted
 
     async def stop(
         self, operator: str, reason: str, late: Callable[[DriveAnswer, float], object]
@@ -103,6 +124,7 @@ class DriveLink:
         NoAnswer
             When there is none or one does not answer within `STOP_TIMEOUT`.
         """
+        self._pressed += 1
         if self._asking is not None:
             self._asking.cancel()
         request = StopRobot.Request(operator_name=operator, reason=plain(reason))
@@ -160,5 +182,6 @@ def _said_of(message: Any) -> _Said:
         plain(message.limited_by),
         plain(message.driven_by, LONGEST_LABEL),
         plain(message.hand_session, LONGEST_LABEL),
+        int(message.interruptions),
         float(message.speed_factor),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections.abc import Callable
 from typing import TypeVar
@@ -59,6 +60,17 @@ class MissionsWatch:
         """A mission; None when there is none of this number."""
         missions = () if self._book is None else self._book.missions
         return next((each for each in missions if each.id == mission_id), None)
+
+    def sender(self, x: float, y: float) -> str:
+        """The mission that has the robot drive to a place (m); empty when none does."""
+        run = self._state.run
+        place = None if run is None else self._places.find(run.here.place)
+        if run is None or place is None or run.phase in ("done", "canceled"):
+            return ""
+        # A goal that was refused at once may be heard of after the run has been paused by it.
+        there = math.isclose(place.pose.x, x, abs_tol=1e-6)
+        there &= math.isclose(place.pose.y, y, abs_tol=1e-6)
+        return f"mission {plain(run.mission.name)}" if there else ""
 
     def info(self) -> MissionsInfo:
         """What pages show."""

@@ -19,9 +19,9 @@ Radians = Annotated[float, Field(allow_inf_nan=False, ge=-100.0, le=100.0)]
 
 
 class In(BaseModel):
-    """Body of a request: unknown names are errors."""
+    """Body of a request: unknown names are errors, and so are numbers that are not finite."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class ErrorDetail(BaseModel):

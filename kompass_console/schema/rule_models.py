@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, BaseModel, Field
 
 from kompass.backtest.report import BacktestReport
+from kompass.monitor.tables.types import MAX_TEXT
 from kompass.rulebook.schema.alarm import Alarm
 from kompass.rulebook.schema.journal import FiringStep
 from kompass.rulebook.schema.report import CheckReport, Conflict
@@ -17,7 +18,9 @@ from kompass_console.schema.models import ErrorAnswer, In
 from kompass_console.schema.plain import plain
 
 Revision = Annotated[int, Field(ge=0, le=2**32 - 1)]
-Reason = Annotated[str, Field(max_length=2000), AfterValidator(lambda said: plain(said, 2000))]
+Reason = Annotated[
+    str, Field(max_length=MAX_TEXT), AfterValidator(lambda said: plain(said, MAX_TEXT))
+]
 
 
 class NoOptions(In):

@@ -136,3 +136,34 @@ def test_a_file_that_is_not_as_it_must_be_is_refused_by_field_and_value(
     with pytest.raises(BadWorlds) as refused:
         read_barn(world_file(tmp_path, **changes))
     assert re.search(said, str(refused.value)), refused.value
+
+
+def test_worlds_that_no_robot_can_start_in_are_refused_before_any_drive(
+    bench: Bench, tmp_path: Path
+) -> None:
+    file = world_file(tmp_path)
+    data = json.loads(file.read_text(encoding="utf-8"))
+    x, y, _ = data["start"]
+    data["worlds"][0]["cylinders"][0] = [x, y, 0.2]
+    file.write_text(json.dumps(data), encoding="utf-8")
+    done = bench("--worlds", file)
+    assert done.returncode == 2
+    assert "start" in done.stderr
+    assert "keep it" in done.stderr
+    assert "ValueError" not in done.stderr
+    data["worlds"][0]["cylinders"][0] = [x + 2.0, y, -0.2]
+    file.write_text(json.dumps(data), encoding="utf-8")
+    done = bench("--worlds", file)
+    assert done.returncode == 2
+    assert "-0.2" in done.stderr
+    assert "Error" not in done.stderr.replace("Error:", "", 1)
+
+
+def test_a_file_of_worlds_that_is_nested_too_deeply_is_refused(
+    bench: Bench, tmp_path: Path
+) -> None:
+    file = tmp_path / "deep.json"
+    file.write_text("[" * 100_000, encoding="utf-8")
+    done = bench("--worlds", file)
+    assert done.returncode == 2
+    assert "deep.json: it is nested too deeply" in done.stderr

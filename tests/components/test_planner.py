@@ -1,17 +1,24 @@
 """The planner tells what is missing, waits out what may pass, and takes goals from rules."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
+from action_msgs.msg import GoalStatus
 from automatika_ros_sugar.srv import ChangeParameter
+from geometry_msgs.msg import Point, PointStamped, Pose, Quaternion
+from kompass_interfaces.action import PlanPath
 from kompass_interfaces.srv import CheckGoal
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from std_msgs.msg import Bool
 
 from kompass.algorithms.grid import Grid
 from kompass.components import Planner, PlannerConfig
 from kompass.components.base.convert import grid_msg
 from tests.components.alive import LATCHED, Alive
+from tests.components.goals import Goals
 from tests.components.test_manoeuvres import robot
 
 Run = Callable[..., Alive]
@@ -108,6 +115,61 @@ def test_another_clearance_counts_from_the_next_plan_on(run: Run) -> None:
     answer = check()
     assert not answer.reachable
     assert "needs 0.50 m" in answer.message
+
+
+NO_NUMBERS = [
+    (Pose(position=Point(x=math.nan, y=2.0)), "x = nan"),
+    (Pose(position=Point(x=2.0, y=math.inf)), "y = inf"),
+    (Pose(position=Point(x=2.0, y=2.0), orientation=Quaternion(z=math.nan)), "orientation"),
+]
+
+
+@pytest.mark.parametrize(("pose", "said"), NO_NUMBERS)
+def test_a_goal_that_is_no_number_is_refused_and_the_one_under_way_goes_on(
+    run: Run, pose: Pose, said: str
+) -> None:
+    stage = Stage(run)
+    stage.map()
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
+    goals = Goals(stage.alive, PlanPath, "planner/plan_path")
+    under_way = goals.send(goal=Pose(position=Point(x=3.0, y=3.0)))
+    stage.alive.wait_until(
+        lambda: under_way.status == GoalStatus.STATUS_EXECUTING, 5, "a goal under way"
+    )
+    refused = goals.result(goals.send(goal=pose))
+    assert refused.status == GoalStatus.STATUS_ABORTED
+    assert refused.result.outcome == PlanPath.Result.OUTCOME_REFUSED
+    assert said in refused.result.message
+    answer = stage.alive.call(CheckGoal, "check_goal", CheckGoal.Request(goal=pose))
+    assert not answer.reachable
+    assert said in answer.message
+    stage.at = (3.0, 3.0)
+    assert goals.result(under_way).result.reached_end
+
+
+@pytest.mark.parametrize("run_type", ["Timed", "ActionServer"])
+def test_a_goal_on_a_topic_that_is_no_number_changes_nothing(run: Run, run_type: str) -> None:
+    stage = Stage(run, run_type=run_type, goals_from_topics=True)
+    stage.map()
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
+    goals = stage.alive.node.create_publisher(PointStamped, "/goal", 10)
+    reached = stage.alive.hear(Bool, "/reached_end", 10)
+    stage.alive.wait_until(lambda: goals.get_subscription_count() > 0, 5, "the planner")
+    for x in (math.nan, -math.inf, 3.0):
+        goals.publish(PointStamped(point=Point(x=x, y=3.0)))
+    stage.alive.wait_until(lambda: stage.plans and stage.plans[-1].poses, 5, "a plan")
+    stage.at = (3.0, 3.0)
+    stage.alive.wait_until(lambda: reached, 10, "the end of the goal")
+    assert [each.data for each in reached] == [True]
+
+
+def test_a_tolerance_that_is_no_number_is_refused(run: Run) -> None:
+    stage = Stage(run)
+    answer = stage.alive.execute(
+        "trigger_main_action_server", goal_x=3.0, goal_y=3.0, tolerance_dist=-1.0
+    )
+    assert not answer.success
+    assert "lateral_distance_error = -1.0" in answer.error_msg
 
 
 def test_an_inactive_planner_answers_instead_of_keeping_silent(run: Run) -> None:

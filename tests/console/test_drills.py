@@ -302,6 +302,15 @@ def test_a_viewer_looks_and_begins_nothing(drilling: Served, operator: httpx.Cli
     operator.delete(f"/api/drills/{drill}")
 
 
+def test_a_table_that_is_none_is_the_callers_fault(operator: httpx.Client) -> None:
+    answer = operator.post("/api/drills", json={"table": {"kind": "log"}})
+    assert answer.status_code == 422, answer.text
+    detail = answer.json()["detail"]
+    assert "kind" in answer.text
+    assert detail["remedy"]
+    assert "monitor" not in detail["title"]
+
+
 def test_a_table_with_errors_is_refused_with_its_findings(operator: httpx.Client) -> None:
     bad = proposed()
     bad["rules"][-1]["event"]["condition"]["signal"]["path"] = ["rangs"]

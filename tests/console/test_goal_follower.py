@@ -116,6 +116,34 @@ def test_a_goal_whose_planner_is_gone_has_failed_and_says_why(follower: GoalFoll
     assert info(follower).phase == "failed"
 
 
+def test_a_goal_of_a_mission_that_is_refused_has_its_place_and_its_sender(
+    world: WorldModel, clock: Clock
+) -> None:
+    def sender(x: float, y: float) -> str:
+        return "mission Round" if (x, y) == (1.8, 1.5) else ""
+
+    follower = GoalFollower(world, lambda: None, sender=sender, now=clock)
+    follower.reported(0.3, 0.3, None, SENT - 60.0)  # of the goal before
+    follower.statuses(ACTION, {"a1": at(EXECUTING, SENT)})
+    follower.reported(1.8, 1.5, None, SENT + 0.01)
+    follower.result("a1", Ending(ABORTED, "The goal (1.80, 1.50) is inside an obstacle."))
+    ended = info(follower)
+    assert (ended.phase, ended.x, ended.y) == ("failed", 1.8, 1.5)
+    assert ended.sent_by == "mission Round"
+    # The report may come before the status, and another goal is none of the mission's.
+    follower.reported(0.5, 0.2, 1.0, SENT + 70.0)
+    follower.statuses(ACTION, {"a2": at(EXECUTING, SENT + 70.0)})
+    other = info(follower)
+    assert (other.x, other.y, other.yaw, other.sent_by) == (0.5, 0.2, 1.0, "another program")
+
+
+def test_what_a_planner_reports_does_not_move_a_goal_of_ours(follower: GoalFollower) -> None:
+    send(follower)
+    follower.statuses(ACTION, {"a1": at(EXECUTING, SENT)})
+    follower.reported(0.5, 0.2, None, SENT)
+    assert (info(follower).x, info(follower).sent_by) == (2.0, "ava")
+
+
 def test_a_goal_nobody_takes_fails_after_a_while(follower: GoalFollower, clock: Clock) -> None:
     send(follower)
     clock.now += 3.0

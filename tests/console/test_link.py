@@ -289,6 +289,32 @@ def test_stop_waits_for_nothing_else(console: Served, stack: Stack) -> None:
         assert len(times) > 2
 
 
+@beside("--slow-checks", "1.5")
+def test_a_goal_that_was_asked_for_before_a_stop_is_not_sent_after_its_release(
+    socket: ClientConnection, client: httpx.Client, console: Served, stack: Stack
+) -> None:
+    wait_until(lambda: client.post("/api/stop/release").is_success, 5.0, "the drive manager")
+    until(socket, lambda s: not s["drive"]["stopped"])
+    answers: list[httpx.Response] = []
+
+    def ask() -> None:
+        answers.append(client.post("/api/goals", json={"x": -0.6, "y": 0.55}))
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    asking.join(0.3)  # the check takes five times as long
+    with console.client(Role.OPERATOR, user="ben") as other:
+        assert other.post("/api/stop", json={}).is_success
+        asking.join(0.05)
+        assert asking.is_alive(), "the goal was checked before STOP was pressed"
+        assert other.post("/api/stop/release").is_success
+    asking.join(10.0)
+    assert answers[0].status_code == 409, answers[0].text
+    detail = answers[0].json()["detail"]
+    assert "after this goal was asked for" in detail["title"]
+    assert "Send it again" in detail["remedy"]
+
+
 def _check(console: Served) -> None:
     with console.client(Role.OPERATOR) as client:
         client.post("/api/goals/check", json={"x": 0.6, "y": 0.6})

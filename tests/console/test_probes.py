@@ -6,8 +6,10 @@ import json
 import time
 from typing import Any, cast
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rclpy.node import Node
 from sensor_msgs.msg import LaserScan
 
 from kompass.rules.schema.conditions import AnyOf, Compare, Condition, Not, Rate
@@ -132,3 +134,27 @@ def test_no_text_brings_the_probe_down(text: str) -> None:
     page = PageProbes(watch(Topics()))
     page.take(text)
     page.readings()
+
+
+@pytest.mark.parametrize("topic", ["\0", "a\0b", "a//b", "a b", "a\u200bb"])
+def test_a_topic_that_ros_cannot_have_is_refused_in_a_sentence(topic: str) -> None:
+    topics = Topics()
+    probes = PageProbes(watch(topics))
+    signal = {"topic": topic, "type": "std_msgs/msg/Bool", "path": ["data"]}
+    condition = {"kind": "compare", "operator": "==", "value": True, "signal": signal}
+    probes.take(json.dumps({"id": "a", "condition": condition}))
+    (reading,) = probes.readings()
+    assert "is not valid; give a name such as 'scan'" in reading.error
+    assert not topics.listeners
+
+
+@pytest.mark.parametrize("topic", ["1scan", "a-b", "~", "ä", "x" * 300])
+def test_a_topic_that_nobody_can_listen_to_is_not_opened(topic: str) -> None:
+    node = cast(Node, None)  # nothing is asked of it
+    probes = PageProbes(TopicWatch(node, lambda work: work()))
+    signal = {"topic": topic, "type": "std_msgs/msg/Bool", "path": ["data"]}
+    condition = {"kind": "compare", "operator": "==", "value": True, "signal": signal}
+    probes.take(json.dumps({"id": "a", "condition": condition}))
+    (reading,) = probes.readings()
+    assert "is no name of a topic: " in reading.error
+    assert reading.error.endswith(".")

@@ -332,6 +332,28 @@ def test_a_file_that_one_component_refuses_changes_none(when: str, tmp_path: Pat
     assert (planner.loop_rate, planner.in_topic_name("location")) == (rate, location)
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        (
+            "twice.yaml",
+            "driver: {loop_rate: 5}\ndriver: {loop_rate: 9}\n",
+            r"twice\.yaml:2: 'driver' is",
+        ),
+        ("twice.json", '{"driver": {}, "driver": {}}', r"twice\.json: .*'driver' is given twice"),
+        ("deep.yaml", "[" * 100_000, r"deep\.yaml: .*nested too deeply"),
+        ("deep.json", "[" * 100_000, r"deep\.json: .*nested too deeply"),
+    ],
+)
+def test_a_settings_file_that_says_a_thing_twice_or_never_ends_is_refused(
+    tmp_path: Path, name: str, text: str, said: str
+) -> None:
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigFileError, match=said):
+        Launcher(config_file=str(path)).add_pkg(components=[DriveManager()])
+
+
 @pytest.mark.parametrize("name", ["introspect", "launch_debug"])
 def test_what_another_launch_system_does_is_refused(name: str) -> None:
     launcher = Launcher()

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from typing import Any
 
 import pytest
+from kompass_interfaces.action import PlanPath
 from kompass_interfaces.srv import TakeWheel
 
 from tests.support.hand import Hand
+from tests.support.tester import pose
 from tests.support.virtual_robot import VirtualRobot
 
 ABORTED = 6
@@ -36,6 +39,15 @@ def take_and_give(robot: VirtualRobot) -> None:
     assert ava.ask(TakeWheel.Request.GIVE).success
 
 
+def ask_for_a_goal(robot: VirtualRobot) -> Any:
+    """Ask the planner's action for a goal, whether it answers or not."""
+    goal = PlanPath.Goal(goal=pose(0.5, 0.5, 0.0))
+    goal.end_tolerance.orientation_error = math.pi
+    client = robot.action_client(PlanPath, "/planner/plan_path")
+    robot.wait_until(client.server_is_ready, 10, "the planner's action")
+    return client.send_goal_async(goal)
+
+
 def stands(robot: VirtualRobot, seconds: float) -> bool:
     x, y, _ = robot.truth
     return max(math.hypot(at[0] - x, at[1] - y) for at in robot.watch(seconds)) < 0.02
@@ -58,6 +70,23 @@ def test_who_was_held_meanwhile_does_not_go_on_with_it(
     ended = robot.result(under_way, timeout=5)
     assert ended.status == ABORTED
     assert ended.result.message
+    assert robot.result(robot.send_goal(0.5, 0.5)).result.reached_end
+
+
+@pytest.mark.parametrize("interrupt", [press_and_release, take_and_give])
+def test_a_goal_that_waited_for_a_held_planner_is_not_begun_after_the_release(
+    robot: VirtualRobot, interrupt: Callable[[VirtualRobot], None]
+) -> None:
+    assert stands(robot, 0.5)  # the planner has heard of the drive manager
+    robot.stack.stop("planner")
+    asked = ask_for_a_goal(robot)
+    robot.rest(0.2)
+    interrupt(robot)
+    robot.stack.go_on("planner")
+    assert stands(robot, HELD)
+    ended = robot.result(asked.result(), timeout=5)
+    assert ended.status == ABORTED
+    assert "while the planner was held" in ended.result.message
     assert robot.result(robot.send_goal(0.5, 0.5)).result.reached_end
 
 

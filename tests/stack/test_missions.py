@@ -90,6 +90,13 @@ class MissionRobot(VirtualRobot):
         request = ChangeMissions.Request(change=change.model_dump_json(), author=author, role=role)
         return self.call(ChangeMissions, "/monitor/change_missions", request)
 
+    def begins(self, change: MissionChange) -> None:
+        """Ask for a change, whether it is answered or not."""
+        request = ChangeMissions.Request(
+            change=change.model_dump_json(), author="ava", role="operator"
+        )
+        self._calls.begin(ChangeMissions, "/monitor/change_missions", request, 60.0)
+
     def change(self, change: MissionChange, role: str = "operator", author: str = "ava") -> Any:
         """Have it done; the mission that it was about."""
         answer = self.asks(change, role, author)
@@ -215,6 +222,60 @@ def test_after_stop_only_a_person_sets_it_in_motion_again(robot: MissionRobot) -
     robot.stands(4.0)
     assert robot.run.phase == "paused"
     robot.steer("resume")
+    robot.until("done", 90)
+
+
+@pytest.mark.parametrize("verb", ["start", "resume", "skip", "next"])
+def test_what_was_asked_of_a_held_monitor_before_a_stop_does_not_begin_after_it(
+    robot: MissionRobot, verb: str
+) -> None:
+    mission = robot.saved((robot.north, ()), (robot.west, ()))
+    if verb != "start":
+        robot.start(mission)
+        robot.moves()
+        robot.steer("pause")
+        robot.until("paused", 5)
+        robot.stands(1.0)
+    if verb == "next":
+        robot.start(mission)
+        robot.steer("cancel")
+    robot.wait_until(lambda: "/drive_state" in robot.newest, 10, "the drive manager")
+    count = robot.newest["/drive_state"].interruptions
+    changes: dict[str, MissionChange] = {
+        "start": StartMission(id=mission.id, version=mission.version, interruptions=count),
+        "next": StartNext(interruptions=count),
+    }
+    change = changes.get(verb)
+    if change is None:
+        fields = {"verb": verb, "run": 1, "step": robot.run.step, "interruptions": count}
+        change = SteerRun.model_validate(fields)
+    robot.stack.stop("monitor")
+    robot.begins(change)
+    robot.rest(0.3)
+    assert robot.stop().success
+    robot.rest(0.3)
+    assert robot.release().success
+    robot.rest(0.3)
+    robot.stack.go_on("monitor")
+    robot.wait_until(
+        lambda: robot.state.run is not None and "after this was asked for" in robot.run.reason,
+        10,
+        "a robot that says why",
+    )
+    robot.stands(3.0)
+    assert robot.run.phase == "paused"
+    robot.steer("resume")
+    robot.moves()
+
+
+def test_what_is_asked_with_the_newest_count_begins(robot: MissionRobot) -> None:
+    assert robot.stop().success
+    assert robot.release().success
+    robot.rest(0.5)
+    count = robot.newest["/drive_state"].interruptions
+    mission = robot.saved((robot.north, ()))
+    change = StartMission(id=mission.id, version=mission.version, interruptions=count)
+    robot.change(change)
     robot.until("done", 90)
 
 

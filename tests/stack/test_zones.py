@@ -241,6 +241,31 @@ def test_zones_that_were_lost_stay_in_force_until_somebody_draws_one(robot: Zone
     assert robot.looks_at(-1.15, -0.5).reachable
 
 
+def test_who_looks_at_the_zones_is_told_of_both_files_that_cannot_be_read(
+    robot: ZonedRobot,
+) -> None:
+    robot.zone()
+    robot.wait_until(lambda: robot.kept == ["Wet floor"], 10, "the drive manager's file")
+    robot.stack.stop("monitor")
+    (store,) = robot.folder.rglob("zones.db")
+    store.write_bytes(b"no database")
+    for left in store.parent.glob("zones.db-*"):
+        left.unlink()
+    robot.file.write_text("{")
+    for named in ("zones.db was damaged", ""):  # the drive manager's file is so after that, too
+        robot.newest.pop("/monitor/zones")
+        robot.stack.kill("monitor")
+        robot.wait_until(lambda: "/monitor/zones" in robot.newest, 30, "a new monitor")
+        told = ZoneBook.model_validate_json(robot.newest["/monitor/zones"].data)
+        assert named in told.problem
+        assert "zones-drive_manager.json is damaged" in told.problem
+        assert "draw them again" in told.problem
+    robot.zone()
+    robot.wait_until(lambda: robot.kept == ["Wet floor"], 10, "a file that can be read")
+    told = ZoneBook.model_validate_json(robot.newest["/monitor/zones"].data)
+    assert not told.problem
+
+
 def test_a_monitor_that_starts_again_keeps_them_in_force(robot: ZonedRobot) -> None:
     robot.zone()
     robot.rest(1.0)

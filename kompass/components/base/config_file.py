@@ -8,11 +8,11 @@ from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
 from pydantic import ValidationError
 
 from kompass.rclpy_ext.topic import AllowedTopics, Topic
 from kompass.settings import Settings, explain, notice_once, without_ignored
+from kompass.yaml_lines import BadYaml, read_yaml
 
 COMMON = "/**"
 C = TypeVar("C", bound=Settings)
@@ -34,9 +34,9 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
     """
     path = Path(path)
     readers: dict[str, Callable[[str], Any]] = {
-        ".yaml": yaml.safe_load,
-        ".yml": yaml.safe_load,
-        ".json": json.loads,
+        ".yaml": _yaml,
+        ".yml": _yaml,
+        ".json": _json,
         ".toml": tomllib.loads,
     }
     reader = readers.get(path.suffix)
@@ -48,12 +48,38 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
         raise ConfigFileError(f"{path}: there is no such configuration file") from None
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigFileError(f"{path}: cannot be read: {error}") from error
-    except (yaml.YAMLError, json.JSONDecodeError, tomllib.TOMLDecodeError) as error:
+    except BadYaml as error:
+        raise ConfigFileError(f"{error.at(str(path))}: {error}") from None
+    except RecursionError:
+        raise ConfigFileError(
+            f"{path}: it is nested too deeply to be read; write it with fewer levels"
+        ) from None
+    except (_TwiceInJson, json.JSONDecodeError, tomllib.TOMLDecodeError) as error:
         detail = " ".join(str(error).split())
         raise ConfigFileError(f"{path}: not well formed: {detail}") from error
     if not isinstance(content, dict):
         raise ConfigFileError(f"{path}: expected sections by node name, found {content!r}")
     return content
+
+
+class _TwiceInJson(ValueError):
+    """A key of an object is given twice."""
+
+
+def _yaml(text: str) -> Any:
+    return read_yaml(text)[1]
+
+
+def _json(text: str) -> Any:
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            keys = [key for key, _ in pairs]
+            twice = next(key for key in keys if keys.count(key) > 1)
+            raise _TwiceInJson(f"'{twice}' is given twice; keep one")
+        return found
+
+    return json.loads(text, object_pairs_hook=once)
 
 
 def sections_of_nobody(path: str, names: Collection[str]) -> list[str]:

@@ -32,6 +32,7 @@ from kompass.components.base.seen import MOST_SENSORS, SENSOR_INPUTS, read_seen
 from kompass.components.base.zones_heard import ZonesHeard
 from kompass.components.planner.config import PlannerConfig, usable_planner
 from kompass.components.planner.goal_check import check_goal
+from kompass.components.planner.goal_fault import goal_fault, pose_fault
 from kompass.components.planner.goal_progress import (
     FREE_HEADING,
     GoalOutcome,
@@ -64,6 +65,9 @@ SET_OFF = 4.0  # s that a robot has to set off on a path that was planned to hel
 FIRST_SCAN = 1.0  # s in which one must come, where the planner begins to look
 MOST_NAMED = 3  # keep-out zones in one sentence
 RETRY = 1.0  # s from finding no way to looking again
+LATE = 0.25  # s from when something was said to when it is heard, for whoever was held meanwhile
+# s after it was held in which goals that waited meanwhile are still handed to it.
+HELD_OVER = 1.0
 STRAYED = 0.5  # m
 BETTER = 0.1  # share of the way that another path must save to take the place of a good one
 # The algorithm was given all it needs and has no answer. A goal in a wall is not that.
@@ -148,6 +152,7 @@ class Planner(Component):
         self._turn = 0
         self._stopped = self._driven = self._because = ""
         self._interruptions: int | None = None  # by people, as the drive manager counts them
+        self._missed = -math.inf  # when it was found that one began and ended unnoticed
         self._standstill = Standstill()
         self._scout: LiveMap | None = None  # looks while a goal is hindered, if nothing else does
         self._found: Hindrance | None = None
@@ -337,10 +342,19 @@ class Planner(Component):
         if self._driven:
             self._end(GoalOutcome.PREEMPTED, f"Driven by hand: {state.driven_by} took the wheel.")
         before, self._interruptions = self._interruptions, state.interruptions
-        if before not in (None, state.interruptions):
+        if before in (None, state.interruptions):
+            return
+        if not (self._stopped or self._driven) or self._age_of(state) > LATE:
+            self._missed = self.clock.monotonic()
+        if not (self._stopped or self._driven):
             # It began and ended while this process was held.
             told = "Stopped: somebody pressed STOP, or took the wheel, while the planner was held."
             self._end(GoalOutcome.STOPPED, told)
+
+    def _age_of(self, state: DriveState) -> float:
+        """How long ago it was said [s]."""
+        said = state.header.stamp
+        return float(self.clock.wall() - said.sec - 1e-9 * said.nanosec)
 
     def _on_goal_message(self, message: Any) -> None:
         """A goal on a topic: pursued here, or sent to our own action, where all can follow it."""
@@ -360,6 +374,8 @@ class Planner(Component):
             tolerance.orientation_error = self.config.orientation_tolerance
         if self._serves_action:
             self._client.send_goal_async(goal)
+        elif fault := goal_fault(goal):
+            self.warn(fault)
         else:
             self._begin(goal)
 
@@ -394,6 +410,8 @@ class Planner(Component):
         goal.end_tolerance.lateral_distance_error = float(tolerance_dist)
         free = goal_orientation is None
         goal.end_tolerance.orientation_error = FREE_HEADING if free else float(tolerance_ori)
+        if fault := goal_fault(goal):
+            return self.fails(fault)
         handle = await self._client.send_goal_async(goal)
         return bool(handle.accepted) or self.fails("the goal was not accepted")
 
@@ -401,6 +419,10 @@ class Planner(Component):
 
     async def _execute(self, handle: ServerGoalHandle) -> PlanPath.Result:
         self.node.executor.create_task(self._server.expire_goals)
+        if fault := goal_fault(handle.request):
+            handle.abort()
+            refused = int(GoalOutcome.REFUSED)
+            return PlanPath.Result(reached_end=False, outcome=refused, message=fault)
         self._end(GoalOutcome.PREEMPTED, "A newer goal took over.")
         self._handle, self._ended = handle, Future(executor=self.node.executor)
         ended = self._ended
@@ -438,7 +460,13 @@ class Planner(Component):
             told = f"{self._driven}; the wheel must be given up before a new goal."
             self._end(GoalOutcome.REFUSED, told)
             return
-        self._plan(self.clock.monotonic())
+        now = self.clock.monotonic()
+        if now - self._missed < HELD_OVER:
+            # It may have been asked for before; what came first cannot be told from the goal.
+            told = "STOP was pressed, or the wheel taken, and given up again while the planner was"
+            self._end(GoalOutcome.STOPPED, f"{told} held; send the goal again if it is wanted.")
+            return
+        self._plan(now)
         if self._pursued is not None:
             self._progress.reset()
 
@@ -901,6 +929,10 @@ class Planner(Component):
         if not self.is_active:
             response.reason = code_of("no_pose")
             response.message = "The planner is not active; start it first."
+            return response
+        if fault := pose_fault(request.goal):
+            response.reason = code_of("outside_map")
+            response.message = fault
             return response
         goal = pose_of(request.goal)
         return check_goal(

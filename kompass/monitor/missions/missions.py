@@ -19,6 +19,7 @@ from kompass.missions.change import (
     MISSION_CHANGE,
     DeleteMission,
     EditMission,
+    Interruptions,
     MissionChange,
     MissionEdit,
     RestoreMission,
@@ -199,11 +200,11 @@ class Missions:
             case StartMission():
                 return self._start(change, by)
             case StartNext():
-                return self._durably(lambda: self._begin_next(by))
+                return self._durably(lambda: self._begin_next(by), change.interruptions)
             case Unqueue():
                 return self._durably(lambda: self._unqueue(change.number))
             case SteerRun():
-                return self._durably(lambda: self._steer(change, by))
+                return self._durably(lambda: self._steer(change, by), change.interruptions)
 
     def _edit(self, change: MissionEdit, by: str, role: Editor) -> str:
         if isinstance(change, SaveMission | EditMission):
@@ -244,11 +245,16 @@ class Missions:
                 f"the mission {mission.name!r} was changed meanwhile, by {mission.author}; "
                 "look at it as it is now, and try again"
             )
-        self._durably(lambda: self._take_on(mission, by))
+        self._durably(lambda: self._take_on(mission, by), change.interruptions)
         return mission.model_dump_json()
 
-    def _durably(self, decide: Callable[[], tuple[Effect, ...]]) -> str:
-        """Decide on the main thread, write it down, and only then set anything in motion."""
+    def _durably(
+        self, decide: Callable[[], tuple[Effect, ...]], asked: Interruptions = None
+    ) -> str:
+        """Decide on the main thread, write it down, and only then set anything in motion.
+
+        Nothing is, where people pressed STOP or took the wheel after the count ``asked``.
+        """
 
         def decided() -> tuple[tuple[Effect, ...], MissionState]:
             effects = decide()
@@ -266,7 +272,12 @@ class Missions:
             why = str(error)
             self._main.call(lambda: self._stand(f"It could not be written down: {why}"))
             raise
-        self._main.post(lambda: self._do(effects))
+        if asked is None or not effects:
+            self._main.post(lambda: self._do(effects))
+        else:
+            self._main.post(
+                lambda: self._robot.unless_interrupted(asked, lambda: self._do(effects))
+            )
         return ""
 
     # -- on the main thread -------------------------------------------------------------------

@@ -27,7 +27,7 @@ from kompass.monitor.worker_thread import WorkerThread
 from kompass.places.map_identity import identify
 from kompass.places.place import MapIdentity, Place
 from kompass.rclpy_ext.awaitables import Awaitables
-from kompass.rclpy_ext.executor import Task
+from kompass.rclpy_ext.executor import Cancelled, Task
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.timers import Timers
 from kompass.rclpy_ext.topic import LATCHED
@@ -97,6 +97,7 @@ class MissionRobot:
         }
         self._clients: dict[str, ActionClient] = {}
         self._task: Task | None = None
+        self._looking: Task | None = None  # whether it may begin
         self._ticket = _NOTHING
         self._driver = ""  # node name of who has the goal
         self._listening: Any = None
@@ -121,6 +122,8 @@ class MissionRobot:
     def close(self) -> None:
         """Nothing is driven or done any more."""
         self.cease()
+        if self._looking is not None:
+            self._looking.cancel()
         self.rest()
         for client in self._clients.values():
             client.destroy()
@@ -137,6 +140,38 @@ class MissionRobot:
         if self._listening is not None:
             self._node.destroy_subscription(self._listening)
             self._listening = self._drive = None
+
+    def unless_interrupted(self, asked: int, go_on: Callable[[], None]) -> None:
+        """Go on with what a person asked for, unless STOP was pressed or the wheel taken since.
+
+        Parameters
+        ----------
+        asked
+            The count of that (DriveState) when the person asked.
+        """
+
+        async def look() -> None:
+            # What was heard may be from before this process was held: ask for the newest.
+            heard: list[DriveState] = []
+            listening = self._node.create_subscription(
+                DriveState, "drive_state", heard.append, LATCHED.to_ros()
+            )
+            try:
+                await self._awaitables.until(lambda: bool(heard), SEARCH, "")
+            except TimeoutError:
+                pass  # a drive is refused for that, with its own words
+            finally:
+                self._node.destroy_subscription(listening)
+            if heard and heard[-1].interruptions != asked:
+                self._interrupted("STOP was pressed, or the wheel taken, after this was asked for")
+            else:
+                go_on()
+
+        def over(error: BaseException | None) -> None:
+            if error is not None and not isinstance(error, Cancelled):
+                self._interrupted(f"it is not known whether STOP was pressed: {error!r}")
+
+        self._looking = Task(look(), over)
 
     async def _hindrance(self) -> str:
         """Why the robot would not set off now; empty when it would."""

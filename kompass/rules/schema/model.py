@@ -17,9 +17,13 @@ def topic_key(name: str) -> str:
     return name.removeprefix("/")
 
 
+def _is_plain(key: str) -> bool:
+    return key.isprintable() and " " not in key
+
+
 def _topic(name: str) -> str:
     key = topic_key(name)
-    if not key or any(part == "" for part in key.split("/")) or any(c.isspace() for c in key):
+    if not key or any(part == "" for part in key.split("/")) or not _is_plain(key):
         raise ValueError(
             f"topic name {name!r} is not valid; give a name such as 'scan' or '/ns/scan'"
         )

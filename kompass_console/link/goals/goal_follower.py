@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -37,6 +38,8 @@ _LOST = (
     "The planner's process died and took the goal with it; the robot drives no farther than the "
     "path that it has. Send the goal again."
 )
+_OTHER = "another program"
+_REPORTS = 20  # of planners that are kept
 _MESSAGES: dict[GoalPhase, str] = {
     "arrived": "The robot has arrived.",
     "canceled": "The goal was canceled.",
@@ -63,6 +66,7 @@ class _Goal:
     path_seen: int = 0
     known_place: bool = True
     sent_stamp: float = math.inf
+    accepted: float = -math.inf  # ROS time
 
     @property
     def over(self) -> bool:
@@ -101,6 +105,8 @@ class GoalFollower:
     ----------
     changed
         Called after each event that matters.
+    sender
+        Who sends the robot to a place (m), where that is known; else empty.
     now
         The time in s.
     """
@@ -110,14 +116,19 @@ class GoalFollower:
         world: WorldModel,
         changed: Callable[[], None],
         *,
+        sender: Callable[[float, float], str] = lambda x, y: "",
         now: Callable[[], float] = time.monotonic,
     ) -> None:
+        self._sender = sender
         self._world = world
         self._changed = changed
         self._now = now
         self._lock = threading.RLock()
         self._goal: _Goal | None = None
         self._heard = _Heard()
+        self._reported: deque[_Heard] = deque(
+            maxlen=_REPORTS
+        )  # goals of planners; `at` in ROS time
         self._seen: dict[str, set[str]] = {}
 
     def sent(
@@ -155,6 +166,14 @@ class GoalFollower:
         with self._lock:
             self._heard = _Heard(x, y, yaw, self._now())
 
+    def reported(self, x: float, y: float, yaw: float | None, began: float) -> None:
+        """A planner tells of the goal that it pursues since ROS time `began` (s)."""
+        with self._lock:
+            self._reported.append(_Heard(x, y, yaw, began))
+            if self._goal is not None:
+                self._place_by_reports(self._goal)
+        self._changed()
+
     def statuses(self, action: str, goals: Mapping[str, ActionStatus]) -> list[str]:
         """The action server's list of goals, by uuid (hex). Returns the uuids to ask the result
         of."""
@@ -164,6 +183,7 @@ class GoalFollower:
             for uuid, (status, accepted) in goals.items():
                 if uuid not in seen and (status not in _ENDED or self._is_ours(accepted)):
                     self._adopt(action, uuid)
+                    self._was_taken(accepted)
                     ask.append(uuid)
                 if self._goal is not None and self._goal.uuid == uuid:
                     self._advance(self._goal, status)
@@ -299,14 +319,31 @@ class GoalFollower:
             x=heard.x,
             y=heard.y,
             yaw=heard.yaw,
-            sent_by="another program",
+            sent_by=_OTHER,
             started=self._now(),
             path_seen=path_seen,
             known_place=recent,
         )
 
+    def _was_taken(self, accepted: float) -> None:
+        """The goal that is followed was accepted at that ROS time (s)."""
+        if self._goal is not None:
+            self._goal.accepted = accepted
+            self._place_by_reports(self._goal)
+
+    def _place_by_reports(self, goal: _Goal) -> None:
+        """A goal sent straight to the action carries no place; its planner tells it, on the clock
+        by which it has accepted it."""
+        near = [each for each in self._reported if abs(each.at - goal.accepted) < _SAME_TIME]
+        if goal.sent_by != _OTHER or not near:
+            return
+        told = near[-1]
+        goal.x, goal.y, goal.yaw, goal.known_place = told.x, told.y, told.yaw, True
+        goal.sent_by = self._sender(told.x, told.y) or _OTHER
+        self._mark()
+
     def _learn_place(self, goal: _Goal) -> None:
-        """A goal sent straight to the action carries no place; the end of its path does."""
+        """Where no planner tells the place, the end of the path does."""
         path = self._path_of(goal)
         if goal.known_place or path is None:
             return

@@ -14,13 +14,18 @@ from action_msgs.msg import GoalStatusArray
 from action_msgs.srv import CancelGoal
 from geometry_msgs.msg import PointStamped, PoseStamped
 from kompass_interfaces.action import PlanPath
+from pydantic import ValidationError
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from std_msgs.msg import String
 
 from kompass.algorithms.geometry import quaternion_from_yaw
+from kompass.components.planner.goal_reports import GOAL_REPORTS, REPORTS
+from kompass.invalid import first_invalid
 from kompass.rclpy_ext.node import of_others
 from kompass.rclpy_ext.reply import NoAnswer
 from kompass.recorder.process import NAME as RECORDER
+from kompass.timeline.goal import GoalReport
 from kompass_console.link.goals.goal_follower import ActionStatus, Ending, GoalFollower
 from kompass_console.link.graph.convert import seconds, yaw_of
 from kompass_console.link.graph.discovery import NODE_NAME, Graph, action_names
@@ -60,14 +65,21 @@ class Listeners:
 class Goals:
     """The goal topics and every PlanPath action on the graph."""
 
-    def __init__(self, node: Node, world: WorldModel, changed: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        world: WorldModel,
+        changed: Callable[[], None],
+        sender: Callable[[float, float], str],
+    ) -> None:
         self._node = node
         self._world = world
-        self.follower = GoalFollower(world, changed)
+        self.follower = GoalFollower(world, changed, sender=sender)
         self._poses = node.create_publisher(PoseStamped, POSE_TOPIC, QoSProfile(depth=10))
         self._points = node.create_publisher(PointStamped, POINT_TOPIC, QoSProfile(depth=10))
         node.create_subscription(PoseStamped, POSE_TOPIC, self._heard_pose, QoSProfile(depth=10))
         node.create_subscription(PointStamped, POINT_TOPIC, self._heard_point, QoSProfile(depth=10))
+        node.create_subscription(String, GOAL_REPORTS, self._heard_report, REPORTS.to_ros())
         self._status: dict[str, Reader[dict[str, ActionStatus]]] = {}
         self._feedback: dict[str, Reader[tuple[str, float]]] = {}
         self._results: dict[str, Any] = {}
@@ -172,10 +184,23 @@ class Goals:
 
     def _heard_pose(self, message: Any) -> None:
         pose = message.pose
-        self.follower.heard(pose.position.x, pose.position.y, yaw_of(pose.orientation))
+        self._hear(pose.position.x, pose.position.y, yaw_of(pose.orientation))
 
     def _heard_point(self, message: Any) -> None:
-        self.follower.heard(message.point.x, message.point.y, None)
+        self._hear(message.point.x, message.point.y, None)
+
+    def _hear(self, x: float, y: float, yaw: float | None) -> None:
+        if math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw or 0.0):
+            self.follower.heard(x, y, yaw)  # the planner refuses what is no number
+
+    def _heard_report(self, message: Any) -> None:
+        try:
+            report = GoalReport.model_validate_json(message.data)
+        except ValidationError as error:
+            _logger.warning("/%s: %s", GOAL_REPORTS, plain(first_invalid(error).text))
+            return
+        if not report.outcome:
+            self.follower.reported(report.x, report.y, report.yaw, report.time)
 
     def _add(self, action: str) -> None:
         self._results[action] = self._node.create_client(

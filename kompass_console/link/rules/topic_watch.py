@@ -7,7 +7,9 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from kompass.rclpy_ext.messages import ros_class
 from kompass_console.link.graph.discovery import Graph
@@ -142,6 +144,11 @@ class TopicWatch:
                     watched.left_at = time.monotonic()
 
     def _checked(self, topic: str, kind: str | None) -> str:
+        try:
+            validate_full_topic_name(f"/{topic}")
+        except InvalidTopicNameException as error:
+            why = " ".join(str(error).split()).removeprefix("Invalid topic name: ")
+            raise CannotOpen(f"/{topic:.60} is no name of a topic: {why}.") from None
         there = self._graph.get(f"/{topic}")
         if kind is None:
             if there is None:
