@@ -15,7 +15,7 @@ from kompass_interfaces.srv import SetFault
 
 from kompass.launch.virtual_stack import Embedded
 from kompass.simulation.physics.robot_model import TURTLEBOT3_PLUS
-from kompass.simulation.worlds.registry import add_world
+from kompass.simulation.worlds import registry
 from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
 from kompass.virtual.network import Conditions
@@ -32,15 +32,20 @@ SYSTEM = ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL
 STATUS = "/drive_manager/status"
 # Lower than the lidar's plane, at 0.17 m.
 LOW = Box("low_box", (1.3, 0.0), (0.3, 0.5), height=0.10)
-add_world(
-    World(
-        name="low",
-        title="A hall with a box that the lidar looks over",
-        floor=((-2.0, -2.0), (4.0, -2.0), (4.0, 2.0), (-2.0, 2.0)),
-        start=(0.0, 0.0, 0.0),
-        obstacles=(LOW,),
-    )
+HALL = World(
+    name="low",
+    title="A hall with a box that the lidar looks over",
+    floor=((-2.0, -2.0), (4.0, -2.0), (4.0, 2.0), (-2.0, 2.0)),
+    start=(0.0, 0.0, 0.0),
+    obstacles=(LOW,),
 )
+
+
+@pytest.fixture(autouse=True)
+def hall(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Known for as long as a test takes: others count the worlds there are."""
+    monkeypatch.setattr(registry, "_WORLDS", dict(registry._WORLDS))
+    registry.add_world(HALL)
 
 
 def brought_up(
