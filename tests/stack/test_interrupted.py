@@ -10,8 +10,15 @@ from typing import Any
 import pytest
 from kompass_interfaces.action import PlanPath
 from kompass_interfaces.srv import TakeWheel
+from std_msgs.msg import Empty
 
+from kompass.rules.schema.actions import CallService, SendGoal
+from kompass.rules.schema.conditions import Received
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Table
 from tests.support.hand import Hand
+from tests.support.rules import Rules
 from tests.support.tester import pose
 from tests.support.virtual_robot import VirtualRobot
 
@@ -108,3 +115,45 @@ def test_a_goal_that_has_failed_with_its_planner_is_not_driven_to(robot: Virtual
     robot.wait_until(lambda: robot.speed < 0.01, 5, "a standstill")
     assert robot.distance_to(0.5, 0.5) > 0.5
     assert stands(robot, 3.0)
+
+
+SLOWLY = Table(
+    rules=(
+        Rule(
+            id="go",
+            source="recipe",
+            event=Event(condition=Received(signal=Signal(topic="/go", type="std_msgs/msg/Empty"))),
+            actions=(
+                # Looked for, for two seconds.
+                CallService(service="/nobody", type="std_srvs/srv/Trigger", on_error="continue"),
+                SendGoal(
+                    action="/planner/plan_path",
+                    type="kompass_interfaces/action/PlanPath",
+                    goal={
+                        "goal": {"position": {"x": 0.5, "y": 0.5}, "orientation": {"w": 1.0}},
+                        "end_tolerance": {"orientation_error": 3.1},
+                    },
+                ),
+            ),
+        ),
+    )
+)
+
+
+@pytest.mark.parametrize("interrupt", [press_and_release, take_and_give])
+def test_a_rule_that_fired_before_sets_nothing_in_motion_after_it(
+    interrupt: Callable[[VirtualRobot], None],
+) -> None:
+    with closing(VirtualRobot(table=SLOWLY)) as robot:
+        robot.ready()
+        go = robot.node.create_publisher(Empty, "/go", 10)
+        robot.wait_for_listeners("/go", "monitor")
+        rules = Rules(robot)
+        go.publish(Empty())
+        robot.wait_until(lambda: rules.firings, 5, "a firing")
+        interrupt(robot)
+        assert stands(robot, 5.0)
+        told = [step.text for step in rules.firings]
+        assert any("after the rule had fired" in text for text in told), told
+        go.publish(Empty())
+        robot.wait_until(lambda: robot.speed > 0.1, 20, "motion for who fires anew")

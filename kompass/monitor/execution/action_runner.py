@@ -51,6 +51,9 @@ from kompass.store.robot_key import robot_key
 
 MATCH = 0.5  # s for which a message waits for those who listen
 LINGER = 0.1  # s for which a publisher that goes again stays, to deliver
+INTERRUPTED = "not begun: STOP was pressed, or the wheel taken, after the rule had fired"
+_GO = "trigger_main_action_server"  # of a planner
+_GOALS = ("geometry_msgs/msg/PointStamped", "geometry_msgs/msg/PoseStamped")
 SEARCH = 2.0  # s in which a service or an action server must show up
 LET_IN = 0.001  # s for which a function may keep the engine waiting until it has begun
 PARSING = 10.0  # s in which a parser must have made its argument
@@ -107,9 +110,12 @@ class ActionRunner:
     start_mission
         Begins a mission: takes its name, who wants it, and what to call, on any thread, with why it
         did not begin (empty when it did). None where nobody keeps missions.
+    interruptions
+        How often people pressed STOP or took the wheel; None when that is not known.
     """
 
     start_mission: StartMission | None = None
+    interruptions: Callable[[], int | None] = staticmethod(lambda: None)
 
     def __init__(
         self,
@@ -199,10 +205,13 @@ class ActionRunner:
         tell
             Takes the outcome of each action when it has ended.
         """
-        error = ""
+        # Who has not heard yet counts as one who heard of none: better too careful.
+        error, before = "", self.interruptions() or 0
         for action in firing.actions:
             began = self._clock.monotonic()
             try:
+                if self._moves(action) and (self.interruptions() or 0) > before:
+                    raise Failed(INTERRUPTED)
                 text = await self._perform(action, firing)
                 outcome = ActionOutcome(_name(action), True, text, self._clock.monotonic() - began)
             except Exception as problem:  # noqa: BLE001 - becomes the outcome, which is reported
@@ -215,6 +224,17 @@ class ActionRunner:
             if not outcome.ok and action.on_error == "abort":
                 break
         return not error, error
+
+    def _moves(self, action: kinds.Action) -> bool:
+        """Whether it may set the robot in motion."""
+        match action:
+            case kinds.SendGoal() | kinds.StartMission():
+                return True
+            case kinds.Method():
+                return action.component in self._permissions.gates or action.method == _GO
+            case kinds.Publish():
+                return action.type in _GOALS
+        return False
 
     async def _perform(self, action: kinds.Action, firing: Firing) -> str:
         self._check_permitted(action, firing)

@@ -39,6 +39,11 @@ class RobotWatch:
         Says which components there are.
     tell
         Takes what happens.
+
+    Attributes
+    ----------
+    interruptions
+        How often people pressed STOP or took the wheel; None as long as nobody has told.
     """
 
     def __init__(
@@ -52,6 +57,7 @@ class RobotWatch:
         self._health, self._drive = HealthObserver(), DriveObserver()
         self._goals, self._processes = GoalObserver(), ProcessObserver()
         self._newest: dict[str, bytes] = {}
+        self.interruptions: int | None = None
         for component in catalog.components():
             topic, _ = status_topics(component)
             node.create_subscription(
@@ -92,6 +98,7 @@ class RobotWatch:
         self._tell(self._health.says(component, said, self._clock.wall(), lost))
 
     def _on_drive(self, message: DriveState) -> None:
+        self.interruptions = int(message.interruptions)
         said = DriveSaid(
             bool(message.stopped),
             str(message.stopped_by),
