@@ -167,21 +167,21 @@ def test_a_place_is_made_home_and_the_battery_is_always_told(
 ) -> None:
     page = opened(new_page, "ava")
     expect(page.get("battery")).to_contain_text(re.compile(r"\d+ %"))
-    there = {"name": "Charger", "pose": {"x": GATE[0], "y": GATE[1], "yaw": None}}
+    there = {"name": "Dock", "pose": {"x": GATE[0], "y": GATE[1], "yaw": None}}
     wait_until(lambda: page.post("/api/places", there).ok, 20, "a map whose place it is")
-    row = place(page, "Charger")
+    row = place(page, "Dock")
     expect(row).to_be_visible()
-    menu(page, "Charger", "place-home")
+    menu(page, "Dock", "place-home")
     expect(row.get_by_test_id("place-home-mark")).to_be_visible()
     page.keep("place-home")
     assert page.get("battery-band").count() == 0
     robot.fault("battery_low")
-    expect(page.get("battery-band")).to_contain_text("Its home on this map is Charger.")
+    expect(page.get("battery-band")).to_contain_text("Its home on this map is Dock.")
     page.keep("battery-low")
     page.get("go-home").dispatch_event("click")
-    expect(page.get("goal-card")).to_contain_text("Charger")
+    expect(page.get("goal-card")).to_contain_text("Dock")
     robot.fault("battery_low", on=False)
     page.page.keyboard.press("Escape")
     expect(page.get("battery-band")).to_be_hidden()
-    menu(page, "Charger", "place-delete")
+    menu(page, "Dock", "place-delete")
     expect(row).to_be_hidden()

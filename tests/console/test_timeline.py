@@ -82,7 +82,8 @@ def test_a_note_is_there_when_it_is_answered_and_pages_hear_of_it(
 
 
 def test_what_people_do_is_noted_by_itself(robot: Served, ava: httpx.Client) -> None:
-    assert ava.post("/api/stop", json={"reason": ""}).status_code == 200
+    pressed = lambda: ava.post("/api/stop", json={"reason": ""}).is_success  # noqa: E731
+    wait_until(pressed, 20.0, "the console has found the drive manager")
     assert ava.post("/api/stop/release").status_code == 200
     wait_until(lambda: "ava: Released STOP" in titles(ava, "person"), 5.0, "the note")
 

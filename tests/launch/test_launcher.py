@@ -210,7 +210,14 @@ def test_a_long_plan_is_given_its_time() -> None:
 
 # Every name that a recipe of some generation may call, read or set.
 PUBLIC = {
-    *("activation_timeout", "config_file", "enable_monitoring", "namespace", "patience"),
+    *(
+        "activation_timeout",
+        "config_file",
+        "enable_monitoring",
+        "namespace",
+        "patience",
+        "recovery",
+    ),
     *("kompass", "agents", "add_pkg", "components", "robot", "frames", "configure"),
     *("inputs", "outputs", "on", "bringup", "setup_launch_description", "enable_ui"),
     *("fallback_rate", "on_fail", "on_algorithm_fail", "on_component_fail", "on_system_fail"),

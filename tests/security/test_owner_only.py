@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
 
 import httpx
@@ -50,8 +51,9 @@ def test_every_file_and_folder_of_a_run_is_its_owners_alone(tmp_path: Path) -> N
         stack.close()
     [log] = folder.glob("*/audit")
     assert verify(log).broken == ""
-    deeds = [line["what"] for line in lines_after(log, 0)]
-    assert [deeds[0], *deeds[-3:]] == ["log in", "save recording", "apply rules", "stop"]
+    # Some are done again and again, until they are answered.
+    deeds = [what for what, _ in groupby(line["what"] for line in lines_after(log, 0))]
+    assert deeds == ["log in", "save recording", "apply rules", "stop"]
     for found in (while_it_runs, modes(folder)):
         names = {Path(name).name for name in found}
         assert "robot.key" in names

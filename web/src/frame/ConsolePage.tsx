@@ -390,6 +390,7 @@ function SceneStack({
           <PlayedBand />
           <StaleBand />
           <ControlBand />
+          <UpdateBand />
           <CauseBand />
           {!covered && <DriveBand />}
           <AlarmsBand />
@@ -402,7 +403,6 @@ function SceneStack({
           )}
           <AuditBand />
           <WebhookBand />
-          <UpdateBand />
         </BandStack>
       </div>
     </>

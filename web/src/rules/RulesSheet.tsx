@@ -68,6 +68,7 @@ export function RulesSheet() {
               key={label}
               className={classes.tab}
               aria-current={holds.includes(place.at) ? "page" : undefined}
+              data-elsewhere={tab.at === "log" || undefined}
               data-testid={`rules-tab-${tab.at}`}
               onClick={() => nav.go(tab)}
             >
