@@ -388,11 +388,10 @@ function SceneStack({
         <BandStack>
           {!covered && <StopBand why={<StoppedByRule />} />}
           <PlayedBand />
+          {!covered && <DriveBand />}
           <StaleBand />
           <ControlBand />
-          <UpdateBand />
           <CauseBand />
-          {!covered && <DriveBand />}
           <AlarmsBand />
           <BatteryBand onGo={onGo} />
           {!rulesOpen && <ProbationBand />}
@@ -403,6 +402,7 @@ function SceneStack({
           )}
           <AuditBand />
           <WebhookBand />
+          <UpdateBand />
         </BandStack>
       </div>
     </>

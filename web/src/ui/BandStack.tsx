@@ -9,8 +9,10 @@ export function BandStack({ children }: { children: ReactNode }) {
   const [count, setCount] = useState(0);
   const [open, setOpen] = useState(false);
   const roomy = useMediaQuery("(min-width: 1101px)", true, { getInitialValueInEffect: false });
-  const low = useMediaQuery("(max-height: 700px)", false, { getInitialValueInEffect: false });
-  const room = (roomy ? 3 : 2) - (low ? 1 : 0);
+  const small = useMediaQuery("(max-width: 560px) and (max-height: 700px)", false, {
+    getInitialValueInEffect: false,
+  });
+  const room = roomy ? 3 : small ? 1 : 2;
   useEffect(() => {
     const element = list.current;
     if (element === null) return;
