@@ -133,3 +133,16 @@ def test_where_nothing_is_seen_that_is_said_with_the_place_of_the_robot() -> Non
 )
 def test_directions_are_told_as_people_say_them(degrees: float, words: str) -> None:
     assert direction_in_words(math.radians(degrees)) == words
+
+
+@pytest.mark.parametrize("why", ["scan stale", "odometry stale", "second publisher"])
+def test_what_stands_near_is_not_blamed_where_the_robot_is_held_for_something_else(
+    why: str,
+) -> None:
+    live = LiveMap(60.0)
+    saw(live, disc(0.6, 0.0), 0.0)
+    saw(live, disc(0.6, 0.0), 0.1)
+    assert found(live, held_by="obstacle").kind == "seen"
+    told = found(live, held_by=why)
+    assert told.kind == "unknown"
+    assert why in told.what

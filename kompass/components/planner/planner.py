@@ -756,7 +756,8 @@ class Planner(Component):
         if pose is not None and hindered:
             self._found = self._hindrance(pursued, pose, now)
             radius = self.config.described_robot.radius
-            text = f"{text} {self._found.told(pose, radius, now)}"
+            if self._found.kind != "unknown" or not (self._because and pursued.path is not None):
+                text = f"{text} {self._found.told(pose, radius, now)}"
             self._tell_hindrance(pursued, given_up=True)
         self._end(outcome, text, hindered=hindered)
 
