@@ -30,7 +30,7 @@ export function BatteryBadge() {
       <Icon size={20} aria-hidden />
       <span className="visually-hidden">{battery.charging ? "Charging, " : "Battery "}</span>
       {battery.low && !battery.charging && "▲ "}
-      {chargeText(battery)}
+      <span className={classes.charge}>{chargeText(battery)}</span>
     </span>
   );
 }
