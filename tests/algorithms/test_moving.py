@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume
 from hypothesis import strategies as st
 
 from kompass.algorithms.geometry import Floats, Pose2D
@@ -38,16 +37,6 @@ def watch(
     seen.see(measured, 0.0, math.tau / RAYS, 0.1, RANGE, pose, now)
 
 
-def apart(posts: Floats, step: int, here: Floats) -> bool:
-    """Whether somebody and the posts are in directions of their own, seen from where the robot is
-    after so many steps."""
-    robot = np.array([0.1 * step * PERIOD, 0.0])
-    to, walker = posts[:, :2] - robot, here - robot
-    off = np.angle(np.exp(1j * (np.arctan2(to[:, 1], to[:, 0]) - math.atan2(walker[1], walker[0]))))
-    wide = np.arcsin(posts[:, 2] / np.hypot(*to.T)) + math.asin(0.2 / math.hypot(*walker))
-    return bool((np.abs(off) > wide + 0.05).all())
-
-
 @property_test(st.floats(0.4, 1.5), st.floats(-math.pi, math.pi), st.integers(0, 2**31), many=25)
 def test_a_walker_is_seen_where_he_is_and_goes_on_as_he_goes(
     speed: float, course: float, seed: int
@@ -56,8 +45,6 @@ def test_a_walker_is_seen_where_he_is_and_goes_on_as_he_goes(
     posts = np.array([[3.0, 2.0, 0.075], [-2.5, 2.8, 0.075], [0.5, -3.2, 0.2]])
     velocity = speed * np.array([math.cos(course), math.sin(course)])
     begin = np.array([2.0 * math.cos(course + 1.9), 2.0 * math.sin(course + 1.9)])
-    # What he uncovers, or is covered by, may be taken for a part of him.
-    assume(all(apart(posts, step, begin + velocity * step * PERIOD) for step in range(15)))
     seen = MovingObstacles()
     for step in range(15):
         now = step * PERIOD

@@ -460,12 +460,8 @@ DIALOG = """() => {
 }"""
 
 
-# What lies over what does not depend on the colours: each of them once is enough.
-@pytest.mark.parametrize(
-    ("width", "height", "theme"),
-    [(1280, 800, "light"), (390, 844, "dark")],
-    ids=["wide", "phone"],
-)
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)], ids=["wide", "phone"])
 def test_nothing_is_ever_laid_over_stop(
     new_page: OpenPage, width: int, height: int, theme: str
 ) -> None:
