@@ -60,6 +60,19 @@ def test_a_walker_is_seen_where_he_is_and_goes_on_as_he_goes(
     assert 0.1 < found[4] < 0.35
 
 
+def test_who_crosses_where_the_turn_of_the_scanner_begins_is_not_lost() -> None:
+    random = np.random.default_rng(0)
+    seen = MovingObstacles()
+    for step in range(20):
+        now = step * PERIOD
+        here = (1.5, 0.6 * now - 0.6)  # over the first ray, right ahead, after a second
+        watch(seen, (0.0, 0.0, 0.0), np.array([[*here, 0.2]]), now, random)
+        if step >= 6:
+            [found] = seen.at(now)
+            assert math.dist(found[:2], here) < 0.3
+            assert found[2:4] == pytest.approx((0.0, 0.6), abs=0.3)
+
+
 @property_test(st.integers(0, 2**31), st.floats(0.0, 2.0), st.floats(-2.0, 2.0), many=25)
 def test_what_stands_does_not_move_however_the_robot_does(
     seed: int, speed: float, turn: float

@@ -60,16 +60,26 @@ class _Scan:
     increment: float
     free_to: Floats
 
+    @property
+    def is_whole_turn(self) -> bool:
+        """Whether the last ray and the first one lie side by side."""
+        step = abs(self.increment)
+        return self.free_to.size * step > math.tau - step
+
     def saw_through(self, points: Floats) -> NDArray[np.bool_]:
         """Whether rays went on behind points (N, 2) in the world."""
         away = points - np.array(self.pose[:2])
         bearing = np.arctan2(away[:, 1], away[:, 0]) - self.pose[2] - self.first
         step = abs(self.increment)
         ray = np.mod(bearing * math.copysign(1.0, self.increment) + step / 2, math.tau) / step
-        index = ray.astype(np.int64)
-        known = (index >= 1) & (index < self.free_to.size - 1)
-        index = np.where(known, index, 1)
-        beside = np.minimum(self.free_to[index - 1], self.free_to[index + 1])
+        index, count = ray.astype(np.int64), self.free_to.size
+        if self.is_whole_turn:
+            known = np.ones(len(points), dtype=bool)
+            index %= count
+        else:
+            known = (index >= 1) & (index < count - 1)
+            index = np.where(known, index, 1)
+        beside = np.minimum(self.free_to[index - 1], self.free_to[(index + 1) % count])
         least = np.minimum(beside, self.free_to[index])
         out: NDArray[np.bool_] = known & (np.hypot(*away.T) < least - _BEHIND)
         return out
@@ -119,7 +129,7 @@ class MovingObstacles:
         self._scans.append(seen)
         none = np.zeros(len(rays.ends), bool)
         came = none if before is None else before.saw_through(rays.ends)
-        things = _things(rays.ends, rays.ranges, abs(angle_increment), came)
+        things = _things(rays.ends, rays.ranges, abs(angle_increment), came, seen.is_whole_turn)
         self._follow(things, made)
 
     def at(self, now: float) -> Floats:
@@ -175,14 +185,19 @@ class MovingObstacles:
 
 
 def _things(
-    points: Floats, ranges: Floats, increment: float, came: NDArray[np.bool_]
+    points: Floats, ranges: Floats, increment: float, came: NDArray[np.bool_], whole_turn: bool
 ) -> list[tuple[Floats, float, bool]]:
     """Middle, radius, and whether it stands where was free: of all that is small enough."""
     if len(points) < _LEAST_POINTS:
         return []
     apart = np.hypot(*np.diff(points, axis=0).T) > _GAP + 2.0 * increment * ranges[:-1]
+    parts = np.split(np.arange(len(points)), np.flatnonzero(apart) + 1)
+    # Who is where a turn begins is in its first rays and its last ones: right ahead of many robots.
+    across_seam = math.dist(points[-1], points[0])
+    if whole_turn and len(parts) > 1 and across_seam <= _GAP + 2.0 * increment * ranges[-1]:
+        parts[0] = np.concatenate([parts.pop(), parts[0]])
     out = []
-    for part in np.split(np.arange(len(points)), np.flatnonzero(apart) + 1):
+    for part in parts:
         if len(part) < _LEAST_POINTS:
             continue
         low, high = points[part].min(axis=0), points[part].max(axis=0)
