@@ -10,9 +10,10 @@ from typing import Any
 import pytest
 from kompass_interfaces.action import PlanPath
 from kompass_interfaces.srv import TakeWheel
+from rclpy.action import CancelResponse, GoalResponse
 from std_msgs.msg import Empty
 
-from kompass.rules.schema.actions import CallService, SendGoal
+from kompass.rules.schema.actions import Action, CallService, SendGoal
 from kompass.rules.schema.conditions import Received
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.signals import Signal
@@ -117,27 +118,33 @@ def test_a_goal_that_has_failed_with_its_planner_is_not_driven_to(robot: Virtual
     assert stands(robot, 3.0)
 
 
-SLOWLY = Table(
-    rules=(
-        Rule(
-            id="go",
-            source="recipe",
-            event=Event(condition=Received(signal=Signal(topic="/go", type="std_msgs/msg/Empty"))),
-            actions=(
-                # Looked for, for two seconds.
-                CallService(service="/nobody", type="std_srvs/srv/Trigger", on_error="continue"),
-                SendGoal(
-                    action="/planner/plan_path",
-                    type="kompass_interfaces/action/PlanPath",
-                    goal={
-                        "goal": {"position": {"x": 0.5, "y": 0.5}, "orientation": {"w": 1.0}},
-                        "end_tolerance": {"orientation_error": 3.1},
-                    },
-                ),
-            ),
-        ),
-    )
+GO = SendGoal(
+    action="/planner/plan_path",
+    type="kompass_interfaces/action/PlanPath",
+    goal={
+        "goal": {"position": {"x": 0.5, "y": 0.5}, "orientation": {"w": 1.0}},
+        "end_tolerance": {"orientation_error": 3.1},
+    },
 )
+
+
+def when_told_to_go(*actions: Action) -> Table:
+    """A rule that does this when somebody says so on ``/go``."""
+    told = Received(signal=Signal(topic="/go", type="std_msgs/msg/Empty"))
+    rule = Rule(id="go", source="recipe", event=Event(condition=told), actions=actions)
+    return Table(rules=(rule,))
+
+
+# Looked for, for two seconds.
+SLOWLY = when_told_to_go(
+    CallService(service="/nobody", type="std_srvs/srv/Trigger", on_error="continue"), GO
+)
+
+
+def wait_for(rules: Rules, words: str) -> None:
+    """Wait until a firing tells this."""
+    told = lambda: any(words in step.text for step in rules.firings)  # noqa: E731
+    rules.robot.wait_until(told, 5, words)
 
 
 @pytest.mark.parametrize("interrupt", [press_and_release, take_and_give])
@@ -157,3 +164,40 @@ def test_a_rule_that_fired_before_sets_nothing_in_motion_after_it(
         assert any("after the rule had fired" in text for text in told), told
         go.publish(Empty())
         robot.wait_until(lambda: robot.speed > 0.1, 20, "motion for who fires anew")
+
+
+@pytest.mark.parametrize("interrupt", [press_and_release, take_and_give])
+def test_a_goal_of_a_rule_whose_server_was_away_when_stop_was_pressed_is_not_sent(
+    interrupt: Callable[[VirtualRobot], None],
+) -> None:
+    table = when_told_to_go(GO.model_copy(update={"action": "/patrol"}))
+    with closing(VirtualRobot(table=table)) as robot:
+        robot.ready()
+        rules = Rules(robot)
+        go = robot.node.create_publisher(Empty, "/go", 10)
+        robot.wait_for_listeners("/go", "monitor")
+        go.publish(Empty())
+        robot.rest(0.5)
+        interrupt(robot)
+        asked: list[Any] = []
+        robot.node.create_action_server(
+            *(PlanPath, "/patrol", lambda _: PlanPath.Result()),
+            goal_callback=lambda goal: asked.append(goal) or GoalResponse.ACCEPT,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+        wait_for(rules, "after the rule had fired")
+        assert not asked
+
+
+def test_a_goal_that_a_held_planner_takes_up_too_late_is_called_off() -> None:
+    with closing(VirtualRobot(table=when_told_to_go(GO))) as robot:
+        robot.ready()
+        rules = Rules(robot)
+        go = robot.node.create_publisher(Empty, "/go", 10)
+        robot.wait_for_listeners("/go", "monitor")
+        robot.stack.stop("planner")
+        go.publish(Empty())
+        robot.rest(2.5)  # the rule waits for two
+        robot.stack.go_on("planner")
+        wait_for(rules, "no answer from planner/plan_path")
+        assert stands(robot, 5.0)

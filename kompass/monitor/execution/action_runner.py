@@ -210,9 +210,7 @@ class ActionRunner:
         for action in firing.actions:
             began = self._clock.monotonic()
             try:
-                if self._moves(action) and (self.interruptions() or 0) > before:
-                    raise Failed(INTERRUPTED)
-                text = await self._perform(action, firing)
+                text = await self._perform(action, firing, before)
                 outcome = ActionOutcome(_name(action), True, text, self._clock.monotonic() - began)
             except Exception as problem:  # noqa: BLE001 - becomes the outcome, which is reported
                 text = str(problem) or type(problem).__name__
@@ -236,14 +234,19 @@ class ActionRunner:
                 return action.type in _GOALS
         return False
 
-    async def _perform(self, action: kinds.Action, firing: Firing) -> str:
-        self._check_permitted(action, firing)
-        return await self._carry_out(action, firing)
+    def _check_uninterrupted(self, before: int) -> None:
+        """Set nothing in motion that was asked for before people stopped the robot."""
+        if (self.interruptions() or 0) > before:
+            raise Failed(INTERRUPTED)
 
-    async def _carry_out(self, action: kinds.Action, firing: Firing) -> str:
+    async def _perform(self, action: kinds.Action, firing: Firing, before: int) -> str:
+        self._check_permitted(action, firing)
+        return await self._carry_out(action, firing, before)
+
+    async def _carry_out(self, action: kinds.Action, firing: Firing, before: int) -> str:
         if isinstance(action, kinds.Python):
-            return await self._python(action, firing)
-        return await self._known(action, firing, {})
+            return await self._python(action, firing, before)
+        return await self._known(action, firing, {}, before)
 
     def _check_permitted(self, action: kinds.Action, firing: Firing) -> None:
         """Look again: the table may be older than what is allowed today, and so may a topic."""
@@ -260,7 +263,7 @@ class ActionRunner:
             if gates:
                 raise Failed(f"refused: {min(gates)} hears /{action.topic} by now")
 
-    async def _python(self, action: kinds.Python, firing: Firing) -> str:
+    async def _python(self, action: kinds.Python, firing: Firing, before: int) -> str:
         entry = self._functions.get(action.name)
         if entry is None:
             raise Failed(f"the recipe has no function {action.name!r}")
@@ -268,14 +271,14 @@ class ActionRunner:
             fallback = entry.next()
             if fallback is None:
                 raise Failed("given up: every fallback was tried; a person must look")
-            text = await self._carry_out(fallback, firing)
+            text = await self._carry_out(fallback, firing, before)
             return f"{_name(fallback)}: {text}"
         if isinstance(entry, Parsed):
             parser = entry.parser
             made = await self._call_function(
                 parser.make, {"message": firing.message}, firing.lane, PARSING, action.name
             )
-            return await self._known(entry.action, firing, parser.arguments(made))
+            return await self._known(entry.action, firing, parser.arguments(made), before)
         kwargs = resolve(action.kwargs, firing.message, firing.messages)
         result = await self._call_function(entry, kwargs, firing.lane, action.timeout, action.name)
         if result is False:
@@ -314,8 +317,12 @@ class ActionRunner:
             call.cancel()
             raise
 
-    async def _known(self, action: Any, firing: Firing, made: Mapping[str, Any]) -> str:
+    async def _known(
+        self, action: Any, firing: Firing, made: Mapping[str, Any], before: int
+    ) -> str:
         """One of the kinds that are data; ``made`` are arguments from a parser."""
+        if self._moves(action):
+            self._check_uninterrupted(before)
 
         def arguments(data: Mapping[str, Any]) -> dict[str, Any]:
             return resolve(data, firing.message, firing.messages)
@@ -362,7 +369,7 @@ class ActionRunner:
             case kinds.SendGoal():
                 given = made.get("action_request_msg", made.get("request_msg"))
                 goal = _message(ros_class(action.type).Goal, given, arguments(action.goal))
-                return await self._goal(action, goal)
+                return await self._goal(action, goal, before)
             case kinds.CancelGoal():
                 request = CancelGoalService.Request()
                 name = f"{action.action}/_action/cancel_goal"
@@ -505,7 +512,7 @@ class ActionRunner:
             raise Failed(why)
         return "begun, or in the queue"
 
-    async def _goal(self, action: kinds.SendGoal, goal: Any) -> str:
+    async def _goal(self, action: kinds.SendGoal, goal: Any, before: int) -> str:
         kind = ros_class(action.type)
         client = self._actions.get((kind, action.action))
         if client is None:
@@ -518,9 +525,16 @@ class ActionRunner:
         except TimeoutError:
             self._check_type(kind, "action", action.action)
             raise
-        handle = await self._awaitables.result(
-            client.send_goal_async(goal), SEARCH, f"no answer from {action.action}"
-        )
+        self._check_uninterrupted(before)
+        sent = client.send_goal_async(goal)
+        try:
+            handle = await self._awaitables.result(
+                sent, SEARCH, f"no answer from {action.action}"
+            )
+        except (Cancelled, TimeoutError):
+            # A server that was held takes it up when it goes on.
+            sent.add_done_callback(_call_off)
+            raise
         if not handle.accepted:
             raise Failed(f"{action.action} refused the goal")
         try:
@@ -558,6 +572,12 @@ _STATUS = {
     GoalStatus.STATUS_CANCELED: "cancelled",
     GoalStatus.STATUS_ABORTED: "aborted",
 }
+
+
+def _call_off(sent: Any) -> None:
+    """Cancel a goal that was accepted when nobody waited for it any more."""
+    if sent.exception() is None and sent.result().accepted:
+        sent.result().cancel_goal_async()
 
 
 def _who(firing: Firing) -> str:
