@@ -12,11 +12,12 @@ from geometry_msgs.msg import Point, PointStamped, Pose, Quaternion
 from kompass_interfaces.action import PlanPath
 from kompass_interfaces.srv import CheckGoal
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, String
 
 from kompass.algorithms.grid import Grid
 from kompass.components import Planner, PlannerConfig
 from kompass.components.base.convert import grid_msg
+from kompass.timeline.goal import GoalReport
 from tests.components.alive import LATCHED, Alive
 from tests.components.goals import Goals
 from tests.components.test_manoeuvres import robot
@@ -161,6 +162,28 @@ def test_a_goal_on_a_topic_that_is_no_number_changes_nothing(run: Run, run_type:
     stage.at = (3.0, 3.0)
     stage.alive.wait_until(lambda: reached, 10, "the end of the goal")
     assert [each.data for each in reached] == [True]
+
+
+@pytest.mark.parametrize("run_type", ["Timed", "ActionServer"])
+def test_a_goal_on_a_topic_that_a_newer_one_takes_over_ends_with_that_reason(
+    run: Run, run_type: str
+) -> None:
+    stage = Stage(run, run_type=run_type, goals_from_topics=True)
+    stage.map()
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
+    reports = stage.alive.hear(String, "/goal_reports", 10)
+    goals = stage.alive.node.create_publisher(PointStamped, "/goal", 10)
+    stage.alive.wait_until(lambda: goals.get_subscription_count() > 0, 5, "the planner")
+
+    def told() -> list[tuple[float, str]]:
+        read = [GoalReport.model_validate_json(report.data) for report in reports]
+        return [(report.x, report.outcome) for report in read]
+
+    goals.publish(PointStamped(point=Point(x=3.0, y=3.0)))
+    stage.alive.wait_until(lambda: (3.0, "") in told(), 5, "the first goal")
+    goals.publish(PointStamped(point=Point(x=2.0, y=3.0)))
+    stage.alive.wait_until(lambda: (2.0, "") in told(), 5, "the second goal")
+    assert told() == [(3.0, ""), (3.0, "preempted"), (2.0, "")]
 
 
 def test_a_tolerance_that_is_no_number_is_refused(run: Run) -> None:

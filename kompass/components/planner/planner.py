@@ -68,6 +68,7 @@ RETRY = 1.0  # s from finding no way to looking again
 LATE = 0.25  # s from when something was said to when it is heard, for whoever was held meanwhile
 # s after it was held in which goals that waited meanwhile are still handed to it.
 HELD_OVER = 1.0
+NEWER = "A newer goal took over."
 STRAYED = 0.5  # m
 BETTER = 0.1  # share of the way that another path must save to take the place of a good one
 # The algorithm was given all it needs and has no answer. A goal in a wall is not that.
@@ -377,6 +378,7 @@ class Planner(Component):
         elif fault := goal_fault(goal):
             self.warn(fault)
         else:
+            self._end(GoalOutcome.PREEMPTED, NEWER)
             self._begin(goal)
 
     @component_action(active=True)
@@ -423,7 +425,7 @@ class Planner(Component):
             handle.abort()
             refused = int(GoalOutcome.REFUSED)
             return PlanPath.Result(reached_end=False, outcome=refused, message=fault)
-        self._end(GoalOutcome.PREEMPTED, "A newer goal took over.")
+        self._end(GoalOutcome.PREEMPTED, NEWER)
         self._handle, self._ended = handle, Future(executor=self.node.executor)
         ended = self._ended
         self._begin(handle.request)
