@@ -14,6 +14,7 @@ from kompass.simulation.physics.parts import NoReading
 
 TOPIC = "/initialpose"
 FRAME = "map"
+FARTHEST = 1e5  # m from the map's origin; no map reaches farther
 
 
 class PoseInput:
@@ -43,6 +44,11 @@ class PoseInput:
             log.warning(f"{TOPIC} ignored: its frame is {frame!r}; send it in {FRAME!r}")
         elif not all(map(math.isfinite, numbers)) or not any(numbers[2:]):
             log.warning(f"{TOPIC} ignored: its pose is none; give finite numbers and a rotation")
+        elif max(abs(at.x), abs(at.y)) > FARTHEST:
+            log.warning(
+                f"{TOPIC} ignored: x = {at.x:g} m, y = {at.y:g} m is farther than {FARTHEST:g} m "
+                "from the map's origin; give a place on the map"
+            )
         else:
             yaw = yaw_from_quaternion(q.x, q.y, q.z, q.w)
             try:

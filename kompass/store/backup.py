@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -12,8 +11,7 @@ from kompass.rulebook.schema.revision import Revision
 from kompass.rules.schema.model import Model
 from kompass.rules.schema.table import Table
 from kompass.store.content import table_content
-from kompass.store.durable import sync_folder
-from kompass.store.private import private_opener
+from kompass.store.durable import write_whole
 
 FILE = "confirmed.json"
 _logger = logging.getLogger("kompass.store")
@@ -52,14 +50,9 @@ def backup_of(revision: Revision, table: Table, recipe: Table) -> Backup:
 
 def write_backup(folder: Path, backup: Backup) -> None:
     """Replace the file; one that cannot be written is logged, for the database has the table."""
-    path, growing = folder / FILE, folder / f"{FILE}.new"
+    path = folder / FILE
     try:
-        with open(growing, "w", encoding="utf-8", opener=private_opener) as file:
-            file.write(backup.model_dump_json(indent=1))
-            file.flush()
-            os.fsync(file.fileno())
-        growing.replace(path)
-        sync_folder(folder)
+        write_whole(path, backup.model_dump_json(indent=1).encode())
     except OSError as error:
         _logger.error("cannot write %s: %s", path, error.strerror)
 

@@ -29,6 +29,11 @@ def test_a_turn_on_the_spot_counts_where_one_is_meant() -> None:
     assert stalled(spin) == 29.0
 
 
+def test_who_turns_for_ever_gets_nowhere() -> None:
+    spin = [(0.0, 0.0, math.remainder(0.3 * i, math.tau)) for i in range(100)]
+    assert stalled(spin, turning=True) > 50.0
+
+
 def test_who_turns_to_and_fro_gets_nowhere() -> None:
     rocking = [(0.0, 0.0, 0.3 * math.sin(0.7 * i)) for i in range(40)]
     assert stalled(rocking, turning=True) > 30.0

@@ -112,6 +112,9 @@ def test_what_is_no_place_is_left_alone_and_the_log_says_why(robot: Watched) -> 
     message.pose.pose.position.x = math.nan
     robot._places.publish(message)
     robot.wait_for_line("its pose is none", 5)
+    message.pose.pose.position.x = 1e300
+    robot._places.publish(message)
+    robot.wait_for_line("x = 1e+300 m, y = 1 m is farther than", 5)
     assert robot.off() < 0.05
 
 

@@ -9,6 +9,7 @@ from kompass.algorithms.geometry import Pose2D, wrap_angle
 
 NEAR = 0.05  # m; who stays within this of a place has not left it
 TURNED = 0.2  # rad; on the spot, a turn by this is progress
+MOST_TURNED = 2 * math.tau  # rad; who has turned round twice in one place is getting nowhere
 
 
 class Progress:
@@ -33,14 +34,15 @@ class Progress:
             Where it is.
         turning
             Whether it is meant to turn on the spot; only then a turn is progress, and only beyond
-            those before it: who turns to and fro gets nowhere.
+            those before it: who turns to and fro gets nowhere, nor does who turns for ever.
         """
         if self._at is None or self._left(self._at, pose):
             self._at, self._since = pose, now
             self._turned, self._most = 0.0, [0.0, 0.0]
         else:
             self._turned += float(wrap_angle(pose[2] - self._yaw))
-            if turning and not self._most[0] - TURNED < self._turned < self._most[1] + TURNED:
+            beyond = not self._most[0] - TURNED < self._turned < self._most[1] + TURNED
+            if turning and beyond and abs(self._turned) <= MOST_TURNED:
                 self._most[self._turned > 0.0] = self._turned
                 self._since = now
         self._yaw = pose[2]

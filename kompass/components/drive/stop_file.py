@@ -13,7 +13,7 @@ from concurrent.futures import Executor as Threads
 from pathlib import Path
 
 from kompass.components.drive.stop_latch import StopRecord
-from kompass.store.durable import sync_folder
+from kompass.store.durable import sync_folder, write_whole
 from kompass.store.paths import safe_name
 
 SIZE = 4096  # bytes
@@ -99,18 +99,8 @@ class StopFile:
     def _make(self, data: bytes) -> None:
         """Make it under another name first: what has the name is always complete."""
         self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        growing = self.path.with_name(f"{self.path.name}.new")
-        growing.unlink(missing_ok=True)
-        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
-        descriptor = os.open(growing, flags, 0o600)
-        try:
-            os.write(descriptor, data)
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
-        growing.rename(self.path)
-        for folder in (self.path.parent, self.path.parent.parent):
-            sync_folder(folder)
+        write_whole(self.path, data)
+        sync_folder(self.path.parent.parent)
 
 
 class StopKeeper:

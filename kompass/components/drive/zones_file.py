@@ -1,11 +1,10 @@
 """The zones that were heard last, on disk: in force from the first moment of the next start on."""
 
-import os
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from kompass.store.durable import sync_folder
+from kompass.store.durable import write_whole
 from kompass.store.paths import safe_name
 from kompass.zones.zone import ZonesNow
 
@@ -42,12 +41,4 @@ def keep_zones(path: Path, zones: ZonesNow) -> None:
         The disk cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    growing = path.with_name(f"{path.name}.new")
-    growing.unlink(missing_ok=True)
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
-    with os.fdopen(os.open(growing, flags, 0o600), "w", encoding="utf-8") as file:
-        file.write(zones.model_dump_json())
-        file.flush()
-        os.fsync(file.fileno())
-    growing.rename(path)
-    sync_folder(path.parent)
+    write_whole(path, zones.model_dump_json().encode())
