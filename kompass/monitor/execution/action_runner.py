@@ -528,9 +528,7 @@ class ActionRunner:
         self._check_uninterrupted(before)
         sent = client.send_goal_async(goal)
         try:
-            handle = await self._awaitables.result(
-                sent, SEARCH, f"no answer from {action.action}"
-            )
+            handle = await self._awaitables.result(sent, SEARCH, f"no answer from {action.action}")
         except (Cancelled, TimeoutError):
             # A server that was held takes it up when it goes on.
             sent.add_done_callback(_call_off)
