@@ -149,14 +149,14 @@ def choose_domain(domain_id: int | None, network: str | None) -> str:
 
 def where() -> str:
     """Domain and network of this process, in words."""
-    from kompass.rclpy_ext.middleware import PEERS, PROFILES, RANGE, is_ours, peers
+    from kompass.rclpy_ext.middleware import PEERS, PROFILES, RANGE, SUBNET_PROFILE, is_ours, peers
 
     domain = f"ROS domain {os.environ.get('ROS_DOMAIN_ID') or '0'}"
     profiles = os.environ.get(PROFILES, "")
     reach = os.environ.get(RANGE, "").upper()
     if profiles and not is_ours(profiles):
         return f"{domain}, on the network that {PROFILES}={profiles} says"
-    if not profiles and reach != "LOCALHOST":
+    if profiles in {"", str(SUBNET_PROFILE)} and reach != "LOCALHOST":
         if reach == "OFF":
             return f"{domain}, on no network ({RANGE}=OFF)"
         more = f" and {PEERS}={os.environ[PEERS]}" if peers() else ""

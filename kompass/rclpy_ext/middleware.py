@@ -5,6 +5,11 @@ moment leaves it locked, and every other sender on the machine waits on it for s
 manager included (seen: half of a stack hung in ``SharedMemManager::Port::try_push`` at its end;
 ``ros2/rmw_fastrtps`` issue 908 tells of the like).
 UDP over loopback has nothing that a dead process could keep, and leaves no files behind.
+
+But the kernel gives a socket 208 KiB, and drops what comes while it is full: of point clouds of
+20,000 points, sent best effort, three of four were lost, and all that a stack's processes tell a
+new one of themselves in its first moment overran it, too. So all profiles ask for 4 MiB, of which
+the kernel gives as much as ``net.core.rmem_max`` allows.
 """
 
 import hashlib
@@ -22,12 +27,13 @@ TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
 
 
 LOOPBACK = Path(__file__).with_name("loopback.xml")
+SUBNET_PROFILE = Path(__file__).with_name("subnet.xml")
 _PEERS_PROFILE = Path(__file__).with_name("peers.xml")
 _PEERS_PLACE = "<!-- peers -->"
 
 
 def prepare_middleware(environment: MutableMapping[str, str] = os.environ) -> None:
-    """Prefer UDP; what the user has chosen in these variables stays.
+    """Prefer UDP, with room; what the user has chosen in these variables stays.
 
     ``ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST`` makes the middleware add shared memory whatever
     else is said, and listen on every interface: a neighbour that names this machine as its peer
@@ -39,18 +45,22 @@ def prepare_middleware(environment: MutableMapping[str, str] = os.environ) -> No
     PermissionError
         When the folder for the profile with the peers belongs to somebody else.
     """
-    if PROFILES in environment or not is_fast_dds(environment):
+    chosen = environment.get(PROFILES)
+    if not is_fast_dds(environment) or chosen not in {None, str(SUBNET_PROFILE)}:
         return
     environment.setdefault(TRANSPORTS, "UDPv4")
     if environment.get(RANGE, "").upper() == "LOCALHOST":
         names = peers(environment)
         addresses = [addresses_of(name) for name in names]
         if not all(addresses):
+            environment.pop(PROFILES, None)
             return  # the middleware says which, and starts nothing
         environment[RANGE] = "SYSTEM_DEFAULT"
         environment[PROFILES] = str(
             _profile_of([one for several in addresses for one in several]) if names else LOOPBACK
         )
+    else:
+        environment[PROFILES] = str(SUBNET_PROFILE)
 
 
 def is_fast_dds(environment: MutableMapping[str, str] = os.environ) -> bool:
@@ -65,7 +75,7 @@ def peers(environment: MutableMapping[str, str] = os.environ) -> list[str]:
 
 def is_ours(profiles: str) -> bool:
     """Whether a file of profiles is one that `prepare_middleware` chose."""
-    return profiles == str(LOOPBACK) or Path(profiles).parent == _folder()
+    return profiles in {str(LOOPBACK), str(SUBNET_PROFILE)} or Path(profiles).parent == _folder()
 
 
 def addresses_of(peer: str) -> list[str]:

@@ -6,10 +6,12 @@ import pytest
 
 from kompass.launch.environment import EnvironmentProblem, check_environment
 from kompass.rclpy_ext.middleware import (
+    LOOPBACK,
     MIDDLEWARE,
     PEERS,
     PROFILES,
     RANGE,
+    SUBNET_PROFILE,
     TRANSPORTS,
     prepare_middleware,
 )
@@ -19,7 +21,22 @@ from kompass.supervisor.instance_lock import AlreadyRunning, lock_instance
 def test_messages_go_by_udp() -> None:
     environment: dict[str, str] = {}
     prepare_middleware(environment)
-    assert environment == {TRANSPORTS: "UDPv4"}
+    assert environment == {TRANSPORTS: "UDPv4", PROFILES: str(SUBNET_PROFILE)}
+
+
+@pytest.mark.parametrize("reach", ["", "SUBNET", "LOCALHOST"])
+def test_sockets_ask_for_room_wherever_others_are_looked_for(reach: str) -> None:
+    environment = {RANGE: reach}
+    prepare_middleware(environment)
+    assert "BufferSize>4194304<" in Path(environment[PROFILES]).read_text()
+
+
+def test_who_keeps_to_this_machine_later_does() -> None:
+    environment: dict[str, str] = {}
+    prepare_middleware(environment)
+    environment[RANGE] = "LOCALHOST"
+    prepare_middleware(environment)
+    assert environment[PROFILES] == str(LOOPBACK)
 
 
 def test_this_machine_only_is_a_profile_without_shared_memory() -> None:

@@ -180,9 +180,14 @@ def test_a_goal_of_a_rule_whose_server_was_away_when_stop_was_pressed_is_not_sen
         robot.rest(0.5)
         interrupt(robot)
         asked: list[Any] = []
+
+        def take(goal: Any) -> GoalResponse:
+            asked.append(goal)
+            return GoalResponse.ACCEPT
+
         robot.node.create_action_server(
             *(PlanPath, "/patrol", lambda _: PlanPath.Result()),
-            goal_callback=lambda goal: asked.append(goal) or GoalResponse.ACCEPT,
+            goal_callback=take,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
         wait_for(rules, "after the rule had fired")
