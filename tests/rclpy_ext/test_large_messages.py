@@ -50,6 +50,6 @@ def test_no_cloud_is_lost_between_two_processes(spinning: Spinning) -> None:
     try:
         spinning.until(lambda: COUNT - 1 in heard, 20)
     finally:
-        sender.terminate()
+        sender.kill()
         sender.communicate()
     assert heard == list(range(COUNT))
