@@ -7,6 +7,7 @@ from collections.abc import Generator, Iterator
 
 import pytest
 
+from kompass.rclpy_ext.middleware import prepare_middleware
 from kompass.store.robot_key import GIVEN
 from tests.support.domains import next_domain
 from tests.support.keys import give_key
@@ -26,6 +27,7 @@ def pytest_configure() -> None:
     key, _, value = MARK.partition("=")
     os.environ[key] = value
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    prepare_middleware()
     os.environ["ROS_DOMAIN_ID"] = str(next_domain())
     os.environ.pop(GIVEN, None)  # never one of a robot that somebody uses
     give_key()
