@@ -7,7 +7,7 @@ from kompass.components.controller.follower_settings import (
     PurePursuitConfig,
     StanleyConfig,
 )
-from kompass.components.mapping.mapper import MapConfig
+from kompass.components.mapping.mapper import MapConfig, ScanModelConfig
 from kompass.porting import absent_names
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "MPPIConfig",
     "MapConfig",
     "PurePursuitConfig",
+    "ScanModelConfig",
     "StanleyConfig",
 ]
 

@@ -71,7 +71,6 @@ NAMES: dict[str, dict[str, str]] = {
         "VisionRGBFollowerConfig": CAMERA,
         "VisionRGBDFollowerConfig": CAMERA,
         "DVZConfig": "use DWAConfig, which goes round obstacles too",
-        "ScanModelConfig": "rays are taken as they are; the map is set with MapConfig",
     },
     "kompass.robot": {
         "Robot": "use RobotConfig of kompass.robot",

@@ -46,13 +46,15 @@ NAMES = {
         *("VisionRGBFollower", "VisionRGBDFollower"),
     },
     "mapper": {
-        "scan_model",
+        *(
+            f"scan_model.{name}"
+            for name in ("range_sure", "wall_size", "angle_step", "max_height", "min_height")
+        ),
+        "scan_model.range_max",
         *(
             f"map_params.{name}"
             for name in ("padding", "filter_limit", "max_points_per_line", "max_num_threads")
         ),
-        "map_params.bayesian_update",
-        "map_params.baysian_update",
     },
     "map_server": {
         *("map_file_read_rate", "pc_publish_row", "pc_frame", "grid_resolution"),
@@ -79,7 +81,7 @@ def told(caplog: pytest.LogCaptureFixture, name: str) -> list[str]:
         (lambda: DriveManagerConfig(use_gpu=True), "use_gpu"),  # type: ignore[call-arg]
         (lambda: PlannerConfig(depth_range=[0.1, 1.0]), "depth_range"),  # type: ignore[call-arg]
         (lambda: ControllerConfig(debug=True), "debug"),  # type: ignore[call-arg]
-        (lambda: MapConfig(baysian_update=True), "baysian_update"),  # type: ignore[call-arg]
+        (lambda: MapConfig(filter_limit=3.0), "filter_limit"),  # type: ignore[call-arg]
         (lambda: DWAConfig(octree_resolution=0.1), "octree_resolution"),
         (lambda: ComponentConfig(wait_for_restart_time=1.0), "wait_for_restart_time"),  # type: ignore[call-arg]
     ],

@@ -73,7 +73,6 @@ kompass.components MotionServerConfig
 kompass.control VisionRGBFollowerConfig
 kompass.control VisionRGBDFollowerConfig
 kompass.control DVZConfig
-kompass.control ScanModelConfig
 kompass.components.controller Controller
 kompass.components.controller ControllerConfig
 kompass.components.controller ControllersID

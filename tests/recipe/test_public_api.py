@@ -90,6 +90,7 @@ PUBLIC: dict[str, list[str]] = {
         "MPPIConfig",
         "MapConfig",
         "PurePursuitConfig",
+        "ScanModelConfig",
         "StanleyConfig",
     ],
     "kompass.launcher": [

@@ -6,12 +6,13 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import AliasChoices, Field, model_validator
 
 from kompass.algorithms.geometry import Pose2D, compose, inverse, transform_points
 from kompass.algorithms.grid import FREE, OCCUPIED, UNKNOWN, Grid
 from kompass.algorithms.mapping.cloud_view import CloudView
 from kompass.algorithms.mapping.local_map import LocalMapBuilder
+from kompass.algorithms.mapping.occupancy_memory import OccupancyMemory, SensorModel
 from kompass.algorithms.transforms import TransformError
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
@@ -34,6 +35,8 @@ from kompass.settings import Settings
 MOST_CELLS = 1_000_000
 # m above the lowest height that counts; where a cloud looks lower than this, nothing stands.
 SEEN_TO_FLOOR = 0.05
+# Who is so far from where it was at the last scan was put there, and what was seen lies elsewhere.
+JUMP = 0.5  # m
 
 
 class MapConfig(Settings):
@@ -50,13 +53,16 @@ class MapConfig(Settings):
         "filter_limit": "readings beyond the map are left out anyway",
         "max_points_per_line": "no lines are drawn; every cell looks its reading up",
         "max_num_threads": "a map is made in one piece",
-        "bayesian_update": "each map is of one scan",
-        "baysian_update": "each map is of one scan",
     }
 
     width: float = Field(default=3.0, ge=0.1, le=100, description="m, ahead and behind")
     height: float = Field(default=3.0, ge=0.1, le=100, description="m, to the sides")
     resolution: float = Field(default=0.05, ge=0.001, le=10, description="m")
+    bayesian_update: bool = Field(
+        default=False,
+        validation_alias=AliasChoices("bayesian_update", "baysian_update"),
+        description="whether what was seen before is remembered; else each map is of one scan",
+    )
 
     @model_validator(mode="after")
     def _is_a_local_map(self) -> Self:
@@ -76,13 +82,46 @@ class MapConfig(Settings):
         return self
 
 
+class ScanModelConfig(Settings):
+    """How far scans are believed, where they are remembered.
+
+    Raises
+    ------
+    ValueError
+        The probabilities are not in the order p_empty < p_prior < p_occupied.
+    """
+
+    ignored_settings: ClassVar[Mapping[str, str]] = {
+        "range_sure": "a reading is believed the same at any range",
+        "wall_size": "an obstacle is the cell in which a ray ends",
+        "angle_step": "scanners tell their angles themselves, and clouds are taken point by point",
+        "max_height": "heights that count are set with height_band",
+        "min_height": "heights that count are set with height_band",
+        "range_max": "readings count up to what the sensor tells, and to the map's edge",
+    }
+
+    p_prior: float = Field(default=0.6, gt=0, lt=1, description="before anything was seen")
+    p_occupied: float = Field(default=0.9, gt=0, lt=1, description="where a ray ends")
+    p_empty: float = Field(default=0.1, gt=0, lt=1, description="where a ray passes")
+
+    @model_validator(mode="after")
+    def _is_a_model(self) -> Self:
+        self.model()
+        return self
+
+    def model(self) -> SensorModel:
+        """As the memory takes it."""
+        return SensorModel(self.p_prior, self.p_occupied, self.p_empty)
+
+
 class LocalMapperConfig(SensorSettings):
     """Settings of the local mapper."""
 
-    ignored_settings: ClassVar[Mapping[str, str]] = {"scan_model": "rays are taken as they are"}
-
     loop_rate: float = Field(default=10.0, ge=0.1, le=1e3, description="Hz")
     map_params: MapConfig = Field(default_factory=MapConfig)
+    scan_model: ScanModelConfig = Field(
+        default_factory=ScanModelConfig, description="only with bayesian_update"
+    )
     sensor_timeout: float = Field(
         default=0.5, gt=0, le=60, description="s; an older scan is no map"
     )
@@ -92,6 +131,7 @@ class LocalMapperConfig(SensorSettings):
 class LocalMapper(Component):
     """Publishes a robot-centred occupancy grid of each new scan, with the scan's stamp.
 
+    With ``bayesian_update`` it has what was seen before, too; what is seen now is occupied at once.
     With several sensors it is made whenever the first of them speaks, of the newest that each has
     said. What one of them sees is occupied, whatever another one looks over.
     """
@@ -207,6 +247,11 @@ class _Layer:
         self._floor = config.height_band.low + SEEN_TO_FLOOR
         self._memory = cloud_memory(config)
         self._now = 0.0
+        size = builder.rows, builder.cols, builder.resolution
+        remembers = config.map_params.bayesian_update
+        self._before = OccupancyMemory(*size, config.scan_model.model()) if remembers else None
+        self._remembered: object = None
+        self._last: Pose2D | None = None
 
     def take(self, message: object, seen: Seen, pose: Pose2D, now: float) -> None:
         """Show this from now on."""
@@ -216,6 +261,20 @@ class _Layer:
 
     def cells(self, pose: Pose2D) -> NDArray[np.int8]:
         """The map (rows, cols) around a robot that is at a pose (x, y, yaw) now."""
+        now = self._seen_now(pose)
+        if self._before is None:
+            return now
+        last, self._last = self._last, pose
+        if last is not None and math.hypot(pose[0] - last[0], pose[1] - last[1]) > JUMP:
+            self._before.forget()
+        if self.taken is not self._remembered:
+            self._before.take(now, pose)
+            self._remembered = self.taken
+        cells = self._before.cells(pose)
+        cells[now == OCCUPIED] = OCCUPIED
+        return cells
+
+    def _seen_now(self, pose: Pose2D) -> NDArray[np.int8]:
         builder, seen = self.builder, self._seen
         if not isinstance(seen, CloudView):
             if pose == self._there:

@@ -1,0 +1,192 @@
+"""What was seen around the robot before, kept as log odds while it moves on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kompass.algorithms.geometry import Pose2D
+from kompass.algorithms.grid import FREE, OCCUPIED, UNKNOWN
+
+# A cell is told occupied above the one, free below the other, and unknown between them.
+OCCUPIED_ABOVE, FREE_BELOW = 0.65, 0.35
+# What is known for sure is taken back as fast as this, whatever was seen how often (log odds).
+MOST_FREE, MOST_OCCUPIED = -2.0, 3.5
+# How far the robot goes before the cells are moved [cells].
+_STRIDE = 16
+
+
+def _log_odds(probability: float) -> float:
+    return math.log(probability / (1.0 - probability))
+
+
+@dataclass(frozen=True)
+class SensorModel:
+    """How far a sensor is to be believed.
+
+    Attributes
+    ----------
+    p_prior
+        Probability that a cell is occupied of which nothing is known.
+    p_occupied
+        That one is in which a ray ends.
+    p_empty
+        That one is through which a ray passes.
+
+    Raises
+    ------
+    ValueError
+        They are not in this order: 0 < p_empty < p_prior < p_occupied < 1.
+    """
+
+    p_prior: float = 0.6
+    p_occupied: float = 0.9
+    p_empty: float = 0.1
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.p_empty < self.p_prior < self.p_occupied < 1.0:
+            raise ValueError(
+                f"p_empty = {self.p_empty:g}, p_prior = {self.p_prior:g}, "
+                f"p_occupied = {self.p_occupied:g}; each must be larger than the one before it, "
+                "and all between 0 and 1"
+            )
+
+
+class OccupancyMemory:
+    """An occupancy grid that goes with the robot and does not forget what is out of sight.
+
+    Each cell adds up the log odds of all that was seen of it (S. Thrun, W. Burgard, D. Fox,
+    "Probabilistic Robotics", MIT Press 2005, section 9.2). The cells lie along the axes of the
+    world, so that nothing blurs when the robot turns; what is farther away than the robot can turn
+    towards is dropped.
+
+    Parameters
+    ----------
+    rows, cols
+        Of the maps of single scans that it takes, and of those that it makes.
+    resolution
+        [m]
+    model
+        See :class:`SensorModel`.
+    """
+
+    def __init__(self, rows: int, cols: int, resolution: float, model: SensorModel) -> None:
+        self._rows, self._cols, self._resolution = rows, cols, resolution
+        self._prior = np.float32(_log_odds(model.p_prior))
+        self._hit = np.float32(_log_odds(model.p_occupied)) - self._prior
+        self._miss = np.float32(_log_odds(model.p_empty)) - self._prior
+        self._side = math.ceil(math.hypot(rows, cols)) + 2 + 2 * _STRIDE
+        self._odds = np.full((self._side, self._side), self._prior, dtype=np.float32)
+        self._corner: NDArray[np.int64] | None = None  # of the grid, in cells of the world (x, y)
+        # Middles of a map's cells in the robot's frame, in cells.
+        self._x = np.arange(cols, dtype=np.float32) + np.float32(0.5 - cols / 2)
+        self._y = np.arange(rows, dtype=np.float32) + np.float32(0.5 - rows / 2)
+
+    def take(self, cells: NDArray[np.int8], pose: Pose2D) -> None:
+        """Add the map of one scan.
+
+        Parameters
+        ----------
+        cells
+            (rows, cols), -1, 0 and 100, in the robot's frame, which is in its middle.
+        pose
+            (x, y, yaw) of the robot in the world, when it was made.
+        """
+        corner = self._follow(pose)
+        x, y, yaw = pose
+        cos, sin = np.float32(math.cos(yaw)), np.float32(math.sin(yaw))
+        # Each cell of the memory looks up the one of the scan's map in which its middle lies: no
+        # cell is left out between two, whatever the angle. What is a single cell might be, so
+        # obstacles go the other way.
+        along = np.arange(self._side, dtype=np.float32)
+        dx = along + np.float32(corner[0] + 0.5 - x / self._resolution)
+        dy = along + np.float32(corner[1] + 0.5 - y / self._resolution)
+        reach = np.float32(math.hypot(self._rows, self._cols) / 2 + 1)
+        near_x, near_y = (slice(*_within(each, reach)) for each in (dx, dy))
+        dx, dy = dx[near_x], dy[near_y, None]
+        u = cos * dx + (sin * dy + np.float32(self._cols / 2))
+        v = cos * dy - (sin * dx - np.float32(self._rows / 2))
+        inside = (u >= 0) & (v >= 0) & (u < self._cols) & (v < self._rows)
+        which = v.astype(np.int32)
+        which *= self._cols
+        which += u.astype(np.int32)
+        free = cells.ravel().take(which, mode="clip") == FREE
+        free &= inside
+        hit = self._indices(*np.nonzero(cells == OCCUPIED), pose, corner)
+        window = self._odds[near_y, near_x]
+        before = self._odds[hit]
+        np.add(window, self._miss, out=window, where=free)
+        np.maximum(window, np.float32(MOST_FREE), out=window)
+        self._odds[hit] = np.minimum(before + self._hit, np.float32(MOST_OCCUPIED))
+
+    def cells(self, pose: Pose2D) -> NDArray[np.int8]:
+        """What is known around a robot that is at a pose (x, y, yaw) now, (rows, cols)."""
+        corner = self._follow(pose)
+        x, y, yaw = pose
+        cos, sin = np.float32(math.cos(yaw)), np.float32(math.sin(yaw))
+        from_x = np.float32(x / self._resolution - corner[0])
+        from_y = np.float32(y / self._resolution - corner[1])
+        y_axis = self._y[:, None]
+        which = (sin * self._x + (from_y + cos * y_axis)).astype(np.int32)
+        which *= self._side
+        which += (cos * self._x + (from_x - sin * y_axis)).astype(np.int32)
+        odds = self._odds.ravel().take(which)
+        found = np.full(odds.shape, UNKNOWN, dtype=np.int8)
+        found[odds < np.float32(_log_odds(FREE_BELOW))] = FREE
+        # Obstacles go the other way here, too: between two middles none is lost.
+        rows, cols = np.nonzero(self._odds > np.float32(_log_odds(OCCUPIED_ABOVE)))
+        dx = cols - (from_x - np.float32(0.5))
+        dy = rows - (from_y - np.float32(0.5))
+        cols = np.floor(cos * dx + sin * dy + np.float32(self._cols / 2)).astype(np.int32)
+        rows = np.floor(cos * dy - sin * dx + np.float32(self._rows / 2)).astype(np.int32)
+        inside = (cols >= 0) & (rows >= 0) & (cols < self._cols) & (rows < self._rows)
+        found[rows[inside], cols[inside]] = OCCUPIED
+        return found
+
+    def forget(self) -> None:
+        """Know nothing, as at first."""
+        self._odds.fill(self._prior)
+
+    def _indices(
+        self,
+        rows: NDArray[np.intp],
+        cols: NDArray[np.intp],
+        pose: Pose2D,
+        corner: NDArray[np.int64],
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Rows and columns of the memory in which cells of a scan's map lie."""
+        x, y, yaw = pose
+        ahead, left = self._x[cols], self._y[rows]
+        at_x = x / self._resolution - corner[0] + math.cos(yaw) * ahead - math.sin(yaw) * left
+        at_y = y / self._resolution - corner[1] + math.sin(yaw) * ahead + math.cos(yaw) * left
+        return np.floor(at_y).astype(np.int64), np.floor(at_x).astype(np.int64)
+
+    def _follow(self, pose: Pose2D) -> NDArray[np.int64]:
+        """Have the robot near the middle; the corner of the grid, in cells of the world."""
+        here = np.floor(np.array(pose[:2]) / self._resolution).astype(np.int64)
+        wanted = here - self._side // 2
+        if self._corner is None:
+            self._corner = wanted
+        step = wanted - self._corner
+        if np.abs(step).max() > _STRIDE:
+            before, self._odds = self._odds, np.full_like(self._odds, self._prior)
+            if np.abs(step).max() < self._side:
+                (from_x, to_x), (from_y, to_y) = (_overlap(int(by), self._side) for by in step)
+                self._odds[to_y, to_x] = before[from_y, from_x]
+            self._corner = wanted
+        return self._corner
+
+
+def _within(values: NDArray[np.float32], reach: np.float32) -> tuple[int, int]:
+    """First and last place of a rising row whose values are within ``reach`` of 0."""
+    first, last = np.searchsorted(values, [-reach, reach])
+    return int(first), int(last)
+
+
+def _overlap(step: int, size: int) -> tuple[slice, slice]:
+    """Which part of a row stays, and where, when its first place moves by ``step``."""
+    kept = slice(max(0, step), min(size, size + step))
+    return kept, slice(kept.start - step, kept.stop - step)
