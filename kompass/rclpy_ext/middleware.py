@@ -114,7 +114,7 @@ def _loopback_has_multicast() -> bool:
             speaker.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, here)
             speaker.bind(("127.0.0.1", 0))
             speaker.sendto(b"?", listener.getsockname())
-            return listener.recvfrom(1)[1] == speaker.getsockname()
+            return bool(listener.recvfrom(1)[1] == speaker.getsockname())
     except OSError:
         return False
 

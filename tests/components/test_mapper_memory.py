@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 from nav_msgs.msg import OccupancyGrid
@@ -21,7 +22,7 @@ HIDDEN = (0.91, 0.0)  # the side of the far one that was seen
 class Hall:
     """A robot that maps posts around it."""
 
-    def __init__(self, run: Run, **config: object) -> None:
+    def __init__(self, run: Run, **config: Any) -> None:
         self.alive = run(LocalMapper(config=LocalMapperConfig(**config)))
         self.robot = ToyRobot(self.alive, [FAR])
         self.maps = self.alive.hear(OccupancyGrid, "/local_map/occupancy_layer")

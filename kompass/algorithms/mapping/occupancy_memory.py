@@ -115,7 +115,7 @@ class OccupancyMemory:
         which += u.astype(np.int32)
         free = cells.ravel().take(which, mode="clip") == FREE
         free &= inside
-        hit = self._indices(*np.nonzero(cells == OCCUPIED), pose, corner)
+        hit = self._indices(cells == OCCUPIED, pose, corner)
         window = self._odds[near_y, near_x]
         before = self._odds[hit]
         np.add(window, self._miss, out=window, where=free)
@@ -151,14 +151,11 @@ class OccupancyMemory:
         self._odds.fill(self._prior)
 
     def _indices(
-        self,
-        rows: NDArray[np.intp],
-        cols: NDArray[np.intp],
-        pose: Pose2D,
-        corner: NDArray[np.int64],
+        self, chosen: NDArray[np.bool_], pose: Pose2D, corner: NDArray[np.int64]
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Rows and columns of the memory in which cells of a scan's map lie."""
+        """Rows and columns of the memory in which the chosen cells of a scan's map lie."""
         x, y, yaw = pose
+        rows, cols = np.nonzero(chosen)
         ahead, left = self._x[cols], self._y[rows]
         at_x = x / self._resolution - corner[0] + math.cos(yaw) * ahead - math.sin(yaw) * left
         at_y = y / self._resolution - corner[1] + math.sin(yaw) * ahead + math.cos(yaw) * left
