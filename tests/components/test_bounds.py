@@ -74,7 +74,7 @@ def test_every_number_of_a_robot_has_bounds() -> None:
         ({"height": float("nan")}, "finite"),
     ],
 )
-def test_a_local_map_that_does_not_fit_is_refused(given: dict[str, float], message: str) -> None:
+def test_a_local_map_that_does_not_fit_is_refused(given: dict[str, Any], message: str) -> None:
     with pytest.raises(ValidationError, match=message):
         MapConfig(**given)
 
