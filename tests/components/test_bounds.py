@@ -70,6 +70,7 @@ def test_every_number_of_a_robot_has_bounds() -> None:
         ),
         ({"width": 0.1, "resolution": 0.2}, r"resolution = 0\.2 m is coarser than the map"),
         ({"resolution": 1e-9}, "greater than or equal to 0.001"),
+        ({"width": 9, "height": 2, "bayesian_update": True}, "sides of at most 1 to 4"),
         ({"width": 1e9}, "less than or equal to 100"),
         ({"height": float("nan")}, "finite"),
     ],

@@ -8,19 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kompass.algorithms.geometry import Pose2D
-from kompass.algorithms.grid import FREE, OCCUPIED, UNKNOWN
+from kompass.algorithms.geometry import Floats, Pose2D
+from kompass.algorithms.grid import FREE, OCCUPIED
 
 # A cell is told occupied above the one, free below the other, and unknown between them.
 OCCUPIED_ABOVE, FREE_BELOW = 0.65, 0.35
-# What is known for sure is taken back as fast as this, whatever was seen how often (log odds).
-MOST_FREE, MOST_OCCUPIED = -2.0, 3.5
+# Log odds are kept as whole numbers of these parts.
+_PARTS = 256
+# What is known for sure is taken back as fast as this, whatever was seen how often.
+MOST_FREE, MOST_OCCUPIED = np.int16(-2.0 * _PARTS), np.int16(3.5 * _PARTS)
+_POINT = 12  # bits behind the point of a place on a grid
 # How far the robot goes before the cells are moved [cells].
 _STRIDE = 16
 
 
-def _log_odds(probability: float) -> float:
-    return math.log(probability / (1.0 - probability))
+def _log_odds(probability: float) -> np.int16:
+    return np.int16(round(_PARTS * math.log(probability / (1.0 - probability))))
 
 
 @dataclass(frozen=True)
@@ -75,15 +78,19 @@ class OccupancyMemory:
 
     def __init__(self, rows: int, cols: int, resolution: float, model: SensorModel) -> None:
         self._rows, self._cols, self._resolution = rows, cols, resolution
-        self._prior = np.float32(_log_odds(model.p_prior))
-        self._hit = np.float32(_log_odds(model.p_occupied)) - self._prior
-        self._miss = np.float32(_log_odds(model.p_empty)) - self._prior
+        self._prior = _log_odds(model.p_prior)
+        self._hit = _log_odds(model.p_occupied) - self._prior
+        self._miss = _log_odds(model.p_empty) - self._prior
+        self._free_below, self._occupied_above = _log_odds(FREE_BELOW), _log_odds(OCCUPIED_ABOVE)
         self._side = math.ceil(math.hypot(rows, cols)) + 2 + 2 * _STRIDE
-        self._odds = np.full((self._side, self._side), self._prior, dtype=np.float32)
+        self._odds = np.full((self._side, self._side), self._prior, dtype=np.int16)
+        # What cells lose by a scan; with an edge of zeros, for those who look beside its map.
+        self._edge = max(rows, cols) // 2 + 3
+        self._loss = np.zeros((rows + 2 * self._edge, cols + 2 * self._edge), dtype=np.int16)
         self._corner: NDArray[np.int64] | None = None  # of the grid, in cells of the world (x, y)
         # Middles of a map's cells in the robot's frame, in cells.
-        self._x = np.arange(cols, dtype=np.float32) + np.float32(0.5 - cols / 2)
-        self._y = np.arange(rows, dtype=np.float32) + np.float32(0.5 - rows / 2)
+        self._x: Floats = np.arange(cols) + (0.5 - cols / 2)
+        self._y: Floats = np.arange(rows) + (0.5 - rows / 2)
 
     def take(self, cells: NDArray[np.int8], pose: Pose2D) -> None:
         """Add the map of one scan.
@@ -96,52 +103,54 @@ class OccupancyMemory:
             (x, y, yaw) of the robot in the world, when it was made.
         """
         corner = self._follow(pose)
-        x, y, yaw = pose
-        cos, sin = np.float32(math.cos(yaw)), np.float32(math.sin(yaw))
         # Each cell of the memory looks up the one of the scan's map in which its middle lies: no
         # cell is left out between two, whatever the angle. What is a single cell might be, so
         # obstacles go the other way.
-        along = np.arange(self._side, dtype=np.float32)
-        dx = along + np.float32(corner[0] + 0.5 - x / self._resolution)
-        dy = along + np.float32(corner[1] + 0.5 - y / self._resolution)
-        reach = np.float32(math.hypot(self._rows, self._cols) / 2 + 1)
-        near_x, near_y = (slice(*_within(each, reach)) for each in (dx, dy))
-        dx, dy = dx[near_x], dy[near_y, None]
-        u = cos * dx + (sin * dy + np.float32(self._cols / 2))
-        v = cos * dy - (sin * dx - np.float32(self._rows / 2))
-        inside = (u >= 0) & (v >= 0) & (u < self._cols) & (v < self._rows)
-        which = v.astype(np.int32)
-        which *= self._cols
-        which += u.astype(np.int32)
-        free = cells.ravel().take(which, mode="clip") == FREE
-        free &= inside
         hit = self._indices(cells == OCCUPIED, pose, corner)
-        window = self._odds[near_y, near_x]
         before = self._odds[hit]
-        np.add(window, self._miss, out=window, where=free)
-        np.maximum(window, np.float32(MOST_FREE), out=window)
-        self._odds[hit] = np.minimum(before + self._hit, np.float32(MOST_OCCUPIED))
+        edge = self._edge
+        scan = self._loss[edge : edge + self._rows, edge : edge + self._cols]
+        np.multiply(cells == FREE, self._miss, out=scan)
+        x, y, yaw = pose
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        along = np.arange(self._side)
+        dx = along + (corner[0] + 0.5 - x / self._resolution)
+        dy = along + (corner[1] + 0.5 - y / self._resolution)
+        near_x = _within(dx, (self._cols * abs(cos) + self._rows * abs(sin)) / 2)
+        near_y = _within(dy, (self._cols * abs(sin) + self._rows * abs(cos)) / 2)
+        dx, dy = dx[near_x], dy[near_y]
+        which = _places(
+            cos * dx + (self._cols / 2 + edge),
+            sin * dy,
+            -sin * dx + (self._rows / 2 + edge),
+            cos * dy,
+            self._loss.shape[1],
+        )
+        window = self._odds[near_y, near_x]
+        window += self._loss.ravel().take(which, mode="clip")
+        np.maximum(window, MOST_FREE, out=window)
+        self._odds[hit] = np.minimum(before + self._hit, MOST_OCCUPIED)
 
     def cells(self, pose: Pose2D) -> NDArray[np.int8]:
         """What is known around a robot that is at a pose (x, y, yaw) now, (rows, cols)."""
         corner = self._follow(pose)
         x, y, yaw = pose
-        cos, sin = np.float32(math.cos(yaw)), np.float32(math.sin(yaw))
-        from_x = np.float32(x / self._resolution - corner[0])
-        from_y = np.float32(y / self._resolution - corner[1])
-        y_axis = self._y[:, None]
-        which = (sin * self._x + (from_y + cos * y_axis)).astype(np.int32)
-        which *= self._side
-        which += (cos * self._x + (from_x - sin * y_axis)).astype(np.int32)
-        odds = self._odds.ravel().take(which)
-        found = np.full(odds.shape, UNKNOWN, dtype=np.int8)
-        found[odds < np.float32(_log_odds(FREE_BELOW))] = FREE
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        from_x, from_y = x / self._resolution - corner[0], y / self._resolution - corner[1]
+        which = _places(
+            cos * self._x + from_x,
+            -sin * self._y,
+            sin * self._x + from_y,
+            cos * self._y,
+            self._side,
+        )
+        odds = self._odds.ravel().take(which, mode="clip")
+        found = np.subtract((odds < self._free_below).view(np.int8), np.int8(1))
         # Obstacles go the other way here, too: between two middles none is lost.
-        rows, cols = np.nonzero(self._odds > np.float32(_log_odds(OCCUPIED_ABOVE)))
-        dx = cols - (from_x - np.float32(0.5))
-        dy = rows - (from_y - np.float32(0.5))
-        cols = np.floor(cos * dx + sin * dy + np.float32(self._cols / 2)).astype(np.int32)
-        rows = np.floor(cos * dy - sin * dx + np.float32(self._rows / 2)).astype(np.int32)
+        rows, cols = divmod(np.flatnonzero(self._odds > self._occupied_above), self._side)
+        dx, dy = cols - (from_x - 0.5), rows - (from_y - 0.5)
+        cols = np.floor(cos * dx + sin * dy + self._cols / 2).astype(np.int64)
+        rows = np.floor(cos * dy - sin * dx + self._rows / 2).astype(np.int64)
         inside = (cols >= 0) & (rows >= 0) & (cols < self._cols) & (rows < self._rows)
         found[rows[inside], cols[inside]] = OCCUPIED
         return found
@@ -155,7 +164,7 @@ class OccupancyMemory:
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Rows and columns of the memory in which the chosen cells of a scan's map lie."""
         x, y, yaw = pose
-        rows, cols = np.nonzero(chosen)
+        rows, cols = divmod(np.flatnonzero(chosen), self._cols)
         ahead, left = self._x[cols], self._y[rows]
         at_x = x / self._resolution - corner[0] + math.cos(yaw) * ahead - math.sin(yaw) * left
         at_y = y / self._resolution - corner[1] + math.sin(yaw) * ahead + math.cos(yaw) * left
@@ -177,10 +186,28 @@ class OccupancyMemory:
         return self._corner
 
 
-def _within(values: NDArray[np.float32], reach: np.float32) -> tuple[int, int]:
-    """First and last place of a rising row whose values are within ``reach`` of 0."""
+def _places(
+    col_x: Floats, col_y: Floats, row_x: Floats, row_y: Floats, width: int
+) -> NDArray[np.int32]:
+    """Places in a grid, row by row, of columns ``col_x + col_y`` and rows ``row_x + row_y``.
+
+    The terms that depend on x, and those on y, are rows and columns of what is returned. Whole
+    numbers with a point in them take a third of the time of broken ones.
+    """
+    one = 1 << _POINT
+    cols = (one * col_x).astype(np.int32) + (one * col_y).astype(np.int32)[:, None]
+    rows = (one * row_x).astype(np.int32) + (one * row_y).astype(np.int32)[:, None]
+    cols >>= _POINT
+    rows >>= _POINT
+    rows *= np.int32(width)
+    rows += cols
+    return rows
+
+
+def _within(values: Floats, reach: float) -> slice:
+    """The part of a rising row whose values are within ``reach`` of 0, and one more at each end."""
     first, last = np.searchsorted(values, [-reach, reach])
-    return int(first), int(last)
+    return slice(max(0, int(first) - 1), int(last) + 1)
 
 
 def _overlap(step: int, size: int) -> tuple[slice, slice]:

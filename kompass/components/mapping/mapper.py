@@ -79,6 +79,11 @@ class MapConfig(Settings):
                 f"{self.resolution:g} m are {cells} cells, more than {MOST_CELLS}; give a smaller "
                 f"map, or a resolution of {finest:.3g} m or more"
             )
+        if self.bayesian_update and max(self.width, self.height) > 4 * min(self.width, self.height):
+            raise ValueError(
+                f"width = {self.width:g} m and height = {self.height:g} m with bayesian_update: "
+                "what is remembered is as wide as the map is long; give sides of at most 1 to 4"
+            )
         return self
 
 
