@@ -89,8 +89,8 @@ class OccupancyMemory:
         self._loss = np.zeros((rows + 2 * self._edge, cols + 2 * self._edge), dtype=np.int16)
         self._corner: NDArray[np.int64] | None = None  # of the grid, in cells of the world (x, y)
         # Middles of a map's cells in the robot's frame, in cells.
-        self._x: Floats = np.arange(cols) + (0.5 - cols / 2)
-        self._y: Floats = np.arange(rows) + (0.5 - rows / 2)
+        self._x = np.arange(cols, dtype=np.float64) + (0.5 - cols / 2)
+        self._y = np.arange(rows, dtype=np.float64) + (0.5 - rows / 2)
 
     def take(self, cells: NDArray[np.int8], pose: Pose2D) -> None:
         """Add the map of one scan.
