@@ -47,9 +47,21 @@ def found(
     zones: ZonesInForce | None = None,
     held_by: str = "",
     before: Hindrance | None = None,
+    route: NDArray[np.float64] = ROUTE,
 ) -> Hindrance:
     zones = zones or ZonesInForce()
-    return find(live, zones, ROUTE, HERE, RADIUS, ROOM, held_by, before, now)
+    return find(live, zones, route, HERE, RADIUS, ROOM, held_by, before, now)
+
+
+def test_what_closes_the_way_far_ahead_is_named_though_nothing_is_near() -> None:
+    live = LiveMap(120.0)
+    saw(live, disc(3.6, 0.0), 0.0)
+    route = np.stack([np.linspace(0.0, 6.0, 61), np.zeros(61), np.zeros(61)], axis=1)
+    far = found(live, 0.0, route=route)
+    assert far.kind == "seen"
+    assert far.place == pytest.approx((3.5, 0.0), abs=0.1)
+    assert "m ahead" in far.told(HERE, RADIUS, 0.0)
+    assert found(live, 0.0, route=ROUTE).kind == "unknown"
 
 
 def test_what_the_lidar_sees_on_the_way_is_named_with_place_distance_and_direction() -> None:

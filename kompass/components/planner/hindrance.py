@@ -96,7 +96,8 @@ def find(
 ) -> Hindrance:
     """What is in the way of a robot that does not get on.
 
-    It is what the route comes too near to first; else the nearest beside the robot.
+    It is what the route comes too near to first, or the nearest beside the robot; with neither in
+    reach, what the route comes too near to farther on.
 
     Parameters
     ----------
@@ -120,6 +121,7 @@ def find(
     found = None
     if held_by not in NO_THINGS:
         found = _nearest(_obstacles(live, zones, pose, now), route, pose, radius, room)
+        found = found or _farther_on(live, zones, route, pose, radius + room, now)
     if found is None:
         what = "the lidar sees nothing there; look at wheels and floor"
         if held_by:
@@ -181,6 +183,42 @@ def _apart(places: Floats, others: Floats) -> Floats:
         return np.full(len(places), math.inf)
     away: Floats = np.hypot(*(places[:, None] - others[None]).transpose(2, 0, 1)).min(axis=1)
     return away
+
+
+def _farther_on(
+    live: LiveMap | None,
+    zones: ZonesInForce,
+    route: Floats,
+    pose: Pose2D,
+    least: float,
+    now: float,
+) -> tuple[Kind, tuple[float, float], float] | None:
+    """What the route comes nearer to than ``least`` first, out of the robot's reach."""
+    way = np.asarray(route, dtype=np.float64)[:, :2] if len(route) else np.empty((0, 2))
+    way = way[np.hypot(*(way - pose[:2]).T) > REACH]
+    if not len(way):
+        return None
+    gone = np.concatenate([[0.0], np.hypot(*np.diff(way, axis=0).T).cumsum()])
+    for first in np.arange(0.0, gone[-1] + REACH, REACH):
+        part = way[(gone >= first) & (gone < first + REACH)]
+        if not len(part):
+            continue
+        middle = part[len(part) // 2]
+        met: list[tuple[int, Kind, tuple[float, float], float]] = []
+        for kind, places, ages in _obstacles(live, zones, (*middle.tolist(), 0.0), now):
+            if not len(places):
+                continue
+            away = np.hypot(*(places[:, None] - part[None]).transpose(2, 0, 1))
+            too_near = (away < least).any(axis=0)
+            if too_near.any():
+                step = int(np.argmax(too_near))
+                which = int(away[:, step].argmin())
+                x, y = (float(value) for value in places[which])
+                met.append((step, kind, (x, y), float(ages[which])))
+        if met:
+            _, kind, place, age = min(met)
+            return kind, place, age
+    return None
 
 
 def _nearest(
