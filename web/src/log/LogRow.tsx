@@ -1,5 +1,7 @@
 import type { LogLine } from "../api/types";
+import { countText } from "../format";
 import { whenText } from "../rules/model/words";
+import { t } from "../texts/text";
 import { type Level, StatusMark } from "../ui/StatusMark";
 import classes from "./Log.module.css";
 
@@ -45,5 +47,7 @@ export function LogRow({ line, label, now }: { line: LogLine; label: string; now
 
 export const leftOutText = (count: number): string =>
   count === 1
-    ? "Here one line was left out: they came too fast."
-    : `Here at least ${count.toLocaleString("en")} lines were left out: they came too fast.`;
+    ? t("Here one line was left out: they came too fast.")
+    : t("Here at least {count} lines were left out: they came too fast.", {
+        count: countText(count),
+      });

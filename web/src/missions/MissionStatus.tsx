@@ -8,6 +8,7 @@ import { isUnderWay, limitText, remaining } from "../goal/goalText";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
+import { t } from "../texts/text";
 import { Problem } from "../ui/Problem";
 import classes from "./Missions.module.css";
 import { isOver, progressText, runLine } from "./missionText";
@@ -38,7 +39,7 @@ export function MissionStatus({ brief = false }: { brief?: boolean }) {
       data-under-way={!over || undefined}
       data-stale={frozen || undefined}
       data-brief={brief || undefined}
-      aria-label="Mission"
+      aria-label={t("Mission")}
     >
       <div className={goal.statusText} role="status">
         <strong>{line.text}</strong>
@@ -51,14 +52,14 @@ export function MissionStatus({ brief = false }: { brief?: boolean }) {
             <span className={goal.detail}>
               {run.name} · {progressText(run)}
             </span>
-            <span className={goal.place}>begun by {run.by}</span>
+            <span className={goal.place}>{t("begun by {by}", { by: run.by })}</span>
           </>
         )}
       </div>
       {over ? (
         <CloseButton
           size="lg"
-          aria-label="Hide this mission"
+          aria-label={t("Hide this mission")}
           onClick={() => setDismissed(run.number)}
         />
       ) : (
@@ -87,11 +88,11 @@ function Controls({ run }: { run: MissionRun }) {
   return (
     <>
       <div className={classes.controls}>
-        {run.phase === "paused" && button("resume", "Resume", true)}
-        {run.phase === "asking" && button("confirm", "Go on", true)}
-        {run.phase !== "paused" && button("pause", "Pause")}
-        {button("skip", "Skip")}
-        {button("cancel", "Cancel")}
+        {run.phase === "paused" && button("resume", t("Resume"), true)}
+        {run.phase === "asking" && button("confirm", t("Go on"), true)}
+        {run.phase !== "paused" && button("pause", t("Pause"))}
+        {button("skip", t("Skip"))}
+        {button("cancel", t("Cancel"))}
       </div>
       <Problem error={steer.error} testId="mission-problem" />
     </>
