@@ -2,6 +2,7 @@ import { CloseButton, UnstyledButton } from "@mantine/core";
 import { useEffect, useRef } from "react";
 import { LogPage } from "../log/LogPage";
 import { useSession } from "../session/SessionContext";
+import { type Phrase, t } from "../texts/text";
 import { TimelinePage } from "../timeline/TimelinePage";
 import { AuditPage } from "./audit/AuditPage";
 import { RulesBands } from "./bands/RulesBands";
@@ -17,7 +18,7 @@ import { RuleTable } from "./table/RuleTable";
 import { WhyPage } from "./why/WhyPage";
 
 interface Tab {
-  label: string;
+  label: Phrase;
   place: Place;
   holds: Place["at"][];
   /** Shown to engineers only. */
@@ -58,7 +59,7 @@ export function RulesSheet() {
     <section
       className={classes.sheet}
       id={SHEET_ID}
-      aria-label="Rules and timeline"
+      aria-label={t("Rules and timeline")}
       data-testid="rules-sheet"
     >
       <header className={classes.head}>
@@ -72,14 +73,14 @@ export function RulesSheet() {
               data-testid={`rules-tab-${tab.at}`}
               onClick={() => nav.go(tab)}
             >
-              {label}
+              {t(label)}
             </UnstyledButton>
           ))}
         </div>
         <CloseButton
           size="lg"
-          aria-label="Close rules and timeline"
-          title="Close (Esc)"
+          aria-label={t("Close rules and timeline")}
+          title={t("Close (Esc)")}
           data-testid="rules-close"
           onClick={nav.close}
         />

@@ -44,7 +44,7 @@ export const FRAME = {
   Locate: "Orten",
   Measure: "Messen",
   Follow: "Folgen",
-  "Top view": "Von oben",
+  "Top view": "Oben",
   Rules: "Regeln",
   Timeline: "Verlauf",
   Help: "Hilfe",
@@ -71,7 +71,7 @@ export const FRAME = {
   "Close help": "Hilfe schließen",
   Space: "Leertaste",
   Ctrl: "Strg",
-  "Ctrl Space": "Strg Leertaste",
+  "Ctrl Space": "Strg + Leertaste",
   "Stop the robot, wherever you are not writing text":
     "Roboter stoppen, wo Sie keinen Text schreiben",
   "Stop the robot, in a text field, too, where Space is a blank":

@@ -107,6 +107,14 @@ export const HAPPENINGS = {
   "Look at the network, and whether its program runs.":
     "Sehen Sie nach dem Netz, und ob sein Programm läuft.",
 
+  // The sheet of rules, timeline and log
+  "Rules and timeline": "Regeln und Verlauf",
+  "Close rules and timeline": "Regeln und Verlauf schließen",
+  "Close (Esc)": "Schließen (Esc)",
+  History: "Versionen",
+  Recordings: "Aufnahmen",
+  Audit: "Audit",
+
   // Timeline
   Faults: "Störungen",
   Alarms: "Alarme",

@@ -37,7 +37,7 @@ export const LISTS = {
   "No place has that in its name or note.": "Kein Ort hat das in Name oder Notiz.",
   "Places of this map": "Orte dieser Karte",
   "Moved {name}.": "{name} versetzt.",
-  "Save where the robot stands": "Standort des Roboters speichern",
+  "Save where the robot stands": "Standort speichern",
   "{n, plural, one {# place} other {# places}} of other maps":
     "{n, plural, one {# Ort} other {# Orte}} anderer Karten",
   "Places of other maps": "Orte anderer Karten",

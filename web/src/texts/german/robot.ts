@@ -1,6 +1,6 @@
 /** How the robot is: health, causes, data, battery. */
 export const ROBOT = {
-  Healthy: "In Ordnung",
+  Healthy: "OK",
   "No solution": "Keine Lösung",
   Failed: "Ausgefallen",
   Waits: "Wartet",
@@ -24,7 +24,7 @@ export const ROBOT = {
     "{alarms, plural, one {Ein Alarm} other {# Alarme}}",
   "Battery low": "Akku schwach",
   "No faults": "Keine Störung",
-  "All well": "Alles in Ordnung",
+  "All well": "Alles OK",
 
   // Causes
   "{label} restarted {age} ago": "{label} vor {age} neu gestartet",

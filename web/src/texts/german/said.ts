@@ -56,6 +56,13 @@ export const SAID: Readonly<Record<string, string>> = {
   "Look at the drive manager's health; the robot stays stopped.":
     "Sehen Sie nach dem Zustand der Fahrsteuerung; der Roboter bleibt gestoppt.",
 
+  "{name} pressed STOP": "{name} hat STOPP gedrückt",
+  "Stopped: {name} pressed STOP.": "Gestoppt: {name} hat STOPP gedrückt.",
+  "Stopped: somebody pressed STOP, or took the wheel, while the planner was held.":
+    "Gestoppt: Jemand hat STOPP gedrückt oder das Steuer genommen, während der Planer angehalten war.",
+  "somebody pressed STOP, or took the wheel, for a moment":
+    "jemand hat kurz STOPP gedrückt oder das Steuer genommen",
+
   // Goals, before they are sent
   "The robot's program takes points only, so the heading is not used.":
     "Das Programm des Roboters nimmt nur Punkte; die Richtung wird nicht verwendet.",
@@ -186,6 +193,39 @@ export const SAID: Readonly<Record<string, string>> = {
   "STOP was pressed here, as the mission says.":
     "Hier wurde STOPP gedrückt, wie der Auftrag es will.",
   "No place was reached in a whole round.": "In einer ganzen Runde wurde kein Ort erreicht.",
+
+  // The timeline
+  "Held: a scanner or camera is silent": "Angehalten: ein Scanner oder eine Kamera schweigt",
+  "Held: no odometry arrives": "Angehalten: es kommt keine Odometrie",
+  "Held: its place is not known": "Angehalten: sein Ort ist nicht bekannt",
+  "Held: somebody else commands the base": "Angehalten: jemand anders steuert das Fahrwerk",
+  "Held: an obstacle": "Angehalten: ein Hindernis",
+  "Held: a keep-out zone": "Angehalten: eine Sperrzone",
+  STOP: "STOPP",
+  "Driven by hand": "Von Hand gefahren",
+  Failed: "Ausgefallen",
+  "Finds no solution": "Findet keine Lösung",
+  "Waits for {what}": "Wartet auf {what}",
+  Done: "Erledigt",
+  Cancelled: "Abgebrochen",
+  "Mission {name} waits for a person": "Auftrag {name} wartet auf jemanden",
+  "Mission {name} paused": "Auftrag {name} pausiert",
+  "Mission {name}": "Auftrag {name}",
+  "Goal {x}, {y}": "Ziel {x}, {y}",
+  Died: "Abgestürzt",
+  Hangs: "Hängt",
+  "Died too often, and is not started again": "Zu oft abgestürzt, kein neuer Start",
+  "It had died, or was asked to start anew.": "Es war abgestürzt oder sollte neu starten.",
+  "Started again": "Neu gestartet",
+  "Started again.": "Neu gestartet.",
+  "Monitor started": "Monitor gestartet",
+  "Monitor ended": "Monitor beendet",
+  "Sent the robot to {place}": "Roboter geschickt nach {place}",
+  "Cancelled the goal": "Ziel abgebrochen",
+  "Set the robot's place to {place}": "Ort des Roboters gesetzt auf {place}",
+  "Released STOP": "Stopp freigegeben",
+  "Took control: {reason}": "Kontrolle übernommen: {reason}",
+  "Took control": "Kontrolle übernommen",
 
   // The scene
   "The scene is not connected.": "Die Szene ist nicht verbunden.",
