@@ -240,38 +240,33 @@ const UNIT_WORDS = {
   imperial: "Units: imperial (ft)",
 } as const;
 
-/** The language of the page by its own name, for who cannot read the others; and its units. */
+const after = <Value,>(now: Value, all: readonly Value[]): Value =>
+  all[(all.indexOf(now) + 1) % all.length] ?? now;
+
+/** The language of the page, named in itself, and its units: each press takes the next. */
 function LanguageItems() {
-  const language_ = language.use();
-  const units_ = units.use();
-  const others = LANGUAGE_KEYS.filter((each) => each !== language_);
-  const otherUnits = UNITS.filter((each) => each !== units_);
+  const speaks = language.use();
+  const measures = units.use();
   return (
     <>
-      {others.map((each) => (
-        <Menu.Item
-          key={each}
-          closeMenuOnClick={false}
-          leftSection={<IconLanguage size={18} aria-hidden />}
-          onClick={() => language.choose(each)}
-          mih={44}
-          data-testid={`language-${each}`}
-        >
-          <span lang={each}>{LANGUAGES[each]}</span>
-        </Menu.Item>
-      ))}
-      {otherUnits.map((each) => (
-        <Menu.Item
-          key={each}
-          closeMenuOnClick={false}
-          leftSection={<IconRulerMeasure size={18} aria-hidden />}
-          onClick={() => units.choose(each)}
-          mih={44}
-          data-testid={`units-${each}`}
-        >
-          {t(UNIT_WORDS[each])}
-        </Menu.Item>
-      ))}
+      <Menu.Item
+        closeMenuOnClick={false}
+        leftSection={<IconLanguage size={18} aria-hidden />}
+        onClick={() => language.choose(after(speaks, LANGUAGE_KEYS))}
+        mih={44}
+        data-testid="language-item"
+      >
+        {t("Language: {name}", { name: LANGUAGES[speaks] })}
+      </Menu.Item>
+      <Menu.Item
+        closeMenuOnClick={false}
+        leftSection={<IconRulerMeasure size={18} aria-hidden />}
+        onClick={() => units.choose(after(measures, UNITS))}
+        mih={44}
+        data-testid="units-item"
+      >
+        {t(UNIT_WORDS[measures])}
+      </Menu.Item>
     </>
   );
 }

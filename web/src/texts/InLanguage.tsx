@@ -1,5 +1,6 @@
 import { type ReactNode, useEffect } from "react";
 import { language } from "./language";
+import { t } from "./text";
 import { units } from "./units";
 
 /**
@@ -13,6 +14,8 @@ export function InLanguage({ page }: { page: () => ReactNode }) {
   units.use();
   useEffect(() => {
     document.documentElement.lang = now;
+    // Into this Mantine lays its menus and lists; it stands in index.html.
+    document.querySelector("[data-portal]")?.setAttribute("aria-label", t("Menus and lists"));
   }, [now]);
   return page();
 }
