@@ -64,7 +64,7 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
   if (kind === "bool") {
     return (
       <Choice
-        label="value"
+        label="compared with"
         data={["true", "false"]}
         value={String(scalar === true)}
         onChange={(chosen) => onChange(chosen === "true")}
@@ -79,7 +79,7 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
       const known = constants.some(([, each]) => each === number);
       return (
         <Choice
-          label="value"
+          label="compared with"
           searchable
           data={[
             ...constants.map(([name, each]) => ({
@@ -96,7 +96,7 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
     }
     return (
       <NumberField
-        label="value"
+        label="compared with"
         value={number}
         allowDecimal={kind === "float"}
         onChange={onChange}
