@@ -1,6 +1,7 @@
 import type { LogLine } from "../api/types";
 import { countText } from "../format";
-import { whenText } from "../rules/model/words";
+import { whenText } from "../texts/dates";
+import { english } from "../texts/language";
 import { t } from "../texts/text";
 import { type Level, StatusMark } from "../ui/StatusMark";
 import classes from "./Log.module.css";
@@ -28,10 +29,14 @@ export function LogRow({ line, label, now }: { line: LogLine; label: string; now
         <span className={classes.what}>
           <span className={classes.node}>
             {label === "" ? line.node : label}
-            {line.level !== "info" && <b> · {line.level}</b>}
+            {line.level !== "info" && <b> · {t(line.level)}</b>}
           </span>
           {/* Its columns say something where it has lines: a traceback, a table. */}
-          <span className={lines ? classes.lines : classes.text} title={line.where || undefined}>
+          <span
+            className={lines ? classes.lines : classes.text}
+            title={line.where || undefined}
+            lang={english()}
+          >
             {line.text}
           </span>
         </span>

@@ -9,6 +9,7 @@ import { ActionPicker } from "../rules/editor/action/ActionPicker";
 import { type Editor, EditorProvider } from "../rules/editor/form/EditorContext";
 import { type ActionChoice, actionChoices, grouped } from "../rules/model/actions";
 import { useSession } from "../session/SessionContext";
+import { english } from "../texts/language";
 import { type Phrase, t } from "../texts/text";
 import { DurationField } from "../ui/controls/DurationField";
 import { IconButton } from "../ui/controls/IconButton";
@@ -122,7 +123,7 @@ function TaskFields({ task, label, choices, onChange }: FieldsProps) {
       const action = task.action as Action;
       const put = (next: Action) => onChange({ kind: "act", action: next });
       return (
-        <div className={classes.form}>
+        <div className={classes.form} lang={english()}>
           <ActionPicker
             label={label}
             choices={choices}

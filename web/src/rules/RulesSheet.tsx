@@ -2,6 +2,7 @@ import { CloseButton, UnstyledButton } from "@mantine/core";
 import { useEffect, useRef } from "react";
 import { LogPage } from "../log/LogPage";
 import { useSession } from "../session/SessionContext";
+import { english } from "../texts/language";
 import { type Phrase, t } from "../texts/text";
 import { TimelinePage } from "../timeline/TimelinePage";
 import { AuditPage } from "./audit/AuditPage";
@@ -34,6 +35,9 @@ const TABS: Tab[] = [
   { label: "Recordings", place: { at: "recordings", name: null }, holds: ["recordings"] },
   { label: "Audit", place: { at: "audit" }, holds: ["audit"], engineer: true },
 ];
+
+/** The pages of rules are in English as a whole: so is what the robot says of them. */
+const TRANSLATED: ReadonlySet<Place["at"]> = new Set(["timeline", "log", "firings"]);
 
 /** The rules of the robot, beside the scene: what is in force, what is being written, what was. */
 export function RulesSheet() {
@@ -88,7 +92,13 @@ export function RulesSheet() {
       <div className={classes.bands}>
         <RulesBands />
       </div>
-      <div className={classes.body} key={place.at} ref={body} tabIndex={-1}>
+      <div
+        className={classes.body}
+        key={place.at}
+        ref={body}
+        tabIndex={-1}
+        lang={TRANSLATED.has(place.at) ? undefined : english()}
+      >
         <Page place={place} />
       </div>
     </section>

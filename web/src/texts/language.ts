@@ -20,9 +20,8 @@ export const language = chosen("kompass-language", LANGUAGE_KEYS, () =>
 );
 
 /** For Intl: the browser's own region where it speaks this language, as in `de-AT`. */
-export function locale(): string {
-  const now = language.get();
-  return navigator.languages.find((tag) => tag.split("-")[0]?.toLowerCase() === now) ?? now;
+export function locale(of: Language = language.get()): string {
+  return navigator.languages.find((tag) => tag.split("-")[0]?.toLowerCase() === of) ?? of;
 }
 
 /**

@@ -45,9 +45,18 @@ export function formatOf(text: Text, of: Language): IntlMessageFormat {
  */
 export function t<Message extends Text>(
   text: Message,
+  ...values: Values<Message, string | number>
+): string {
+  return textIn(language.get(), text, ...values);
+}
+
+/** A text in one language, whatever that of the page is. */
+export function textIn<Message extends Text>(
+  of: Language,
+  text: Message,
   ...[values]: Values<Message, string | number>
 ): string {
-  return String(formatOf(text, language.get()).format(values ?? {}));
+  return String(formatOf(text, of).format(values ?? {}));
 }
 
 /** The same with parts that are more than words: `{name}`, and `<a>…</a>` for what is drawn around. */

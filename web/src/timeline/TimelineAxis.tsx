@@ -1,7 +1,6 @@
 import { type CSSProperties, type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
 import type { TimelineKind, TimelineLevel, TimelineSlot } from "../api/types";
-import { clockText } from "../rules/model/words";
-import { dateText } from "../texts/dates";
+import { clockText, dateText } from "../texts/dates";
 import { t } from "../texts/text";
 import { drawn, type Ends, type Span, ticksOf } from "./span";
 import classes from "./Timeline.module.css";

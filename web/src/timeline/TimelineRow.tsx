@@ -1,7 +1,7 @@
 import { UnstyledButton } from "@mantine/core";
 import { IconChevronRight } from "@tabler/icons-react";
 import type { TimelineEntry } from "../api/types";
-import { whenText } from "../rules/model/words";
+import { whenText } from "../texts/dates";
 import { langOf, told } from "../texts/told";
 import { StatusMark } from "../ui/StatusMark";
 import classes from "./Timeline.module.css";

@@ -5,11 +5,12 @@ import type { Alarm } from "../../api/ruleTypes";
 import { acknowledgeAlarm, shelveAlarm } from "../../api/timelineClient";
 import { useSession } from "../../session/SessionContext";
 import { useNow } from "../../state/RobotContext";
+import { whenText } from "../../texts/dates";
 import { type Phrase, t } from "../../texts/text";
 import { Band } from "../../ui/Band";
 import { Problem } from "../../ui/Problem";
 import { useLive, useRules } from "../context/RulesContext";
-import { leftText, ruleName, whenText } from "../model/words";
+import { leftText, ruleName } from "../model/words";
 import classes from "./Alarms.module.css";
 
 const LOUD = new Set(["error", "critical"]);

@@ -2,8 +2,7 @@
 
 import type { Rule, RuleStatus, Trigger } from "../../api/ruleTypes";
 import { fixed } from "../../format";
-import { dateText, dayName, timeText } from "../../texts/dates";
-import { t } from "../../texts/text";
+import * as dates from "../../texts/dates";
 import type { Level } from "../../ui/StatusMark";
 
 /** A duration as it was set: `30 s`, `0.25 s`, `3 min 20 s`. */
@@ -22,34 +21,18 @@ export function leftText(seconds: number): string {
   return seconds < 120 ? `${Math.round(seconds)} s` : secondsText(Math.round(seconds / 60) * 60);
 }
 
-/** Relative within a minute, clock time after, with the date on another day. Epoch seconds. */
-export function whenText(time: number, now: number): string {
-  const age = now - time;
-  if (age >= -1 && age < 1) return t("just now");
-  if (age >= 1 && age < 60) return t("{age} ago", { age: `${Math.floor(age)} s` });
-  return isSameDay(time, now) ? clockText(time) : dateText(time);
-}
-
-const isSameDay = (one: number, other: number): boolean =>
-  new Date(one * 1000).toDateString() === new Date(other * 1000).toDateString();
-
-/**
- * What stands above an entry of a list, newest first, where another day begins; else null.
- *
- * @param newer time of the entry before it, or now for the first. Epoch seconds.
- */
-export function dayText(time: number, newer: number): string | null {
-  return isSameDay(time, newer) ? null : dayName(time);
-}
-
-export const clockText = (time: number): string => timeText(time, "medium");
+/** As the rest of the page tells times; in English, as all of the rules' pages are. */
+export const whenText = (time: number, now: number): string => dates.whenText(time, now, "en");
+export const dayText = (time: number, newer: number): string | null =>
+  dates.dayText(time, newer, "en");
+export const clockText = (time: number): string => dates.clockText(time, "en");
 
 /** Of a rule that fires once and has: since when, and what it takes. */
 export function usedUpText({ last_fired }: RuleStatus, now: number): string {
   // A rule engine that was started again knows that it was used, and not when.
-  if (last_fired === null) return t("Used up; will not fire again until reset.");
-  const date = dateText(last_fired, now - last_fired < 12 * 3600 ? "minute" : "both");
-  return t("Used up at {date}; will not fire again until reset.", { date });
+  if (last_fired === null) return "Used up; will not fire again until reset.";
+  const part = now - last_fired < 12 * 3600 ? "minute" : "both";
+  return `Used up at ${dates.dateText(last_fired, part, "en")}; will not fire again until reset.`;
 }
 
 export const ruleName = (rule: { id: string; name: string }): string => rule.name || rule.id;

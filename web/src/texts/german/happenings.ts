@@ -69,10 +69,26 @@ export const HAPPENINGS = {
   "No rule has fired yet.": "Noch keine Regel hat ausgelöst.",
   "All firings": "Alle Auslösungen",
   "just now": "gerade eben",
-  "Used up; will not fire again until reset.":
-    "Verbraucht; löst erst nach dem Zurücksetzen wieder aus.",
-  "Used up at {date}; will not fire again until reset.":
-    "Verbraucht um {date}; löst erst nach dem Zurücksetzen wieder aus.",
+  "shadow: did not act": "Schatten: tat nichts",
+  running: "läuft",
+  "ok, {took}": "ok, {took}",
+  "failed, {took}": "fehlgeschlagen, {took}",
+  "near miss": "beinahe",
+  outranked: "nachrangig",
+  note: "Notiz",
+  shadow: "Schatten",
+
+  firings: "Auslösungen",
+  failed: "fehlgeschlagen",
+  "still running": "läuft noch",
+  "near misses": "beinahe",
+  notes: "Notizen",
+  "Of which rule": "Von welcher Regel",
+  "of any rule": "von jeder Regel",
+  "Which outcome": "Mit welchem Ausgang",
+  "Reading the journal…": "Die Auslösungen werden gelesen …",
+  "Nothing has fired yet.": "Noch nichts hat ausgelöst.",
+  "Nothing like that lately.": "Nichts dergleichen in letzter Zeit.",
 
   // Notifications
   "This is how you will be told.": "So werden Sie benachrichtigt.",
@@ -153,6 +169,13 @@ export const HAPPENINGS = {
   Older: "Ältere",
   "for {duration} by now": "seit {duration}",
   "end not seen": "Ende nicht gesehen",
+
+  // Levels of a log line
+  debug: "Debug",
+  info: "Info",
+  warning: "Warnung",
+  error: "Fehler",
+  fatal: "fatal",
 
   // Log
   Log: "Protokoll",
