@@ -1,5 +1,5 @@
 import { useSyncExternalStore } from "react";
-import { readKept, writeKept } from "../ui/kept";
+import { readKept, writeKept } from "../kept";
 
 /** A choice that this browser keeps, one for the whole page. */
 export interface Chosen<Value extends string> {
