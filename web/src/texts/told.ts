@@ -25,13 +25,21 @@ function matcher(text: string): RegExp {
   return new RegExp(`^${parts.join("")}$`, "s");
 }
 
+/** What somebody called something stays as it is called; what is said inside of it is said in German. */
+function filled(german: string, found: Record<string, string>): string {
+  return german.replace(/\{(\w+)\}/g, (_, name) => {
+    const part = found[name] ?? "";
+    return name === "what" || name === "why" ? (germanOf(part) ?? part) : part;
+  });
+}
+
 /** The German of what the console or the robot said in English; null where the page has none. */
 function germanOf(said: string): string | null {
   const known = fixedSentences.get(said);
   if (known !== undefined) return known;
   for (const { matches, german } of patterns) {
     const found = matches.exec(said)?.groups;
-    if (found !== undefined) return german.replace(/\{(\w+)\}/g, (_, name) => found[name] ?? "");
+    if (found !== undefined) return filled(german, found);
   }
   return null;
 }
