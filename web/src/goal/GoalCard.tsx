@@ -7,7 +7,7 @@ import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
 import { t } from "../texts/text";
-import { told } from "../texts/told";
+import { langOf, told } from "../texts/told";
 import classes from "./Goal.module.css";
 import { checkText, isUnderWay, placeText } from "./goalText";
 import { useCardPlace } from "./useCardPlace";
@@ -128,7 +128,7 @@ function Answer({ check, draft, goal, stopped, drivenBy }: AnswerProps) {
   return (
     <>
       {error !== null && (
-        <p className={classes.problem}>
+        <p className={classes.problem} lang={langOf(error.title)}>
           {told(error.title)} {told(error.remedy)}
         </p>
       )}
@@ -136,7 +136,12 @@ function Answer({ check, draft, goal, stopped, drivenBy }: AnswerProps) {
         <p className={classes.detail}>{t("To {name}", { name: draft.place.name })}</p>
       )}
       {check !== null && (error === null || check.ok) && (
-        <p className={check.ok ? classes.lead : classes.problem}>{checkText(check)}</p>
+        <p
+          className={check.ok ? classes.lead : classes.problem}
+          lang={check.ok ? undefined : langOf(check.message)}
+        >
+          {checkText(check)}
+        </p>
       )}
       {check?.ok && <p className={classes.detail}>{placeText(check.x, check.y, check.yaw)}</p>}
       {gap !== null && check?.reason !== "above_horizon" && (
@@ -146,7 +151,11 @@ function Answer({ check, draft, goal, stopped, drivenBy }: AnswerProps) {
           })}
         </p>
       )}
-      {check?.note && <p className={classes.note}>{told(check.note)}</p>}
+      {check?.note && (
+        <p className={classes.note} lang={langOf(check.note)}>
+          {told(check.note)}
+        </p>
+      )}
       {check?.ok && !check.heading_used && check.yaw !== null && check.note === "" && (
         <p className={classes.note}>
           {t("The running recipe takes points only: the heading is not used.")}

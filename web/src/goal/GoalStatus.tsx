@@ -9,7 +9,7 @@ import { useSession } from "../session/SessionContext";
 import { useNow, useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
 import { t } from "../texts/text";
-import { told } from "../texts/told";
+import { langOf, told } from "../texts/told";
 import classes from "./Goal.module.css";
 import { endText, goalLine, isUnderWay, limitText, placeText } from "./goalText";
 
@@ -55,12 +55,18 @@ export function GoalStatus() {
       aria-label={t("Goal")}
     >
       <div className={classes.statusText} role="status">
-        <strong>{line.text}</strong>
+        <strong lang={goal.phase === "failed" ? langOf(goal.message) : undefined}>
+          {line.text}
+        </strong>
         {line.more !== "" && <span className={classes.detail}>{line.more}</span>}
-        {goal.hindrance !== "" && <span className={classes.limit}>▲ {told(goal.hindrance)}</span>}
+        {goal.hindrance !== "" && (
+          <span className={classes.limit} lang={langOf(goal.hindrance)}>
+            ▲ {told(goal.hindrance)}
+          </span>
+        )}
         {limit !== null && <span className={classes.limit}>▲ {limit}</span>}
         {failure !== null && (
-          <span className={classes.problem}>
+          <span className={classes.problem} lang={langOf(failure.title)}>
             {told(failure.title)} {told(failure.remedy)}
           </span>
         )}

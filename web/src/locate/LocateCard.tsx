@@ -6,7 +6,7 @@ import { useCardPlace } from "../goal/useCardPlace";
 import { mapFit } from "../state/localisation";
 import { useRobot } from "../state/RobotContext";
 import { t } from "../texts/text";
-import { told } from "../texts/told";
+import { langOf, told } from "../texts/told";
 import { agreementText, movedText } from "./locateText";
 import type { LocateDraft, LocateTool } from "./useLocateTool";
 
@@ -91,11 +91,15 @@ function Answer({ draft }: { draft: LocateDraft }) {
   return (
     <>
       {error !== null && (
-        <p className={classes.problem}>
+        <p className={classes.problem} lang={langOf(error.title)}>
           {told(error.title)} {told(error.remedy)}
         </p>
       )}
-      {check !== null && !check.ok && <p className={classes.problem}>{told(check.message)}</p>}
+      {check !== null && !check.ok && (
+        <p className={classes.problem} lang={langOf(check.message)}>
+          {told(check.message)}
+        </p>
+      )}
       {check?.ok && chosen && (
         <>
           <p className={classes.lead}>{agreementText(chosen)}</p>
@@ -103,7 +107,11 @@ function Answer({ draft }: { draft: LocateDraft }) {
           <p className={classes.detail}>{placeText(chosen.x, chosen.y, chosen.yaw)}</p>
         </>
       )}
-      {check?.ok && check.note && <p className={classes.note}>{told(check.note)}</p>}
+      {check?.ok && check.note && (
+        <p className={classes.note} lang={langOf(check.note)}>
+          {told(check.note)}
+        </p>
+      )}
     </>
   );
 }

@@ -9,6 +9,7 @@ import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
 import { t } from "../texts/text";
+import { langOf } from "../texts/told";
 import { Problem } from "../ui/Problem";
 import classes from "./Missions.module.css";
 import { isOver, progressText, runLine } from "./missionText";
@@ -46,7 +47,11 @@ export function MissionStatus({ brief = false }: { brief?: boolean }) {
         {its?.phase === "driving" && <span>{remaining(its)}</span>}
         {limit !== null && <span className={goal.limit}>▲ {limit}</span>}
         {brief && <span className={goal.detail}>{run.name}</span>}
-        {!brief && line.more !== "" && <span className={goal.detail}>{line.more}</span>}
+        {!brief && line.more !== "" && (
+          <span className={goal.detail} lang={run.ask === "" ? langOf(run.reason) : undefined}>
+            {line.more}
+          </span>
+        )}
         {!brief && (
           <>
             <span className={goal.detail}>

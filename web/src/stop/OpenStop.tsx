@@ -5,6 +5,7 @@ import { asApiError } from "../api/errors";
 import { useAsked } from "../api/queries";
 import { useStopKey } from "../keys";
 import { t } from "../texts/text";
+import { told } from "../texts/told";
 import { Band } from "../ui/Band";
 import classes from "./Stop.module.css";
 import { StopFace } from "./StopFace";
@@ -67,7 +68,7 @@ function Offered({
       <section className={classes.said} aria-label={t("Stop")}>
         {stop.phase === "unconfirmed" && (
           <Band tone="alarm" title={t("Stop is not confirmed")} testId="stop-unconfirmed">
-            {stop.problem} {stop.remedy}
+            {told(stop.problem)} {told(stop.remedy)}
             {!stop.latched && (
               <Button variant="default" size="compact-md" onClick={onLooked} ml="sm">
                 {t("I have looked")}

@@ -43,7 +43,7 @@ export function StopBand({ why, brief = false }: { why: ReactNode; brief?: boole
     <>
       {stop.phase === "unconfirmed" && (
         <Band tone="alarm" title={t("Stop is not confirmed")} testId="stop-unconfirmed">
-          {stop.problem} {stop.remedy}
+          {told(stop.problem)} {told(stop.remedy)}
           {!stop.latched && (
             <Button variant="default" size="compact-md" onClick={dismiss} ml="sm">
               {t("I have looked")}
