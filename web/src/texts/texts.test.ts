@@ -122,5 +122,6 @@ test("what the robot says is put into words where the page knows them, and else 
   expect(told(known)).toBe("Das Ziel (1.20, -0.50) liegt in einem Hindernis.");
   expect(langOf(known)).toBeUndefined();
   expect(told("Place saved: Mission")).toBe("Ort gespeichert: Mission");
+  expect(told("Mission saved: Round")).toBe("Auftrag gespeichert: Round");
   expect([told("A cat."), langOf("A cat.")]).toEqual(["A cat.", "en"]);
 });

@@ -41,7 +41,7 @@ export const FRAME = {
 
   // Tools
   Tools: "Werkzeuge",
-  Drive: "Steuern",
+  Drive: "Lenken",
   Locate: "Orten",
   Measure: "Messen",
   Follow: "Folgen",

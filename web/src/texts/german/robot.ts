@@ -23,7 +23,7 @@ export const ROBOT = {
   "{alarms, plural, one {One alarm} other {# alarms}}":
     "{alarms, plural, one {Ein Alarm} other {# Alarme}}",
   "Battery low": "Akku schwach",
-  "No faults": "Keine Störung",
+  "No faults": "Fehlerfrei",
   "All well": "Alles OK",
 
   // Causes

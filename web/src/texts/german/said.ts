@@ -194,7 +194,11 @@ export const SAID: Readonly<Record<string, string>> = {
     "Hier wurde STOPP gedrückt, wie der Auftrag es will.",
   "No place was reached in a whole round.": "In einer ganzen Runde wurde kein Ort erreicht.",
 
-  // The timeline
+  // The timeline; of two that fit, the first counts
+  "{what} saved: {name}": "{what} gespeichert: {name}",
+  "{what} changed: {name}": "{what} geändert: {name}",
+  "{what} deleted: {name}": "{what} gelöscht: {name}",
+  "{what} restored: {name}": "{what} wiederhergestellt: {name}",
   "Held: a scanner or camera is silent": "Angehalten: ein Scanner oder eine Kamera schweigt",
   "Held: no odometry arrives": "Angehalten: es kommt keine Odometrie",
   "Held: its place is not known": "Angehalten: sein Ort ist nicht bekannt",
@@ -212,10 +216,6 @@ export const SAID: Readonly<Record<string, string>> = {
   "Mission {name} paused": "Auftrag {name} pausiert",
   "Mission {name}": "Auftrag {name}",
   "Goal {x}, {y}": "Ziel {x}, {y}",
-  "{what} saved: {name}": "{what} gespeichert: {name}",
-  "{what} changed: {name}": "{what} geändert: {name}",
-  "{what} deleted: {name}": "{what} gelöscht: {name}",
-  "{what} restored: {name}": "{what} wiederhergestellt: {name}",
   "Revision {number} confirmed": "Revision {number} bestätigt",
   "Revision {number} in force": "Revision {number} in Kraft",
   Place: "Ort",
