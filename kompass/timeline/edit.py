@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from kompass.timeline.happening import Happened
 
-_DONE = {"save": "saved", "edit": "changed", "delete": "deleted", "restore": "restored"}
+_TITLES = {
+    "save": "{what} saved: {name}",
+    "edit": "{what} changed: {name}",
+    "delete": "{what} deleted: {name}",
+    "restore": "{what} restored: {name}",
+}
 
 
 def edited(what: str, kind: str, name: str, who: str, now: float) -> Happened:
@@ -19,4 +24,5 @@ def edited(what: str, kind: str, name: str, who: str, now: float) -> Happened:
     now
         Seconds since the epoch.
     """
-    return Happened(now, "edit", f"{what} {_DONE[kind]}: {name}", who=who)
+    title = _TITLES[kind].format(what=what, name=name)
+    return Happened(now, "edit", title, who=who)

@@ -7,6 +7,8 @@ import { LoginPage } from "./session/LoginPage";
 import { SessionContext } from "./session/SessionContext";
 import { takeToken } from "./session/token";
 import { OpenStop } from "./stop/OpenStop";
+import { t } from "./texts/text";
+import { told } from "./texts/told";
 
 type Gate =
   | { at: "opening" }
@@ -21,7 +23,7 @@ async function enter(token: string | null): Promise<Gate> {
       return { at: "inside", session: await login({ token }) };
     } catch (error) {
       const { title, remedy } = asApiError(error);
-      notice = `${title} ${remedy}`;
+      notice = `${told(title)} ${told(remedy)}`;
     }
   }
   try {
@@ -29,7 +31,7 @@ async function enter(token: string | null): Promise<Gate> {
     return session === null ? { at: "login", notice } : { at: "inside", session };
   } catch (error) {
     const { title, remedy } = asApiError(error);
-    return { at: "login", notice: notice ?? `${title} ${remedy}` };
+    return { at: "login", notice: notice ?? `${told(title)} ${told(remedy)}` };
   }
 }
 
@@ -51,7 +53,7 @@ export function App({ token }: { token: string | null }) {
     const leave = (notice: string | null) => setGate({ at: "login", notice });
     logout().then(
       () => leave(null),
-      (error: unknown) => leave(`Logged out here only. ${asApiError(error).title}`),
+      (error: unknown) => leave(`${t("Logged out here only.")} ${told(asApiError(error).title)}`),
     );
   }, []);
   // The state socket was refused: either the console is away, or it no longer knows this session.
@@ -61,8 +63,9 @@ export function App({ token }: { token: string | null }) {
         if (session === null) {
           setGate({
             at: "login",
-            notice:
+            notice: t(
               "Your session has ended: it was logged out, unused for long, or the console was started anew. Log in again.",
+            ),
           });
         }
       },

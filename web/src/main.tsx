@@ -6,6 +6,7 @@ import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { createQueryClient } from "./api/queries";
 import { takeToken } from "./session/token";
+import { InLanguage } from "./texts/InLanguage";
 import { theme } from "./ui/theme";
 
 // Before anything is drawn, so that the token is never on screen.
@@ -19,10 +20,15 @@ if (import.meta.env.PROD && "serviceWorker" in navigator) {
 
 const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no #root element");
+const queries = createQueryClient();
 createRoot(root).render(
-  <MantineProvider theme={theme} defaultColorScheme="auto">
-    <QueryClientProvider client={createQueryClient()}>
-      <App token={token} />
-    </QueryClientProvider>
-  </MantineProvider>,
+  <InLanguage
+    page={() => (
+      <MantineProvider theme={theme} defaultColorScheme="auto">
+        <QueryClientProvider client={queries}>
+          <App token={token} />
+        </QueryClientProvider>
+      </MantineProvider>
+    )}
+  />,
 );

@@ -6,6 +6,7 @@ import {
   IconBatteryCharging,
 } from "@tabler/icons-react";
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
 import classes from "./Battery.module.css";
 import { batteryText, chargeText, isOld } from "./batteryText";
 
@@ -28,7 +29,7 @@ export function BatteryBadge() {
       data-testid="battery"
     >
       <Icon size={20} aria-hidden />
-      <span className="visually-hidden">{battery.charging ? "Charging, " : "Battery "}</span>
+      <span className="visually-hidden">{battery.charging ? t("Charging") : t("Battery")} </span>
       {battery.low && !battery.charging && "▲ "}
       <span className={classes.charge}>{chargeText(battery)}</span>
     </span>

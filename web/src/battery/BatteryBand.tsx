@@ -3,6 +3,7 @@ import { IconHome } from "@tabler/icons-react";
 import type { Place } from "../api/types";
 import { usePlaces } from "../places/usePlaces";
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
 import { Band } from "../ui/Band";
 import { chargeText } from "./batteryText";
 
@@ -21,7 +22,7 @@ export function BatteryBand({ onGo }: Props) {
   return (
     <Band
       tone="notice"
-      title={`Battery low: ${chargeText(battery)}`}
+      title={t("Battery low: {charge}", { charge: chargeText(battery) })}
       testId="battery-band"
       action={
         home !== undefined &&
@@ -32,14 +33,14 @@ export function BatteryBand({ onGo }: Props) {
             data-testid="go-home"
             onClick={() => onGo(home)}
           >
-            Go home
+            {t("Go home")}
           </Button>
         )
       }
     >
       {home === undefined
-        ? "Charge it. A place can be made its home, in the place's menu: then this leads there."
-        : `Its home on this map is ${home.name}.`}
+        ? t("Charge it. A place can be made its home, in the place's menu: then this leads there.")
+        : t("Its home on this map is {name}.", { name: home.name })}
     </Band>
   );
 }

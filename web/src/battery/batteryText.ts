@@ -1,5 +1,6 @@
 import type { State } from "../api/types";
-import { ageText } from "../format";
+import { ageText, fixed } from "../format";
+import { t } from "../texts/text";
 
 export type Battery = NonNullable<State["battery"]>;
 
@@ -11,11 +12,11 @@ export const chargeText = (battery: Battery): string => `${Math.floor(100 * batt
 
 /** All that is known of it, for whoever points at it. */
 export function batteryText(battery: Battery, elapsed: number): string {
-  const parts = [`Battery ${chargeText(battery)}`];
-  if (battery.charging) parts.push("charging");
-  if (battery.voltage !== null) parts.push(`${battery.voltage.toFixed(1)} V`);
+  const parts = [t("Battery {charge}", { charge: chargeText(battery) })];
+  if (battery.charging) parts.push(t("charging"));
+  if (battery.voltage !== null) parts.push(`${fixed(battery.voltage, 1)} V`);
   const age = battery.age + elapsed;
-  if (isOld(battery, elapsed)) parts.push(`as told ${ageText(age)} ago`);
+  if (isOld(battery, elapsed)) parts.push(t("as told {age} ago", { age: ageText(age) }));
   return parts.join(", ");
 }
 

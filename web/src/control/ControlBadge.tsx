@@ -5,6 +5,7 @@ import { useState } from "react";
 import { askForControl, giveControl, takeControl } from "../api/controlClient";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
 import { Problem } from "../ui/Problem";
 import classes from "./Control.module.css";
 import type { ControlView } from "./controlText";
@@ -49,7 +50,9 @@ function Mine({ onDone }: { onDone: () => void }) {
   const give = useMutation({ mutationFn: giveControl, onSuccess: onDone });
   return (
     <div className={classes.panel}>
-      <p>You drive this robot. Others look on, may ask you for it, and can always press STOP.</p>
+      <p>
+        {t("You drive this robot. Others look on, may ask you for it, and can always press STOP.")}
+      </p>
       <Button
         variant="default"
         size="md"
@@ -57,7 +60,7 @@ function Mine({ onDone }: { onDone: () => void }) {
         onClick={() => give.mutate()}
         data-testid="control-give-up"
       >
-        Give control up
+        {t("Give control up")}
       </Button>
       <Problem error={give.error} testId="control-problem" />
     </div>
@@ -69,19 +72,23 @@ function Others({ control, onDone }: { control: ControlView; onDone: () => void 
   const ask = useMutation({ mutationFn: askForControl, onSuccess: onDone });
   const take = useMutation({ mutationFn: takeControl, onSuccess: onDone });
   if (session.role === "viewer") {
-    return <p className={classes.only}>{control.text}. STOP works for everybody.</p>;
+    return (
+      <p className={classes.only}>
+        {t("{text}. STOP works for everybody.", { text: control.text })}
+      </p>
+    );
   }
   if (control.own) {
     return (
       <div className={classes.panel}>
-        <p>You have control on another device.</p>
+        <p>{t("You have control on another device.")}</p>
         <Button
           size="md"
           loading={take.isPending}
           onClick={() => take.mutate("")}
           data-testid="control-take"
         >
-          Take it here
+          {t("Take it here")}
         </Button>
         <Problem error={take.error} testId="control-problem" />
       </div>
@@ -89,7 +96,7 @@ function Others({ control, onDone }: { control: ControlView; onDone: () => void 
   }
   return (
     <div className={classes.panel}>
-      <p>{control.text}. You can look on, and press STOP.</p>
+      <p>{t("{text}. You can look on, and press STOP.", { text: control.text })}</p>
       {control.waits === null && (
         <Button
           size="md"
@@ -97,7 +104,7 @@ function Others({ control, onDone }: { control: ControlView; onDone: () => void 
           onClick={() => ask.mutate()}
           data-testid="control-ask"
         >
-          Ask for control
+          {t("Ask for control")}
         </Button>
       )}
       <Problem error={ask.error} testId="control-problem" />

@@ -2,6 +2,8 @@ import { Button } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { giveControl, keepControl } from "../api/controlClient";
+import { t } from "../texts/text";
+import { told } from "../texts/told";
 import { Band } from "../ui/Band";
 import { sentence } from "./controlText";
 import { TakeForm } from "./TakeForm";
@@ -13,33 +15,33 @@ export function ControlBand() {
   const [seen, setSeen] = useState("");
   if (control === null) return null;
   const { askedBy, waits, lost, text } = control;
-  const told = lost === null ? "" : `${lost.by}: ${lost.reason}`;
+  const loss = lost === null ? "" : `${lost.by}: ${lost.reason}`;
   return (
     <>
       {askedBy !== "" && <Asked by={askedBy} />}
       {waits !== null && waits > 0 && (
-        <Band tone="notice" testId="control-waits" title="You have asked for control.">
-          {text}, and may answer for {Math.ceil(waits)} s.
+        <Band tone="notice" testId="control-waits" title={t("You have asked for control.")}>
+          {t("{text}, and may answer for {left} s.", { text, left: Math.ceil(waits) })}
         </Band>
       )}
       {waits === 0 && (
         <Band
           tone="notice"
           testId="control-unanswered"
-          title="Nobody has answered."
+          title={t("Nobody has answered.")}
           action={<TakeForm />}
         >
-          {text}. Take it if you know that nobody is in its way.
+          {t("{text}. Take it if you know that nobody is in its way.", { text })}
         </Band>
       )}
-      {lost !== null && told !== seen && (
+      {lost !== null && loss !== seen && (
         <Band
           tone="notice"
           testId="control-lost"
-          title={`${sentence(lost.by)} has taken control from you.`}
+          title={t("{name} has taken control from you.", { name: sentence(lost.by) })}
           action={
-            <Button variant="default" size="md" onClick={() => setSeen(told)}>
-              I know
+            <Button variant="default" size="md" onClick={() => setSeen(loss)}>
+              {t("I know")}
             </Button>
           }
         >
@@ -59,7 +61,7 @@ function Asked({ by }: { by: string }) {
     <Band
       tone="notice"
       testId="control-asked"
-      title={`${sentence(by)} asks you for control.`}
+      title={t("{name} asks you for control.", { name: sentence(by) })}
       action={
         <>
           <Button
@@ -69,7 +71,7 @@ function Asked({ by }: { by: string }) {
             onClick={() => keep.mutate()}
             data-testid="control-keep"
           >
-            Keep
+            {t("Keep")}
           </Button>
           <Button
             size="md"
@@ -77,14 +79,14 @@ function Asked({ by }: { by: string }) {
             onClick={() => give.mutate()}
             data-testid="control-give"
           >
-            Give
+            {t("Give")}
           </Button>
         </>
       }
     >
       {problem === null
-        ? "What the robot does now goes on, unless you drive it by hand."
-        : `${problem.title} ${problem.remedy}`}
+        ? t("What the robot does now goes on, unless you drive it by hand.")
+        : `${told(problem.title)} ${told(problem.remedy)}`}
     </Band>
   );
 }

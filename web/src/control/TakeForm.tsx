@@ -2,6 +2,7 @@ import { Button, TextInput } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { takeControl } from "../api/controlClient";
+import { t } from "../texts/text";
 import { Problem } from "../ui/Problem";
 import classes from "./Control.module.css";
 
@@ -18,7 +19,7 @@ export function TakeForm({ onDone }: { onDone?: () => void }) {
       }}
     >
       <TextInput
-        label="Why you take it"
+        label={t("Why you take it")}
         size="md"
         maxLength={200}
         value={reason}
@@ -33,7 +34,7 @@ export function TakeForm({ onDone }: { onDone?: () => void }) {
         disabled={reason.trim() === ""}
         data-testid="control-take"
       >
-        Take control
+        {t("Take control")}
       </Button>
       <Problem error={take.error} testId="control-take-problem" />
     </form>

@@ -1,4 +1,5 @@
 import type { Control, Session } from "../api/types";
+import { t } from "../texts/text";
 
 /** Time (s) in which an ask is to be answered; the console holds who asked to it. */
 export const ANSWER_S = 20;
@@ -26,7 +27,9 @@ export function controlView(control: Control, session: Session, elapsed: number)
   const other = named(holder, session);
   return {
     whose: holder === "" ? "nobody" : mine ? "mine" : "other",
-    text: mine ? "You have control" : `${sentence(named(holder, session))} has control`,
+    text: mine
+      ? t("You have control")
+      : t("{name} has control", { name: sentence(named(holder, session)) }),
     askedBy: mine && asked_by !== "" ? named(asked_by, session) : "",
     waits: asks && holder !== "" ? Math.max(0, ANSWER_S - asked - elapsed) : null,
     lost: lost ? { by: other, reason } : null,
@@ -39,7 +42,8 @@ const own = (control: Control, session: Session) =>
 
 /** Who that is. Where people log in with tokens, all of a role may have one name. */
 const named = (name: string, session: Session) =>
-  name === session.user ? `another page (${name})` : name;
+  name === session.user ? `${t("another page")} (${name})` : name;
 
 /** As a sentence begins; a person's name stays as it is written. */
-export const sentence = (name: string) => name.replace(/^another page/, "Another page");
+export const sentence = (name: string) =>
+  name.startsWith(t("another page")) ? name.charAt(0).toUpperCase() + name.slice(1) : name;

@@ -17,6 +17,7 @@ import { RulesSheet } from "../rules/RulesSheet";
 import { DriveBand } from "../scene/DriveBand";
 import { StopBand } from "../stop/StopBand";
 import { StopPlace } from "../stop/StopButton";
+import { type Phrase, t } from "../texts/text";
 import { ZonesPanel } from "../zones/ZonesPanel";
 import classes from "./BottomPanel.module.css";
 import type { Props as SideProps } from "./SidePanel";
@@ -29,7 +30,7 @@ const LISTS = ["Places", "Missions", "Zones"] as const;
 type List = (typeof LISTS)[number];
 type Tab = "places" | "health" | "data";
 
-const TABS: { key: Tab; label: string; Icon: typeof IconHeartbeat }[] = [
+const TABS: { key: Tab; label: Phrase; Icon: typeof IconHeartbeat }[] = [
   { key: "places", label: "Places", Icon: IconMapPins },
   { key: "health", label: "Health", Icon: IconHeartbeat },
   { key: "data", label: "Data", Icon: IconDatabase },
@@ -64,7 +65,7 @@ export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
     setTab(next);
   };
   return (
-    <aside className={classes.bottom} aria-label="Robot">
+    <aside className={classes.bottom} aria-label={t("Robot")}>
       {open !== null && (
         <div className={classes.sheet} id="sheet">
           {open === "places" && (
@@ -72,8 +73,8 @@ export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
               <SegmentedControl
                 className={classes.switch}
                 fullWidth
-                aria-label="Places, missions or zones"
-                data={LISTS.map((each) => each)}
+                aria-label={t("Places, missions or zones")}
+                data={LISTS.map((each) => ({ value: each, label: t(each) }))}
                 value={list}
                 onChange={(shown) => setList(LISTS.find((each) => each === shown) ?? "Places")}
               />
@@ -123,7 +124,7 @@ export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
                 onClick={() => show(open === key ? null : key)}
               >
                 <Icon size={20} aria-hidden />
-                {label}
+                {t(label)}
               </UnstyledButton>
             ))}
             <UnstyledButton
@@ -135,7 +136,7 @@ export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
               onClick={rules.toggle}
             >
               <IconBolt size={20} aria-hidden />
-              Rules
+              {t("Rules")}
             </UnstyledButton>
           </div>
         </div>

@@ -40,6 +40,8 @@ import { RobotProvider } from "../state/RobotContext";
 import { StopBand } from "../stop/StopBand";
 import { StopButton } from "../stop/StopButton";
 import { StopProvider } from "../stop/StopContext";
+import { t } from "../texts/text";
+import { told } from "../texts/told";
 import { Band } from "../ui/Band";
 import { BandStack } from "../ui/BandStack";
 import { PHONE } from "../ui/screen";
@@ -335,7 +337,7 @@ function SceneStack({
     <>
       {view === null ? (
         <p className={scene.waiting}>
-          {error === null ? "Opening the scene…" : `${error.title} ${error.remedy}`}
+          {error === null ? t("Opening the scene…") : `${told(error.title)} ${told(error.remedy)}`}
         </p>
       ) : (
         <>
@@ -368,16 +370,16 @@ function SceneStack({
           )}
           {goal.active && goal.draft === null && (
             <GestureHint name="goal" tool={goal}>
-              <span>Tap the floor, or press, drag to the heading and release.</span>
+              <span>{t("Tap the floor, or press, drag to the heading and release.")}</span>
             </GestureHint>
           )}
           {goal.active && goal.typing && goal.draft === null && (
-            <CoordinatesForm label="Goal coordinates" tool={goal} view={view.id} />
+            <CoordinatesForm label={t("Goal coordinates")} tool={goal} view={view.id} />
           )}
           {goal.draft !== null && <GoalCard tool={goal} draft={goal.draft} />}
           {locate.active && locate.draft === null && <LocateHint tool={locate} />}
           {locate.active && locate.typing && locate.draft === null && (
-            <CoordinatesForm label="Coordinates of the robot" tool={locate} view={view.id} />
+            <CoordinatesForm label={t("Coordinates of the robot")} tool={locate} view={view.id} />
           )}
           {measure.active && <MeasureCard tool={measure} />}
           {zone.active && <ZoneCard key={zone.zone?.id ?? 0} tool={zone} />}
@@ -396,8 +398,8 @@ function SceneStack({
           <BatteryBand onGo={onGo} />
           {!rulesOpen && <ProbationBand />}
           {view !== null && error !== null && (
-            <Band tone="notice" title={error.title} testId="view-error">
-              {error.remedy}
+            <Band tone="notice" title={told(error.title)} testId="view-error">
+              {told(error.remedy)}
             </Band>
           )}
           <AuditBand />

@@ -1,7 +1,8 @@
 import { CloseButton, Kbd } from "@mantine/core";
+import { type Phrase, t } from "../texts/text";
 import classes from "./HelpPanel.module.css";
 
-const KEYS: [string, string][] = [
+const KEYS: [string, Phrase][] = [
   ["Space", "Stop the robot, wherever you are not writing text"],
   ["Ctrl Space", "Stop the robot, in a text field, too, where Space is a blank"],
   ["G", "Goal tool on or off"],
@@ -19,7 +20,7 @@ const KEYS: [string, string][] = [
   ["?", "This help"],
 ];
 
-const GESTURES: [string, string][] = [
+const GESTURES: [Phrase, Phrase][] = [
   ["Tap, goal tool on", "A point; the robot chooses its heading"],
   ["Press, drag, release", "A point with the heading of the drag"],
   ["The same, Locate tool on", "Where the robot is, and which way it looks"],
@@ -30,13 +31,19 @@ const GESTURES: [string, string][] = [
   ["Hold the release", "One second, or hold Enter on it"],
 ];
 
+/** What stands on the key; those of a letter are the same everywhere. */
+function keyText(key: string): string {
+  if (key === "Space") return t("Space");
+  return key === "Ctrl" ? t("Ctrl") : key;
+}
+
 /** The keys and gestures, beside the scene and not over it where there is room. */
 export function HelpPanel({ onClose }: { onClose: () => void }) {
   return (
-    <aside className={classes.panel} aria-label="Help" data-testid="help-panel">
+    <aside className={classes.panel} aria-label={t("Help")} data-testid="help-panel">
       <header className={classes.head}>
-        <h2>Keys and gestures</h2>
-        <CloseButton size="lg" aria-label="Close help" onClick={onClose} />
+        <h2>{t("Keys and gestures")}</h2>
+        <CloseButton size="lg" aria-label={t("Close help")} onClick={onClose} />
       </header>
       <dl className={classes.list}>
         {KEYS.map(([key, what]) => (
@@ -44,19 +51,19 @@ export function HelpPanel({ onClose }: { onClose: () => void }) {
             <dt>
               {key.split(" ").map((each) => (
                 <Kbd key={each} mr={4}>
-                  {each}
+                  {keyText(each)}
                 </Kbd>
               ))}
             </dt>
-            <dd>{what}</dd>
+            <dd>{t(what)}</dd>
           </div>
         ))}
       </dl>
       <dl className={classes.gestures}>
         {GESTURES.map(([gesture, what]) => (
           <div key={gesture}>
-            <dt>{gesture}</dt>
-            <dd>{what}</dd>
+            <dt>{t(gesture)}</dt>
+            <dd>{t(what)}</dd>
           </div>
         ))}
       </dl>

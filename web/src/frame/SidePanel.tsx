@@ -11,6 +11,7 @@ import { DraftBar } from "../rules/DraftBar";
 import { FiringsPanel } from "../rules/firings/FiringsPanel";
 import { RulesSheet } from "../rules/RulesSheet";
 import { StopPlace } from "../stop/StopButton";
+import { t } from "../texts/text";
 import { ZonesPanel } from "../zones/ZonesPanel";
 import classes from "./SidePanel.module.css";
 
@@ -31,7 +32,7 @@ export function SidePanel({ onGo, asked, onDraw }: Props) {
   const { open, place } = useNav();
   if (open) {
     return (
-      <aside className={classes.side} aria-label="Rules and goal">
+      <aside className={classes.side} aria-label={t("Rules and goal")}>
         <RulesSheet />
         <div className={classes.foot}>
           <div className={classes.footText}>
@@ -45,7 +46,7 @@ export function SidePanel({ onGo, asked, onDraw }: Props) {
     );
   }
   return (
-    <aside className={classes.side} aria-label="Robot">
+    <aside className={classes.side} aria-label={t("Robot")}>
       <div className={classes.scroll}>
         <div className={classes.goal}>
           <MissionStatus />

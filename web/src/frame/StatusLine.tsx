@@ -5,6 +5,8 @@ import { DrivenBy } from "../hand/DrivenBy";
 import { mapFit } from "../state/localisation";
 import { POSE_DEADLINE_S } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
+import { lengthUnit, shown, speedUnit } from "../texts/units";
 import classes from "./StatusLine.module.css";
 
 /** Where the robot is, how old that is, and who else looks. */
@@ -14,19 +16,23 @@ export function StatusLine() {
   return (
     <footer className={classes.line} data-testid="status-line">
       <span className={classes.link} data-frozen={frozen || undefined}>
-        {frozen ? (connected ? "No data" : "Disconnected") : "Live"}
+        {frozen ? (connected ? t("No data") : t("Disconnected")) : t("Live")}
       </span>
       <ControlLine />
       <PoseText pose={state?.pose ?? null} elapsed={elapsed} />
       {state !== null && <FitText localisation={state.localisation} elapsed={elapsed} />}
       {scan?.age != null && (
-        <span className={classes.extra}>scan {ageText(scan.age + elapsed)}</span>
+        <span className={classes.extra}>
+          {t("scan {age}", { age: ageText(scan.age + elapsed) })}
+        </span>
       )}
       <span className={classes.gap} />
       <DrivenBy place="line" />
       {state !== null && (
         <span className={classes.extra}>
-          {state.viewers === 1 ? "only you watch" : `${state.viewers} pages watch`}
+          {t("{viewers, plural, one {only you watch} other {# pages watch}}", {
+            viewers: state.viewers,
+          })}
         </span>
       )}
     </footer>
@@ -42,7 +48,8 @@ function FitText({ localisation, elapsed }: { localisation: Localisation; elapse
       className={level === "unknown" ? classes.stale : classes.fit}
       title={sentence}
     >
-      {level === "degraded" && "▲ "}map fit {figure}
+      {level === "degraded" && "▲ "}
+      {t("map fit {figure}", { figure })}
     </span>
   );
 }
@@ -51,7 +58,7 @@ function PoseText({ pose, elapsed }: { pose: Pose | null; elapsed: number }) {
   if (pose === null) {
     return (
       <span data-testid="pose" className={classes.stale}>
-        position unknown
+        {t("position unknown")}
       </span>
     );
   }
@@ -59,8 +66,9 @@ function PoseText({ pose, elapsed }: { pose: Pose | null; elapsed: number }) {
   const stale = age > POSE_DEADLINE_S;
   return (
     <span data-testid="pose" className={stale ? classes.stale : undefined}>
-      x {signed(pose.x, 2)} y {signed(pose.y, 2)} m · {degreesText(pose.yaw)} · {signed(pose.v, 2)}{" "}
-      m/s{stale && ` · ${ageText(age)} old`}
+      x {signed(shown(pose.x), 2)} y {signed(shown(pose.y), 2)} {lengthUnit()} ·{" "}
+      {degreesText(pose.yaw)} · {signed(shown(pose.v), 2)} {speedUnit()}
+      {stale && ` · ${t("{age} old", { age: ageText(age) })}`}
     </span>
   );
 }

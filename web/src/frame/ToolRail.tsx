@@ -18,6 +18,7 @@ import { useStage } from "../scene/StageContext";
 import type { Flat } from "../scene/useFlat";
 import type { ViewHandle } from "../scene/useView";
 import { useSession } from "../session/SessionContext";
+import { t } from "../texts/text";
 import classes from "./ToolRail.module.css";
 
 interface Switch {
@@ -46,18 +47,18 @@ export function ToolRail(props: Props) {
   const hand = useHand();
   const viewer = session.role === "viewer";
   const plays = useStage().shown !== null;
-  const later = "Go back to the robot first";
+  const later = t("Go back to the robot first");
   return (
-    <nav className={classes.rail} aria-label="Tools">
+    <nav className={classes.rail} aria-label={t("Tools")}>
       <Tool
         testId="goal-tool"
-        label="Goal"
+        label={t("Goal")}
         hint={
           viewer
-            ? "Viewers watch; an operator sends goals"
+            ? t("Viewers watch; an operator sends goals")
             : plays
               ? later
-              : "Send the robot somewhere (G)"
+              : t("Send the robot somewhere (G)")
         }
         on={goal.active}
         disabled={viewer || view === null || plays}
@@ -66,8 +67,10 @@ export function ToolRail(props: Props) {
       />
       <Tool
         testId="hand-tool"
-        label="Drive"
-        hint={viewer ? "Viewers watch; an operator drives" : plays ? later : "Drive by hand (D)"}
+        label={t("Drive")}
+        hint={
+          viewer ? t("Viewers watch; an operator drives") : plays ? later : t("Drive by hand (D)")
+        }
         on={hand.open}
         disabled={viewer || plays}
         onClick={hand.toggle}
@@ -75,13 +78,13 @@ export function ToolRail(props: Props) {
       />
       <Tool
         testId="locate-tool"
-        label="Locate"
+        label={t("Locate")}
         hint={
           viewer
-            ? "Viewers watch; an operator says where the robot is"
+            ? t("Viewers watch; an operator says where the robot is")
             : plays
               ? later
-              : "Say where the robot is (O)"
+              : t("Say where the robot is (O)")
         }
         on={locate.active}
         disabled={viewer || view === null || plays}
@@ -90,8 +93,8 @@ export function ToolRail(props: Props) {
       />
       <Tool
         testId="measure-tool"
-        label="Measure"
-        hint={plays ? later : "How far it is from one point to another (M)"}
+        label={t("Measure")}
+        hint={plays ? later : t("How far it is from one point to another (M)")}
         on={measure.active}
         disabled={view === null || plays}
         onClick={measure.toggle}
@@ -106,8 +109,8 @@ export function ToolRail(props: Props) {
       />
       <Tool
         testId="follow"
-        label="Follow"
-        hint={plays ? later : "Keep the robot in the middle (F)"}
+        label={t("Follow")}
+        hint={plays ? later : t("Keep the robot in the middle (F)")}
         on={view?.follow ?? false}
         disabled={view === null || plays}
         onClick={() => view !== null && change({ follow: !view.follow })}
@@ -115,8 +118,8 @@ export function ToolRail(props: Props) {
       />
       <Tool
         testId="top-view"
-        label="Top view"
-        hint={flat.flat ? "A flat map is seen from above" : "Look straight down (T)"}
+        label={t("Top view")}
+        hint={flat.flat ? t("A flat map is seen from above") : t("Look straight down (T)")}
         on={flat.flat || (view?.top ?? false)}
         disabled={view === null || flat.flat}
         onClick={() => view !== null && change({ top: !view.top })}
@@ -125,8 +128,8 @@ export function ToolRail(props: Props) {
       <Tool
         testId="rules"
         id={OPENERS.rail}
-        label="Rules"
-        hint="What the robot does when something happens (R)"
+        label={t("Rules")}
+        hint={t("What the robot does when something happens (R)")}
         wide
         on={rules.open && !timeline}
         onClick={() => (timeline ? rules.go({ at: "table" }) : rules.toggle())}
@@ -134,8 +137,8 @@ export function ToolRail(props: Props) {
       />
       <Tool
         testId="timeline-tool"
-        label="Timeline"
-        hint="What has happened (E)"
+        label={t("Timeline")}
+        hint={t("What has happened (E)")}
         wide
         on={timeline}
         onClick={() => (timeline ? rules.close() : rules.go({ at: "timeline" }))}
@@ -143,8 +146,8 @@ export function ToolRail(props: Props) {
       />
       <Tool
         testId="help"
-        label="Help"
-        hint="Keys and gestures (?)"
+        label={t("Help")}
+        hint={t("Keys and gestures (?)")}
         roomy
         on={helpOpen}
         onClick={onHelp}

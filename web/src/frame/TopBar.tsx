@@ -5,8 +5,10 @@ import {
   IconChevronDown,
   IconDevicesOff,
   IconHelpCircle,
+  IconLanguage,
   IconLogout,
   IconMoon,
+  IconRulerMeasure,
   IconSun,
   IconSunMoon,
   IconUser,
@@ -17,6 +19,7 @@ import { logoutOthers } from "../api/client";
 import { BatteryBadge } from "../battery/BatteryBadge";
 import { batteryText } from "../battery/batteryText";
 import { ControlBadge } from "../control/ControlBadge";
+import { fixed } from "../format";
 import { DrivenBy } from "../hand/DrivenBy";
 import { NotifyDialog } from "../notify/NotifyDialog";
 import { RevisionBadge } from "../rules/bands/RevisionBadge";
@@ -25,6 +28,10 @@ import { lastRestart } from "../state/causes";
 import { overall } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
+import { LANGUAGE_KEYS, LANGUAGES, language } from "../texts/language";
+import { t } from "../texts/text";
+import { told } from "../texts/told";
+import { UNITS, units } from "../texts/units";
 import { Mark } from "../ui/Mark";
 import { StatusMark } from "../ui/StatusMark";
 import { PHONE } from "../ui/screen";
@@ -72,7 +79,7 @@ function OverallState() {
           data-stale={wasStopped || undefined}
           data-testid="stopped-hint"
         >
-          {wasStopped ? "Was stopped" : stop.phase === "stopped" ? "Stopped" : "Stopping"}
+          {wasStopped ? t("Was stopped") : stop.phase === "stopped" ? t("Stopped") : t("Stopping")}
         </span>
       )}
       <DrivenBy place="bar" />
@@ -91,21 +98,25 @@ function SimulationRate() {
       className={classes.sim}
       data-testid="sim-rate"
       data-stale={stale || undefined}
-      title="Simulated seconds per second"
+      title={t("Simulated seconds per second")}
     >
-      <span className={classes.simLong}>Simulation </span>
-      <span className={classes.simShort}>Sim </span>
-      {stale ? "silent" : <span className={classes.rate}>{simulation.rate.toFixed(2)}×</span>}
+      <span className={classes.simLong}>{t("Simulation")} </span>
+      <span className={classes.simShort}>{t("Sim")} </span>
+      {stale ? t("silent") : <span className={classes.rate}>{fixed(simulation.rate, 2)}×</span>}
     </span>
   );
 }
 
-const THEME_WORDS = { auto: "as the system", light: "light", dark: "dark" } as const;
+const THEME_WORDS = {
+  auto: "Theme: as the system",
+  light: "Theme: light",
+  dark: "Theme: dark",
+} as const;
 
 function useThemeWords() {
   const { choice, cycle } = useTheme();
   const Icon = { auto: IconSunMoon, light: IconSun, dark: IconMoon }[choice];
-  return { label: `Theme: ${THEME_WORDS[choice]}`, Icon, cycle };
+  return { label: t(THEME_WORDS[choice]), Icon, cycle };
 }
 
 function ThemeToggle() {
@@ -136,7 +147,7 @@ function UserMenu({ onNotify, onHelp }: { onNotify: () => void; onHelp: () => vo
       <Menu.Target>
         <UnstyledButton
           className={classes.user}
-          aria-label={`User ${session.user}`}
+          aria-label={t("User {user}", { user: session.user })}
           data-testid="user-menu"
         >
           <IconUser size={18} aria-hidden />
@@ -146,16 +157,21 @@ function UserMenu({ onNotify, onHelp }: { onNotify: () => void; onHelp: () => vo
       </Menu.Target>
       <Menu.Dropdown>
         <Menu.Label>
-          {session.user}, {session.role}
+          {session.user}, {t(session.role)}
         </Menu.Label>
         {state?.simulation && (
-          <Menu.Label>Simulation at {state.simulation.rate.toFixed(2)}×</Menu.Label>
+          <Menu.Label>
+            {t("Simulation at {rate}×", { rate: fixed(state.simulation.rate, 2) })}
+          </Menu.Label>
         )}
         {state?.battery && <Menu.Label>{batteryText(state.battery, elapsed)}</Menu.Label>}
         {version !== null && <Menu.Label>Kompass Console {version}</Menu.Label>}
         {state !== null && (
           <Menu.Label>
-            ROS domain {state.ros.domain_id}, {state.ros.middleware}
+            {t("ROS domain {domain}, {middleware}", {
+              domain: state.ros.domain_id,
+              middleware: state.ros.middleware,
+            })}
           </Menu.Label>
         )}
         {phone && (
@@ -176,17 +192,18 @@ function UserMenu({ onNotify, onHelp }: { onNotify: () => void; onHelp: () => vo
             mih={44}
             data-testid="help-item"
           >
-            Keys and gestures
+            {t("Keys and gestures")}
           </Menu.Item>
         )}
         <Menu.Divider />
+        <LanguageItems />
         <Menu.Item
           leftSection={<IconBell size={18} aria-hidden />}
           onClick={onNotify}
           mih={44}
           data-testid="notify-item"
         >
-          Notifications
+          {t("Notifications")}
         </Menu.Item>
         {session.account && (
           <Menu.Item
@@ -197,12 +214,12 @@ function UserMenu({ onNotify, onHelp }: { onNotify: () => void; onHelp: () => vo
             mih={44}
             data-testid="logout-others"
           >
-            {others.isSuccess ? "Logged out elsewhere" : "Log out elsewhere"}
+            {others.isSuccess ? t("Logged out elsewhere") : t("Log out elsewhere")}
           </Menu.Item>
         )}
         {others.error !== null && (
           <Menu.Label role="alert">
-            {others.error.title} {others.error.remedy}
+            {told(others.error.title)} {told(others.error.remedy)}
           </Menu.Label>
         )}
         <Menu.Item
@@ -211,9 +228,45 @@ function UserMenu({ onNotify, onHelp }: { onNotify: () => void; onHelp: () => vo
           mih={44}
           data-testid="logout"
         >
-          Log out
+          {t("Log out")}
         </Menu.Item>
       </Menu.Dropdown>
     </Menu>
+  );
+}
+
+const UNIT_WORDS = {
+  metric: "Units: metric (m)",
+  imperial: "Units: imperial (ft)",
+} as const;
+
+const after = <Value,>(now: Value, all: readonly Value[]): Value =>
+  all[(all.indexOf(now) + 1) % all.length] ?? now;
+
+/** The language of the page, named in itself, and its units: each press takes the next. */
+function LanguageItems() {
+  const speaks = language.use();
+  const measures = units.use();
+  return (
+    <>
+      <Menu.Item
+        closeMenuOnClick={false}
+        leftSection={<IconLanguage size={18} aria-hidden />}
+        onClick={() => language.choose(after(speaks, LANGUAGE_KEYS))}
+        mih={44}
+        data-testid="language-item"
+      >
+        {t("Language: {name}", { name: LANGUAGES[speaks] })}
+      </Menu.Item>
+      <Menu.Item
+        closeMenuOnClick={false}
+        leftSection={<IconRulerMeasure size={18} aria-hidden />}
+        onClick={() => units.choose(after(measures, UNITS))}
+        mih={44}
+        data-testid="units-item"
+      >
+        {t(UNIT_WORDS[measures])}
+      </Menu.Item>
+    </>
   );
 }

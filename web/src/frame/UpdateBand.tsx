@@ -1,6 +1,7 @@
 import { Button } from "@mantine/core";
 import { useState } from "react";
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
 import { Band } from "../ui/Band";
 
 /** A page that is open for weeks outlives the console that it came from. */
@@ -12,15 +13,15 @@ export function UpdateBand() {
   return (
     <Band
       tone="notice"
-      title={`The console is ${version} now`}
+      title={t("The console is {version} now", { version })}
       testId="update-band"
       action={
         <Button variant="default" size="compact-md" onClick={() => location.reload()}>
-          Reload
+          {t("Reload")}
         </Button>
       }
     >
-      This page is of {from}: reload it when you can look away for a moment.
+      {t("This page is of {from}: reload it when you can look away for a moment.", { from })}
     </Band>
   );
 }

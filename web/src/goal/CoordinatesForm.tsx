@@ -1,5 +1,7 @@
 import { Button, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
+import { t } from "../texts/text";
+import { lengthUnit } from "../texts/units";
 import { parseCoordinates } from "./coordinates";
 import classes from "./Goal.module.css";
 import type { GoalTool } from "./useGoalTool";
@@ -46,12 +48,12 @@ export function CoordinatesForm({ label, tool, view }: Props) {
   return (
     <form className={classes.form} onSubmit={submit} aria-label={label} noValidate>
       <div className={classes.fields}>
-        {field("x (m)", "x", x, setX)}
-        {field("y (m)", "y", y, setY)}
-        {field("Heading (°)", "heading", heading, setHeading)}
+        {field(`x (${lengthUnit()})`, "x", x, setX)}
+        {field(`y (${lengthUnit()})`, "y", y, setY)}
+        {field(t("Heading (°)"), "heading", heading, setHeading)}
       </div>
       <Button type="submit" size="sm" data-testid="coordinate-check">
-        Check
+        {t("Check")}
       </Button>
     </form>
   );

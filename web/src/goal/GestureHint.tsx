@@ -1,6 +1,7 @@
 import { Button } from "@mantine/core";
 import { IconKeyboard, IconX } from "@tabler/icons-react";
 import type { ReactNode } from "react";
+import { t } from "../texts/text";
 import classes from "./Goal.module.css";
 
 interface Props {
@@ -23,7 +24,7 @@ export function GestureHint({ name, tool, children }: Props) {
           onClick={() => tool.type(!tool.typing)}
           data-testid={`${name}-type`}
         >
-          Type coordinates
+          {t("Type coordinates")}
         </Button>
         <Button
           size="compact-md"
@@ -31,7 +32,7 @@ export function GestureHint({ name, tool, children }: Props) {
           leftSection={<IconX size={18} aria-hidden />}
           onClick={tool.toggle}
         >
-          Done
+          {t("Done")}
         </Button>
       </span>
     </div>

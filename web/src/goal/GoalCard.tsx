@@ -6,6 +6,8 @@ import { SavePlace } from "../places/SavePlace";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
+import { t } from "../texts/text";
+import { langOf, told } from "../texts/told";
 import classes from "./Goal.module.css";
 import { checkText, isUnderWay, placeText } from "./goalText";
 import { useCardPlace } from "./useCardPlace";
@@ -40,13 +42,13 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
       className={classes.card}
       data-testid="goal-card"
       role="dialog"
-      aria-label="Goal"
+      aria-label={t("Goal")}
       style={style}
     >
       <div aria-live="polite">
         {phase === "checking" ? (
           <p className={classes.lead}>
-            <Loader size="xs" /> Checking…
+            <Loader size="xs" /> {t("Checking…")}
           </p>
         ) : (
           <Answer
@@ -74,7 +76,7 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
             disabled={held}
             data-testid="goal-go"
           >
-            Go
+            {t("Go")}
           </Button>
         )}
         {check?.nearest && !check.ok && (
@@ -87,11 +89,11 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
             disabled={held}
             data-testid="goal-nearest"
           >
-            Go to the nearest reachable point
+            {t("Go to the nearest reachable point")}
           </Button>
         )}
         <Button size="md" variant="default" onClick={tool.drop} data-testid="goal-cancel">
-          Cancel
+          {t("Cancel")}
         </Button>
         {check?.ok && of === null && session.role !== "viewer" && (
           <Button
@@ -101,7 +103,7 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
             onClick={() => setNaming(true)}
             data-testid="goal-save-place"
           >
-            Save this place
+            {t("Save this place")}
           </Button>
         )}
       </div>
@@ -126,32 +128,49 @@ function Answer({ check, draft, goal, stopped, drivenBy }: AnswerProps) {
   return (
     <>
       {error !== null && (
-        <p className={classes.problem}>
-          {error.title} {error.remedy}
+        <p className={classes.problem} lang={langOf(error.title)}>
+          {told(error.title)} {told(error.remedy)}
         </p>
       )}
-      {draft.place !== null && <p className={classes.detail}>To {draft.place.name}</p>}
+      {draft.place !== null && (
+        <p className={classes.detail}>{t("To {name}", { name: draft.place.name })}</p>
+      )}
       {check !== null && (error === null || check.ok) && (
-        <p className={check.ok ? classes.lead : classes.problem}>{checkText(check)}</p>
+        <p
+          className={check.ok ? classes.lead : classes.problem}
+          lang={check.ok ? undefined : langOf(check.message)}
+        >
+          {checkText(check)}
+        </p>
       )}
       {check?.ok && <p className={classes.detail}>{placeText(check.x, check.y, check.yaw)}</p>}
       {gap !== null && check?.reason !== "above_horizon" && (
         <p className={classes.detail}>
-          The nearest reachable point is {distanceText(gap)} from the one you picked.
+          {t("The nearest reachable point is {distance} from the one you picked.", {
+            distance: distanceText(gap),
+          })}
         </p>
       )}
-      {check?.note && <p className={classes.note}>{check.note}</p>}
+      {check?.note && (
+        <p className={classes.note} lang={langOf(check.note)}>
+          {told(check.note)}
+        </p>
+      )}
       {check?.ok && !check.heading_used && check.yaw !== null && check.note === "" && (
         <p className={classes.note}>
-          The running recipe takes points only: the heading is not used.
+          {t("The running recipe takes points only: the heading is not used.")}
         </p>
       )}
-      {stopped && <p className={classes.note}>The robot is stopped: release the stop first.</p>}
+      {stopped && (
+        <p className={classes.note}>{t("The robot is stopped: release the stop first.")}</p>
+      )}
       {!stopped && drivenBy !== "" && (
-        <p className={classes.note}>{drivenBy} drives by hand: the wheel must be given up first.</p>
+        <p className={classes.note}>
+          {t("{drivenBy} drives by hand: the wheel must be given up first.", { drivenBy })}
+        </p>
       )}
       {check?.ok && isUnderWay(goal) && !stopped && (
-        <p className={classes.note}>Replaces the goal that the robot is driving to.</p>
+        <p className={classes.note}>{t("Replaces the goal that the robot is driving to.")}</p>
       )}
     </>
   );

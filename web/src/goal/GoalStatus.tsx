@@ -8,6 +8,8 @@ import { usePlaces } from "../places/usePlaces";
 import { useSession } from "../session/SessionContext";
 import { useNow, useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
+import { t } from "../texts/text";
+import { langOf, told } from "../texts/told";
 import classes from "./Goal.module.css";
 import { endText, goalLine, isUnderWay, limitText, placeText } from "./goalText";
 
@@ -50,23 +52,29 @@ export function GoalStatus() {
       data-tone={line.tone}
       data-under-way={isUnderWay(goal) || undefined}
       data-stale={frozen || undefined}
-      aria-label="Goal"
+      aria-label={t("Goal")}
     >
       <div className={classes.statusText} role="status">
-        <strong>{line.text}</strong>
+        <strong lang={goal.phase === "failed" ? langOf(goal.message) : undefined}>
+          {line.text}
+        </strong>
         {line.more !== "" && <span className={classes.detail}>{line.more}</span>}
-        {goal.hindrance !== "" && <span className={classes.limit}>▲ {goal.hindrance}</span>}
+        {goal.hindrance !== "" && (
+          <span className={classes.limit} lang={langOf(goal.hindrance)}>
+            ▲ {told(goal.hindrance)}
+          </span>
+        )}
         {limit !== null && <span className={classes.limit}>▲ {limit}</span>}
         {failure !== null && (
-          <span className={classes.problem}>
-            {failure.title} {failure.remedy}
+          <span className={classes.problem} lang={langOf(failure.title)}>
+            {told(failure.title)} {told(failure.remedy)}
           </span>
         )}
         <span className={classes.place}>
           {ended !== null && `${endText(ended, now)} · `}
           {place !== null && `${place.name} · `}
           {placeText(goal.x, goal.y, goal.yaw)}
-          {goal.sent_by !== "" && ` · by ${goal.sent_by}`}
+          {goal.sent_by !== "" && ` · ${t("by {by}", { by: goal.sent_by })}`}
         </span>
       </div>
       {isUnderWay(goal) ? (
@@ -78,14 +86,14 @@ export function GoalStatus() {
             onClick={cancel}
             data-testid="goal-cancel-sent"
           >
-            Cancel goal
+            {t("Cancel goal")}
           </Button>
         )
       ) : (
         <>
           <CloseButton
             size="lg"
-            aria-label="Hide this goal"
+            aria-label={t("Hide this goal")}
             onClick={() => {
               setFailure(null);
               setDismissed(goal.id);
@@ -100,7 +108,7 @@ export function GoalStatus() {
               onClick={again}
               data-testid="goal-again"
             >
-              Send again
+              {t("Send again")}
             </Button>
           )}
         </>

@@ -1,6 +1,10 @@
 import type { Drive, Goal, GoalCheck } from "../api/types";
-import { degreesText, distanceText, durationText, signed, wholeAgeText } from "../format";
+import { degreesText, distanceText, durationText, pointText, wholeAgeText } from "../format";
 import type { Cause } from "../state/causes";
+import { timeText } from "../texts/dates";
+import { type Phrase, t } from "../texts/text";
+import { told } from "../texts/told";
+import { METRES_PER_FOOT, units } from "../texts/units";
 
 /** How a line is meant: calm, good news, or something for a person. */
 type Tone = "plain" | "done" | "problem";
@@ -14,24 +18,27 @@ export interface GoalLine {
 
 /** `4.2 m, about 21 s, clear`: what will happen if the operator says Go. */
 export function checkText(check: GoalCheck): string {
-  if (!check.ok) return check.message;
+  if (!check.ok) return told(check.message);
   const parts: string[] = [];
   if (check.length !== null) parts.push(distanceText(check.length));
-  if (check.duration !== null) parts.push(`about ${durationText(check.duration)}`);
-  parts.push(parts.length === 0 ? "Clear" : "clear");
+  if (check.duration !== null)
+    parts.push(t("about {duration}", { duration: durationText(check.duration) }));
+  parts.push(parts.length === 0 ? t("Clear") : t("clear"));
   return parts.join(", ");
 }
 
-const clock = new Intl.DateTimeFormat(undefined, { timeStyle: "short", hour12: false });
-
 /** When a goal ended: relative within a minute, clock time after. `ago` in s, `now` in epoch s. */
 export function endText(ago: number, now: number): string {
-  return ago < 60 ? `${wholeAgeText(ago)} ago` : `at ${clock.format((now - ago) * 1000)}`;
+  return ago < 60
+    ? t("{age} ago", { age: wholeAgeText(ago) })
+    : t("at {time}", { time: timeText(now - ago, "short") });
 }
 
 export function placeText(x: number, y: number, yaw: number | null): string {
-  const place = `x ${signed(x, 2)}, y ${signed(y, 2)} m`;
-  return yaw === null ? place : `${place}, heading ${degreesText(yaw)}`;
+  const place = pointText(x, y);
+  return yaw === null
+    ? place
+    : t("{place}, heading {degrees}", { place, degrees: degreesText(yaw) });
 }
 
 /** A planner answers a goal at once; later than this, something is wrong. */
@@ -45,51 +52,60 @@ export function goalLine(goal: Goal, drive: Drive | null, cause: Cause | null = 
   switch (goal.phase) {
     case "sent":
       return goal.elapsed < ACCEPT_WITHIN_S
-        ? line("plain", "Goal sent")
+        ? line("plain", t("Goal sent"))
         : line(
             "problem",
-            `Sent ${durationText(goal.elapsed)} ago, not accepted yet`,
+            t("Sent {duration} ago, not accepted yet", { duration: durationText(goal.elapsed) }),
             cause === null
-              ? "Look at the planner's health; cancel the goal or send it again."
+              ? t("Look at the planner's health; cancel the goal or send it again.")
               : `${cause.text}. ${cause.advice}`,
           );
     case "accepted":
-      return line("plain", "Goal accepted");
+      return line("plain", t("Goal accepted"));
     case "driving":
       return line("plain", remaining(goal));
     case "arrived":
-      return line("done", goal.error === null ? "Arrived" : `Arrived, ${offText(goal.error)} off`);
+      return line(
+        "done",
+        goal.error === null ? t("Arrived") : t("Arrived, {off} off", { off: offText(goal.error) }),
+      );
     case "failed":
       return line(
         "problem",
-        goal.message === "" ? "The goal failed" : goal.message,
+        goal.message === "" ? t("The goal failed") : told(goal.message),
         afterwards(goal, drive, cause),
       );
     case "canceled":
-      return line("plain", "Goal cancelled", goal.message);
+      return line("plain", t("Goal cancelled"), told(goal.message));
   }
 }
 
 function afterwards(goal: Goal, drive: Drive | null, cause: Cause | null): string {
   if (drive === null || !drive.stopped) {
-    if (cause === null || cause.minor) return "Pick another point, or send the goal again.";
-    return `${cause.text}. When that is mended, send the goal again.`;
+    if (cause === null || cause.minor) return t("Pick another point, or send the goal again.");
+    return t("{text}. When that is mended, send the goal again.", { text: cause.text });
   }
-  const by = drive.stopped_by === "" ? "somebody" : drive.stopped_by;
-  return goal.message.includes(by)
-    ? "When STOP is released, send the goal again."
-    : `That was before ${by} stopped the robot.`;
+  const by = drive.stopped_by === "" ? t("somebody") : told(drive.stopped_by);
+  return goal.message.includes(drive.stopped_by || "somebody")
+    ? t("When STOP is released, send the goal again.")
+    : t("That was before {by} stopped the robot.", { by });
 }
 
 function offText(error: number): string {
-  return Math.abs(error) < 0.005 ? "less than 1 cm" : distanceText(error);
+  return Math.abs(error) < 0.005
+    ? t("less than {distance}", {
+        distance: distanceText(units.get() === "metric" ? 0.01 : METRES_PER_FOOT / 12),
+      })
+    : distanceText(error);
 }
 
 /** `1.2 m left, about 8 s`. */
 export function remaining(goal: Goal): string {
-  if (goal.distance_left === null) return "On the way";
-  const left = `${distanceText(goal.distance_left)} left`;
-  return goal.eta === null ? left : `${left}, about ${durationText(goal.eta)}`;
+  if (goal.distance_left === null) return t("On the way");
+  const left = t("{distance} left", { distance: distanceText(goal.distance_left) });
+  return goal.eta === null
+    ? left
+    : t("{left}, about {duration}", { left, duration: durationText(goal.eta) });
 }
 
 function line(tone: Tone, text: string, more = ""): GoalLine {
@@ -100,7 +116,7 @@ export function isUnderWay(goal: Goal | null): boolean {
   return goal !== null && ["sent", "accepted", "driving"].includes(goal.phase);
 }
 
-const HELD: Record<string, string> = {
+const HELD: Record<string, Phrase> = {
   obstacle: "an obstacle is close",
   "keep-out zone": "a keep-out zone",
   "speed zone": "a speed zone",
@@ -114,8 +130,11 @@ const HELD: Record<string, string> = {
 /** Why the robot is slower than it was told to be; null when nothing holds it. */
 export function limitText(drive: Drive | null): string | null {
   if (drive === null || drive.stopped || drive.limited_by === "") return null;
-  const why = HELD[drive.limited_by] ?? drive.limited_by;
+  const known = HELD[drive.limited_by];
+  const why = known === undefined ? told(drive.limited_by) : t(known);
   const percent = Math.round(drive.speed_factor * 100);
   if (percent >= 100) return null;
-  return percent <= 0 ? `Held: ${why}` : `Slowed to ${percent} %: ${why}`;
+  return percent <= 0
+    ? t("Held: {why}", { why })
+    : t("Slowed to {percent} %: {why}", { percent, why });
 }

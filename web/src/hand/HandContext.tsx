@@ -9,9 +9,9 @@ import {
   useState,
   useSyncExternalStore,
 } from "react";
+import { readKept, writeKept } from "../kept";
 import { forwardedHand, isTyping } from "../keys";
 import { useSession } from "../session/SessionContext";
-import { readKept, writeKept } from "../ui/kept";
 import { HandLink, type HandState } from "./handLink";
 import { HandLoop } from "./handLoop";
 import { isDrivingKey, padPush, twistOf } from "./push";

@@ -1,9 +1,12 @@
 import { Button, CloseButton, Slider, UnstyledButton } from "@mantine/core";
 import { IconChevronsLeft, IconChevronsRight, IconSteeringWheel } from "@tabler/icons-react";
+import { fixed } from "../format";
 import { isUnderWay } from "../goal/goalText";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
+import { t } from "../texts/text";
+import { shown, speedUnit } from "../texts/units";
 import classes from "./Hand.module.css";
 import { type Hand, LEAST_SHARE, useHand } from "./HandContext";
 import { drivenText, heldBackText } from "./handText";
@@ -18,7 +21,7 @@ export function HandPanel() {
       className={classes.strip}
       data-testid="hand-panel"
       data-yours={hand.yours || undefined}
-      aria-label="Drive by hand"
+      aria-label={t("Drive by hand")}
     >
       {hand.yours ? <Wheel hand={hand} /> : <Taking hand={hand} />}
     </section>
@@ -34,7 +37,7 @@ function Wheel({ hand }: { hand: Hand }) {
     <>
       <div className={classes.controls}>
         <div className={classes.head}>
-          <strong>You drive</strong>
+          <strong>{t("You drive")}</strong>
           <Button
             size="compact-md"
             variant="default"
@@ -42,24 +45,30 @@ function Wheel({ hand }: { hand: Hand }) {
             onClick={hand.give}
             data-testid="hand-give"
           >
-            Give up
+            {t("Give up")}
           </Button>
         </div>
         <p className={classes.notice} role="status" data-testid="hand-notice">
-          {askedBy !== "" && <span className={classes.asked}>{askedBy} asks for the wheel. </span>}
+          {askedBy !== "" && (
+            <span className={classes.asked}>
+              {t("{askedBy} asks for the wheel.", { askedBy })}{" "}
+            </span>
+          )}
           {held !== null && <span className={classes.held}>▲ {held}</span>}
           {held === null && askedBy === "" && (
             <>
               <span className={classes.mouse}>
-                Hold the stick, W A S D or the arrows. Esc gives up.
+                {t("Hold the stick, W A S D or the arrows. Esc gives up.")}
               </span>
-              <span className={classes.touch}>Hold the stick; let go to stand.</span>
+              <span className={classes.touch}>{t("Hold the stick; let go to stand.")}</span>
             </>
           )}
         </p>
         <div className={classes.speed}>
           <span className={classes.speedText} data-testid="hand-speed">
-            at most {(share * limits.vx).toFixed(2)} m/s
+            {t("at most {speed}", {
+              speed: `${fixed(shown(share * limits.vx), 2)} ${speedUnit()}`,
+            })}
           </span>
           <Slider
             className={classes.slider}
@@ -69,7 +78,7 @@ function Wheel({ hand }: { hand: Hand }) {
             label={null}
             value={share}
             onChange={hand.setShare}
-            thumbLabel="Speed limit"
+            thumbLabel={t("Speed limit")}
           />
         </div>
       </div>
@@ -101,8 +110,8 @@ function Aside({ hand }: { hand: Hand }) {
   );
   return (
     <div className={classes.asides}>
-      {slide(1, "Hold to go to the left (Q)", IconChevronsLeft)}
-      {slide(-1, "Hold to go to the right (E)", IconChevronsRight)}
+      {slide(1, t("Hold to go to the left (Q)"), IconChevronsLeft)}
+      {slide(-1, t("Hold to go to the right (E)"), IconChevronsRight)}
     </div>
   );
 }
@@ -117,24 +126,24 @@ function Taking({ hand }: { hand: Hand }) {
   return (
     <>
       <div className={classes.controls}>
-        <strong>{drivenBy === "" ? "Drive by hand" : drivenText(drivenBy, false)}</strong>
+        <strong>{drivenBy === "" ? t("Drive by hand") : drivenText(drivenBy, false)}</strong>
         <p className={classes.notice} role="status" data-testid="hand-notice">
           {hand.message !== "" ? (
             <span className={classes.held}>▲ {hand.message}</span>
           ) : !hand.connected ? (
-            "Connecting…"
+            t("Connecting…")
           ) : drive === null ? (
-            "The drive manager is silent: nobody can drive."
+            t("The drive manager is silent: nobody can drive.")
           ) : drivenBy !== "" ? (
             session.role === "engineer" ? (
-              "Ask for the wheel, or take it over: the robot stands then."
+              t("Ask for the wheel, or take it over: the robot stands then.")
             ) : (
-              "Ask for the wheel; an engineer may take it over."
+              t("Ask for the wheel; an engineer may take it over.")
             )
           ) : isUnderWay(state?.goal ?? null) ? (
-            "Taking the wheel ends the goal that the robot drives to."
+            t("Taking the wheel ends the goal that the robot drives to.")
           ) : (
-            "The robot moves only while you hold the stick or a key."
+            t("The robot moves only while you hold the stick or a key.")
           )}
         </p>
       </div>
@@ -147,7 +156,7 @@ function Taking({ hand }: { hand: Hand }) {
             onClick={() => hand.take(false)}
             data-testid="hand-take"
           >
-            Take the wheel
+            {t("Take the wheel")}
           </Button>
         ) : (
           <>
@@ -158,7 +167,7 @@ function Taking({ hand }: { hand: Hand }) {
               onClick={hand.ask}
               data-testid="hand-ask"
             >
-              Ask
+              {t("Ask")}
             </Button>
             {session.role === "engineer" && (
               <Button
@@ -168,12 +177,12 @@ function Taking({ hand }: { hand: Hand }) {
                 onClick={() => hand.take(true)}
                 data-testid="hand-take-over"
               >
-                Take over
+                {t("Take over")}
               </Button>
             )}
           </>
         )}
-        <CloseButton size="lg" aria-label="Close driving by hand" onClick={hand.close} />
+        <CloseButton size="lg" aria-label={t("Close driving by hand")} onClick={hand.close} />
       </div>
     </>
   );

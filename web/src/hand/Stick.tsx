@@ -1,5 +1,6 @@
 import { UnstyledButton } from "@mantine/core";
 import { type PointerEvent, useEffect, useRef, useState } from "react";
+import { t } from "../texts/text";
 import classes from "./Hand.module.css";
 import type { HandLoop } from "./handLoop";
 import { NOTHING, stickPush } from "./push";
@@ -41,7 +42,9 @@ export function Stick({ loop }: { loop: HandLoop }) {
       className={classes.stick}
       data-testid="hand-stick"
       data-held={knob !== MIDDLE || undefined}
-      aria-label="Stick: hold it, and push to where the robot is to go. W, A, S, D and the arrows do the same."
+      aria-label={t(
+        "Stick: hold it, and push to where the robot is to go. W, A, S, D and the arrows do the same.",
+      )}
       onPointerDown={(event) => {
         if (event.button !== 0 || pointer.current !== null) return;
         pointer.current = event.pointerId;

@@ -1,5 +1,6 @@
 import { JsonSocket } from "../api/socket";
 import type { HandAnswer, HandRequest } from "../api/types";
+import { t } from "../texts/text";
 import type { Twist } from "./push";
 
 /** What the page knows of the wheel. */
@@ -45,7 +46,7 @@ export class HandLink {
         this.change({
           ...AWAY,
           connected,
-          message: lost ? "The connection was lost, and the wheel with it. Take it again." : "",
+          message: lost ? t("The connection was lost, and the wheel with it. Take it again.") : "",
         });
       },
     });

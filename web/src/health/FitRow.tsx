@@ -1,6 +1,7 @@
 import type { Localisation } from "../api/types";
 import { ageText } from "../format";
 import { mapFit } from "../state/localisation";
+import { t } from "../texts/text";
 import { HealthRow } from "./HealthRow";
 
 /** How well the scan fits the map: whether the robot knows where it is. */
@@ -10,8 +11,8 @@ export function FitRow({ localisation, elapsed }: { localisation: Localisation; 
   return (
     <HealthRow
       level={level}
-      label="Scan fits map"
-      word={figure === "–" ? "Unknown" : figure}
+      label={t("Scan fits map")}
+      word={figure === "–" ? t("Unknown") : figure}
       age={age === null ? "–" : ageText(age + elapsed)}
       stale={level === "unknown"}
       testId="fit-row"

@@ -1,4 +1,5 @@
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
 import { Panel } from "../ui/Panel";
 import { ComponentRow } from "./ComponentRow";
 import classes from "./Health.module.css";
@@ -10,10 +11,10 @@ export function HealthPanel() {
   const components = state?.components ?? [];
   const silent =
     state === null
-      ? "Nothing heard yet."
-      : "No component reports its status. Is the stack running on this ROS domain?";
+      ? t("Nothing heard yet.")
+      : t("No component reports its status. Is the stack running on this ROS domain?");
   return (
-    <Panel title="Health" frozen={frozen} empty={components.length === 0 ? silent : null}>
+    <Panel title={t("Health")} frozen={frozen} empty={components.length === 0 ? silent : null}>
       <ul className={classes.list}>
         {components.map((component) => (
           <ComponentRow key={component.name} component={component} elapsed={elapsed} />

@@ -1,5 +1,6 @@
 import type { State } from "../api/types";
 import { bytesText, percentText } from "../format";
+import { t } from "../texts/text";
 import type { Level } from "../ui/StatusMark";
 import classes from "./Health.module.css";
 import { HealthRow } from "./HealthRow";
@@ -18,8 +19,8 @@ export function ProcessesRow({ processes }: { processes: readonly Process[] }) {
   return (
     <HealthRow
       level={level}
-      label="Processes"
-      word={`${percentText(all)} of a core`}
+      label={t("Processes")}
+      word={t("{percent} of a core", { percent: percentText(all) })}
       age=""
       stale={false}
       testId="processes"
@@ -27,10 +28,10 @@ export function ProcessesRow({ processes }: { processes: readonly Process[] }) {
       <table className={classes.processes}>
         <thead>
           <tr>
-            <th scope="col">Process</th>
-            <th scope="col">Core</th>
-            <th scope="col">Memory</th>
-            <th scope="col">Restarts</th>
+            <th scope="col">{t("Process")}</th>
+            <th scope="col">{t("Core")}</th>
+            <th scope="col">{t("Memory")}</th>
+            <th scope="col">{t("Restarts")}</th>
           </tr>
         </thead>
         <tbody>
@@ -38,7 +39,7 @@ export function ProcessesRow({ processes }: { processes: readonly Process[] }) {
             <tr key={name} data-lost={LOST.has(state) || undefined}>
               <th scope="row">
                 {name}
-                {state !== "active" && ` (${state})`}
+                {state !== "active" && ` (${t(state)})`}
               </th>
               <td>{cpu === null ? "–" : percentText(cpu)}</td>
               <td>{memory === null ? "–" : bytesText(memory)}</td>

@@ -5,6 +5,8 @@ import { placeText } from "../goal/goalText";
 import { useCardPlace } from "../goal/useCardPlace";
 import { mapFit } from "../state/localisation";
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
+import { langOf, told } from "../texts/told";
 import { agreementText, movedText } from "./locateText";
 import type { LocateDraft, LocateTool } from "./useLocateTool";
 
@@ -13,10 +15,10 @@ export function LocateCard({ tool, draft }: { tool: LocateTool; draft: LocateDra
   const first = useRef<HTMLButtonElement>(null);
   const { anchor, check, error, phase } = draft;
   const { card, place, style } = useCardPlace(anchor, [phase, check, error]);
-  const told = phase === "told";
+  const set = phase === "told";
   // What is doubted takes a press: Enter alone does not set it.
   const sure = check?.ok === true && check.note === "";
-  const ready = told || (phase === "checked" && sure && error === null);
+  const ready = set || (phase === "checked" && sure && error === null);
 
   useLayoutEffect(() => {
     if (ready && place !== null) first.current?.focus({ preventScroll: true });
@@ -29,24 +31,24 @@ export function LocateCard({ tool, draft }: { tool: LocateTool; draft: LocateDra
       data-testid="locate-card"
       data-phase={phase}
       role="dialog"
-      aria-label="Place of the robot"
+      aria-label={t("Place of the robot")}
       style={style}
     >
       <div aria-live="polite">
         {phase === "checking" ? (
           <p className={classes.lead}>
-            <Loader size="xs" /> Comparing…
+            <Loader size="xs" /> {t("Comparing…")}
           </p>
-        ) : told ? (
+        ) : set ? (
           <Told />
         ) : (
           <Answer draft={draft} />
         )}
       </div>
       <div className={classes.actions}>
-        {told ? (
+        {set ? (
           <Button ref={first} size="md" onClick={tool.toggle} data-testid="locate-done">
-            Done
+            {t("Done")}
           </Button>
         ) : (
           <>
@@ -60,7 +62,7 @@ export function LocateCard({ tool, draft }: { tool: LocateTool; draft: LocateDra
                 loading={phase === "sending" && error === null}
                 data-testid="locate-set"
               >
-                {check.best ? "Set the best place" : sure ? "Set" : "Set all the same"}
+                {check.best ? t("Set the best place") : sure ? t("Set") : t("Set all the same")}
               </Button>
             )}
             {check?.ok && check.best && (
@@ -70,11 +72,11 @@ export function LocateCard({ tool, draft }: { tool: LocateTool; draft: LocateDra
                 onClick={() => tool.set(true)}
                 data-testid="locate-exactly"
               >
-                As pressed
+                {t("As pressed")}
               </Button>
             )}
             <Button size="md" variant="default" onClick={tool.drop} data-testid="locate-cancel">
-              Cancel
+              {t("Cancel")}
             </Button>
           </>
         )}
@@ -89,11 +91,15 @@ function Answer({ draft }: { draft: LocateDraft }) {
   return (
     <>
       {error !== null && (
-        <p className={classes.problem}>
-          {error.title} {error.remedy}
+        <p className={classes.problem} lang={langOf(error.title)}>
+          {told(error.title)} {told(error.remedy)}
         </p>
       )}
-      {check !== null && !check.ok && <p className={classes.problem}>{check.message}</p>}
+      {check !== null && !check.ok && (
+        <p className={classes.problem} lang={langOf(check.message)}>
+          {told(check.message)}
+        </p>
+      )}
       {check?.ok && chosen && (
         <>
           <p className={classes.lead}>{agreementText(chosen)}</p>
@@ -101,7 +107,11 @@ function Answer({ draft }: { draft: LocateDraft }) {
           <p className={classes.detail}>{placeText(chosen.x, chosen.y, chosen.yaw)}</p>
         </>
       )}
-      {check?.ok && check.note && <p className={classes.note}>{check.note}</p>}
+      {check?.ok && check.note && (
+        <p className={classes.note} lang={langOf(check.note)}>
+          {told(check.note)}
+        </p>
+      )}
     </>
   );
 }
@@ -112,7 +122,7 @@ function Told() {
   const { sentence } = state === null ? { sentence: "" } : mapFit(state.localisation, elapsed);
   return (
     <>
-      <p className={classes.lead}>The robot was told</p>
+      <p className={classes.lead}>{t("The robot was told")}</p>
       <p className={classes.detail} data-testid="locate-now">
         {sentence}
       </p>

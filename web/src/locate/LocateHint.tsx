@@ -1,5 +1,6 @@
 import { GestureHint } from "../goal/GestureHint";
 import { percentText } from "../state/localisation";
+import { t } from "../texts/text";
 import type { LocateTool } from "./useLocateTool";
 
 /** What to do while the tool is on; while it drags, how well scan and map agree. */
@@ -8,8 +9,8 @@ export function LocateHint({ tool }: { tool: LocateTool }) {
     <GestureHint name="locate" tool={tool}>
       <span data-testid="locate-looked">
         {tool.looked !== null
-          ? `Scan and map agree ${percentText(tool.looked)} here.`
-          : "Press where the robot is, drag to where it looks and release."}
+          ? t("Scan and map agree {percent} here.", { percent: percentText(tool.looked) })
+          : t("Press where the robot is, drag to where it looks and release.")}
       </span>
     </GestureHint>
   );

@@ -3,7 +3,10 @@ import { useDebouncedValue } from "@mantine/hooks";
 import { IconPlayerPause, IconPlayerPlay } from "@tabler/icons-react";
 import { useState } from "react";
 import type { LogLevel } from "../api/types";
+import { countText } from "../format";
 import { useNow, useRobot } from "../state/RobotContext";
+import { type Phrase, t } from "../texts/text";
+import { told } from "../texts/told";
 import { Choice } from "../ui/controls/Choice";
 import { Problem } from "../ui/Problem";
 import page from "../ui/page.module.css";
@@ -11,7 +14,7 @@ import classes from "./Log.module.css";
 import { LogRow } from "./LogRow";
 import { useLog } from "./useLog";
 
-const LEVELS = [
+const LEVELS: { value: string; label: Phrase }[] = [
   { value: "debug", label: "everything" },
   { value: "info", label: "without debug" },
   { value: "warning", label: "warnings and worse" },
@@ -30,7 +33,7 @@ export function LogPage() {
   const [text] = useDebouncedValue(typed.trim(), 300);
   const [paused, setPaused] = useState(false);
   const log = useLog({ level, node, text }, SHOWN, paused);
-  const labels = new Map(state?.components.map(({ name, label }) => [name, label]));
+  const labels = new Map(state?.components.map(({ name, label }) => [name, told(label)]));
   const lines = log.lines ?? [];
   const nodes = [...new Set([...log.nodes, ...(node === ALL ? [] : [node])])].sort();
   const asked = level !== "debug" || node !== ALL || text !== "";
@@ -40,18 +43,18 @@ export function LogPage() {
         <TextInput
           size="sm"
           className={classes.grow}
-          aria-label="Only lines with these words"
-          placeholder="only with …"
+          aria-label={t("Only lines with these words")}
+          placeholder={t("only with …")}
           maxLength={200}
           value={typed}
           data-testid="log-text"
           onChange={(event) => setTyped(event.currentTarget.value)}
         />
         <Choice
-          aria-label="Only of this node"
+          aria-label={t("Only of this node")}
           className={classes.choice}
           data={[
-            { value: ALL, label: "all nodes" },
+            { value: ALL, label: t("all nodes") },
             ...nodes.map((name) => ({ value: name, label: labels.get(name) ?? name })),
           ]}
           value={node}
@@ -59,9 +62,9 @@ export function LogPage() {
           onChange={setNode}
         />
         <Choice
-          aria-label="How bad at least"
+          aria-label={t("How bad at least")}
           className={classes.choice}
-          data={LEVELS}
+          data={LEVELS.map(({ value, label }) => ({ value, label: t(label) }))}
           value={level}
           data-testid="log-level"
           onChange={(value) => setLevel(value as LogLevel)}
@@ -80,30 +83,35 @@ export function LogPage() {
           data-testid="log-pause"
           onClick={() => setPaused(!paused)}
         >
-          {paused ? "Go on" : "Pause"}
+          {paused ? t("Go on") : t("Pause")}
         </Button>
       </div>
       {paused && (
         <p className={page.muted} role="status" data-testid="log-paused">
           {log.waiting === 0
-            ? "Paused. Nothing has come since."
-            : `Paused. ${log.waiting.toLocaleString("en")} ${log.waiting === 1 ? "line has" : "lines have"} come since, of all kinds.`}
+            ? t("Paused. Nothing has come since.")
+            : t(
+                "Paused. {n, plural, one {One line has} other {{count} lines have}} come since, of all kinds.",
+                { n: log.waiting, count: countText(log.waiting) },
+              )}
         </p>
       )}
       <Problem error={log.error} />
-      {log.lines === null && log.error === null && <p className={page.muted}>Reading the log…</p>}
+      {log.lines === null && log.error === null && (
+        <p className={page.muted}>{t("Reading the log…")}</p>
+      )}
       {log.lines !== null && lines.length === 0 && (
         <p className={page.empty}>
           {state?.log.available === false
-            ? "No node of the robot writes a log: nothing publishes on /rosout."
+            ? t("No node of the robot writes a log: nothing publishes on /rosout.")
             : asked
-              ? "No line like that."
-              : "Nothing was logged since the console was started."}
+              ? t("No line like that.")
+              : t("Nothing was logged since the console was started.")}
         </p>
       )}
       <ul
         className={classes.list}
-        aria-label="Log of the robot"
+        aria-label={t("Log of the robot")}
         data-stale={!log.fresh || undefined}
       >
         {lines.map((line) => (
@@ -113,7 +121,7 @@ export function LogPage() {
         ))}
       </ul>
       {log.more && (
-        <p className={page.muted}>Older lines are not shown: ask for fewer kinds of them.</p>
+        <p className={page.muted}>{t("Older lines are not shown: ask for fewer kinds of them.")}</p>
       )}
     </div>
   );

@@ -1,6 +1,8 @@
 import { UnstyledButton } from "@mantine/core";
 import { useNav } from "../rules/context/RulesNav";
 import { useNow, useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
+import { told } from "../texts/told";
 import { Panel } from "../ui/Panel";
 import classes from "./Log.module.css";
 import { LogRow } from "./LogRow";
@@ -14,18 +16,18 @@ export function LogPanel() {
   const now = useNow();
   const { state } = useRobot();
   const { lines, error } = useLog({ level: "warning", node: "", text: "" }, SHOWN);
-  const labels = new Map(state?.components.map(({ name, label }) => [name, label]));
+  const labels = new Map(state?.components.map(({ name, label }) => [name, told(label)]));
   const none =
     lines === null
-      ? "Nothing heard yet."
+      ? t("Nothing heard yet.")
       : state?.log.available === false
-        ? "No node of the robot writes a log."
-        : "No warnings, and no errors.";
+        ? t("No node of the robot writes a log.")
+        : t("No warnings, and no errors.");
   return (
-    <Panel title="Log" testId="log-panel" empty={null}>
+    <Panel title={t("Log")} testId="log-panel" empty={null}>
       <div className={classes.compact}>
         {lines === null || lines.length === 0 ? (
-          <p className={classes.none}>{error?.title ?? none}</p>
+          <p className={classes.none}>{error === null ? none : told(error.title)}</p>
         ) : (
           lines.map((line) => (
             <LogRow key={line.number} line={line} label={labels.get(line.node) ?? ""} now={now} />
@@ -36,7 +38,7 @@ export function LogPanel() {
           data-testid="log-all"
           onClick={() => nav.go({ at: "log" })}
         >
-          The whole log
+          {t("The whole log")}
         </UnstyledButton>
       </div>
     </Panel>

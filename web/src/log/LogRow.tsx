@@ -1,5 +1,8 @@
 import type { LogLine } from "../api/types";
-import { whenText } from "../rules/model/words";
+import { countText } from "../format";
+import { whenText } from "../texts/dates";
+import { english } from "../texts/language";
+import { t } from "../texts/text";
 import { type Level, StatusMark } from "../ui/StatusMark";
 import classes from "./Log.module.css";
 
@@ -26,10 +29,14 @@ export function LogRow({ line, label, now }: { line: LogLine; label: string; now
         <span className={classes.what}>
           <span className={classes.node}>
             {label === "" ? line.node : label}
-            {line.level !== "info" && <b> · {line.level}</b>}
+            {line.level !== "info" && <b> · {t(line.level)}</b>}
           </span>
           {/* Its columns say something where it has lines: a traceback, a table. */}
-          <span className={lines ? classes.lines : classes.text} title={line.where || undefined}>
+          <span
+            className={lines ? classes.lines : classes.text}
+            title={line.where || undefined}
+            lang={english()}
+          >
             {line.text}
           </span>
         </span>
@@ -45,5 +52,7 @@ export function LogRow({ line, label, now }: { line: LogLine; label: string; now
 
 export const leftOutText = (count: number): string =>
   count === 1
-    ? "Here one line was left out: they came too fast."
-    : `Here at least ${count.toLocaleString("en")} lines were left out: they came too fast.`;
+    ? t("Here one line was left out: they came too fast.")
+    : t("Here at least {count} lines were left out: they came too fast.", {
+        count: countText(count),
+      });

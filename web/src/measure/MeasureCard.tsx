@@ -1,5 +1,6 @@
 import { Button } from "@mantine/core";
 import { IconArrowBackUp, IconX } from "@tabler/icons-react";
+import { t } from "../texts/text";
 import { Problem } from "../ui/Problem";
 import classes from "./Measure.module.css";
 import { measuredText } from "./measureText";
@@ -8,7 +9,8 @@ import type { MeasureTool } from "./useMeasureTool";
 /** How far it is along what was pressed. */
 export function MeasureCard({ tool }: { tool: MeasureTool }) {
   const { points, problem, error, set, toggle } = tool;
-  const first = points.length === 0 ? "Press two points of the floor, or drag." : "One more point.";
+  const first =
+    points.length === 0 ? t("Press two points of the floor, or drag.") : t("One more point.");
   return (
     <div className={classes.card} data-testid="measure-card">
       <span role="status" className={classes.told} data-testid="measured">
@@ -23,7 +25,7 @@ export function MeasureCard({ tool }: { tool: MeasureTool }) {
           onClick={() => set(points.slice(0, -1))}
           data-testid="measure-undo"
         >
-          Remove last point
+          {t("Remove last point")}
         </Button>
       )}
       {points.length > 1 && (
@@ -33,7 +35,7 @@ export function MeasureCard({ tool }: { tool: MeasureTool }) {
           onClick={() => set([])}
           data-testid="measure-clear"
         >
-          Clear
+          {t("Clear")}
         </Button>
       )}
       <Button
@@ -43,7 +45,7 @@ export function MeasureCard({ tool }: { tool: MeasureTool }) {
         onClick={toggle}
         data-testid="measure-done"
       >
-        Done
+        {t("Done")}
       </Button>
     </div>
   );

@@ -3,6 +3,8 @@ import { IconArrowDown, IconArrowUp, IconTrash } from "@tabler/icons-react";
 import { type FormEvent, useId, useState } from "react";
 import type { ApiError } from "../api/errors";
 import type { Mission, MissionSave, Place, Waypoint } from "../api/types";
+import { weekdayText } from "../texts/dates";
+import { type Phrase, t } from "../texts/text";
 import { Choice } from "../ui/controls/Choice";
 import { IconButton } from "../ui/controls/IconButton";
 import { NumberField } from "../ui/controls/NumberField";
@@ -10,7 +12,7 @@ import { Picker } from "../ui/controls/Picker";
 import { Toggle } from "../ui/controls/Toggle";
 import { Problem } from "../ui/Problem";
 import classes from "./Missions.module.css";
-import { DAY_NAMES, missionProblem, nameOf } from "./missionText";
+import { missionProblem, nameOf, WEEK } from "./missionText";
 import { TaskList } from "./TaskList";
 
 interface Props {
@@ -24,7 +26,7 @@ interface Props {
   onCancel: () => void;
 }
 
-const FAILURES = [
+const FAILURES: { value: string; label: Phrase }[] = [
   { value: "pause", label: "wait for a person" },
   { value: "skip", label: "leave it out and go on" },
   { value: "end", label: "end the mission" },
@@ -59,7 +61,7 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
     <form
       className={classes.form}
       onSubmit={submit}
-      aria-label={mission === null ? "New mission" : `Change ${mission.name}`}
+      aria-label={mission === null ? t("New mission") : t("Change {name}", { name: mission.name })}
       noValidate
       onKeyDown={(event) => {
         if (event.key !== "Escape" || event.defaultPrevented) return;
@@ -68,21 +70,21 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
       }}
     >
       <TextInput
-        label="Name"
+        label={t("Name")}
         value={draft.name}
         autoFocus
         autoComplete="off"
         onChange={(event) => change({ name: event.currentTarget.value })}
         data-testid="mission-name"
       />
-      <ol className={classes.waypoints} aria-label="Places of the mission">
+      <ol className={classes.waypoints} aria-label={t("Places of the mission")}>
         {waypoints.map((waypoint, index) => (
           // biome-ignore lint/suspicious/noArrayIndexKey: a waypoint is known by its place in the list
           <li key={index} className={classes.waypoint} data-testid={`waypoint-${index}`}>
             <div className={classes.head}>
               <span className={classes.number}>{index + 1}</span>
               <Choice
-                aria-label={`Place ${index + 1}`}
+                aria-label={t("Place {index}", { index: index + 1 })}
                 searchable
                 data={
                   nameOf(places, waypoint.place) === null
@@ -93,19 +95,19 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
                 onChange={(id) => put(index, { ...waypoint, place: Number(id) })}
               />
               <IconButton
-                label={`Place ${index + 1} earlier`}
+                label={t("Place {index} earlier", { index: index + 1 })}
                 disabled={index === 0}
                 onClick={() => move(index, -1)}
                 Icon={IconArrowUp}
               />
               <IconButton
-                label={`Place ${index + 1} later`}
+                label={t("Place {index} later", { index: index + 1 })}
                 disabled={index === waypoints.length - 1}
                 onClick={() => move(index, 1)}
                 Icon={IconArrowDown}
               />
               <IconButton
-                label={`Remove place ${index + 1}`}
+                label={t("Remove place {index}", { index: index + 1 })}
                 onClick={() => change({ waypoints: waypoints.filter((_, at) => at !== index) })}
                 Icon={IconTrash}
               />
@@ -119,27 +121,27 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
         ))}
       </ol>
       <Picker
-        aria-label="Add a place"
-        placeholder={waypoints.length === 0 ? "Choose the first place" : "And then to …"}
+        aria-label={t("Add a place")}
+        placeholder={waypoints.length === 0 ? t("Choose the first place") : t("And then to …")}
         data={options}
-        nothingFoundMessage="No place is called like that"
+        nothingFoundMessage={t("No place is called like that")}
         onPick={(id) => change({ waypoints: [...waypoints, { place: Number(id), tasks: [] }] })}
         data-testid="add-waypoint"
       />
       <Toggle
         on={again}
-        label="Again and again"
+        label={t("Again and again")}
         onChange={(on) => {
           setAgain(on);
           change({ rounds: on ? 0 : 1 });
         }}
         testId="mission-again"
       >
-        again and again
+        {t("again and again")}
       </Toggle>
       {again && (
         <NumberField
-          label="Rounds; 0 until somebody cancels it"
+          label={t("Rounds; 0 until somebody cancels it")}
           min={0}
           max={1000}
           allowDecimal={false}
@@ -150,13 +152,13 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
       )}
       <div className={classes.fields}>
         <Choice
-          label="If a place cannot be reached"
-          data={FAILURES}
+          label={t("If a place cannot be reached")}
+          data={FAILURES.map(({ value, label }) => ({ value, label: t(label) }))}
           value={draft.on_failure ?? "pause"}
           onChange={(next) => change({ on_failure: next as MissionSave["on_failure"] })}
         />
         <NumberField
-          label="After tries"
+          label={t("After tries")}
           w={88}
           min={1}
           max={10}
@@ -167,17 +169,17 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
       </div>
       <Toggle
         on={schedule != null}
-        label="It begins by itself"
+        label={t("It begins by itself")}
         onChange={(on) => change({ schedule: on ? { at: "08:00", days: ALL_DAYS } : null })}
         testId="mission-scheduled"
       >
-        it begins by itself
+        {t("it begins by itself")}
       </Toggle>
       {schedule != null && (
         <>
           <TextInput
             id={atId}
-            label="At (the robot's time)"
+            label={t("At (the robot's time)")}
             type="time"
             w={140}
             value={schedule.at}
@@ -185,8 +187,9 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
               change({ schedule: { ...schedule, at: event.currentTarget.value } })
             }
           />
-          <fieldset className={classes.days} aria-label="Days on which it begins">
-            {DAY_NAMES.map((name, day) => {
+          <fieldset className={classes.days} aria-label={t("Days on which it begins")}>
+            {WEEK.map((day) => {
+              const name = weekdayText(day, "long");
               const days = schedule.days ?? ALL_DAYS;
               const on = days.includes(day);
               const next = on ? days.filter((each) => each !== day) : [...days, day].sort();
@@ -213,10 +216,10 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
       <Problem error={error} testId="mission-form-problem" />
       <div className={classes.buttons}>
         <Button type="submit" size="compact-md" loading={busy} data-testid="mission-save">
-          Save
+          {t("Save")}
         </Button>
         <Button variant="default" size="compact-md" onClick={onCancel}>
-          Leave it
+          {t("Leave it")}
         </Button>
       </div>
     </form>

@@ -8,6 +8,8 @@ import { isUnderWay, limitText, remaining } from "../goal/goalText";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
+import { t } from "../texts/text";
+import { langOf } from "../texts/told";
 import { Problem } from "../ui/Problem";
 import classes from "./Missions.module.css";
 import { isOver, progressText, runLine } from "./missionText";
@@ -38,27 +40,31 @@ export function MissionStatus({ brief = false }: { brief?: boolean }) {
       data-under-way={!over || undefined}
       data-stale={frozen || undefined}
       data-brief={brief || undefined}
-      aria-label="Mission"
+      aria-label={t("Mission")}
     >
       <div className={goal.statusText} role="status">
         <strong>{line.text}</strong>
         {its?.phase === "driving" && <span>{remaining(its)}</span>}
         {limit !== null && <span className={goal.limit}>▲ {limit}</span>}
         {brief && <span className={goal.detail}>{run.name}</span>}
-        {!brief && line.more !== "" && <span className={goal.detail}>{line.more}</span>}
+        {!brief && line.more !== "" && (
+          <span className={goal.detail} lang={run.ask === "" ? langOf(run.reason) : undefined}>
+            {line.more}
+          </span>
+        )}
         {!brief && (
           <>
             <span className={goal.detail}>
               {run.name} · {progressText(run)}
             </span>
-            <span className={goal.place}>begun by {run.by}</span>
+            <span className={goal.place}>{t("begun by {by}", { by: run.by })}</span>
           </>
         )}
       </div>
       {over ? (
         <CloseButton
           size="lg"
-          aria-label="Hide this mission"
+          aria-label={t("Hide this mission")}
           onClick={() => setDismissed(run.number)}
         />
       ) : (
@@ -87,11 +93,11 @@ function Controls({ run }: { run: MissionRun }) {
   return (
     <>
       <div className={classes.controls}>
-        {run.phase === "paused" && button("resume", "Resume", true)}
-        {run.phase === "asking" && button("confirm", "Go on", true)}
-        {run.phase !== "paused" && button("pause", "Pause")}
-        {button("skip", "Skip")}
-        {button("cancel", "Cancel")}
+        {run.phase === "paused" && button("resume", t("Resume"), true)}
+        {run.phase === "asking" && button("confirm", t("Go on"), true)}
+        {run.phase !== "paused" && button("pause", t("Pause"))}
+        {button("skip", t("Skip"))}
+        {button("cancel", t("Cancel"))}
       </div>
       <Problem error={steer.error} testId="mission-problem" />
     </>

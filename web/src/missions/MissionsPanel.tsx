@@ -17,6 +17,7 @@ import { placesHere } from "../places/placeText";
 import { usePlaces } from "../places/usePlaces";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
 import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
 import { MissionForm } from "./MissionForm";
@@ -30,11 +31,11 @@ export function MissionsPanel() {
   const { list: places } = usePlaces();
   const { state, frozen } = useRobot();
   const { session } = useSession();
-  const empty = list === null && error === null ? "Asking the robot for its missions…" : null;
+  const empty = list === null && error === null ? t("Asking the robot for its missions…") : null;
   const now = state?.missions ?? null;
   const busy = now !== null && now.run !== null && !isOver(now.run);
   return (
-    <Panel title="Missions" empty={empty} frozen={frozen} testId="missions">
+    <Panel title={t("Missions")} empty={empty} frozen={frozen} testId="missions">
       <div className={placesClasses.panel}>
         <Problem error={error} />
         {now !== null && now.notice !== "" && (
@@ -83,10 +84,10 @@ const Contents = memo(function Contents({ list, places, busy, operator }: Conten
       {list.problem !== "" && <p className={placesClasses.empty}>{list.problem}</p>}
       {missions.length === 0 && list.available && (
         <p className={placesClasses.empty}>
-          None on this map yet: a mission drives from place to place.
+          {t("None on this map yet: a mission drives from place to place.")}
         </p>
       )}
-      <ul className={classes.list} aria-label="Missions of this map">
+      <ul className={classes.list} aria-label={t("Missions of this map")}>
         {missions.map((mission) => (
           <MissionRow
             key={mission.id}
@@ -100,12 +101,12 @@ const Contents = memo(function Contents({ list, places, busy, operator }: Conten
       </ul>
       {elsewhere > 0 && (
         <p className={placesClasses.empty}>
-          {elsewhere === 1 ? "1 mission" : `${elsewhere} missions`} of other maps.
+          {t("{n, plural, one {# mission} other {# missions}} of other maps.", { n: elsewhere })}
         </p>
       )}
       {deleted !== null && (
         <div className={placesClasses.undo} role="status">
-          <span className={placesClasses.text}>Deleted {deleted.name}.</span>
+          <span className={placesClasses.text}>{t("Deleted {name}.", { name: deleted.name })}</span>
           <Button
             variant="default"
             size="compact-md"
@@ -113,7 +114,7 @@ const Contents = memo(function Contents({ list, places, busy, operator }: Conten
             onClick={() => restore.mutate(deleted)}
             data-testid="mission-undo"
           >
-            Undo
+            {t("Undo")}
           </Button>
           <Problem error={restore.error} />
         </div>
@@ -131,7 +132,7 @@ const Contents = memo(function Contents({ list, places, busy, operator }: Conten
         mayEdit &&
         list.map !== null &&
         (here.length === 0 ? (
-          <p className={placesClasses.empty}>Save a place first.</p>
+          <p className={placesClasses.empty}>{t("Save a place first.")}</p>
         ) : (
           <Button
             variant="default"
@@ -143,7 +144,7 @@ const Contents = memo(function Contents({ list, places, busy, operator }: Conten
             }}
             data-testid="mission-add"
           >
-            New mission
+            {t("New mission")}
           </Button>
         ))
       )}
@@ -188,7 +189,7 @@ const MissionRow = memo(function MissionRow(props: RowProps) {
   return (
     <li className={classes.item} data-testid={`mission-${mission.id}`} data-name={mission.name}>
       <div className={classes.row}>
-        <span className={classes.text} title={`saved by ${mission.author}`}>
+        <span className={classes.text} title={t("saved by {author}", { author: mission.author })}>
           <span className={classes.name}>{mission.name}</span>
           <span className={classes.note}>{missionText(mission)}</span>
         </span>
@@ -198,19 +199,23 @@ const MissionRow = memo(function MissionRow(props: RowProps) {
               variant="default"
               size="compact-md"
               leftSection={<IconPlayerPlay size={16} aria-hidden />}
-              aria-label={busy ? `Queue ${mission.name}` : `Start ${mission.name}`}
+              aria-label={
+                busy
+                  ? t("Queue {name}", { name: mission.name })
+                  : t("Start {name}", { name: mission.name })
+              }
               loading={start.isPending}
               onClick={() => start.mutate()}
               data-testid="mission-start"
             >
-              {busy ? "Queue" : "Start"}
+              {busy ? t("Queue") : t("Start")}
             </Button>
             <Menu position="bottom-end" width={200}>
               <Menu.Target>
                 <ActionIcon
                   variant="subtle"
                   color="gray"
-                  aria-label={`More for ${mission.name}`}
+                  aria-label={t("More for {name}", { name: mission.name })}
                   loading={remove.isPending}
                   data-testid="mission-menu"
                 >
@@ -227,7 +232,7 @@ const MissionRow = memo(function MissionRow(props: RowProps) {
                   }}
                   data-testid="mission-edit"
                 >
-                  Change
+                  {t("Change")}
                 </Menu.Item>
                 <Menu.Item
                   leftSection={<IconTrash size={16} aria-hidden />}
@@ -235,7 +240,7 @@ const MissionRow = memo(function MissionRow(props: RowProps) {
                   onClick={() => remove.mutate()}
                   data-testid="mission-delete"
                 >
-                  Delete
+                  {t("Delete")}
                 </Menu.Item>
               </Menu.Dropdown>
             </Menu>
@@ -259,15 +264,16 @@ function Queue({ queue, busy, operator }: QueueProps) {
   const remove = useMutation({ mutationFn: unqueueMission });
   return (
     <>
-      <ol className={classes.list} aria-label="Missions that wait for their turn">
+      <ol className={classes.list} aria-label={t("Missions that wait for their turn")}>
         {queue.map((each, index) => (
           <li key={each.number} className={classes.row}>
             <span className={classes.text}>
               <span className={classes.name}>
-                {index === 0 ? "Next: " : "Then: "}
-                {each.name === "" ? "a mission that is gone" : each.name}
+                {t(index === 0 ? "Next: {name}" : "Then: {name}", {
+                  name: each.name === "" ? t("a mission that is gone") : each.name,
+                })}
               </span>
-              <span className={classes.note}>by {each.by}</span>
+              <span className={classes.note}>{t("by {by}", { by: each.by })}</span>
             </span>
             {operator && index === 0 && !busy && (
               <Button
@@ -276,14 +282,14 @@ function Queue({ queue, busy, operator }: QueueProps) {
                 onClick={() => next.mutate()}
                 data-testid="mission-next"
               >
-                Start
+                {t("Start")}
               </Button>
             )}
             {operator && (
               <ActionIcon
                 variant="subtle"
                 color="gray"
-                aria-label={`Take ${each.name} out of the queue`}
+                aria-label={t("Take {name} out of the queue", { name: each.name })}
                 onClick={() => remove.mutate(each.number)}
               >
                 <IconTrash size={16} aria-hidden />

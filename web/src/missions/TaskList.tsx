@@ -9,6 +9,8 @@ import { ActionPicker } from "../rules/editor/action/ActionPicker";
 import { type Editor, EditorProvider } from "../rules/editor/form/EditorContext";
 import { type ActionChoice, actionChoices, grouped } from "../rules/model/actions";
 import { useSession } from "../session/SessionContext";
+import { english } from "../texts/language";
+import { type Phrase, t } from "../texts/text";
 import { DurationField } from "../ui/controls/DurationField";
 import { IconButton } from "../ui/controls/IconButton";
 import { Picker } from "../ui/controls/Picker";
@@ -21,7 +23,7 @@ interface Props {
   onChange: (tasks: MissionTask[]) => void;
 }
 
-const OWN: { value: string; label: string; task: MissionTask }[] = [
+const OWN: { value: string; label: Phrase; task: MissionTask }[] = [
   { value: "wait", label: "Wait", task: { kind: "wait", seconds: 30 } },
   { value: "ask", label: "Wait for a person", task: { kind: "ask", text: "" } },
   { value: "stop", label: "Press STOP", task: { kind: "stop" } },
@@ -44,20 +46,20 @@ export function TaskList({ tasks, where, onChange }: Props) {
   const put = (index: number, task: MissionTask) =>
     onChange(tasks.map((each, at) => (at === index ? task : each)));
   return (
-    <ol className={classes.tasks} aria-label={`What is done at ${where}`}>
+    <ol className={classes.tasks} aria-label={t("What is done at {where}", { where })}>
       {tasks.map((task, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: a task is known by its place in the list
         <li key={index} className={classes.task}>
           <EditorProvider value={editor}>
             <TaskFields
               task={task}
-              label={`Task ${index + 1} at ${where}`}
+              label={t("Task {index} at {where}", { index: index + 1, where })}
               choices={choices}
               onChange={(next) => put(index, next)}
             />
           </EditorProvider>
           <IconButton
-            label={`Remove task ${index + 1} at ${where}`}
+            label={t("Remove task {index} at {where}", { index: index + 1, where })}
             onClick={() => onChange(tasks.filter((_, at) => at !== index))}
             Icon={IconTrash}
           />
@@ -65,14 +67,17 @@ export function TaskList({ tasks, where, onChange }: Props) {
       ))}
       <li>
         <Picker
-          aria-label={`Add what is done at ${where}`}
-          placeholder={tasks.length === 0 ? "Do nothing there" : "And then …"}
+          aria-label={t("Add what is done at {where}", { where })}
+          placeholder={tasks.length === 0 ? t("Do nothing there") : t("And then …")}
           data={[
-            { group: "At this place", items: OWN.map(({ value, label }) => ({ value, label })) },
+            {
+              group: t("At this place"),
+              items: OWN.map(({ value, label }) => ({ value, label: t(label) })),
+            },
             ...grouped(choices),
           ]}
           maxDropdownHeight={340}
-          nothingFoundMessage="Nothing like that on this robot"
+          nothingFoundMessage={t("Nothing like that on this robot")}
           onPick={add}
           data-testid="add-task"
         />
@@ -93,8 +98,8 @@ function TaskFields({ task, label, choices, onChange }: FieldsProps) {
     case "wait":
       return (
         <DurationField
-          label="Wait"
-          aria-label={`${label}: wait`}
+          label={t("Wait")}
+          aria-label={t("{label}: wait", { label })}
           min={0.1}
           max={86_400}
           value={task.seconds}
@@ -105,20 +110,20 @@ function TaskFields({ task, label, choices, onChange }: FieldsProps) {
       return (
         <TextInput
           size="sm"
-          label="Wait for a person"
-          placeholder="What they are to do"
+          label={t("Wait for a person")}
+          placeholder={t("What they are to do")}
           value={task.text ?? ""}
           onChange={(event) => onChange({ ...task, text: event.currentTarget.value })}
         />
       );
     case "stop":
-      return <span>Press STOP; a person releases it and resumes the mission</span>;
+      return <span>{t("Press STOP; a person releases it and resumes the mission")}</span>;
     case "act": {
       // There is no message to take a value from: a rule's references have no place here.
       const action = task.action as Action;
       const put = (next: Action) => onChange({ kind: "act", action: next });
       return (
-        <div className={classes.form}>
+        <div className={classes.form} lang={english()}>
           <ActionPicker
             label={label}
             choices={choices}

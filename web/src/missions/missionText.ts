@@ -1,5 +1,8 @@
 import type { Mission, MissionRun, MissionSave, Place } from "../api/types";
 import { durationText } from "../format";
+import { weekdayText } from "../texts/dates";
+import { t } from "../texts/text";
+import { told } from "../texts/told";
 
 /** How a line is meant: calm, good news, or something for a person. */
 type Tone = "plain" | "done" | "problem";
@@ -22,41 +25,50 @@ export const isOver = (run: MissionRun) => OVER.has(run.phase);
 
 /** What a mission is doing; `elapsed` is how long ago (s) the page was told. */
 export function runLine(run: MissionRun, elapsed: number): RunLine {
-  const place = run.place === "" ? "a place that is gone" : run.place;
+  const place = run.place === "" ? t("a place that is gone") : run.place;
   switch (run.phase) {
     case "driving":
       return {
         tone: "plain",
-        text: `Driving to ${place}`,
-        more: run.attempt > 1 ? `${run.reason} Attempt ${run.attempt}.`.trim() : "",
+        text: t("Driving to {place}", { place }),
+        more:
+          run.attempt > 1
+            ? `${told(run.reason)} ${t("Attempt {attempt}.", { attempt: run.attempt })}`.trim()
+            : "",
       };
     case "waiting": {
       const left = run.left === null ? null : Math.max(0, run.left - elapsed);
-      const time = left === null ? "" : `, ${durationText(left)} left`;
-      return { tone: "plain", text: `Waiting at ${place}${time}`, more: "" };
+      const text =
+        left === null
+          ? t("Waiting at {place}", { place })
+          : t("Waiting at {place}, {duration} left", { place, duration: durationText(left) });
+      return { tone: "plain", text, more: "" };
     }
     case "asking":
       return {
         tone: "problem",
-        text: `Waits for a person at ${place}`,
-        more: run.ask === "" ? "Press Go on when it may." : run.ask,
+        text: t("Waits for a person at {place}", { place }),
+        more: run.ask === "" ? t("Press Go on when it may.") : run.ask,
       };
     case "acting":
-      return { tone: "plain", text: `At ${place}: ${run.task}`, more: "" };
+      return { tone: "plain", text: t("At {place}: {task}", { place, task: run.task }), more: "" };
     case "paused":
       return {
         tone: "problem",
-        text: run.decided_by === "" ? "Paused" : `Paused by ${run.decided_by}`,
-        more: asSentence(run.reason),
+        text: run.decided_by === "" ? t("Paused") : t("Paused by {by}", { by: run.decided_by }),
+        more: asSentence(told(run.reason)),
       };
     case "done":
-      return { tone: "done", text: "Mission done", more: skippedText(run) };
+      return { tone: "done", text: t("Mission done"), more: skippedText(run) };
     case "failed":
-      return { tone: "problem", text: "Mission failed", more: asSentence(run.reason) };
+      return { tone: "problem", text: t("Mission failed"), more: asSentence(told(run.reason)) };
     case "canceled":
       return {
         tone: "plain",
-        text: run.decided_by === "" ? "Mission cancelled" : `Cancelled by ${run.decided_by}`,
+        text:
+          run.decided_by === ""
+            ? t("Mission cancelled")
+            : t("Cancelled by {by}", { by: run.decided_by }),
         more: "",
       };
   }
@@ -64,7 +76,7 @@ export function runLine(run: MissionRun, elapsed: number): RunLine {
 
 function skippedText({ skipped }: MissionRun): string {
   if (skipped.length === 0) return "";
-  return `Left out: ${skipped.join("; ")}`;
+  return t("Left out: {names}", { names: skipped.join("; ") });
 }
 
 function asSentence(text: string): string {
@@ -75,36 +87,37 @@ function asSentence(text: string): string {
 
 /** `Place 2 of 5 · round 3 of 10`. */
 export function progressText(run: MissionRun): string {
-  const place = `Place ${run.waypoint} of ${run.waypoints}`;
+  const place = t("Place {waypoint} of {waypoints}", {
+    waypoint: run.waypoint,
+    waypoints: run.waypoints,
+  });
   if (run.rounds === 1) return place;
-  return `${place} · round ${run.round}${run.rounds === 0 ? "" : ` of ${run.rounds}`}`;
+  const { round, rounds } = run;
+  const text =
+    rounds === 0
+      ? t("round {round}", { round })
+      : t("round {round} of {rounds}", { round, rounds });
+  return `${place} · ${text}`;
 }
 
-const DAYS = ["Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"];
-export const DAY_NAMES = [
-  "Monday",
-  "Tuesday",
-  "Wednesday",
-  "Thursday",
-  "Friday",
-  "Saturday",
-  "Sunday",
-];
+/** Days of the week as the robot counts them: 0 is a Monday. */
+export const WEEK = [0, 1, 2, 3, 4, 5, 6] as const;
 
 /** `3 places, 10 rounds, daily at 08:00`. */
 export function missionText({ waypoints, rounds, schedule }: Mission): string {
-  const parts = [waypoints.length === 1 ? "1 place" : `${waypoints.length} places`];
-  if (rounds === 0) parts.push("round and round");
-  else if (rounds > 1) parts.push(`${rounds} rounds`);
+  const parts = [t("{n, plural, one {# place} other {# places}}", { n: waypoints.length })];
+  if (rounds === 0) parts.push(t("round and round"));
+  else if (rounds > 1)
+    parts.push(t("{rounds, plural, one {# round} other {# rounds}}", { rounds }));
   if (schedule !== null) parts.push(scheduleText(schedule));
   return parts.join(", ");
 }
 
 function scheduleText({ at, days }: NonNullable<Mission["schedule"]>): string {
   const text = days.join();
-  if (text === "0,1,2,3,4,5,6") return `daily at ${at}`;
-  if (text === "0,1,2,3,4") return `Mon to Fri at ${at}`;
-  return `${days.map((day) => DAYS[day]).join(", ")} at ${at}`;
+  if (text === "0,1,2,3,4,5,6") return t("daily at {at}", { at });
+  if (text === "0,1,2,3,4") return t("Mon to Fri at {at}", { at });
+  return t("{days} at {at}", { days: days.map((day) => weekdayText(day, "short")).join(", "), at });
 }
 
 export const nameOf = (places: readonly Place[], id: number) =>
@@ -112,13 +125,16 @@ export const nameOf = (places: readonly Place[], id: number) =>
 
 /** What is wrong with a mission, in a sentence; null when nothing is that this page can tell. */
 export function missionProblem(mission: MissionSave, places: readonly Place[]): string | null {
-  if (mission.name.trim() === "") return "Give the mission a name.";
-  if (mission.waypoints.length === 0) return "Add a place to go to.";
+  if (mission.name.trim() === "") return t("Give the mission a name.");
+  if (mission.waypoints.length === 0) return t("Add a place to go to.");
   const gone = mission.waypoints.findIndex(
     ({ place }) => !places.some((each) => each.id === place && each.here),
   );
-  if (gone >= 0) return `Place ${gone + 1} is there no more, or on another map; choose another.`;
+  if (gone >= 0)
+    return t("Place {gone} is there no more, or on another map; choose another.", {
+      gone: gone + 1,
+    });
   if (mission.schedule && mission.schedule.days?.length === 0)
-    return "Choose a day on which it begins.";
+    return t("Choose a day on which it begins.");
   return null;
 }

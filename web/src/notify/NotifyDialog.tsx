@@ -1,5 +1,6 @@
 import { Modal, Switch, TextInput } from "@mantine/core";
 import { useState } from "react";
+import { t } from "../texts/text";
 import { useNotify } from "./Notifier";
 import classes from "./Notify.module.css";
 import { play } from "./sound";
@@ -9,7 +10,7 @@ import { play } from "./sound";
 async function mayMessage(): Promise<boolean> {
   if ((await Notification.requestPermission()) !== "granted") return false;
   try {
-    new Notification("Kompass Console", { body: "This is how you will be told.", tag: "first" });
+    new Notification("Kompass Console", { body: t("This is how you will be told."), tag: "first" });
     return true;
   } catch (error) {
     if (error instanceof TypeError) return false;
@@ -25,8 +26,8 @@ export function NotifyDialog({ opened, onClose }: { opened: boolean; onClose: ()
     <Modal
       opened={opened}
       onClose={onClose}
-      title="Notifications"
-      closeButtonProps={{ "aria-label": "Close notifications" }}
+      title={t("Notifications")}
+      closeButtonProps={{ "aria-label": t("Close notifications") }}
       data-testid="notify-dialog"
     >
       <Settings />
@@ -47,10 +48,12 @@ function Settings() {
   return (
     <div className={classes.items}>
       <p className={classes.what}>
-        This browser tells you when the robot stops, fails, gives a goal up, or waits for a person.
+        {t(
+          "This browser tells you when the robot stops, fails, gives a goal up, or waits for a person.",
+        )}
       </p>
       <Switch
-        label="With a sound"
+        label={t("With a sound")}
         checked={settings.sound}
         onChange={({ currentTarget: { checked } }) => {
           change({ sound: checked });
@@ -59,21 +62,23 @@ function Settings() {
         data-testid="notify-sound"
       />
       <Switch
-        label="With a message, while I look elsewhere"
+        label={t("With a message, while I look elsewhere")}
         checked={settings.message}
         disabled={!canMessage()}
         description={
           !canMessage()
-            ? "Browsers allow it over https only, or on the robot itself."
+            ? t("Browsers allow it over https only, or on the robot itself.")
             : refused
-              ? "This browser refuses it. Allow notifications for this page in its settings, if it has them."
+              ? t(
+                  "This browser refuses it. Allow notifications for this page in its settings, if it has them.",
+                )
               : undefined
         }
         onChange={({ currentTarget: { checked } }) => void askForMessages(checked)}
         data-testid="notify-message"
       />
       <Switch
-        label="Not during quiet hours"
+        label={t("Not during quiet hours")}
         checked={quiet !== null}
         onChange={({ currentTarget: { checked } }) =>
           change({ quiet: checked ? { from: "20:00", to: "06:00" } : null })
@@ -84,7 +89,7 @@ function Settings() {
         <div className={classes.hours}>
           <TextInput
             type="time"
-            label="from"
+            label={t("from")}
             value={quiet.from}
             onChange={({ currentTarget: { value } }) =>
               value !== "" && change({ quiet: { ...quiet, from: value } })
@@ -92,7 +97,7 @@ function Settings() {
           />
           <TextInput
             type="time"
-            label="to"
+            label={t("to")}
             value={quiet.to}
             onChange={({ currentTarget: { value } }) =>
               value !== "" && change({ quiet: { ...quiet, to: value } })

@@ -4,6 +4,9 @@ import { controlView } from "../control/controlText";
 import { goalLine } from "../goal/goalText";
 import { runLine } from "../missions/missionText";
 import { rootCause } from "../state/causes";
+import { language } from "../texts/language";
+import { t } from "../texts/text";
+import { told } from "../texts/told";
 
 /** Something that whoever is responsible for the robot should hear of. */
 export interface Notice {
@@ -36,10 +39,11 @@ function stopped(before: State, now: State, session: Session): Notice[] {
   const { drive } = now;
   if (before.drive === null || before.drive.stopped || !drive?.stopped) return [];
   if (drive.stopped_by === session.user) return [];
-  const by = drive.stopped_by === "" ? "" : ` by ${drive.stopped_by}`;
-  const why = drive.reason === "" ? "" : `: ${drive.reason}`;
-  const body = "It stays where it is until a person releases STOP.";
-  return [{ tag: "stop", title: `Stopped${by}${why}`, body, urgent: true }];
+  const by = told(drive.stopped_by);
+  const word = by === "" ? t("Stopped") : t("Stopped by {by}", { by });
+  const title = drive.reason === "" ? word : `${word}: ${told(drive.reason)}`;
+  const body = t("It stays where it is until a person releases STOP.");
+  return [{ tag: "stop", title, body, urgent: true }];
 }
 
 function faults(before: State, now: State): Notice[] {
@@ -70,17 +74,22 @@ function missions(before: State, now: State, session: Session): Notice[] {
   const same = was !== null && was.number === run?.number && was.step === run.step;
   if (run !== null && !same && TOLD.has(run.phase) && run.decided_by !== session.user) {
     const { text, more } = runLine(run, 0);
-    const body = run.phase === "paused" ? `${more} Resume it, or cancel it.`.trim() : more;
+    const body = run.phase === "paused" ? `${more} ${t("Resume it, or cancel it.")}`.trim() : more;
     found.push({
       tag: "mission",
-      title: `${run.name}: ${text.charAt(0).toLowerCase()}${text.slice(1)}`,
+      title: `${run.name}: ${language.get() === "en" ? text.charAt(0).toLowerCase() + text.slice(1) : text}`,
       body,
       urgent: run.phase !== "done",
     });
   }
   const { notice } = now.missions;
   if (notice !== "" && notice !== before.missions.notice)
-    found.push({ tag: "missions", title: "A mission did not begin", body: notice, urgent: true });
+    found.push({
+      tag: "missions",
+      title: t("A mission did not begin"),
+      body: told(notice),
+      urgent: true,
+    });
   return found;
 }
 
@@ -91,8 +100,10 @@ function rules(before: State, now: State): Notice[] {
   if (is.available && was.available && is.alarms > was.alarms)
     found.push({
       tag: "alarm",
-      title: is.alarms === 1 ? "A rule has raised an alarm" : `${is.alarms} alarms are raised`,
-      body: "Look at what it says, above the scene.",
+      title: t("{alarms, plural, one {A rule has raised an alarm} other {# alarms are raised}}", {
+        alarms: is.alarms,
+      }),
+      body: t("Look at what it says, above the scene."),
       urgent: true,
     });
   if (was.probation_left > 0 && is.probation_left <= 0 && is.available)
@@ -100,13 +111,13 @@ function rules(before: State, now: State): Notice[] {
       is.revision === was.revision
         ? {
             tag: "probation",
-            title: `Probation of revision ${is.revision} has ended`,
+            title: t("Probation of revision {revision} has ended", { revision: is.revision }),
             body: is.notice,
             urgent: false,
           }
         : {
             tag: "probation",
-            title: `Rules went back: revision ${is.revision} is in force`,
+            title: t("Rules went back: revision {revision} is in force", { revision: is.revision }),
             body: is.notice,
             urgent: true,
           },
@@ -116,8 +127,15 @@ function rules(before: State, now: State): Notice[] {
 
 function battery({ battery: was }: State, { battery: is }: State): Notice[] {
   if (is === null || !is.low || is.charging || was?.low !== false) return [];
-  const body = "Send it home, or charge it.";
-  return [{ tag: "battery", title: `Battery low: ${chargeText(is)}`, body, urgent: true }];
+  const body = t("Send it home, or charge it.");
+  return [
+    {
+      tag: "battery",
+      title: t("Battery low: {charge}", { charge: chargeText(is) }),
+      body,
+      urgent: true,
+    },
+  ];
 }
 
 function control(before: State, now: State, session: Session): Notice[] {
@@ -127,14 +145,14 @@ function control(before: State, now: State, session: Session): Notice[] {
   if (is.askedBy !== "" && is.askedBy !== was.askedBy)
     found.push({
       tag: "control",
-      title: `${is.askedBy} asks you for control`,
-      body: "Give it or keep it; after 20 s it may be taken.",
+      title: t("{askedBy} asks you for control", { askedBy: is.askedBy }),
+      body: t("Give it or keep it; after 20 s it may be taken."),
       urgent: true,
     });
   if (is.lost !== null && was.lost === null)
     found.push({
       tag: "control",
-      title: `${is.lost.by} has taken control from you`,
+      title: t("{by} has taken control from you", { by: is.lost.by }),
       body: is.lost.reason,
       urgent: true,
     });

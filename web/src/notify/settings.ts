@@ -1,4 +1,4 @@
-import { readKept, writeKept } from "../ui/kept";
+import { readKept, writeKept } from "../kept";
 
 /** How this browser tells of what happens. */
 export interface NotifySettings {

@@ -1,6 +1,7 @@
 import { Button, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
 import type { ApiError } from "../api/errors";
+import { t } from "../texts/text";
 import { Problem } from "../ui/Problem";
 import classes from "./Places.module.css";
 import { nameProblem, noteProblem } from "./placeText";
@@ -37,7 +38,7 @@ export function PlaceForm(props: Props) {
   return (
     <form className={classes.form} onSubmit={submit} aria-label={title} noValidate>
       <TextInput
-        label="Name"
+        label={t("Name")}
         value={name}
         autoFocus
         autoComplete="off"
@@ -47,8 +48,8 @@ export function PlaceForm(props: Props) {
         data-testid="place-name"
       />
       <TextInput
-        label="Note"
-        placeholder="May be empty"
+        label={t("Note")}
+        placeholder={t("May be empty")}
         value={note}
         autoComplete="off"
         error={asked ? wrong.note : null}
@@ -59,10 +60,10 @@ export function PlaceForm(props: Props) {
       <Problem error={error} testId="place-problem" />
       <div className={classes.buttons}>
         <Button type="submit" size="compact-md" loading={busy} data-testid="place-save">
-          Save
+          {t("Save")}
         </Button>
         <Button variant="default" size="compact-md" onClick={onCancel}>
-          Leave it
+          {t("Leave it")}
         </Button>
       </div>
     </form>

@@ -13,6 +13,7 @@ import { useMutation } from "@tanstack/react-query";
 import { memo, useState } from "react";
 import { deletePlace, editPlace, type PlaceChange } from "../api/placesClient";
 import type { Place } from "../api/types";
+import { t } from "../texts/text";
 import { Problem } from "../ui/Problem";
 import { PlaceForm } from "./PlaceForm";
 import classes from "./Places.module.css";
@@ -49,7 +50,7 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }
       {home ? (
         <IconHome
           size={18}
-          aria-label="Home"
+          aria-label={t("Home")}
           className={classes.pin}
           data-testid="place-home-mark"
         />
@@ -60,19 +61,19 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }
         <span className={classes.name}>{name}</span>
         {(note !== "" || !here) && (
           <span className={classes.note}>
-            {!here && `Of a map of ${map.label}. `}
+            {!here && `${t("Of a map of {label}", { label: map.label })}. `}
             {note}
           </span>
         )}
       </span>
     </>
   );
-  const title = `${poseText(pose)}; saved by ${place.author}`;
+  const title = t("{pose}; saved by {author}", { pose: poseText(pose), author: place.author });
   if (editing) {
     return (
       <li className={classes.item}>
         <PlaceForm
-          title={`Change ${name}`}
+          title={t("Change {name}", { name })}
           name={name}
           note={note}
           busy={edit.isPending}
@@ -89,7 +90,7 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }
         {onGo !== null && here ? (
           <UnstyledButton
             className={classes.go}
-            aria-label={`Go to ${name}`}
+            aria-label={t("Go to {name}", { name })}
             title={title}
             onClick={() => onGo(place)}
             data-testid="place-go"
@@ -108,7 +109,7 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }
                 variant="subtle"
                 color="gray"
                 className={classes.more}
-                aria-label={`More for ${name}`}
+                aria-label={t("More for {name}", { name })}
                 loading={edit.isPending || remove.isPending || move.isPending}
                 data-testid="place-menu"
               >
@@ -125,7 +126,7 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }
                 }}
                 data-testid="place-edit"
               >
-                Change name or note
+                {t("Change name or note")}
               </Menu.Item>
               {here && (
                 <Menu.Item
@@ -134,18 +135,18 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }
                   onClick={() => move.mutate()}
                   data-testid="place-move"
                 >
-                  Move to where the robot stands
+                  {t("Move to where the robot stands")}
                 </Menu.Item>
               )}
               {!here && (
                 <Menu.Item
                   leftSection={<IconMap2 size={16} aria-hidden />}
                   mih={44}
-                  title="Where this map shows the same room: same name, same coordinates"
+                  title={t("Where this map shows the same room: same name, same coordinates")}
                   onClick={() => edit.mutate({ here: true })}
                   data-testid="place-along"
                 >
-                  Take along to this map
+                  {t("Take along to this map")}
                 </Menu.Item>
               )}
               <Menu.Item
@@ -153,11 +154,11 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }
                   home ? <IconHomeOff size={16} aria-hidden /> : <IconHome size={16} aria-hidden />
                 }
                 mih={44}
-                title="Where the robot belongs: its charger, say"
+                title={t("Where the robot belongs: its charger, say")}
                 onClick={() => edit.mutate({ home: !home })}
                 data-testid="place-home"
               >
-                {home ? "Home no more" : "Make it home"}
+                {home ? t("Home no more") : t("Make it home")}
               </Menu.Item>
               <Menu.Item
                 leftSection={<IconTrash size={16} aria-hidden />}
@@ -165,7 +166,7 @@ export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }
                 onClick={() => remove.mutate()}
                 data-testid="place-delete"
               >
-                Delete
+                {t("Delete")}
               </Menu.Item>
             </Menu.Dropdown>
           </Menu>

@@ -6,6 +6,8 @@ import { editPlace, restorePlace } from "../api/placesClient";
 import type { Place, PlaceList } from "../api/types";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
+import { told } from "../texts/told";
 import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
 import { PlaceRow } from "./PlaceRow";
@@ -36,9 +38,9 @@ export function PlacesPanel({ onGo, asked }: Props) {
     root.current?.scrollIntoView({ block: "nearest" });
     root.current?.querySelector<HTMLElement>("input, button")?.focus();
   }, [asked, ready]);
-  const empty = list === null && error === null ? "Asking the robot for its places…" : null;
+  const empty = list === null && error === null ? t("Asking the robot for its places…") : null;
   return (
-    <Panel title="Places" empty={empty} frozen={frozen} testId="places">
+    <Panel title={t("Places")} empty={empty} frozen={frozen} testId="places">
       <div ref={root} className={classes.panel}>
         <Problem error={error} />
         {list !== null && (
@@ -98,12 +100,12 @@ const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps)
     ));
   return (
     <>
-      {list.problem !== "" && <Note>{list.problem}</Note>}
+      {list.problem !== "" && <Note>{told(list.problem)}</Note>}
       {searches && (
         <TextInput
           type="search"
-          aria-label="Search places"
-          placeholder={`Search ${all.length} places`}
+          aria-label={t("Search places")}
+          placeholder={t("Search {n} places", { n: all.length })}
           leftSection={<IconSearch size={16} aria-hidden />}
           value={search}
           onChange={(event) => setSearch(event.currentTarget.value)}
@@ -113,18 +115,20 @@ const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps)
           data-testid="place-search"
         />
       )}
-      {list.map === null && <Note>The robot has no map, and places are of a map.</Note>}
+      {list.map === null && <Note>{t("The robot has no map, and places are of a map.")}</Note>}
       {list.map !== null && all.length === 0 && list.available && (
-        <Note>None on this map yet.</Note>
+        <Note>{t("None on this map yet.")}</Note>
       )}
-      {searches && found.length === 0 && <Note>No place has that in its name or note.</Note>}
-      <ul className={classes.list} aria-label="Places of this map">
+      {searches && found.length === 0 && <Note>{t("No place has that in its name or note.")}</Note>}
+      <ul className={classes.list} aria-label={t("Places of this map")}>
         {rows(searches ? found : all)}
       </ul>
       {done !== null && (
         <div className={classes.undo} role="status">
           <span className={classes.text}>
-            {done.after === null ? "Deleted" : "Moved"} {done.before.name}.
+            {done.after === null
+              ? t("Deleted {name}.", { name: done.before.name })
+              : t("Moved {name}.", { name: done.before.name })}
           </span>
           <Button
             variant="default"
@@ -133,7 +137,7 @@ const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps)
             onClick={() => undo.mutate(done)}
             data-testid="place-undo"
           >
-            Undo
+            {t("Undo")}
           </Button>
           <Problem error={undo.error} />
         </div>
@@ -150,7 +154,7 @@ const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps)
             onClick={() => setNaming(true)}
             data-testid="place-add"
           >
-            Save where the robot stands
+            {t("Save where the robot stands")}
           </Button>
         )
       )}
@@ -163,10 +167,12 @@ const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps)
             onClick={() => setOthers(!others)}
             data-testid="places-elsewhere"
           >
-            {elsewhere.length === 1 ? "1 place" : `${elsewhere.length} places`} of other maps
+            {t("{n, plural, one {# place} other {# places}} of other maps", {
+              n: elsewhere.length,
+            })}
           </Button>
           {others && (
-            <ul className={classes.list} aria-label="Places of other maps">
+            <ul className={classes.list} aria-label={t("Places of other maps")}>
               {rows(elsewhere)}
             </ul>
           )}

@@ -1,6 +1,7 @@
 import { useMutation } from "@tanstack/react-query";
 import { savePlace } from "../api/placesClient";
 import type { Place } from "../api/types";
+import { t } from "../texts/text";
 import { PlaceForm } from "./PlaceForm";
 
 interface Props {
@@ -17,7 +18,7 @@ export function SavePlace({ pose, onDone }: Props) {
   });
   return (
     <PlaceForm
-      title={pose ? "Save this place" : "Save where the robot stands"}
+      title={pose ? t("Save this place") : t("Save where the robot stands")}
       busy={save.isPending}
       error={save.error}
       onSave={(name, note) => save.mutate({ name, note })}

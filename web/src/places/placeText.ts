@@ -1,5 +1,6 @@
 import type { Place } from "../api/types";
-import { degreesText, signed } from "../format";
+import { degreesText, pointText } from "../format";
+import { t } from "../texts/text";
 
 /** As the robot keeps them; it says so itself, too, to whoever does not ask this page. */
 export const LONGEST_NAME = 40;
@@ -33,20 +34,27 @@ export function placesElsewhere(places: readonly Place[]): Place[] {
 }
 
 /** What is wrong with a name, in a sentence; null when nothing is that this page can tell. */
-export function nameProblem(name: string, what = "place"): string | null {
+export function nameProblem(name: string, what: "place" | "zone" = "place"): string | null {
   const length = [...name.trim()].length;
-  if (length === 0) return `Give the ${what} a name.`;
-  return length > LONGEST_NAME ? `Use at most ${LONGEST_NAME} characters, not ${length}.` : null;
+  if (length === 0)
+    return what === "zone" ? t("Give the zone a name.") : t("Give the place a name.");
+  return length > LONGEST_NAME
+    ? t("Use at most {most} characters, not {length}.", { most: LONGEST_NAME, length })
+    : null;
 }
 
 export function noteProblem(note: string): string | null {
   const length = [...note.trim()].length;
-  return length > LONGEST_NOTE ? `Use at most ${LONGEST_NOTE} characters, not ${length}.` : null;
+  return length > LONGEST_NOTE
+    ? t("Use at most {most} characters, not {length}.", { most: LONGEST_NOTE, length })
+    : null;
 }
 
 export function poseText({ x, y, yaw }: Place["pose"]): string {
-  const at = `x ${signed(x, 2)}, y ${signed(y, 2)} m`;
-  return yaw === null ? `${at}, any heading` : `${at}, heading ${degreesText(yaw)}`;
+  const place = pointText(x, y);
+  return yaw === null
+    ? t("{place}, any heading", { place })
+    : t("{place}, heading {degrees}", { place, degrees: degreesText(yaw) });
 }
 
 /** A goal is at a place when it is where that is, to within what both are written with. */

@@ -1,4 +1,5 @@
 import { Button } from "@mantine/core";
+import { english } from "../texts/language";
 import { useRules } from "./context/RulesContext";
 import { useNav } from "./context/RulesNav";
 import classes from "./Sheet.module.css";
@@ -9,7 +10,7 @@ export function DraftBar() {
   const nav = useNav();
   if (!mayEdit) {
     return (
-      <p className={classes.muted} data-testid="viewer-note">
+      <p className={classes.muted} data-testid="viewer-note" lang={english()}>
         Viewers read everything here. To change a rule, log in as an operator.
       </p>
     );
@@ -17,7 +18,7 @@ export function DraftBar() {
   const count = draft.changes.length;
   if (count === 0) {
     return (
-      <div className={classes.draft} data-idle={draft.undo === null || undefined}>
+      <div className={classes.draft} data-idle={draft.undo === null || undefined} lang={english()}>
         <span className={classes.muted} data-testid="draft-state">
           No unsaved changes
         </span>
@@ -32,7 +33,7 @@ export function DraftBar() {
   const reviewing = nav.place.at === "review" || nav.place.at === "conflict";
   const errors = check.findings.filter((finding) => finding.level === "error").length;
   return (
-    <div className={classes.draft}>
+    <div className={classes.draft} lang={english()}>
       <strong data-testid="draft-state">
         {count === 1 ? "1 unsaved change" : `${count} unsaved changes`}
         {errors > 0 && `, ${errors === 1 ? "1 problem" : `${errors} problems`}`}

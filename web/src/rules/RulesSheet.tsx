@@ -2,6 +2,8 @@ import { CloseButton, UnstyledButton } from "@mantine/core";
 import { useEffect, useRef } from "react";
 import { LogPage } from "../log/LogPage";
 import { useSession } from "../session/SessionContext";
+import { english } from "../texts/language";
+import { type Phrase, t } from "../texts/text";
 import { TimelinePage } from "../timeline/TimelinePage";
 import { AuditPage } from "./audit/AuditPage";
 import { RulesBands } from "./bands/RulesBands";
@@ -17,7 +19,7 @@ import { RuleTable } from "./table/RuleTable";
 import { WhyPage } from "./why/WhyPage";
 
 interface Tab {
-  label: string;
+  label: Phrase;
   place: Place;
   holds: Place["at"][];
   /** Shown to engineers only. */
@@ -33,6 +35,9 @@ const TABS: Tab[] = [
   { label: "Recordings", place: { at: "recordings", name: null }, holds: ["recordings"] },
   { label: "Audit", place: { at: "audit" }, holds: ["audit"], engineer: true },
 ];
+
+/** The pages of rules are in English as a whole: so is what the robot says of them. */
+const TRANSLATED: ReadonlySet<Place["at"]> = new Set(["timeline", "log", "firings"]);
 
 /** The rules of the robot, beside the scene: what is in force, what is being written, what was. */
 export function RulesSheet() {
@@ -58,7 +63,7 @@ export function RulesSheet() {
     <section
       className={classes.sheet}
       id={SHEET_ID}
-      aria-label="Rules and timeline"
+      aria-label={t("Rules and timeline")}
       data-testid="rules-sheet"
     >
       <header className={classes.head}>
@@ -72,14 +77,14 @@ export function RulesSheet() {
               data-testid={`rules-tab-${tab.at}`}
               onClick={() => nav.go(tab)}
             >
-              {label}
+              {t(label)}
             </UnstyledButton>
           ))}
         </div>
         <CloseButton
           size="lg"
-          aria-label="Close rules and timeline"
-          title="Close (Esc)"
+          aria-label={t("Close rules and timeline")}
+          title={t("Close (Esc)")}
           data-testid="rules-close"
           onClick={nav.close}
         />
@@ -87,7 +92,13 @@ export function RulesSheet() {
       <div className={classes.bands}>
         <RulesBands />
       </div>
-      <div className={classes.body} key={place.at} ref={body} tabIndex={-1}>
+      <div
+        className={classes.body}
+        key={place.at}
+        ref={body}
+        tabIndex={-1}
+        lang={TRANSLATED.has(place.at) ? undefined : english()}
+      >
         <Page place={place} />
       </div>
     </section>

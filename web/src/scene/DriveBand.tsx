@@ -1,4 +1,5 @@
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
 import { Band } from "../ui/Band";
 import { silentDriveText } from "./driveText";
 
@@ -9,7 +10,7 @@ export function DriveBand() {
   const text = silentDriveText(state.drive, elapsed);
   if (text === null) return null;
   return (
-    <Band tone="notice" testId="drive-band" title="STOP cannot reach the robot from here.">
+    <Band tone="notice" testId="drive-band" title={t("STOP cannot reach the robot from here.")}>
       {text}
     </Band>
   );

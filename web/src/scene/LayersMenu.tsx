@@ -2,11 +2,12 @@ import { Menu, UnstyledButton } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import { IconCheck, IconStack2 } from "@tabler/icons-react";
 import type { LayerKey } from "../api/types";
+import { type Phrase, t } from "../texts/text";
 import { LOW } from "../ui/screen";
 import type { Flat } from "./useFlat";
 import type { ViewHandle } from "./useView";
 
-const LAYERS: [LayerKey, string][] = [
+const LAYERS: [LayerKey, Phrase][] = [
   ["map", "Map"],
   ["local_map", "Local map"],
   ["path", "Path"],
@@ -43,13 +44,13 @@ export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
           className={className}
           disabled={view === null}
           data-testid="layers"
-          title="What the scene shows (L)"
+          title={t("What the scene shows (L)")}
         >
           <IconStack2 size={22} aria-hidden />
-          <span>Layers</span>
+          <span>{t("Layers")}</span>
         </UnstyledButton>
       </Menu.Target>
-      <Menu.Dropdown aria-label="Layers">
+      <Menu.Dropdown aria-label={t("Layers")}>
         {LAYERS.map(([key, label]) => {
           const on = view?.layers[key] ?? false;
           return (
@@ -61,7 +62,7 @@ export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
               onChange={() => toggleLayer(key)}
               mih={44}
             >
-              {label}
+              {t(label)}
             </Menu.CheckboxItem>
           );
         })}
@@ -74,7 +75,7 @@ export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
           onChange={flat.toggle}
           mih={44}
         >
-          Flat map, for weak devices
+          {t("Flat map, for weak devices")}
         </Menu.CheckboxItem>
       </Menu.Dropdown>
     </Menu>

@@ -1,4 +1,5 @@
 import { Button } from "@mantine/core";
+import { t } from "../texts/text";
 import { Band } from "../ui/Band";
 import classes from "./Scene.module.css";
 import { useStage } from "./StageContext";
@@ -12,19 +13,19 @@ export function PlayedBand() {
     <Band
       tone="notice"
       testId="played-band"
-      title="Playing a drill: the robot itself is not shown."
+      title={t("Playing a drill: the robot itself is not shown.")}
       action={
         <Button variant="default" onClick={leave} data-testid="played-leave">
-          Back to the robot
+          {t("Back to the robot")}
         </Button>
       }
     >
-      Nothing here drives it, and STOP stops it as always.
+      {t("Nothing here drives it, and STOP stops it as always.")}
       <span className={classes.legend}>
         {SIDES.map(({ side, name }) => (
           <span key={side}>
             <i data-side={side} aria-hidden />
-            {name}
+            {t(name)}
           </span>
         ))}
       </span>

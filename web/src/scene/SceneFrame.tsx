@@ -1,4 +1,5 @@
 import { memo } from "react";
+import { t } from "../texts/text";
 import classes from "./Scene.module.css";
 
 /** The 3D scene: viser's client of this page's view. Never re-rendered by robot data. */
@@ -8,7 +9,7 @@ export const SceneFrame = memo(function SceneFrame({ id }: { id: string }) {
       key={id}
       className={classes.frame}
       data-testid="scene-frame"
-      title="3D scene: map, robot and paths"
+      title={t("3D scene: map, robot and paths")}
       src={`/scene/${encodeURIComponent(id)}/`}
     />
   );

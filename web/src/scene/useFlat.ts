@@ -1,5 +1,5 @@
 import { useCallback, useState } from "react";
-import { readKept, writeKept } from "../ui/kept";
+import { readKept, writeKept } from "../kept";
 import { drawsWebGl } from "./webgl";
 
 const KEY = "kompass.scene";

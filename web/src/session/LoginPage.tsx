@@ -3,6 +3,8 @@ import { useMutation, useQuery } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
 import { login, waysIn } from "../api/client";
 import type { Session } from "../api/types";
+import { rich, t } from "../texts/text";
+import { told } from "../texts/told";
 import { Mark } from "../ui/Mark";
 import classes from "./LoginPage.module.css";
 
@@ -25,7 +27,7 @@ export function LoginPage({ notice, onLogin }: Props) {
     onSuccess: onLogin,
   });
   const { error } = enter;
-  const problem = error === null ? null : `${error.title} ${error.remedy}`;
+  const problem = error === null ? null : `${told(error.title)} ${told(error.remedy)}`;
   const complete = byName ? user.trim() !== "" && password !== "" : token.trim() !== "";
 
   const submit = (event: FormEvent) => {
@@ -54,7 +56,7 @@ export function LoginPage({ notice, onLogin }: Props) {
         {ways.isPending ? null : byName ? (
           <>
             <TextInput
-              label="Name"
+              label={t("Name")}
               autoComplete="username"
               autoCapitalize="none"
               autoFocus
@@ -64,7 +66,7 @@ export function LoginPage({ notice, onLogin }: Props) {
               onChange={(event) => setUser(event.currentTarget.value)}
             />
             <PasswordInput
-              label="Password"
+              label={t("Password")}
               autoComplete="current-password"
               data-testid="login-password"
               size="md"
@@ -76,8 +78,10 @@ export function LoginPage({ notice, onLogin }: Props) {
           </>
         ) : (
           <PasswordInput
-            label="Token"
-            description="From the address that the console printed when it started; the whole address works too."
+            label={t("Token")}
+            description={t(
+              "From the address that the console printed when it started; the whole address works too.",
+            )}
             autoComplete="off"
             autoFocus
             data-testid="login-token"
@@ -95,30 +99,34 @@ export function LoginPage({ notice, onLogin }: Props) {
           disabled={!complete}
           data-testid="login-submit"
         >
-          Open the console
+          {t("Open the console")}
         </Button>
         {byName ? (
           <Text size="sm" className={classes.help}>
-            No account, or no password any more? Whoever looks after the robot gives you one:{" "}
-            <Code>kompass-console users</Code>.
+            {rich(
+              "No account, or no password any more? Whoever looks after the robot gives you one: <c>kompass-console users</c>.",
+              { c: (parts) => <Code>{parts}</Code> },
+            )}
             {ways.data?.tokens && (
               <>
                 {" "}
                 <Anchor component="button" type="button" size="sm" onClick={() => ask("token")}>
-                  Log in with a token
+                  {t("Log in with a token")}
                 </Anchor>
               </>
             )}
           </Text>
         ) : (
           <Text size="sm" className={classes.help}>
-            No token at hand? On the robot, look for the line with <Code>#token=</Code> in the
-            output of <Code>kompass-console</Code>, or start it again for a new one.
+            {rich(
+              "No token at hand? On the robot, look for the line with <c>#token=</c> in the output of <c>kompass-console</c>, or start it again for a new one.",
+              { c: (parts) => <Code>{parts}</Code> },
+            )}
             {ways.data?.accounts && (
               <>
                 {" "}
                 <Anchor component="button" type="button" size="sm" onClick={() => ask("name")}>
-                  Log in by name
+                  {t("Log in by name")}
                 </Anchor>
               </>
             )}

@@ -1,5 +1,8 @@
 import type { Component, State, Stream } from "../api/types";
-import { wholeAgeText } from "../format";
+import { listText, wholeAgeText } from "../format";
+import { language } from "../texts/language";
+import { type Phrase, type Text, t } from "../texts/text";
+import { told } from "../texts/told";
 import type { Level } from "../ui/StatusMark";
 import { mapFit, SET_ITS_PLACE } from "./localisation";
 import { componentLevel, FROZEN_S, streamStale } from "./overall";
@@ -61,7 +64,7 @@ export function rootCause(state: State | null, elapsed: number): Cause | null {
     other === root ||
     other.components.some((name) => root.components.includes(name)) ||
     (other.components.length > 0 && other.components.every((name) => waiting.has(name)));
-  const labels = ill.filter((c) => waiting.has(c.name)).map((c) => c.label);
+  const labels = ill.filter((c) => waiting.has(c.name)).map((c) => told(c.label));
   const { level, name, text, advice, minor } = root;
   return {
     level,
@@ -82,7 +85,12 @@ export function lastRestart(state: State | null): string | null {
     if (ago === null || ago > RESTART_TOLD_S) continue;
     if (newest === null || ago < newest.ago) newest = { label, ago };
   }
-  return newest === null ? null : `${newest.label} restarted ${wholeAgeText(newest.ago)} ago`;
+  return newest === null
+    ? null
+    : t("{label} restarted {age} ago", {
+        label: told(newest.label),
+        age: wholeAgeText(newest.ago),
+      });
 }
 
 /** `late` while it may still come, `lost` when it is. */
@@ -95,7 +103,7 @@ export function streamWord(stream: Stream, elapsed: number): "" | "late" | "lost
 
 /** A process that died, hangs or was given up explains all that its components do not do. */
 function processRoots(state: State, elapsed: number): Root[] {
-  const labels = new Map(state.components.map((c) => [c.name, c.label]));
+  const labels = new Map(state.components.map((c) => [c.name, told(c.label)]));
   const found = new Map<string, NonNullable<Component["process"]>>();
   for (const each of state.processes) found.set(each.name, each);
   const owned = new Map<string, string[]>();
@@ -111,7 +119,7 @@ function processRoots(state: State, elapsed: number): Root[] {
     const label = listText(
       components.length > 0
         ? components.map((name) => labels.get(name) ?? name)
-        : [sentenceCase(process.name)],
+        : [told(sentenceCase(process.name))],
     );
     const why = process.reason === "" ? "" : ` (${process.reason})`;
     const outputs = state.components
@@ -122,9 +130,9 @@ function processRoots(state: State, elapsed: number): Root[] {
         rank: 0,
         lasted: elapsed,
         level: "failed",
-        name: `${label} ${words.is}`,
-        text: `${label} ${words.is}${why}`,
-        advice: words.advice,
+        name: t(words.is, { label }),
+        text: `${t(words.is, { label })}${why}`,
+        advice: t(words.advice),
         minor: false,
         topics: outputs,
         components,
@@ -133,17 +141,19 @@ function processRoots(state: State, elapsed: number): Root[] {
   });
 }
 
-const LOST: Partial<Record<string, { is: string; advice: string }>> = {
+type Died = Extract<Text, `{label} ${"died" | "hangs"}${string}`>;
+
+const LOST: Partial<Record<string, { is: Died; advice: Phrase }>> = {
   dead: {
-    is: "died",
+    is: "{label} died",
     advice: "It is being started again by itself. If it dies again, look at its log.",
   },
   stuck: {
-    is: "hangs",
+    is: "{label} hangs",
     advice: "If it does not come back, it is ended and started again by itself.",
   },
   "given up": {
-    is: "died too often and is not started again",
+    is: "{label} died too often and is not started again",
     advice: "Look at its log for the reason, then start the robot's program anew.",
   },
 };
@@ -159,10 +169,17 @@ function streamRoots(state: State, ill: Component[], elapsed: number): Root[] {
     if (word === "missing" && !wanted && stream.key !== "odometry") return [];
     const age = (stream.age ?? 0) + elapsed;
     const lost = word === "lost";
+    const label = told(stream.label);
     const { name, text } = {
-      missing: { name: `${stream.label} missing`, text: `${stream.label}: nothing received yet` },
-      late: { name: `${stream.label} is late`, text: `${stream.label} is late` },
-      lost: { name: `${stream.label} lost`, text: `${stream.label} lost ${wholeAgeText(age)} ago` },
+      missing: {
+        name: t("{label} missing", { label }),
+        text: t("{label}: nothing received yet", { label }),
+      },
+      late: { name: t("{label} is late", { label }), text: t("{label} is late", { label }) },
+      lost: {
+        name: t("{label} lost", { label }),
+        text: t("{label} lost {age} ago", { label, age: wholeAgeText(age) }),
+      },
     }[word];
     return [
       {
@@ -181,16 +198,20 @@ function streamRoots(state: State, ill: Component[], elapsed: number): Root[] {
 }
 
 function adviceFor(stream: Stream, word: "late" | "lost" | "missing"): string {
-  const topic = stream.topic ?? "its topic";
+  const topic = stream.topic ?? t("its topic");
   switch (stream.key) {
     case "scan":
-      return `Check the scanner's power and cable, and the driver that publishes ${topic}.`;
+      return t("Check the scanner's power and cable, and the driver that publishes {topic}.", {
+        topic,
+      });
     case "odometry":
-      return `Check the base and the localization, which publish ${topic}.`;
+      return t("Check the base and the localization, which publish {topic}.", { topic });
     case "map":
-      return word === "missing" ? "Load a map, or start the map server." : "Check the map server.";
+      return word === "missing"
+        ? t("Load a map, or start the map server.")
+        : t("Check the map server.");
     case "local_map":
-      return `Check who publishes ${topic}.`;
+      return t("Check who publishes {topic}.", { topic });
     case "path":
       return "";
   }
@@ -206,9 +227,9 @@ function componentRoots(state: State, ill: Component[], elapsed: number): Root[]
         rank: 0,
         lasted: age,
         level: "unknown",
-        name: "Robot's program silent",
-        text: `Nothing heard of the robot's program for ${wholeAgeText(age)}`,
-        advice: "Check that it runs, and the network between it and this console.",
+        name: t("Robot's program silent"),
+        text: t("Nothing heard of the robot's program for {age}", { age: wholeAgeText(age) }),
+        advice: t("Check that it runs, and the network between it and this console."),
         minor: false,
         topics: [],
         components: silent.map((c) => c.name),
@@ -216,6 +237,7 @@ function componentRoots(state: State, ill: Component[], elapsed: number): Root[]
     ];
   }
   return ill.flatMap((component): Root[] => {
+    const label = told(component.label);
     const state_ = component.process?.state ?? "unknown";
     if (LOST[state_] !== undefined) return []; // its process is the cause
     const age = component.age + elapsed;
@@ -227,22 +249,25 @@ function componentRoots(state: State, ill: Component[], elapsed: number): Root[]
       minor: false,
     };
     if (age > FROZEN_S) {
-      const text = `${component.label} silent for ${wholeAgeText(age)}`;
-      const advice = "Check that it runs, and the network between it and this console.";
-      return [{ ...base, rank: 0, name: `${component.label} silent`, text, advice }];
+      const text = t("{label} silent for {age}", { label, age: wholeAgeText(age) });
+      const advice = t("Check that it runs, and the network between it and this console.");
+      return [{ ...base, rank: 0, name: t("{label} silent", { label }), text, advice }];
     }
     const said = plainMessage(component.message);
-    const told = said === "" ? "" : `: ${said}`;
-    const failed = { name: `${component.label} failed`, text: `${component.label} failed${told}` };
+    const why = said === "" ? "" : `: ${told(said)}`;
+    const failed = {
+      name: t("{label} failed", { label }),
+      text: `${t("{label} failed", { label })}${why}`,
+    };
     switch (component.status) {
       case "algorithm_failure":
         return [
           {
             ...base,
             rank: 5,
-            name: `${component.label} finds no solution`,
-            text: `${component.label} finds no solution${told}`,
-            advice: "Move what is in the way, or pick another goal.",
+            name: t("{label} finds no solution", { label }),
+            text: `${t("{label} finds no solution", { label })}${why}`,
+            advice: t("Move what is in the way, or pick another goal."),
             minor: true,
           },
         ];
@@ -256,35 +281,41 @@ function componentRoots(state: State, ill: Component[], elapsed: number): Root[]
         if (topics.length > 0 && missing.length === 0) {
           // It does come: this one has not heard it yet.
           const restarted = component.process?.restarted ?? null;
-          const after =
-            restarted === null || restarted > RESTART_TOLD_S
-              ? ""
-              : `, restarted ${wholeAgeText(restarted)} ago,`;
+          const what = listText(topics.map((topic) => topicText(topic, state)));
           return [
             {
               ...base,
               rank: 4,
-              name: `${component.label} is not ready`,
-              text: `${component.label}${after} has not heard ${listText(topics.map((t) => topicText(t, state)))} yet`,
-              advice: "It is sent, so this should pass by itself; if not, restart this component.",
+              name: t("{label} is not ready", { label }),
+              text:
+                restarted === null || restarted > RESTART_TOLD_S
+                  ? t("{label} has not heard {what} yet", { label, what })
+                  : t("{label}, restarted {age} ago, has not heard {what} yet", {
+                      label,
+                      age: wholeAgeText(restarted),
+                      what,
+                    }),
+              advice: t(
+                "It is sent, so this should pass by itself; if not, restart this component.",
+              ),
               minor: restarted !== null && restarted <= RESTART_TOLD_S,
             },
           ];
         }
-        if (topics.length === 0) return [{ ...base, rank: 3, ...failed, advice: DETAILS }];
+        if (topics.length === 0) return [{ ...base, rank: 3, ...failed, advice: t(DETAILS) }];
         const what = listText(missing.map((topic) => topicText(topic, state)));
         return [
           {
             ...base,
             rank: 2,
-            name: `${component.label} gets nothing`,
-            text: `${component.label} gets nothing on ${what}`,
-            advice: `Check who publishes ${listText(missing)}.`,
+            name: t("{label} gets nothing", { label }),
+            text: t("{label} gets nothing on {what}", { label, what }),
+            advice: t("Check who publishes {topic}.", { topic: listText(missing) }),
           },
         ];
       }
       default:
-        return [{ ...base, rank: 3, ...failed, advice: DETAILS }];
+        return [{ ...base, rank: 3, ...failed, advice: t(DETAILS) }];
     }
   });
 }
@@ -298,9 +329,9 @@ function placeRoots({ localisation }: State, ill: Component[], elapsed: number):
       rank: 1.5,
       lasted: elapsed,
       level,
-      name: "Place doubtful",
-      text: `Scan and map agree ${figure}`,
-      advice: SET_ITS_PLACE,
+      name: t("Place doubtful"),
+      text: t("Scan and map agree {figure}", { figure }),
+      advice: t(SET_ITS_PLACE),
       minor: false,
       topics: [],
       components: ill.filter((c) => c.status === "algorithm_failure").map((c) => c.name),
@@ -308,7 +339,7 @@ function placeRoots({ localisation }: State, ill: Component[], elapsed: number):
   ];
 }
 
-const DETAILS = "Health has the details; if it does not pass, restart this component.";
+const DETAILS: Phrase = "Health has the details; if it does not pass, restart this component.";
 
 /** Whether what a component waits for is missing for a reason that is told of elsewhere. */
 function isExplained(
@@ -357,30 +388,33 @@ function whoWaits(root: Root, ill: Component[]): Set<string> {
 
 function held({ drive }: State): string[] {
   if (drive === null || !drive.available) return [];
-  if (drive.stopped) return ["robot stopped"];
+  if (drive.stopped) return [t("robot stopped")];
   if (drive.limited_by === "") return [];
   const percent = Math.round(drive.speed_factor * 100);
-  if (percent <= 0) return ["robot held"];
-  return percent < 100 ? [`robot slowed to ${percent} %`] : [];
+  if (percent <= 0) return [t("robot held")];
+  return percent < 100 ? [t("robot slowed to {percent} %", { percent })] : [];
 }
 
 function waitingText(labels: string[]): string[] {
   if (labels.length === 0) return [];
   const [first, ...rest] = labels;
-  const list = listText([first ?? "", ...rest.map((label) => label.toLowerCase())]);
-  return [`${list} ${labels.length === 1 ? "waits" : "wait"} for it`];
+  const list = listText([first ?? "", ...rest.map(inSentence)]);
+  return [
+    t("{n, plural, one {{list} waits for it} other {{list} wait for it}}", {
+      n: labels.length,
+      list,
+    }),
+  ];
 }
 
-/** `a`, `a and b`, `a, b and c`. */
-function listText(parts: string[]): string {
-  if (parts.length < 2) return parts.join("");
-  return `${parts.slice(0, -1).join(", ")} and ${parts.at(-1)}`;
-}
+/** A label that does not begin a sentence; German nouns keep their capital. */
+const inSentence = (label: string): string =>
+  language.get() === "en" ? label.toLowerCase() : label;
 
 /** What the page calls a topic, where it has a word for it. */
 function topicText(topic: string, state: State): string {
   const stream = state.streams.find((each) => each.topic !== null && same(each.topic)(topic));
-  return stream === undefined ? topic : `the ${stream.label.toLowerCase()}`;
+  return stream === undefined ? topic : t("the {label}", { label: inSentence(told(stream.label)) });
 }
 
 /** A component's message without the level that it begins with: the page has words of its own. */

@@ -1,10 +1,11 @@
 import type { Localisation } from "../api/types";
+import { type Phrase, t } from "../texts/text";
 import type { Level } from "../ui/StatusMark";
 
 /** A scan that is older says nothing of where the robot is now, s. */
 const OLD_S = 3;
 
-const UNKNOWN: Record<NonNullable<Localisation["problem"]>, string> = {
+const UNKNOWN: Record<NonNullable<Localisation["problem"]>, Phrase> = {
   no_map: "There is no map to compare the scan with.",
   no_scan: "There is no laser scan to compare with the map.",
   no_pose: "The robot does not say where it is.",
@@ -12,7 +13,7 @@ const UNKNOWN: Record<NonNullable<Localisation["problem"]>, string> = {
 };
 
 /** What to do for a robot that may be elsewhere. */
-export const SET_ITS_PLACE =
+export const SET_ITS_PLACE: Phrase =
   "The robot may not be where it thinks. Set its place: the tool Locate, or O.";
 
 export interface FitTold {
@@ -27,18 +28,18 @@ export const percentText = (share: number): string => `${Math.round(100 * share)
 /** How well the scan fits the map, in words. */
 export function mapFit({ agreement, age, lost, problem }: Localisation, elapsed: number): FitTold {
   if (agreement === null) {
-    return { level: "unknown", figure: "–", sentence: UNKNOWN[problem ?? "too_little"] };
+    return { level: "unknown", figure: "–", sentence: t(UNKNOWN[problem ?? "too_little"]) };
   }
   const figure = percentText(agreement);
   if ((age ?? 0) + elapsed > OLD_S) {
-    return { level: "unknown", figure: "–", sentence: UNKNOWN.no_scan };
+    return { level: "unknown", figure: "–", sentence: t(UNKNOWN.no_scan) };
   }
   if (lost) {
     return {
       level: "degraded",
       figure,
-      sentence: `Scan and map agree ${figure}. ${SET_ITS_PLACE}`,
+      sentence: `${t("Scan and map agree {figure}.", { figure })} ${t(SET_ITS_PLACE)}`,
     };
   }
-  return { level: "healthy", figure, sentence: `Scan and map agree ${figure}.` };
+  return { level: "healthy", figure, sentence: t("Scan and map agree {figure}.", { figure }) };
 }

@@ -1,5 +1,7 @@
 import type { Component, State, Stream } from "../api/types";
 import { wholeAgeText } from "../format";
+import { type Phrase, t } from "../texts/text";
+import { told } from "../texts/told";
 import type { Level } from "../ui/StatusMark";
 import type { Cause } from "./causes";
 
@@ -19,7 +21,7 @@ const LEVELS: Record<Component["status"], Level> = {
   silent: "unknown",
 };
 
-const WORDS: Record<Component["status"], string> = {
+const WORDS: Record<Component["status"], Phrase> = {
   healthy: "Healthy",
   algorithm_failure: "No solution",
   component_failure: "Failed",
@@ -29,7 +31,7 @@ const WORDS: Record<Component["status"], string> = {
 };
 
 /** What its supervisor knows better than a component that cannot speak. */
-const LOST_WORDS: Partial<Record<NonNullable<Component["process"]>["state"], string>> = {
+const LOST_WORDS: Partial<Record<NonNullable<Component["process"]>["state"], Phrase>> = {
   dead: "Dead",
   stuck: "Stuck",
   "given up": "Given up",
@@ -43,16 +45,17 @@ export function componentLevel(component: Component, elapsed: number): Level {
 
 export function componentWord(component: Component, elapsed: number): string {
   const lost = LOST_WORDS[component.process?.state ?? "unknown"];
-  if (lost !== undefined) return lost;
-  if (component.age + elapsed > FROZEN_S) return WORDS.silent;
+  if (lost !== undefined) return t(lost);
+  if (component.age + elapsed > FROZEN_S) return t(WORDS.silent);
   const restarted = component.process?.restarted ?? null;
   // Who was killed comes back by itself, and somebody may want to know why.
   if (component.status === "healthy" && restarted !== null && restarted < RESTART_KEPT_S) {
-    return `Restarted ${wholeAgeText(restarted)} ago`;
+    return t("Restarted {age} ago", { age: wholeAgeText(restarted) });
   }
   // What is outside is named by the component; without it, all that is known is that it failed.
-  if (component.status === "system_failure" && component.src_topics.length === 0) return "Failed";
-  return WORDS[component.status];
+  if (component.status === "system_failure" && component.src_topics.length === 0)
+    return t("Failed");
+  return t(WORDS[component.status]);
 }
 
 export function streamStale(stream: Stream, elapsed: number): boolean {
@@ -84,37 +87,44 @@ export function overall(
   cause: Cause | null,
   restart: string | null = null,
 ): Overall {
-  if (state === null) return { level: "unknown", text: "Connecting" };
-  if (elapsed > FROZEN_S) return { level: "unknown", text: `No data for ${wholeAgeText(elapsed)}` };
-  if (state.components.length === 0) return { level: "unknown", text: "No components found" };
+  if (state === null) return { level: "unknown", text: t("Connecting") };
+  if (elapsed > FROZEN_S)
+    return {
+      level: "unknown",
+      text: t("No data for {age}", { age: wholeAgeText(elapsed) }),
+    };
+  if (state.components.length === 0) return { level: "unknown", text: t("No components found") };
   if (cause !== null) {
-    const more = cause.others === 0 ? "" : `, and ${cause.others} more`;
-    return { level: cause.level, text: `${cause.name}${more}` };
+    const { level, name, others } = cause;
+    return { level, text: others === 0 ? name : t("{name}, and {others} more", { name, others }) };
   }
   // Where each blames another nobody is the cause: they are counted.
-  const rows = state.components.map((c) => ({ label: c.label, level: componentLevel(c, elapsed) }));
-  for (const [level, word] of [
-    ["failed", "failed"],
-    ["degraded", "degraded"],
-    ["unknown", "silent"],
+  const rows = state.components.map((c) => ({
+    label: told(c.label),
+    level: componentLevel(c, elapsed),
+  }));
+  for (const [level, text] of [
+    ["failed", "{n, plural, one {{first} failed} other {# components failed}}"],
+    ["degraded", "{n, plural, one {{first} degraded} other {# components degraded}}"],
+    ["unknown", "{n, plural, one {{first} silent} other {# components silent}}"],
   ] as const) {
     const bad = rows.filter((row) => row.level === level);
     const first = bad[0];
     if (first === undefined) continue;
-    return {
-      level,
-      text: bad.length === 1 ? `${first.label} ${word}` : `${bad.length} components ${word}`,
-    };
+    return { level, text: t(text, { n: bad.length, first: first.label }) };
   }
-  if (state.pose === null) return { level: "unknown", text: "Position unknown" };
+  if (state.pose === null) return { level: "unknown", text: t("Position unknown") };
   const { alarms } = state.rules;
   if (alarms > 0) {
-    return { level: "degraded", text: alarms === 1 ? "One alarm" : `${alarms} alarms` };
+    return {
+      level: "degraded",
+      text: t("{alarms, plural, one {One alarm} other {# alarms}}", { alarms }),
+    };
   }
   if (state.battery?.low && !state.battery.charging) {
-    return { level: "degraded", text: "Battery low" };
+    return { level: "degraded", text: t("Battery low") };
   }
   // A robot that may not move is not well, whatever its components say.
-  const well = state.drive?.stopped ? "No faults" : "All well";
+  const well = state.drive?.stopped ? t("No faults") : t("All well");
   return { level: "healthy", text: restart === null ? well : `${well} · ${restart}` };
 }

@@ -4,6 +4,8 @@ import { openStop, stopWithoutLogin } from "../api/client";
 import { asApiError } from "../api/errors";
 import { useAsked } from "../api/queries";
 import { useStopKey } from "../keys";
+import { t } from "../texts/text";
+import { told } from "../texts/told";
 import { Band } from "../ui/Band";
 import classes from "./Stop.module.css";
 import { StopFace } from "./StopFace";
@@ -63,30 +65,30 @@ function Offered({
   useStopKey(press);
   return (
     <>
-      <section className={classes.said} aria-label="Stop">
+      <section className={classes.said} aria-label={t("Stop")}>
         {stop.phase === "unconfirmed" && (
-          <Band tone="alarm" title="Stop is not confirmed" testId="stop-unconfirmed">
-            {stop.problem} {stop.remedy}
+          <Band tone="alarm" title={t("Stop is not confirmed")} testId="stop-unconfirmed">
+            {told(stop.problem)} {told(stop.remedy)}
             {!stop.latched && (
               <Button variant="default" size="compact-md" onClick={onLooked} ml="sm">
-                I have looked
+                {t("I have looked")}
               </Button>
             )}
           </Band>
         )}
         {stop.phase === "stopped" && (
-          <Band tone="stopped" title="Stopped" testId="stop-band">
-            The robot stands, until an operator has logged in and releases it.
+          <Band tone="stopped" title={t("Stopped")} testId="stop-band">
+            {t("The robot stands, until an operator has logged in and releases it.")}
           </Band>
         )}
         {stop.phase === "silent" && (
-          <Band tone="stale" title="Was stopped" testId="stop-band-stale">
-            Nothing is heard of the robot now; it stays so until somebody releases it.
+          <Band tone="stale" title={t("Was stopped")} testId="stop-band-stale">
+            {t("Nothing is heard of the robot now; it stays so until somebody releases it.")}
           </Band>
         )}
       </section>
       {/* The page begins in a text field, where the space bar alone is a blank. */}
-      <StopFace stop={stop} press={press} hint="Ctrl Space" />
+      <StopFace stop={stop} press={press} hint={t("Ctrl Space")} />
     </>
   );
 }

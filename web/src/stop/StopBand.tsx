@@ -6,6 +6,8 @@ import type { Drive } from "../api/types";
 import { ageText } from "../format";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
+import { t } from "../texts/text";
+import { told } from "../texts/told";
 import { Band } from "../ui/Band";
 import { HoldButton } from "../ui/controls/HoldButton";
 import { useStop } from "./StopContext";
@@ -40,11 +42,11 @@ export function StopBand({ why, brief = false }: { why: ReactNode; brief?: boole
   return (
     <>
       {stop.phase === "unconfirmed" && (
-        <Band tone="alarm" title="Stop is not confirmed" testId="stop-unconfirmed">
-          {stop.problem} {stop.remedy}
+        <Band tone="alarm" title={t("Stop is not confirmed")} testId="stop-unconfirmed">
+          {told(stop.problem)} {told(stop.remedy)}
           {!stop.latched && (
             <Button variant="default" size="compact-md" onClick={dismiss} ml="sm">
-              I have looked
+              {t("I have looked")}
             </Button>
           )}
         </Band>
@@ -52,7 +54,7 @@ export function StopBand({ why, brief = false }: { why: ReactNode; brief?: boole
       {latched && (
         <Band
           tone="stopped"
-          title={stoppedText(drive, "Stopped")}
+          title={stoppedText(drive)}
           testId="stop-band"
           action={
             <>
@@ -60,34 +62,43 @@ export function StopBand({ why, brief = false }: { why: ReactNode; brief?: boole
               {session.role !== "viewer" && (
                 <HoldButton
                   data-testid="release-button"
-                  label="Hold to release the stop: press for one second, or hold Enter"
+                  label={t("Hold to release the stop: press for one second, or hold Enter")}
                   onHeld={release}
                 >
-                  Hold to release
+                  {t("Hold to release")}
                 </HoldButton>
               )}
             </>
           }
         >
           {refusal !== null
-            ? `${refusal.title} ${refusal.remedy}`
+            ? `${told(refusal.title)} ${told(refusal.remedy)}`
             : session.role === "viewer"
-              ? "An operator can release it."
+              ? t("An operator can release it.")
               : brief
                 ? null
-                : "The robot stays where it is until a person releases it; then send it a new goal."}
+                : t(
+                    "The robot stays where it is until a person releases it; then send it a new goal.",
+                  )}
         </Band>
       )}
       {was !== null && (
-        <Band tone="stale" title={stoppedText(was, "Was stopped")} testId="stop-band-stale">
-          Last heard {ageText(was.age + elapsed)} ago; it stays so until somebody releases it.
+        <Band tone="stale" title={wasStoppedText(was)} testId="stop-band-stale">
+          {t("Last heard {age} ago; it stays so until somebody releases it.", {
+            age: ageText(was.age + elapsed),
+          })}
         </Band>
       )}
     </>
   );
 }
 
-function stoppedText({ stopped_by, reason }: Drive, word: string): string {
-  const by = stopped_by === "" ? "" : ` by ${stopped_by}`;
-  return `${word}${by}${reason === "" ? "" : `: ${reason}`}`;
+function stoppedText({ stopped_by: by, reason }: Drive): string {
+  const text = by === "" ? t("Stopped") : t("Stopped by {by}", { by: told(by) });
+  return reason === "" ? text : `${text}: ${told(reason)}`;
+}
+
+function wasStoppedText({ stopped_by: by, reason }: Drive): string {
+  const text = by === "" ? t("Was stopped") : t("Was stopped by {by}", { by: told(by) });
+  return reason === "" ? text : `${text}: ${told(reason)}`;
 }

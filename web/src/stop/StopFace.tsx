@@ -1,4 +1,5 @@
 import { UnstyledButton } from "@mantine/core";
+import { t } from "../texts/text";
 import classes from "./Stop.module.css";
 import { type StopState, stopLabel } from "./stopMachine";
 
@@ -31,9 +32,9 @@ export function StopFace({ stop, press, hint }: Props) {
     >
       <span className={classes.word}>{word}</span>{" "}
       {stop.phase === "idle" && <span className={classes.hint}>{hint}</span>}
-      {stop.phase === "stopped" && <span className={classes.hint}>standstill ✓</span>}
-      {stop.phase === "silent" && <span className={classes.hint}>was stopped</span>}
-      {stop.phase === "unconfirmed" && <span className={classes.hint}>press again</span>}
+      {stop.phase === "stopped" && <span className={classes.hint}>{t("standstill ✓")}</span>}
+      {stop.phase === "silent" && <span className={classes.hint}>{t("was stopped")}</span>}
+      {stop.phase === "unconfirmed" && <span className={classes.hint}>{t("press again")}</span>}
       {/* Whoever speaks to the page says what stands on the button: its name begins with that. */}
       <span className="visually-hidden">. {spoken}</span>
     </UnstyledButton>

@@ -1,4 +1,5 @@
 import type { Drive } from "../api/types";
+import { type Phrase, t } from "../texts/text";
 
 /** What is to be known of the robot, to say what became of STOP. */
 export type Latch = Pick<Drive, "stopped" | "standstill">;
@@ -39,7 +40,7 @@ export const IDLE: StopState = {
 /** A robot that was told to stop stands still within this time, or a person must look. */
 export const CONFIRM_WITHIN_MS = 2000;
 
-const LOOK = "Press STOP again; if it keeps moving, use the emergency button on the robot.";
+const LOOK: Phrase = "Press STOP again; if it keeps moving, use the emergency button on the robot.";
 
 export function stopReducer(state: StopState, event: StopEvent): StopState {
   switch (event.type) {
@@ -52,7 +53,7 @@ export function stopReducer(state: StopState, event: StopEvent): StopState {
         ...state,
         phase: "unconfirmed",
         problem: event.problem,
-        remedy: event.remedy || LOOK,
+        remedy: event.remedy || t(LOOK),
       };
     case "dismissed":
       return state.phase === "unconfirmed" && !state.latched ? IDLE : state;
@@ -72,13 +73,13 @@ function observe(state: StopState, drive: Latch | null, now: number): StopState 
       return drive?.stopped ? { ...IDLE, phase: "stopping", since: now, latched: true } : state;
     case "stopped":
       if (drive === null) return { ...IDLE, phase: "silent", latched: true };
-      return { ...IDLE, phase: "unconfirmed", latched: true, problem: MOVING, remedy: LOOK };
+      return { ...IDLE, phase: "unconfirmed", latched: true, problem: t(MOVING), remedy: t(LOOK) };
     case "stopping": {
       const latched = state.latched || drive?.stopped === true;
       if (now - state.since < CONFIRM_WITHIN_MS) {
         return latched === state.latched ? state : { ...state, latched };
       }
-      return { ...state, phase: "unconfirmed", latched, problem: why(drive), remedy: LOOK };
+      return { ...state, phase: "unconfirmed", latched, problem: why(drive), remedy: t(LOOK) };
     }
     case "silent":
       // It is back, stopped still, and its standstill is yet to be measured.
@@ -88,32 +89,37 @@ function observe(state: StopState, drive: Latch | null, now: number): StopState 
   }
 }
 
-const MOVING = "Standstill is no longer confirmed: the odometry reports motion, or is silent.";
+const MOVING: Phrase =
+  "Standstill is no longer confirmed: the odometry reports motion, or is silent.";
 
 function why(drive: Latch | null): string {
-  if (drive === null) return "The drive manager is silent: nobody confirms that the robot stopped.";
-  if (!drive.stopped) return "The drive manager has not taken the stop.";
-  return "The wheels are blocked but no standstill was measured within 2 s.";
+  if (drive === null)
+    return t("The drive manager is silent: nobody confirms that the robot stopped.");
+  if (!drive.stopped) return t("The drive manager has not taken the stop.");
+  return t("The wheels are blocked but no standstill was measured within 2 s.");
 }
 
 /** The two lines on the button. */
 export function stopLabel(phase: StopPhase): { word: string; spoken: string } {
   switch (phase) {
     case "idle":
-      return { word: "STOP", spoken: "Stop the robot" };
+      return { word: t("STOP"), spoken: t("Stop the robot") };
     case "stopping":
-      return { word: "Stopping…", spoken: "Stopping, not confirmed yet. Press to stop again" };
+      return {
+        word: t("Stopping…"),
+        spoken: t("Stopping, not confirmed yet. Press to stop again"),
+      };
     case "stopped":
       return {
-        word: "Stopped",
-        spoken: "Robot stopped, standstill confirmed. Press to stop again",
+        word: t("Stopped"),
+        spoken: t("Robot stopped, standstill confirmed. Press to stop again"),
       };
     case "silent":
       return {
-        word: "STOP",
-        spoken: "Stop the robot. It was stopped when it was last heard of",
+        word: t("STOP"),
+        spoken: t("Stop the robot. It was stopped when it was last heard of"),
       };
     case "unconfirmed":
-      return { word: "Not confirmed", spoken: "Stop not confirmed. Press to stop again" };
+      return { word: t("Not confirmed"), spoken: t("Stop not confirmed. Press to stop again") };
   }
 }

@@ -2,6 +2,7 @@ import { Button, TextInput } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { addNote } from "../api/timelineClient";
+import { t } from "../texts/text";
 import { Problem } from "../ui/Problem";
 import classes from "./Timeline.module.css";
 
@@ -23,8 +24,8 @@ export function NoteForm() {
       <TextInput
         size="sm"
         className={classes.grow}
-        aria-label="A note for the timeline"
-        placeholder="Write a note: wheel changed, door stood open…"
+        aria-label={t("A note for the timeline")}
+        placeholder={t("Write a note: wheel changed, door stood open…")}
         maxLength={200}
         value={title}
         data-testid="timeline-note"
@@ -41,7 +42,7 @@ export function NoteForm() {
         loading={note.isPending}
         data-testid="timeline-note-add"
       >
-        Add
+        {t("Add")}
       </Button>
       <Problem error={note.error} />
     </form>

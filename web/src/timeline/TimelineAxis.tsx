@@ -1,6 +1,7 @@
 import { type CSSProperties, type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
 import type { TimelineKind, TimelineLevel, TimelineSlot } from "../api/types";
-import { clockText, dateText } from "../rules/model/words";
+import { clockText, dateText } from "../texts/dates";
+import { t } from "../texts/text";
 import { drawn, type Ends, type Span, ticksOf } from "./span";
 import classes from "./Timeline.module.css";
 import { KINDS, markOf } from "./timelineText";
@@ -70,7 +71,7 @@ export function TimelineAxis(props: Props) {
             data-testid={`timeline-kind-${kind}`}
             onClick={() => onKind(kind)}
           >
-            {label}
+            {t(label)}
           </button>
         ))}
       </div>
@@ -81,7 +82,10 @@ export function TimelineAxis(props: Props) {
         role="group"
         // biome-ignore lint/a11y/noNoninteractiveTabindex: the keys move it
         tabIndex={0}
-        aria-label={`What happened from ${dateText(ends.since)} to ${dateText(ends.until)}: arrows go earlier and later, plus and minus closer and wider`}
+        aria-label={t(
+          "What happened from {since} to {until}: arrows go earlier and later, plus and minus closer and wider",
+          { since: dateText(ends.since), until: dateText(ends.until) },
+        )}
         data-testid="timeline-plot"
         onKeyDown={onKeyDown}
         onPointerDown={(event) => {

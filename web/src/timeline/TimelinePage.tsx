@@ -16,6 +16,8 @@ import { useNav } from "../rules/context/RulesNav";
 import { Day } from "../rules/parts/Day";
 import { useSession } from "../session/SessionContext";
 import { useNow, useRobot } from "../state/RobotContext";
+import { type Phrase, t } from "../texts/text";
+import { told } from "../texts/told";
 import { Choice } from "../ui/controls/Choice";
 import { IconButton } from "../ui/controls/IconButton";
 import { Problem } from "../ui/Problem";
@@ -29,7 +31,7 @@ import { TimelineRow } from "./TimelineRow";
 import { KINDS } from "./timelineText";
 import { useTimeline } from "./useTimeline";
 
-const LEVELS = [
+const LEVELS: { value: string; label: Phrase }[] = [
   { value: "info", label: "everything" },
   { value: "warning", label: "warnings and worse" },
   { value: "error", label: "errors only" },
@@ -59,7 +61,7 @@ export function TimelinePage() {
     kinds.length === 0 ? 0 : slots,
   );
   const components = state?.components ?? [];
-  const labels = new Map(components.map(({ name, label }) => [name, label]));
+  const labels = new Map(components.map(({ name, label }) => [name, told(label)]));
   const open = useOpen();
   const entries = kinds.length === 0 ? [] : (found.page?.entries ?? []);
   const toggle = (kind: TimelineKind) => {
@@ -80,16 +82,21 @@ export function TimelinePage() {
         <SegmentedControl
           size="sm"
           className={classes.back}
-          aria-label="How far back"
-          data={HOURS.map(({ hours, label }) => ({ value: String(hours), label }))}
+          aria-label={t("How far back")}
+          data={HOURS.map(({ hours, label }) => ({ value: String(hours), label: t(label) }))}
           value={live ? String(span.hours) : ""}
           onChange={(hours) => setSpan({ hours: Number(hours) })}
         />
         <span className={classes.moves}>
-          <IconButton label="Earlier" onClick={go.earlier} Icon={IconChevronLeft} />
-          <IconButton label="Closer" onClick={go.closer} Icon={IconZoomIn} />
-          <IconButton label="Wider" onClick={go.wider} Icon={IconZoomOut} />
-          <IconButton label="Later" disabled={live} onClick={go.later} Icon={IconChevronRight} />
+          <IconButton label={t("Earlier")} onClick={go.earlier} Icon={IconChevronLeft} />
+          <IconButton label={t("Closer")} onClick={go.closer} Icon={IconZoomIn} />
+          <IconButton label={t("Wider")} onClick={go.wider} Icon={IconZoomOut} />
+          <IconButton
+            label={t("Later")}
+            disabled={live}
+            onClick={go.later}
+            Icon={IconChevronRight}
+          />
         </span>
       </div>
       <TimelineAxis
@@ -107,17 +114,17 @@ export function TimelinePage() {
         <TextInput
           size="sm"
           className={classes.grow}
-          aria-label="Only what has these words"
-          placeholder="only with …"
+          aria-label={t("Only what has these words")}
+          placeholder={t("only with …")}
           maxLength={200}
           value={typed}
           data-testid="timeline-text"
           onChange={(event) => setTyped(event.currentTarget.value)}
         />
         <Choice
-          aria-label="How bad at least"
+          aria-label={t("How bad at least")}
           className={classes.level}
-          data={LEVELS}
+          data={LEVELS.map(({ value, label }) => ({ value, label: t(label) }))}
           value={level}
           onChange={(value) => setLevel(value as TimelineLevel)}
         />
@@ -130,29 +137,29 @@ export function TimelinePage() {
           download
           data-testid="timeline-export"
         >
-          Export
+          {t("Export")}
         </Button>
       </div>
       {session.role !== "viewer" && <NoteForm />}
       <Problem error={found.error ?? open.error} />
       {found.page !== null && found.page.problem !== "" && (
         <p className={page.problem} role="status">
-          {found.page.problem}
+          {told(found.page.problem)}
         </p>
       )}
       {found.page === null && found.error === null && (
-        <p className={page.muted}>Reading the timeline…</p>
+        <p className={page.muted}>{t("Reading the timeline…")}</p>
       )}
       {found.page !== null && entries.length === 0 && (
         <p className={page.empty}>
           {hidden.size > 0 || level !== "info" || text !== ""
-            ? "Nothing like that in this time."
-            : "Nothing happened in this time."}
+            ? t("Nothing like that in this time.")
+            : t("Nothing happened in this time.")}
         </p>
       )}
       <ul
         className={classes.list}
-        aria-label="What happened"
+        aria-label={t("What happened")}
         data-stale={!found.fresh || undefined}
       >
         {entries.map((entry, index) => (
@@ -169,7 +176,7 @@ export function TimelinePage() {
           data-testid="timeline-older"
           onClick={found.older.ask}
         >
-          Older
+          {t("Older")}
         </Button>
       )}
     </div>

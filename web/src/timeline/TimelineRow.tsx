@@ -1,7 +1,8 @@
 import { UnstyledButton } from "@mantine/core";
 import { IconChevronRight } from "@tabler/icons-react";
 import type { TimelineEntry } from "../api/types";
-import { whenText } from "../rules/model/words";
+import { whenText } from "../texts/dates";
+import { langOf, told } from "../texts/told";
 import { StatusMark } from "../ui/StatusMark";
 import classes from "./Timeline.module.css";
 import { kindLabel, lengthText, markOf, sourceText } from "./timelineText";
@@ -25,10 +26,14 @@ export function TimelineRow({ entry, labels, now, onOpen }: Props) {
       <span className={classes.what}>
         <span className={classes.title}>
           {about !== "" && <b>{about}: </b>}
-          {entry.title}
+          <span lang={langOf(entry.title)}>{told(entry.title)}</span>
           {entry.who !== "" && <span className={classes.who}> · {entry.who}</span>}
         </span>
-        {entry.text !== "" && <span className={classes.text}>{entry.text}</span>}
+        {entry.text !== "" && (
+          <span className={classes.text} lang={langOf(entry.text)}>
+            {told(entry.text)}
+          </span>
+        )}
       </span>
       <span className={classes.length}>
         {length !== "" && <span data-lasts={entry.lasts || undefined}>{length}</span>}

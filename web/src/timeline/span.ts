@@ -1,9 +1,10 @@
+import type { Phrase } from "../texts/text";
 /** The time that is looked at, in seconds since the epoch. */
 
 /** The last hours up to now, and going on with it; or a time that stays. */
 export type Span = { hours: number } | { since: number; until: number };
 
-export const HOURS: readonly { hours: number; label: string }[] = [
+export const HOURS: readonly { hours: number; label: Phrase }[] = [
   { hours: 1, label: "1 h" },
   { hours: 8, label: "8 h" },
   { hours: 24, label: "24 h" },

@@ -1,6 +1,7 @@
 import { UnstyledButton } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import { type ReactNode, useEffect, useRef, useState } from "react";
+import { t } from "../texts/text";
 import classes from "./Band.module.css";
 
 /** Messages across the scene, the gravest first: what there is no room for waits behind a button. */
@@ -41,7 +42,9 @@ export function BandStack({ children }: { children: ReactNode }) {
           data-testid="bands-more"
           onClick={() => setOpen(!open)}
         >
-          {open ? "Fewer messages" : more === 1 ? "One more message" : `${more} more messages`}
+          {open
+            ? t("Fewer messages")
+            : t("{more, plural, one {One more message} other {# more messages}}", { more })}
         </UnstyledButton>
       )}
     </div>

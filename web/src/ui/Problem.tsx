@@ -1,3 +1,4 @@
+import { langOf, told } from "../texts/told";
 import classes from "./page.module.css";
 
 interface Props {
@@ -9,8 +10,8 @@ interface Props {
 /** A failure in the place where it matters. */
 export function Problem({ error, testId }: Props) {
   return error === null ? null : (
-    <p className={classes.problem} role="alert" data-testid={testId}>
-      {error.title} {error.remedy}
+    <p className={classes.problem} role="alert" data-testid={testId} lang={langOf(error.title)}>
+      {told(error.title)} {told(error.remedy)}
     </p>
   );
 }

@@ -4,6 +4,9 @@ import { useMutation } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
 import { editZone, saveZone } from "../api/zonesClient";
 import { nameProblem } from "../places/placeText";
+import { t } from "../texts/text";
+import { told } from "../texts/told";
+import { fieldText, speedUnit, typed as typedIn, units } from "../texts/units";
 import { Problem } from "../ui/Problem";
 import type { ZoneTool } from "./useZoneTool";
 import classes from "./Zones.module.css";
@@ -39,7 +42,7 @@ export function ZoneCard({ tool }: { tool: ZoneTool }) {
             onClick={type}
             data-testid="zone-type"
           >
-            Type corners
+            {t("Type corners")}
           </Button>
         ) : (
           <>
@@ -49,7 +52,7 @@ export function ZoneCard({ tool }: { tool: ZoneTool }) {
               onClick={() => setDescribed(true)}
               data-testid="zone-next"
             >
-              Next
+              {t("Next")}
             </Button>
             <Button
               size="compact-md"
@@ -57,12 +60,12 @@ export function ZoneCard({ tool }: { tool: ZoneTool }) {
               leftSection={<IconArrowBackUp size={18} aria-hidden />}
               onClick={() => set(corners.slice(0, -1))}
             >
-              Remove last corner
+              {t("Remove last corner")}
             </Button>
           </>
         )}
         <Button size="compact-md" variant="default" onClick={leave} data-testid="zone-cancel">
-          Cancel
+          {t("Cancel")}
         </Button>
       </div>
     </div>
@@ -71,8 +74,11 @@ export function ZoneCard({ tool }: { tool: ZoneTool }) {
 
 const toldOf = ({ corners, problem }: ZoneTool): string =>
   corners.length === 0
-    ? "Drag a rectangle on the floor, or tap corner after corner."
-    : problem || `${corners.length} corners.`;
+    ? t("Drag a rectangle on the floor, or tap corner after corner.")
+    : told(problem ?? "") || t("{n} corners.", { n: corners.length });
+
+/** What a new speed zone begins with, m/s: a round figure in either unit. */
+const standardSpeed = (): number => (units.get() === "metric" ? 0.3 : typedIn(1));
 
 /** A zone may be drawn around the robot, or a place that it is to go to: not unseen. */
 function ShutIn({ tool }: { tool: ZoneTool }) {
@@ -97,7 +103,7 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
   const { zone, corners, problem, error, set, leave } = tool;
   const [kind, setKind] = useState<Kind>(zone?.kind ?? "keep_out");
   const [name, setName] = useState(zone?.name ?? "");
-  const [speed, setSpeed] = useState(zone?.speed ? String(zone.speed) : "0.3");
+  const [speed, setSpeed] = useState(fieldText(zone?.speed || standardSpeed()));
   const [typed, setTyped] = useState<string | null>(typing ? cornersText(corners) : null);
   const [asked, setAsked] = useState(false);
   const save = useMutation({
@@ -114,7 +120,10 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
   });
   const wrong = {
     name: nameProblem(name, "zone"),
-    speed: kind === "speed" && readSpeed(speed) === null ? "A number of m/s above 0" : null,
+    speed:
+      kind === "speed" && readSpeed(speed) === null
+        ? t("A number of {unit} above 0", { unit: speedUnit() })
+        : null,
     corners: typed === null ? null : readCorners(typed).problem,
   };
   const submit = (event: FormEvent) => {
@@ -131,16 +140,16 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
     <form
       className={classes.card}
       onSubmit={submit}
-      aria-label={zone === null ? "New zone" : `Change ${zone.name}`}
+      aria-label={zone === null ? t("New zone") : t("Change {name}", { name: zone.name })}
       noValidate
       data-testid="zone-card"
     >
       <SegmentedControl
         fullWidth
-        aria-label="What the zone asks for"
+        aria-label={t("What the zone asks for")}
         data={[
-          { value: "keep_out", label: "Keep out" },
-          { value: "speed", label: "Speed limit" },
+          { value: "keep_out", label: t("Keep out") },
+          { value: "speed", label: t("Speed limit") },
         ]}
         value={kind}
         onChange={(next) => setKind(next === "speed" ? "speed" : "keep_out")}
@@ -148,7 +157,7 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
       />
       <div className={classes.fields}>
         <TextInput
-          label="Name"
+          label={t("Name")}
           value={name}
           autoFocus={!typing}
           autoComplete="off"
@@ -158,7 +167,7 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
         />
         {kind === "speed" && (
           <TextInput
-            label="At most (m/s)"
+            label={t("At most ({unit})", { unit: speedUnit() })}
             inputMode="decimal"
             value={speed}
             error={asked ? wrong.speed : null}
@@ -173,7 +182,11 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
       {kind === "keep_out" && <ShutIn tool={tool} />}
       {typed !== null && (
         <Textarea
-          label="Corners: x, y in metres, a line each"
+          label={
+            units.get() === "metric"
+              ? t("Corners: x, y in metres, a line each")
+              : t("Corners: x, y in feet, a line each")
+          }
           autosize
           autoFocus={typing}
           minRows={4}
@@ -193,10 +206,10 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
           disabled={problem !== ""}
           data-testid="zone-save"
         >
-          Save
+          {t("Save")}
         </Button>
         <Button variant="default" size="md" onClick={leave} data-testid="zone-leave">
-          Cancel
+          {t("Cancel")}
         </Button>
         <Button
           variant="subtle"
@@ -205,7 +218,7 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
           onClick={onDraw}
           data-testid="zone-draw"
         >
-          Draw
+          {t("Draw")}
         </Button>
         {typed === null && (
           <Button
@@ -215,7 +228,7 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
             onClick={() => setTyped(cornersText(corners))}
             data-testid="zone-type"
           >
-            Type corners
+            {t("Type corners")}
           </Button>
         )}
       </div>

@@ -14,6 +14,9 @@ import { deleteZone, editZone, restoreZone } from "../api/zonesClient";
 import places from "../places/Places.module.css";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
+import { wholeDateText } from "../texts/dates";
+import { t } from "../texts/text";
+import { langOf, told } from "../texts/told";
 import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
 import { useZones } from "./useZones";
@@ -29,9 +32,9 @@ interface Props {
 export function ZonesPanel({ onDraw }: Props) {
   const { list, error } = useZones();
   const { frozen } = useRobot();
-  const empty = list === null && error === null ? "Asking the robot for its zones…" : null;
+  const empty = list === null && error === null ? t("Asking the robot for its zones…") : null;
   return (
-    <Panel title="Zones" empty={empty} frozen={frozen} testId="zones">
+    <Panel title={t("Zones")} empty={empty} frozen={frozen} testId="zones">
       <div className={places.panel}>
         <Problem error={error} />
         {list !== null && <Contents list={list} onDraw={onDraw} />}
@@ -64,18 +67,23 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
     ));
   return (
     <>
-      {list.problem !== "" && <p className={places.empty}>{list.problem}</p>}
-      {list.map === null ? (
-        <p className={places.empty}>The robot has no map, and zones are of a map.</p>
-      ) : (
-        here.length === 0 && list.available && <p className={places.empty}>None on this map yet.</p>
+      {list.problem !== "" && (
+        <p className={places.empty} lang={langOf(list.problem)}>
+          {told(list.problem)}
+        </p>
       )}
-      <ul className={places.list} aria-label="Zones of this map">
+      {list.map === null ? (
+        <p className={places.empty}>{t("The robot has no map, and zones are of a map.")}</p>
+      ) : (
+        here.length === 0 &&
+        list.available && <p className={places.empty}>{t("None on this map yet.")}</p>
+      )}
+      <ul className={places.list} aria-label={t("Zones of this map")}>
         {rows(here)}
       </ul>
       {deleted !== null && (
         <div className={places.undo} role="status">
-          <span className={places.text}>Deleted {deleted.name}.</span>
+          <span className={places.text}>{t("Deleted {name}.", { name: deleted.name })}</span>
           <Button
             variant="default"
             size="compact-md"
@@ -83,7 +91,7 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
             onClick={() => undo.mutate(deleted)}
             data-testid="zone-undo"
           >
-            Undo
+            {t("Undo")}
           </Button>
           <Problem error={undo.error} />
         </div>
@@ -97,11 +105,12 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
             onClick={() => setOthers(!others)}
             data-testid="zones-elsewhere"
           >
-            {elsewhere.length === 1 ? "1 zone" : `${elsewhere.length} zones`} of other maps, not in
-            force
+            {t("{n, plural, one {# zone} other {# zones}} of other maps, not in force", {
+              n: elsewhere.length,
+            })}
           </Button>
           {others && (
-            <ul className={places.list} aria-label="Zones of other maps">
+            <ul className={places.list} aria-label={t("Zones of other maps")}>
               {rows(elsewhere)}
             </ul>
           )}
@@ -115,7 +124,7 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
           onClick={() => onDraw(null)}
           data-testid="zone-add"
         >
-          Draw a zone
+          {t("Draw a zone")}
         </Button>
       )}
     </>
@@ -150,7 +159,7 @@ function ZoneRow({ zone, mayEdit, mayTake, onDraw, onDeleted }: RowProps) {
       <div className={places.row}>
         <span
           className={places.go}
-          title={`By ${zone.author}, ${new Date(1000 * zone.time).toLocaleString()}`}
+          title={t("By {author}, {date}", { author: zone.author, date: wholeDateText(zone.time) })}
         >
           <Icon
             size={18}
@@ -160,8 +169,8 @@ function ZoneRow({ zone, mayEdit, mayTake, onDraw, onDeleted }: RowProps) {
           <span className={places.text}>
             <span className={places.name}>{zone.name}</span>
             <span className={places.note}>
-              {ruleText(zone)}, by {zone.author}
-              {!zone.here && `. Of a map of ${zone.map.label}`}
+              {t("{rule}, by {author}", { rule: ruleText(zone), author: zone.author })}
+              {!zone.here && `. ${t("Of a map of {label}", { label: zone.map.label })}`}
             </span>
           </span>
         </span>
@@ -173,7 +182,7 @@ function ZoneRow({ zone, mayEdit, mayTake, onDraw, onDeleted }: RowProps) {
             onClick={() => make.mutate(before)}
             data-testid="zone-revert"
           >
-            Undo
+            {t("Undo")}
           </Button>
         )}
         {mayEdit && (
@@ -183,7 +192,7 @@ function ZoneRow({ zone, mayEdit, mayTake, onDraw, onDeleted }: RowProps) {
                 variant="subtle"
                 color="gray"
                 className={places.more}
-                aria-label={`More for ${zone.name}`}
+                aria-label={t("More for {name}", { name: zone.name })}
                 loading={remove.isPending || make.isPending}
                 data-testid="zone-menu"
               >
@@ -202,18 +211,18 @@ function ZoneRow({ zone, mayEdit, mayTake, onDraw, onDeleted }: RowProps) {
                   }}
                   data-testid="zone-edit"
                 >
-                  Change
+                  {t("Change")}
                 </Menu.Item>
               ) : (
                 <Menu.Item
                   leftSection={<IconMap2 size={16} aria-hidden />}
                   mih={44}
                   disabled={!mayTake}
-                  title="Where this map shows the same room: same name, same corners"
+                  title={t("Where this map shows the same room: same name, same corners")}
                   onClick={() => make.mutate(zone)}
                   data-testid="zone-along"
                 >
-                  Take along to this map
+                  {t("Take along to this map")}
                 </Menu.Item>
               )}
               <Menu.Item
@@ -222,7 +231,7 @@ function ZoneRow({ zone, mayEdit, mayTake, onDraw, onDeleted }: RowProps) {
                 onClick={() => remove.mutate()}
                 data-testid="zone-delete"
               >
-                Delete
+                {t("Delete")}
               </Menu.Item>
             </Menu.Dropdown>
           </Menu>

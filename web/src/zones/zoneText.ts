@@ -1,4 +1,7 @@
 import type { Zone } from "../api/types";
+import { listText, speedText } from "../format";
+import { t } from "../texts/text";
+import { fieldText, typed, units } from "../texts/units";
 
 export type Corner = readonly [number, number];
 
@@ -6,17 +9,22 @@ export type Corner = readonly [number, number];
 export const asCorners = (sent: readonly (readonly number[])[]): Corner[] =>
   sent.map(([x = 0, y = 0]) => [x, y]);
 
+const limitText = (speed: number | null | undefined): string =>
+  speed == null ? "?" : speedText(speed);
+
 /** What a zone asks of the robot. */
 export const ruleText = (zone: Pick<Zone, "kind" | "speed">): string =>
-  zone.kind === "keep_out" ? "Keep out" : `At most ${zone.speed ?? "?"} m/s`;
+  zone.kind === "keep_out" ? t("Keep out") : t("At most {speed}", { speed: limitText(zone.speed) });
 
 /** As it is written on the map. */
 export const labelText = (zone: Pick<Zone, "name" | "kind" | "speed">): string =>
-  zone.kind === "keep_out" ? `${zone.name}: keep out` : `${zone.name}: ${zone.speed} m/s`;
+  zone.kind === "keep_out"
+    ? t("{name}: keep out", { name: zone.name })
+    : `${zone.name}: ${limitText(zone.speed)}`;
 
-/** Corners as a person types them: x and y, a line each. */
+/** Corners as a person types them, in the chosen unit of length: x and y, a line each. */
 export const cornersText = (corners: readonly Corner[]): string =>
-  corners.map(([x, y]) => `${x}, ${y}`).join("\n");
+  corners.map(([x, y]) => `${fieldText(x)}, ${fieldText(y)}`).join("\n");
 
 /** The corners that somebody has typed, or what is wrong with them. */
 export function readCorners(text: string): { corners: Corner[]; problem: string | null } {
@@ -29,17 +37,21 @@ export function readCorners(text: string): { corners: Corner[]; problem: string 
       .map(Number);
     const [x, y] = numbers;
     if (numbers.length !== 2 || !Number.isFinite(x) || !Number.isFinite(y)) {
-      return { corners, problem: `Line ${n + 1}: give x and y in metres, as "1.5, -0.2"` };
+      const problem =
+        units.get() === "metric"
+          ? t('Line {n}: give x and y in metres, as "1.5, -0.2"', { n: n + 1 })
+          : t('Line {n}: give x and y in feet, as "1.5, -0.2"', { n: n + 1 });
+      return { corners, problem };
     }
-    corners.push([x ?? 0, y ?? 0]);
+    corners.push([typed(x ?? 0), typed(y ?? 0)]);
   }
   return { corners, problem: null };
 }
 
-/** The limit that somebody has typed, m/s; null when it is none. */
+/** The limit that somebody has typed in the chosen unit, in m/s; null when it is none. */
 export function readSpeed(text: string): number | null {
   const speed = Number(text.trim().replace(",", "."));
-  return text.trim() !== "" && Number.isFinite(speed) && speed > 0 ? speed : null;
+  return text.trim() !== "" && Number.isFinite(speed) && speed > 0 ? typed(speed) : null;
 }
 
 /** The corners after a press on the floor, or a drag, which makes a rectangle of nothing. */
@@ -52,9 +64,9 @@ export function drawn(corners: readonly Corner[], start: Corner, end: Corner | n
 export function shutInText(robot: boolean, places: readonly string[]): string | null {
   const [first, ...others] = places;
   const told: string[] = [];
-  if (robot) told.push("The robot stands in it: then it is got out by hand only.");
-  if (first !== undefined && others.length === 0) told.push(`The place ${first} lies in it.`);
-  if (others.length > 0)
-    told.push(`The places ${places.slice(0, -1).join(", ")} and ${others.at(-1)} lie in it.`);
+  if (robot) told.push(t("The robot stands in it: then it is got out by hand only."));
+  if (first !== undefined && others.length === 0)
+    told.push(t("The place {first} lies in it.", { first }));
+  if (others.length > 0) told.push(t("The places {names} lie in it.", { names: listText(places) }));
   return told.length === 0 ? null : told.join(" ");
 }

@@ -5,14 +5,16 @@ import type { Alarm } from "../../api/ruleTypes";
 import { acknowledgeAlarm, shelveAlarm } from "../../api/timelineClient";
 import { useSession } from "../../session/SessionContext";
 import { useNow } from "../../state/RobotContext";
+import { whenText } from "../../texts/dates";
+import { type Phrase, t } from "../../texts/text";
 import { Band } from "../../ui/Band";
 import { Problem } from "../../ui/Problem";
 import { useLive, useRules } from "../context/RulesContext";
-import { leftText, ruleName, whenText } from "../model/words";
+import { leftText, ruleName } from "../model/words";
 import classes from "./Alarms.module.css";
 
 const LOUD = new Set(["error", "critical"]);
-const SHELVES = [
+const SHELVES: { seconds: number; label: Phrase }[] = [
   { seconds: 900, label: "for 15 minutes" },
   { seconds: 3600, label: "for an hour" },
   { seconds: 8 * 3600, label: "for 8 hours" },
@@ -35,7 +37,9 @@ export function AlarmsBand() {
       {away.length > 0 && (
         <Band
           tone="notice"
-          title={away.length === 1 ? "One alarm is shelved" : `${away.length} alarms are shelved`}
+          title={t("{n, plural, one {One alarm is shelved} other {# alarms are shelved}}", {
+            n: away.length,
+          })}
           testId="alarms-away"
           action={
             <UnstyledButton
@@ -44,7 +48,7 @@ export function AlarmsBand() {
               data-testid="alarms-away-show"
               onClick={() => setOpen(!open)}
             >
-              {open ? "Hide" : "Look"}
+              {open ? t("Hide") : t("Look")}
             </UnstyledButton>
           }
         />
@@ -63,18 +67,23 @@ function AlarmBand({ alarm, now }: { alarm: Alarm; now: number }) {
   const calm = alarm.acknowledged_by !== "" || shelved;
   const may = session.role !== "viewer";
   const told = [
-    alarm.acknowledged_by !== "" && `Acknowledged by ${alarm.acknowledged_by}`,
+    alarm.acknowledged_by !== "" && t("Acknowledged by {by}", { by: alarm.acknowledged_by }),
     shelved &&
-      `Shelved by ${alarm.shelved_by || "somebody"}, for ${leftText(alarm.shelved_until - now)} more`,
+      t("Shelved by {by}, for {left} more", {
+        by: alarm.shelved_by || t("somebody"),
+        left: leftText(alarm.shelved_until - now),
+      }),
     alarm.text,
-    rule !== undefined && `Raised by "${ruleName(rule)}"`,
-    `${whenText(alarm.since, now)}${alarm.count > 1 ? `, ${alarm.count} times` : ""}`,
+    rule !== undefined && t('Raised by "{name}"', { name: ruleName(rule) }),
+    alarm.count > 1
+      ? `${whenText(alarm.since, now)}, ${t("{count} times", { count: alarm.count })}`
+      : whenText(alarm.since, now),
   ];
   return (
     <Band
       brief={calm}
       tone={LOUD.has(alarm.severity) && !calm ? "failed" : "notice"}
-      title={`Alarm: ${alarm.name}`}
+      title={t("Alarm: {name}", { name: alarm.name })}
       testId="alarm-band"
       action={
         may && (
@@ -87,7 +96,7 @@ function AlarmBand({ alarm, now }: { alarm: Alarm; now: number }) {
                 data-testid="alarm-acknowledge"
                 onClick={() => seen.mutate()}
               >
-                Acknowledge
+                {t("Acknowledge")}
               </Button>
             )}
             {shelved ? (
@@ -98,7 +107,7 @@ function AlarmBand({ alarm, now }: { alarm: Alarm; now: number }) {
                 data-testid="alarm-unshelve"
                 onClick={() => away.mutate(0)}
               >
-                Show again
+                {t("Show again")}
               </Button>
             ) : (
               <Menu position="bottom-end" withinPortal>
@@ -109,7 +118,7 @@ function AlarmBand({ alarm, now }: { alarm: Alarm; now: number }) {
                     loading={away.isPending}
                     data-testid="alarm-shelve"
                   >
-                    Shelve
+                    {t("Shelve")}
                   </Button>
                 </Menu.Target>
                 <Menu.Dropdown>
@@ -119,7 +128,7 @@ function AlarmBand({ alarm, now }: { alarm: Alarm; now: number }) {
                       data-testid={`alarm-shelve-${seconds}`}
                       onClick={() => away.mutate(seconds)}
                     >
-                      {label}
+                      {t(label)}
                     </Menu.Item>
                   ))}
                 </Menu.Dropdown>

@@ -2,6 +2,8 @@ import { Button } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { confirmRules, rollbackRules } from "../../api/rulesClient";
+import { t } from "../../texts/text";
+import { told } from "../../texts/told";
 import { Band } from "../../ui/Band";
 import { useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
@@ -37,11 +39,11 @@ export function ProbationBand() {
     return notice === "" || notice === seen ? null : (
       <Band
         tone="notice"
-        title={sentence(notice)}
+        title={sentence(told(notice))}
         testId="rules-notice"
         action={
           <Button variant="default" onClick={() => see(notice)} data-testid="notice-seen">
-            Understood
+            {t("Understood")}
           </Button>
         }
       />
@@ -52,7 +54,10 @@ export function ProbationBand() {
     <Band
       tone="notice"
       testId="probation-band"
-      title={`Revision ${revision} is on probation: ${leftText(left)} left.`}
+      title={t("Revision {revision} is on probation: {left} left.", {
+        revision,
+        left: leftText(left),
+      })}
       action={
         mayEdit ? (
           <>
@@ -62,14 +67,14 @@ export function ProbationBand() {
               data-testid="take-back"
               onClick={() => send.mutate(() => rollbackRules(confirmed, revision, "taken back"))}
             >
-              Take it back
+              {t("Take it back")}
             </Button>
             <Button
               loading={send.isPending}
               data-testid="keep-it"
               onClick={() => send.mutate(() => confirmRules(revision))}
             >
-              Keep it
+              {t("Keep it")}
             </Button>
           </>
         ) : undefined
@@ -77,7 +82,9 @@ export function ProbationBand() {
     >
       {send.isError
         ? `${send.error.title} ${send.error.remedy}`
-        : `Unless it is kept, the robot goes back to revision ${confirmed} by itself.`}
+        : t("Unless it is kept, the robot goes back to revision {confirmed} by itself.", {
+            confirmed,
+          })}
     </Band>
   );
 }

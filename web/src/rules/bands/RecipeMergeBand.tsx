@@ -1,5 +1,6 @@
 import { Button } from "@mantine/core";
 import type { TableView } from "../../api/ruleTypes";
+import { t } from "../../texts/text";
 import { Band } from "../../ui/Band";
 import { beginDraft } from "../changes/draft";
 import { useRules } from "../context/RulesContext";
@@ -22,17 +23,19 @@ export function RecipeMergeBand({ merge }: { merge: NonNullable<TableView["merge
     <Band
       tone="notice"
       testId="merge-band"
-      title="The recipe has changed since the rules were edited."
+      title={t("The recipe has changed since the rules were edited.")}
       action={
         draft.draft === null ? (
           <Button onClick={take} data-testid="merge-take">
-            Review the merge
+            {t("Review the merge")}
           </Button>
         ) : undefined
       }
     >
-      The recipe's rules are in force; the edits of revision {merge.revision} are kept and can be
-      laid over them.
+      {t(
+        "The recipe's rules are in force; the edits of revision {revision} are kept and can be laid over them.",
+        { revision: merge.revision },
+      )}
       {merge.conflicts.map((conflict) => (
         <div key={conflict}>{conflict}</div>
       ))}

@@ -1,4 +1,5 @@
 import { UnstyledButton } from "@mantine/core";
+import { t } from "../../texts/text";
 import { useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
 import { leftText } from "../model/words";
@@ -13,12 +14,12 @@ export function RevisionBadge() {
   if (probation === null) return null;
   const { revision, confirmed, left, available } = probation;
   const state = !available
-    ? "silent"
+    ? t("silent")
     : left > 0
-      ? `▲ probation ${leftText(left)}`
+      ? `▲ ${t("probation {left}", { left: leftText(left) })}`
       : revision === confirmed
-        ? "✓ confirmed"
-        : "not confirmed";
+        ? `✓ ${t("confirmed")}`
+        : t("not confirmed");
   const unsaved = draft.changes.length;
   return (
     <UnstyledButton
@@ -27,15 +28,15 @@ export function RevisionBadge() {
       data-unsaved={unsaved > 0 || undefined}
       data-silent={!available || undefined}
       data-testid="revision-badge"
-      title="Open the rules (R)"
+      title={t("Open the rules (R)")}
       onClick={() => nav.go(nav.place)}
     >
-      <span className={classes.revision}>rev {revision}</span>{" "}
+      <span className={classes.revision}>{t("rev {revision}", { revision })}</span>{" "}
       <span className={classes.state}>{state}</span>
       {unsaved > 0 && (
-        <span className={classes.unsaved} title="Unsaved changes">
+        <span className={classes.unsaved} title={t("Unsaved changes")}>
           ✎ {unsaved}
-          <span className="visually-hidden"> unsaved changes</span>
+          <span className="visually-hidden"> {t("unsaved changes")}</span>
         </span>
       )}
     </UnstyledButton>

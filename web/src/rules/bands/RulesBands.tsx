@@ -1,6 +1,8 @@
 import { Button } from "@mantine/core";
 import { wholeAgeText } from "../../format";
 import { useRobot } from "../../state/RobotContext";
+import { t } from "../../texts/text";
+import { told } from "../../texts/told";
 import { Band } from "../../ui/Band";
 import { useLive, useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
@@ -21,44 +23,48 @@ export function RulesBands() {
       {view?.safe_mode && (
         <Band
           tone="notice"
-          title="Safe mode: the recipe's own rules are in force."
+          title={t("Safe mode: the recipe's own rules are in force.")}
           testId="safe-mode"
         >
-          Edits of before are kept. Start the stack without safe mode to have them again.
+          {t("Edits of before are kept. Start the stack without safe mode to have them again.")}
         </Band>
       )}
       {error !== null && (
         <Band
           tone="notice"
-          title={error.title}
+          title={told(error.title)}
           testId="rules-error"
           action={
             <Button variant="default" onClick={reload}>
-              Try again
+              {t("Try again")}
             </Button>
           }
         >
-          {error.remedy}
+          {told(error.remedy)}
         </Band>
       )}
       {view?.merge != null && mayEdit && <RecipeMergeBand merge={view.merge} />}
       {draft.overtaken && nav.place.at !== "conflict" && (
         <Band
           tone="notice"
-          title={`Somebody changed the rules: revision ${view?.revision} is in force.`}
+          title={t("Somebody changed the rules: revision {revision} is in force.", {
+            revision: view?.revision ?? 0,
+          })}
           testId="overtaken-band"
           action={
             <Button onClick={() => nav.go({ at: "conflict" })} data-testid="open-conflict">
-              Compare
+              {t("Compare")}
             </Button>
           }
         >
-          Your changes began from revision {draft.draft?.base}. Nothing you typed is lost.
+          {t("Your changes began from revision {base}. Nothing you typed is lost.", {
+            base: draft.draft?.base ?? 0,
+          })}
         </Band>
       )}
       {!draft.kept && (
-        <Band tone="notice" title="This browser cannot keep your changes over a reload.">
-          Apply them, or allow the page to store data.
+        <Band tone="notice" title={t("This browser cannot keep your changes over a reload.")}>
+          {t("Apply them, or allow the page to store data.")}
         </Band>
       )}
     </>
@@ -70,8 +76,8 @@ function SilenceBand() {
   const { frozen } = useRobot(); // its clock also makes this one count
   if (frozen || !connected || rules === null) {
     return (
-      <Band tone="stale" testId="rules-stale" title="No word from the rules.">
-        {rules === null ? "Waiting for the console." : "What you see is as it was before."}
+      <Band tone="stale" testId="rules-stale" title={t("No word from the rules.")}>
+        {rules === null ? t("Waiting for the console.") : t("What you see is as it was before.")}
       </Band>
     );
   }
@@ -83,13 +89,13 @@ function SilenceBand() {
       testId="rules-stale"
       title={
         rules.age === null
-          ? "No monitor was found: rules cannot be read."
-          : `The rules have been silent for ${wholeAgeText(age)}.`
+          ? t("No monitor was found: rules cannot be read.")
+          : t("The rules have been silent for {age}.", { age: wholeAgeText(age) })
       }
     >
       {rules.age === null
-        ? "Start the stack, or wait until it is up."
-        : "They may be restarting. What you typed stays."}
+        ? t("Start the stack, or wait until it is up.")
+        : t("They may be restarting. What you typed stays.")}
     </Band>
   );
 }

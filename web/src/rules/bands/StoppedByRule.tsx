@@ -1,5 +1,6 @@
 import { Button } from "@mantine/core";
 import { useStop } from "../../stop/StopContext";
+import { t } from "../../texts/text";
 import { useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
 import { useFirings } from "../firings/useFirings";
@@ -32,7 +33,7 @@ function Why({ by }: { by: string }) {
       onClick={() => nav.go({ at: "why", id, firing: firing ?? null })}
       data-testid="stop-why"
     >
-      Why?
+      {t("Why?")}
     </Button>
   );
 }

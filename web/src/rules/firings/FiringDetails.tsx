@@ -23,7 +23,7 @@ export function FiringDetails({ firing, rule }: { firing: Firing; rule: Rule | n
   return (
     <section className={page.section} aria-label="This firing" data-testid="firing-details">
       <p className={classes.head}>
-        <strong>{clockText(firing.time)}</strong> {outcomeText(firing)}
+        <strong>{clockText(firing.time)}</strong> {outcomeText(firing, "en")}
         {firing.topic !== null && (
           <>
             , by a message of <code>/{firing.topic}</code>

@@ -2,9 +2,10 @@ import { UnstyledButton } from "@mantine/core";
 import { IconChevronRight } from "@tabler/icons-react";
 import type { Firing } from "../../api/ruleTypes";
 import { useNow } from "../../state/RobotContext";
+import { whenText } from "../../texts/dates";
+import { t } from "../../texts/text";
 import { StatusMark } from "../../ui/StatusMark";
 import { useNav } from "../context/RulesNav";
-import { whenText } from "../model/words";
 import { Day } from "../parts/Day";
 import classes from "./Firings.module.css";
 import { outcomeLevel, outcomeText } from "./outcome";
@@ -26,7 +27,9 @@ export function FiringList({ firings }: { firings: readonly Firing[] }) {
             <span className={classes.when}>{whenText(firing.time, now)}</span>
             <span className={classes.name}>{firing.name || firing.rule_id}</span>
             <span className={classes.outcome}>{outcomeText(firing)}</span>
-            <span className={classes.revision}>rev {firing.revision}</span>
+            <span className={classes.revision}>
+              {t("rev {revision}", { revision: firing.revision })}
+            </span>
             <IconChevronRight size={16} aria-hidden className={classes.chevron} />
           </UnstyledButton>
         </li>

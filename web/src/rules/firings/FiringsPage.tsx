@@ -1,6 +1,7 @@
 import { Button, Select } from "@mantine/core";
 import { useState } from "react";
 import type { Firing } from "../../api/ruleTypes";
+import { type Phrase, t } from "../../texts/text";
 import { Choice } from "../../ui/controls/Choice";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
@@ -10,7 +11,7 @@ import { ruleName } from "../model/words";
 import { FiringList } from "./FiringList";
 import { useFirings } from "./useFirings";
 
-const OUTCOMES = [
+const OUTCOMES: { value: string; label: Phrase }[] = [
   { value: "all", label: "everything" },
   { value: "fired", label: "firings" },
   { value: "failed", label: "failed" },
@@ -53,27 +54,34 @@ export function FiringsPage({ rule }: { rule: string | null }) {
       <div className={page.pair}>
         <Select
           size="sm"
-          aria-label="Of which rule"
-          placeholder="of any rule"
+          aria-label={t("Of which rule")}
+          placeholder={t("of any rule")}
           clearable
           searchable
           data={known ? rules : [...rules, { value: rule, label: rule }]}
           value={rule}
           onChange={(id) => nav.go({ at: "firings", rule: id })}
         />
-        <Choice aria-label="Which outcome" data={OUTCOMES} value={outcome} onChange={setOutcome} />
+        <Choice
+          aria-label={t("Which outcome")}
+          data={OUTCOMES.map(({ value, label }) => ({ value, label: t(label) }))}
+          value={outcome}
+          onChange={setOutcome}
+        />
       </div>
       <Problem error={error} />
-      {firings === null && error === null && <p className={page.muted}>Reading the journal…</p>}
+      {firings === null && error === null && (
+        <p className={page.muted}>{t("Reading the journal…")}</p>
+      )}
       {firings !== null && shown.length === 0 && (
         <p className={page.empty}>
-          {firings.length === 0 ? "Nothing has fired yet." : "Nothing like that lately."}
+          {firings.length === 0 ? t("Nothing has fired yet.") : t("Nothing like that lately.")}
         </p>
       )}
       <FiringList firings={shown} />
       {more && (
         <Button variant="default" onClick={older}>
-          Older
+          {t("Older")}
         </Button>
       )}
     </div>

@@ -1,4 +1,5 @@
 import { UnstyledButton } from "@mantine/core";
+import { t } from "../../texts/text";
 import { Panel } from "../../ui/Panel";
 import { useNav } from "../context/RulesNav";
 import { FiringList } from "./FiringList";
@@ -12,10 +13,10 @@ export function FiringsPanel() {
   const nav = useNav();
   const { firings, error } = useFirings(SHOWN, null);
   const shown = firings?.filter((firing) => firing.kind === "firing").slice(0, SHOWN) ?? [];
-  const none = firings === null ? "Nothing heard yet." : "No rule has fired yet.";
+  const none = firings === null ? t("Nothing heard yet.") : t("No rule has fired yet.");
   return (
     <Panel
-      title="Firings"
+      title={t("Firings")}
       testId="firings-panel"
       empty={shown.length === 0 ? (error?.title ?? none) : null}
     >
@@ -25,7 +26,7 @@ export function FiringsPanel() {
           className={classes.all}
           onClick={() => nav.go({ at: "firings", rule: null })}
         >
-          All firings
+          {t("All firings")}
         </UnstyledButton>
       </div>
     </Panel>

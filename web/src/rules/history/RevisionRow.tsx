@@ -46,7 +46,7 @@ export function RevisionRow({ revision, active, startOpen, newer }: Props) {
       data-testid={`revision-${number}`}
       data-current={current || undefined}
     >
-      <Day time={time} newer={newer ?? now} />
+      <Day time={time} newer={newer ?? now} of="en" />
       <div className={classes.head}>
         <strong>rev {number}</strong>
         <span>{author === role ? author : `${author}, ${role}`}</span>

@@ -2,11 +2,14 @@
 import type { Graph, Literal, Rule, Signal } from "../../api/ruleTypes";
 import { actionText } from "./actions";
 import { type ConstantName, conditionText } from "./condition";
+import { type Names, plainAction, plainCondition } from "./plain";
 import { constantText, secondsText, TRIGGER_WORDS } from "./words";
 
 export interface RuleLines {
   when: string;
   does: string;
+  /** Both as people say them. */
+  plain: { when: string; does: string };
   /** Holds, cooldowns and the like, each in a few words. */
   timing: string[];
 }
@@ -30,7 +33,8 @@ export function constantNames(graph: Graph | null): ConstantName {
       : null;
 }
 
-export function ruleLines(rule: Rule, names: ConstantName): RuleLines {
+export function ruleLines(rule: Rule, called: Names): RuleLines {
+  const names = called.constant;
   const { event } = rule;
   const timing: string[] = [];
   if (event.hold > 0) timing.push(`for ${secondsText(event.hold)}`);
@@ -44,6 +48,10 @@ export function ruleLines(rule: Rule, names: ConstantName): RuleLines {
   return {
     when: conditionText(event.condition, names),
     does: rule.actions.map(actionText).join(", then ") || "nothing yet",
+    plain: {
+      when: plainCondition(event.condition, called),
+      does: rule.actions.map((each) => plainAction(each, called)).join(", then ") || "nothing yet",
+    },
     timing,
   };
 }

@@ -1,5 +1,8 @@
 /** Times, states and kinds as an operator reads them. */
+
 import type { Rule, RuleStatus, Trigger } from "../../api/ruleTypes";
+import { fixed } from "../../format";
+import * as dates from "../../texts/dates";
 import type { Level } from "../../ui/StatusMark";
 
 /** A duration as it was set: `30 s`, `0.25 s`, `3 min 20 s`. */
@@ -14,67 +17,22 @@ export function secondsText(seconds: number): string {
 
 /** Time left or gone, for a display that counts: `1.2 s`, `41 s`, `3 min`. */
 export function leftText(seconds: number): string {
-  if (seconds < 9.95) return `${Math.max(0, seconds).toFixed(1)} s`;
+  if (seconds < 9.95) return `${fixed(Math.max(0, seconds), 1)} s`;
   return seconds < 120 ? `${Math.round(seconds)} s` : secondsText(Math.round(seconds / 60) * 60);
 }
 
-const clock = new Intl.DateTimeFormat(undefined, { timeStyle: "medium", hour12: false });
-const dated = new Intl.DateTimeFormat(undefined, {
-  day: "numeric",
-  month: "short",
-  hour: "2-digit",
-  minute: "2-digit",
-  hour12: false,
-});
-
-const minutes = new Intl.DateTimeFormat(undefined, {
-  hour: "2-digit",
-  minute: "2-digit",
-  hour12: false,
-});
-
-/** Relative within a minute, clock time after, with the date on another day. Epoch seconds. */
-export function whenText(time: number, now: number): string {
-  const age = now - time;
-  if (age >= -1 && age < 1) return "just now";
-  if (age >= 1 && age < 60) return `${Math.floor(age)} s ago`;
-  return isSameDay(time, now) ? clockText(time) : dated.format(time * 1000);
-}
-
-const day = new Intl.DateTimeFormat(undefined, {
-  weekday: "long",
-  day: "numeric",
-  month: "long",
-});
-
-const isSameDay = (one: number, other: number): boolean =>
-  new Date(one * 1000).toDateString() === new Date(other * 1000).toDateString();
-
-/**
- * What stands above an entry of a list, newest first, where another day begins; else null.
- *
- * @param newer time of the entry before it, or now for the first. Epoch seconds.
- */
-export function dayText(time: number, newer: number): string | null {
-  return isSameDay(time, newer) ? null : day.format(time * 1000);
-}
-
-const days = new Intl.DateTimeFormat(undefined, { day: "numeric", month: "short" });
-
-/** A moment: its day, its minute, or both. Epoch seconds. */
-export function dateText(time: number, part: "both" | "day" | "minute" = "both"): string {
-  const format = { both: dated, day: days, minute: minutes }[part];
-  return format.format(time * 1000);
-}
-
-export const clockText = (time: number): string => clock.format(time * 1000);
+/** As the rest of the page tells times; in English, as all of the rules' pages are. */
+export const whenText = (time: number, now: number): string => dates.whenText(time, now, "en");
+export const dayText = (time: number, newer: number): string | null =>
+  dates.dayText(time, newer, "en");
+export const clockText = (time: number): string => dates.clockText(time, "en");
 
 /** Of a rule that fires once and has: since when, and what it takes. */
 export function usedUpText({ last_fired }: RuleStatus, now: number): string {
   // A rule engine that was started again knows that it was used, and not when.
   if (last_fired === null) return "Used up; will not fire again until reset.";
-  const format = now - last_fired < 12 * 3600 ? minutes : dated;
-  return `Used up at ${format.format(last_fired * 1000)}; will not fire again until reset.`;
+  const part = now - last_fired < 12 * 3600 ? "minute" : "both";
+  return `Used up at ${dates.dateText(last_fired, part, "en")}; will not fire again until reset.`;
 }
 
 export const ruleName = (rule: { id: string; name: string }): string => rule.name || rule.id;

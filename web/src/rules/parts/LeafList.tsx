@@ -1,8 +1,9 @@
 import { useMemo } from "react";
 import type { Condition, LeafReading } from "../../api/ruleTypes";
-import { useRules } from "../context/RulesContext";
 import { conditionText, leavesOf } from "../model/condition";
-import { constantNames } from "../model/ruleLines";
+import { plainCondition } from "../model/plain";
+import { useNames } from "../model/useNames";
+import { InWords } from "./InWords";
 import classes from "./Leaf.module.css";
 import { LeafNow } from "./LeafNow";
 
@@ -17,25 +18,27 @@ export function LeafList({
   of: Condition | null;
   then?: boolean;
 }) {
-  const { graph } = useRules();
+  const names = useNames();
   const texts = useMemo(() => {
-    const names = constantNames(graph);
     return new Map(
       (of === null ? [] : leavesOf(of)).map(({ path, leaf }) => [
         `${path.join(".")} ${conditionText(leaf)}`,
-        conditionText(leaf, names),
+        { plain: plainCondition(leaf, names), expert: conditionText(leaf, names.constant) },
       ]),
     );
-  }, [of, graph]);
+  }, [of, names]);
   if (leaves.length === 0) return null;
   return (
     <ul className={classes.leaves}>
-      {leaves.map((leaf) => (
-        <li key={leaf.path.join(".")} data-testid="leaf">
-          <code>{texts.get(`${leaf.path.join(".")} ${leaf.text}`) ?? leaf.text}</code>
-          <LeafNow reading={leaf} then={then} />
-        </li>
-      ))}
+      {leaves.map((leaf) => {
+        const text = texts.get(`${leaf.path.join(".")} ${leaf.text}`);
+        return (
+          <li key={leaf.path.join(".")} data-testid="leaf">
+            {text === undefined ? <code>{leaf.text}</code> : <InWords {...text} />}
+            <LeafNow reading={leaf} then={then} />
+          </li>
+        );
+      })}
     </ul>
   );
 }

@@ -10,6 +10,7 @@ import { useNav } from "../context/RulesNav";
 import type { RuleLines } from "../model/ruleLines";
 import { ruleName, statusLevel, statusText, whenText } from "../model/words";
 import { FindingList } from "../parts/FindingList";
+import { InWords } from "../parts/InWords";
 import { UsedUp } from "../parts/UsedUp";
 import { RuleMenu } from "./RuleMenu";
 import classes from "./Table.module.css";
@@ -48,7 +49,9 @@ export function RuleRow({ rule, lines, status, change, findings, fromRecipe }: P
       <dl className={classes.what}>
         <dt>when</dt>
         <dd>
-          <span className={classes.code}>{lines?.when}</span>
+          <span className={classes.code}>
+            {lines && <InWords plain={lines.plain.when} expert={lines.when} />}
+          </span>
           {lines?.timing.map((part) => (
             <span key={part} className={classes.timing}>
               {part}
@@ -56,7 +59,7 @@ export function RuleRow({ rule, lines, status, change, findings, fromRecipe }: P
           ))}
         </dd>
         <dt>then</dt>
-        <dd>{lines?.does}</dd>
+        <dd>{lines && <InWords plain={lines.plain.does} expert={lines.does} />}</dd>
       </dl>
       <div className={classes.indented}>
         <UsedUp rule={rule} status={status} />

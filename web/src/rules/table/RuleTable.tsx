@@ -6,7 +6,8 @@ import page from "../../ui/page.module.css";
 import { newRule, putRule, ruleOf } from "../changes/draft";
 import { useLive, useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
-import { constantNames, ruleLines } from "../model/ruleLines";
+import { ruleLines } from "../model/ruleLines";
+import { useNames } from "../model/useNames";
 import { ruleName } from "../model/words";
 import { ExportMenu } from "./ExportMenu";
 import { RuleRow } from "./RuleRow";
@@ -24,13 +25,13 @@ const TROUBLE = new Set(["broken", "latched", "unknown", "used up"]);
 
 /** The rules in the order in which they are evaluated: what each waits for, does, and how it is. */
 export function RuleTable() {
-  const { view, graph, draft, check, mayEdit } = useRules();
+  const { view, draft, check, mayEdit } = useRules();
   const { rules: live } = useLive();
   const nav = useNav();
   const [search, setSearch] = useState("");
   const [filter, setFilter] = useState<Filter>("all");
   const table = draft.table;
-  const names = useMemo(() => constantNames(graph), [graph]);
+  const names = useNames();
   const lines = useMemo(
     () => new Map(table?.rules.map((rule) => [rule.id, ruleLines(rule, names)])),
     [table, names],
@@ -52,7 +53,7 @@ export function RuleTable() {
       return false;
     const line = lines.get(rule.id);
     const text =
-      `${ruleName(rule)} ${rule.id} ${line?.when} ${line?.does} ${rule.note}`.toLowerCase();
+      `${ruleName(rule)} ${rule.id} ${line?.when} ${line?.does} ${line?.plain.when} ${line?.plain.does} ${rule.note}`.toLowerCase();
     return words.every((word) => text.includes(word));
   };
   const shown = table.rules.filter(fits);

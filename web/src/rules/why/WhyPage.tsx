@@ -1,5 +1,4 @@
 import { Button } from "@mantine/core";
-import { useMemo } from "react";
 import { useAsked } from "../../api/queries";
 import { explainRule } from "../../api/rulesClient";
 import type { Explanation, Firing } from "../../api/ruleTypes";
@@ -12,8 +11,10 @@ import { useNav } from "../context/RulesNav";
 import { FiringDetails } from "../firings/FiringDetails";
 import { actionText } from "../model/actions";
 import { conditionText } from "../model/condition";
-import { constantNames } from "../model/ruleLines";
+import { plainAction, plainCondition } from "../model/plain";
+import { useNames } from "../model/useNames";
 import { ruleName, sentence, whenText } from "../model/words";
+import { InWords } from "../parts/InWords";
 import { LeafList } from "../parts/LeafList";
 import { PageTitle } from "../parts/PageTitle";
 import { UsedUp } from "../parts/UsedUp";
@@ -61,9 +62,8 @@ export function WhyPage({ id, firing }: { id: string; firing: Firing | null }) {
 function Now({ found }: { found: Explanation }) {
   const nav = useNav();
   const now = useNow();
-  const { graph } = useRules();
   const { rule, status, gates, leaves, clear_leaves, near_misses } = found;
-  const names = useMemo(() => constantNames(graph), [graph]);
+  const names = useNames();
   const told = gates.filter(({ kind }) => kind !== "false" && kind !== "disabled");
   return (
     <>
@@ -81,7 +81,13 @@ function Now({ found }: { found: Explanation }) {
         </ul>
       )}
       <section className={page.section} aria-label="When">
-        <h3>When {conditionText(rule.event.condition, names)}</h3>
+        <h3>
+          When{" "}
+          <InWords
+            plain={plainCondition(rule.event.condition, names)}
+            expert={conditionText(rule.event.condition, names.constant)}
+          />
+        </h3>
         <LeafList leaves={leaves} of={rule.event.condition} />
       </section>
       {clear_leaves.length > 0 && (
@@ -125,14 +131,23 @@ function Now({ found }: { found: Explanation }) {
 
 function Then({ found, gone }: { found: Explanation; gone: boolean }) {
   const nav = useNav();
-  const { graph } = useRules();
-  const names = useMemo(() => constantNames(graph), [graph]);
+  const names = useNames();
+  const { event, actions } = found.rule;
   return (
     <section className={page.section} aria-label="The rule as it was">
       <h3>The rule as it was, in revision {found.revision}</h3>
       <p>
-        When {conditionText(found.rule.event.condition, names)}, then{" "}
-        {found.rule.actions.map(actionText).join(", then ")}.
+        When{" "}
+        <InWords
+          plain={plainCondition(event.condition, names)}
+          expert={conditionText(event.condition, names.constant)}
+        />
+        , then{" "}
+        <InWords
+          plain={actions.map((each) => plainAction(each, names)).join(", then ")}
+          expert={actions.map(actionText).join(", then ")}
+        />
+        .
       </p>
       {gone ? null : found.changed_since ? (
         <p className={page.note} data-testid="changed-since">

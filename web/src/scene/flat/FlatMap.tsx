@@ -3,6 +3,7 @@ import { useElementSize, useMergedRef } from "@mantine/hooks";
 import { IconArrowsMaximize, IconMinus, IconPlus } from "@tabler/icons-react";
 import { type ReactNode, useEffect, useRef } from "react";
 import { useRobot } from "../../state/RobotContext";
+import { t } from "../../texts/text";
 import type { ViewHandle } from "../useView";
 import { drawsWebGl } from "../webgl";
 import { type Point, toFloor } from "./camera";
@@ -80,24 +81,26 @@ export function FlatMap(props: Props) {
         ref={canvas}
         className={classes.canvas}
         role="img"
-        aria-label="Map from above: robot, path and laser scan"
+        aria-label={t("Map from above: robot, path and laser scan")}
         data-testid="flat-canvas"
         data-cells={cells === null ? undefined : (world.map?.version ?? undefined)}
         {...handlers}
       />
       <div className={classes.buttons}>
-        <MapButton label="Larger" onClick={() => zoom(ZOOM)} Icon={IconPlus} />
-        <MapButton label="Smaller" onClick={() => zoom(1 / ZOOM)} Icon={IconMinus} />
-        <MapButton label="Whole map" onClick={showWhole} Icon={IconArrowsMaximize} />
+        <MapButton label={t("Larger")} onClick={() => zoom(ZOOM)} Icon={IconPlus} />
+        <MapButton label={t("Smaller")} onClick={() => zoom(1 / ZOOM)} Icon={IconMinus} />
+        <MapButton label={t("Whole map")} onClick={showWhole} Icon={IconArrowsMaximize} />
       </div>
       {(!drawsWebGl() || missing) && (
         <p className={classes.note} role="status">
           {!drawsWebGl() && (
             <span data-testid="no-webgl">
-              This browser does not draw in three dimensions here (no WebGL): the map is flat.{" "}
+              {t(
+                "This browser does not draw in three dimensions here (no WebGL): the map is flat.",
+              )}{" "}
             </span>
           )}
-          {missing && "The map's picture does not come; it is asked for again."}
+          {missing && t("The map's picture does not come; it is asked for again.")}
         </p>
       )}
       {children(([u, v]) => toFloor(camera, size, [u * width, v * height]))}

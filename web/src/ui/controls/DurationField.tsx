@@ -1,5 +1,6 @@
 import { TextInput, type TextInputProps } from "@mantine/core";
 import { useEffect, useState } from "react";
+import { t } from "../../texts/text";
 import { durationFieldText, secondsOf } from "./duration";
 
 interface Props extends Omit<TextInputProps, "value" | "onChange"> {
@@ -18,7 +19,7 @@ export function DurationField({ value, onChange, min = 0, max, inline, testId, .
   const [shown, setShown] = useState(() => durationFieldText(value));
   const seconds = secondsOf(shown);
   const fits = seconds !== null && seconds >= min && (max === undefined || seconds <= max);
-  const stays = `It stays ${durationFieldText(value)}.`;
+  const stays = t("It stays {duration}.", { duration: durationFieldText(value) });
   useEffect(() => {
     setShown((was) => (secondsOf(was) === value ? was : durationFieldText(value)));
   }, [value]);
@@ -35,10 +36,10 @@ export function DurationField({ value, onChange, min = 0, max, inline, testId, .
         fits
           ? undefined
           : seconds === null
-            ? `Write it as 2.5 s, 5 min or 1 h. ${stays}`
+            ? `${t("Write it as 2.5 s, 5 min or 1 h.")} ${stays}`
             : seconds < min
-              ? `At least ${durationFieldText(min)}. ${stays}`
-              : `At most ${durationFieldText(max ?? seconds)}. ${stays}`
+              ? `${t("At least {duration}.", { duration: durationFieldText(min) })} ${stays}`
+              : `${t("At most {duration}.", { duration: durationFieldText(max ?? seconds) })} ${stays}`
       }
       onChange={(event) => {
         const text = event.currentTarget.value;

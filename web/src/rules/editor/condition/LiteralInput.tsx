@@ -1,5 +1,6 @@
 import { MultiSelect, TagsInput, TextInput } from "@mantine/core";
 import type { Literal, Operator } from "../../../api/ruleTypes";
+import { units } from "../../../texts/units";
 import { Choice } from "../../../ui/controls/Choice";
 import { NumberField } from "../../../ui/controls/NumberField";
 import { type FieldChoice, fitLiteral, takesList, type ValueKind } from "../../model/signals";
@@ -64,7 +65,7 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
   if (kind === "bool") {
     return (
       <Choice
-        label="value"
+        label="compared with"
         data={["true", "false"]}
         value={String(scalar === true)}
         onChange={(chosen) => onChange(chosen === "true")}
@@ -79,7 +80,7 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
       const known = constants.some(([, each]) => each === number);
       return (
         <Choice
-          label="value"
+          label="compared with"
           searchable
           data={[
             ...constants.map(([name, each]) => ({
@@ -96,7 +97,7 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
     }
     return (
       <NumberField
-        label="value"
+        label={comparedWith()}
         value={number}
         allowDecimal={kind === "float"}
         onChange={onChange}
@@ -114,6 +115,10 @@ export function LiteralInput({ operator, field, value, onChange }: Props) {
     />
   );
 }
+
+/** What is compared has the units of its message, whatever the page shows lengths in. */
+const comparedWith = (): string =>
+  units.get() === "metric" ? "compared with" : "compared with (metric)";
 
 const named = (field: FieldChoice | null, name: string, number: number) =>
   `${constantText(name, String(field?.path.at(-1) ?? ""))} (${number})`;

@@ -1,0 +1,59 @@
+import { SAID } from "./german/said";
+import { english, language } from "./language";
+
+/** A sentence with `{parts}`, as it is said in English, and how that is in German. */
+interface Pattern {
+  matches: RegExp;
+  german: string;
+}
+
+const fixedSentences = new Map<string, string>();
+const patterns: Pattern[] = [];
+for (const [english_, german] of Object.entries(SAID)) {
+  if (english_.includes("{")) patterns.push({ matches: matcher(english_), german });
+  else fixedSentences.set(english_, german);
+}
+
+function matcher(text: string): RegExp {
+  const parts = text
+    .split(/(\{\w+\})/)
+    .map((part) =>
+      part.startsWith("{")
+        ? `(?<${part.slice(1, -1)}>.+?)`
+        : part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"),
+    );
+  return new RegExp(`^${parts.join("")}$`, "s");
+}
+
+/** What somebody called something stays as it is called; what is said inside of it is said in German. */
+function filled(german: string, found: Record<string, string>): string {
+  return german.replace(/\{(\w+)\}/g, (_, name) => {
+    const part = found[name] ?? "";
+    return name === "what" || name === "why" ? (germanOf(part) ?? part) : part;
+  });
+}
+
+/** The German of what the console or the robot said in English; null where the page has none. */
+function germanOf(said: string): string | null {
+  const known = fixedSentences.get(said);
+  if (known !== undefined) return known;
+  for (const { matches, german } of patterns) {
+    const found = matches.exec(said)?.groups;
+    if (found !== undefined) return filled(german, found);
+  }
+  return null;
+}
+
+/**
+ * What the console or the robot says in English, in the language of the page where that is known.
+ *
+ * They speak English to everybody who asks, and to their logs. Names of components, reasons of
+ * refusals and the like are known here by their words (`german/said.ts`, held to the sources of
+ * both by a test); what is not known stays as it was said.
+ */
+export const told = (said: string): string =>
+  language.get() === "en" ? said : (germanOf(said) ?? said);
+
+/** For `lang` of what was told: English where it is not known in the language of the page. */
+export const langOf = (said: string): "en" | undefined =>
+  said === "" || germanOf(said) !== null ? undefined : english();
