@@ -66,3 +66,11 @@ def test_control_is_seen_asked_for_kept_given_and_taken(new_page: OpenPage, robo
     expect(desk.get("control-badge")).to_be_hidden()
     drives(phone)
     expect(desk.get("control-badge")).to_have_text("ben has control")
+
+    # A goal that would be refused is not offered, and the card says whom to ask.
+    assert phone.post("/api/places", {"name": "Bay", "pose": {"x": 0.55, "y": -0.55}}).ok
+    desk.page.keyboard.press("p")
+    desk.page.get_by_label("Go to Bay").click()
+    expect(desk.get("goal-card")).to_contain_text("ben has control. Ask for it")
+    expect(desk.get("goal-go")).to_be_disabled()
+    desk.get("goal-cancel").click()

@@ -1,6 +1,7 @@
 import { Button, Loader } from "@mantine/core";
 import { useLayoutEffect, useRef, useState } from "react";
 import type { Goal, GoalCheck } from "../api/types";
+import { useControl } from "../control/useControl";
 import { distanceText } from "../format";
 import { SavePlace } from "../places/SavePlace";
 import { useSession } from "../session/SessionContext";
@@ -23,7 +24,9 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
   const { anchor, check, error, phase, place: of } = draft;
   const stopped = drive?.stopped === true;
   const drivenBy = drive?.driven_by ?? "";
-  const held = stopped || drivenBy !== "";
+  const control = useControl();
+  const others = control?.whose === "other" ? control.text : "";
+  const held = stopped || drivenBy !== "" || others !== "";
   const { card, place, style } = useCardPlace(
     anchor,
     [phase, check, error, held, naming],
@@ -57,6 +60,7 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
             goal={state?.goal ?? null}
             stopped={stopped}
             drivenBy={drivenBy}
+            others={others}
           />
         )}
       </div>
@@ -117,9 +121,11 @@ interface AnswerProps {
   goal: Goal | null;
   stopped: boolean;
   drivenBy: string;
+  /** Who else has control, as a sentence; empty when nobody else has. */
+  others: string;
 }
 
-function Answer({ check, draft, goal, stopped, drivenBy }: AnswerProps) {
+function Answer({ check, draft, goal, stopped, drivenBy, others }: AnswerProps) {
   const { error } = draft;
   const gap =
     check?.nearest && !check.ok
@@ -167,6 +173,11 @@ function Answer({ check, draft, goal, stopped, drivenBy }: AnswerProps) {
       {!stopped && drivenBy !== "" && (
         <p className={classes.note}>
           {t("{drivenBy} drives by hand: the wheel must be given up first.", { drivenBy })}
+        </p>
+      )}
+      {!stopped && drivenBy === "" && others !== "" && (
+        <p className={classes.note}>
+          {others}. {t("Ask for it in the bar at the top.")}
         </p>
       )}
       {check?.ok && isUnderWay(goal) && !stopped && (

@@ -73,6 +73,7 @@ export const DRIVE = {
     "Der Roboter ist gestoppt: Geben Sie zuerst den Stopp frei.",
   "{drivenBy} drives by hand: the wheel must be given up first.":
     "{drivenBy} fährt von Hand: Zuerst muss das Steuer abgegeben werden.",
+  "Ask for it in the bar at the top.": "Fragen Sie oben in der Leiste danach.",
   "Replaces the goal that the robot is driving to.": "Ersetzt das Ziel, zu dem der Roboter fährt.",
   "by {by}": "von {by}",
   "Cancel goal": "Ziel abbrechen",
