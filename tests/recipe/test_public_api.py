@@ -108,6 +108,8 @@ PUBLIC: dict[str, list[str]] = {
         "MapConfig",
         "MapServer",
         "MapServerConfig",
+        "MotionServer",
+        "MotionServerConfig",
         "Planner",
         "PlannerConfig",
         "TopicsKeys",
