@@ -69,6 +69,14 @@ class ControllerConfig(SensorSettings):
     progress_timeout: float = Field(
         default=5.0, gt=0, le=3600, description="s; a robot that gets nowhere for so long is stuck"
     )
+    patience: float = Field(
+        default=20.0, gt=0, le=3600, description="s without progress that end a goal of ControlPath"
+    )
+    paths_folder: str | None = Field(
+        default=None,
+        description="from which relative places of files of ControlPath set out; `paths` in the "
+        "robot's folder unless given",
+    )
     goal_dist_tolerance: float = Field(default=0.03, gt=0, le=10, description="m")
     goal_orientation_tolerance: float = Field(default=0.05, gt=0, le=math.pi, description="rad")
     DWA: DWAConfig = Field(default_factory=DWAConfig)
