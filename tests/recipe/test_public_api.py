@@ -80,6 +80,7 @@ PUBLIC: dict[str, list[str]] = {
         "BaseComponentConfig",
         "ComponentConfig",
         "ComponentRunType",
+        "Mask",
         "RobotConfig",
         "RobotFrames",
         "Settings",

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
-from kompass.components.base.sensor_settings import SensorSettings
+from kompass.components.base.mask_settings import MaskSettings
 from kompass.components.controller.controllers_id import ELSEWHERE, ControllersID
 from kompass.components.controller.follower_settings import (
     DWAConfig,
@@ -40,7 +40,7 @@ def _by_value(kind: type[enum.Enum]) -> Any:
     return BeforeValidator(read)
 
 
-class ControllerConfig(SensorSettings):
+class ControllerConfig(MaskSettings):
     """How a path becomes commands."""
 
     ignored_settings: ClassVar[Mapping[str, str]] = {

@@ -195,6 +195,7 @@ class Controller(Component):
         )
 
     def custom_on_activate(self) -> None:
+        self._zones.mask_with(self.config.masks_in_force())
         self._location = LocationSource(self)
         self.input("plan").on_message = self._on_plan
         self._obstacles = ObstacleSource(
@@ -210,6 +211,7 @@ class Controller(Component):
         self._location.close()
 
     def on_config_changed(self, names: set[str]) -> None:
+        self._zones.mask_with(self.config.masks_in_force())
         follower = self._make_follower()
         self._clouds = {}  # which may be read otherwise from now on
         if self._obstacles is not None and self.is_active:

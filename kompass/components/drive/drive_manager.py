@@ -173,6 +173,7 @@ class DriveManager(Component):
 
     def on_config_changed(self, names: set[str]) -> None:
         assert self._gate is not None
+        self._zones.mask_with(self.config.masks_in_force())
         self._gate.set_limits(self._gate_limits())
         self._queue.timeout = self.config.command_timeout
         for sensor in self._sensors:
@@ -197,6 +198,7 @@ class DriveManager(Component):
         self._restore_zones()
 
     def custom_on_activate(self) -> None:
+        self._zones.mask_with(self.config.masks_in_force())
         self._location = LocationSource(self)
         self._watch = PublisherWatch(self.node, self._watched_topics)
         self.input("command").on_message = self._on_command
