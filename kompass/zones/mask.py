@@ -19,10 +19,13 @@ from scipy.ndimage import label
 from kompass.algorithms.geometry import Floats
 from kompass.algorithms.grid import OCCUPIED, Grid
 from kompass.algorithms.map_file import MapFileError, load_mask
+from kompass.rules.schema.model import Model
 from kompass.settings import Settings
+from kompass.zones.outline import outlines
 from kompass.zones.zone import FASTEST, SLOWEST
 
 MOST_CELLS = 25_000_000  # of a mask; 5,000 × 5,000
+STEP = 0.05  # m/s between two speeds that are drawn apart
 SPACING = 0.05  # m between two points of an edge at most
 GENTLE = 0.5  # share of the braking that the robot can do, before what slows it
 
@@ -126,6 +129,28 @@ def _barred(file: str, grid: Grid) -> NDArray[np.bool_]:
             "dearer than another here: draw it in black and white, or give it 'mode: trinary'"
         )
     return np.asarray(grid.cells == OCCUPIED)
+
+
+class MaskMark(Model):
+    """A patch of a mask, for who draws it.
+
+    Attributes
+    ----------
+    speed
+        The most there (m/s); None where it is kept out of.
+    corners
+        Of a polygon in the map's frame (m), as of :func:`kompass.zones.outline.outlines`.
+    """
+
+    name: str
+    speed: float | None
+    corners: tuple[tuple[float, float], ...]
+
+
+class MasksNow(Model):
+    """The masks that are in force, as patches."""
+
+    masks: tuple[MaskMark, ...] = ()
 
 
 class MaskInForce:
@@ -253,6 +278,30 @@ class MaskInForce:
                 on = grid.world_to_cell(points[grid.contains(points)])
                 found[on[:, 1], on[:, 0]] = True
         return found
+
+    def marks(self) -> list[MaskMark]:
+        """Its patches; those of speeds in steps, each told as the slowest in it."""
+        if self._speeds is None:
+            return self._marks(self.cells, None)
+        steps = np.floor(self._speeds[self.cells] / STEP)
+        found = np.full(self.cells.shape, -1.0)
+        found[self.cells] = steps
+        return [
+            mark
+            for step in np.unique(steps)
+            for mark in self._marks(
+                found == step, round(float(self._speeds[found == step].min()), 3)
+            )
+        ]
+
+    def _marks(self, cells: NDArray[np.bool_], speed: float | None) -> list[MaskMark]:
+        made = []
+        for polygon in outlines(cells):
+            corners = np.round(self.grid.cell_to_world(polygon - 0.5), 3).tolist()
+            made.append(
+                MaskMark(name=self.name, speed=speed, corners=tuple((x, y) for x, y in corners))
+            )
+        return made
 
     def _near(
         self, x: float, y: float, reach: float, of: NDArray[np.bool_]

@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 from kompass_interfaces.srv import CheckGoal
+from std_msgs.msg import String
 
 from kompass.zones.in_force import Outlines
+from kompass.zones.mask import MasksNow
 from tests.support.hand import Hand
 from tests.support.tester import LATCHED, pose
 from tests.support.virtual_robot import VirtualRobot
@@ -139,3 +141,12 @@ def test_a_mask_beside_the_map_is_told_and_no_goal_is_taken(made: Make) -> None:
 def test_a_recipe_whose_mask_cannot_be_read_does_not_come_up(made: Make) -> None:
     with pytest.raises(ValueError, match=r"file = 'none\.yaml' cannot be read"):
         made(file="none.yaml")
+
+
+def test_who_draws_them_is_told_where_they_are(made: Make) -> None:
+    robot = made()
+    robot.subscribe(String, "/masks", LATCHED)
+    robot.wait_until(lambda: "/masks" in robot.newest, 20, "the masks")
+    (mark,) = MasksNow.model_validate_json(robot.newest["/masks"].data).masks
+    assert (mark.name, mark.speed) == ("Stairs", None)
+    assert sorted(mark.corners) == sorted(ACROSS)

@@ -32,22 +32,24 @@ class ZonesHeard:
         Those in force, and the masks of the recipe.
     told
         As they were told; None before anything was.
+    masks
+        Those of the recipe.
     """
 
     def __init__(self, node: LifecycleNode, changed: Callable[[], None] = lambda: None) -> None:
         self.now = ZonesInForce()
         self.told: ZonesNow | None = None
-        self._masks: Sequence[MaskInForce] = ()
+        self.masks: Sequence[MaskInForce] = ()
         self._log, self._changed = node.get_logger(), changed
         node.create_subscription(String, TOPIC, self._on_zones, LATCHED.to_ros())
 
     def set(self, told: ZonesNow) -> None:
         """Put zones into force."""
-        self.told, self.now = told, ZonesInForce(told.zones, self._masks)
+        self.told, self.now = told, ZonesInForce(told.zones, self.masks)
 
     def mask_with(self, masks: Sequence[MaskInForce]) -> None:
         """Put masks into force, whatever is told of zones."""
-        self._masks = masks
+        self.masks = masks
         self.now = ZonesInForce(() if self.told is None else self.told.zones, masks)
 
     def _on_zones(self, message: String) -> None:

@@ -17,7 +17,7 @@ from kompass_interfaces.srv import ReleaseStop, StopRobot, TakeWheel
 from numpy.typing import NDArray
 from rclpy.duration import Duration
 from rclpy.task import Future
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, String
 
 from kompass.access.gatekeeper import UNSIGNED_HAND, NotAdmitted
 from kompass.algorithms.footprint import Footprint
@@ -55,9 +55,11 @@ from kompass.rclpy_ext.topic import LATCHED, SENSOR, AllowedTopics, Topic
 from kompass.robot import RobotType
 from kompass.store.errors import StoreUnwritable
 from kompass.store.paths import robot_folder
+from kompass.zones.mask import MasksNow
 
 EMERGENCY_PERIOD = 0.5  # s between repetitions of an unchanged emergency flag
 STATE_PERIOD = 0.2  # s
+MASKS = "masks"  # topic, for who draws them
 RELEASE_STOP = "release_stop"  # name of the service
 TAKE_WHEEL, HAND = "take_wheel", "hand"  # names of the service, and of the topic of commands
 IGNORED_PERIOD = 5.0  # s between two lines on commands of a hand that were not obeyed
@@ -173,7 +175,7 @@ class DriveManager(Component):
 
     def on_config_changed(self, names: set[str]) -> None:
         assert self._gate is not None
-        self._zones.mask_with(self.config.masks_in_force())
+        self._take_masks()
         self._gate.set_limits(self._gate_limits())
         self._queue.timeout = self.config.command_timeout
         for sensor in self._sensors:
@@ -193,12 +195,13 @@ class DriveManager(Component):
         )
         self.node.create_service(TakeWheel, f"{name}/{TAKE_WHEEL}", self._on_wheel)
         self.node.create_subscription(HandCommand, f"{name}/{HAND}", self._on_hand, SENSOR.to_ros())
+        self._masks_publisher = self.node.create_publisher(String, MASKS, LATCHED.to_ros())
         self._restore_stop()
         self._zones = ZonesHeard(self.node, self._keep_zones)
         self._restore_zones()
 
     def custom_on_activate(self) -> None:
-        self._zones.mask_with(self.config.masks_in_force())
+        self._take_masks()
         self._location = LocationSource(self)
         self._watch = PublisherWatch(self.node, self._watched_topics)
         self.input("command").on_message = self._on_command
@@ -361,6 +364,19 @@ class DriveManager(Component):
                 log.error(f"the zones are not kept over a restart: {error}")
 
         self._zones_writer.submit(keep)
+
+    def _take_masks(self) -> None:
+        """Put the masks into force, and tell who draws them."""
+        masks = self.config.masks_in_force()
+        self._zones.mask_with(masks)
+        publish, executor = self._masks_publisher.publish, self.node.executor
+
+        def tell() -> None:
+            marks = tuple(mark for mask in masks for mark in mask.marks())
+            text = MasksNow(masks=marks).model_dump_json()
+            executor.create_task(publish, String(data=text))
+
+        self._zones_writer.submit(tell)
 
     def _in_zones(self, given: GateInput) -> GateInput:
         """What is known of this turn, with what the zones forbid where the robot is."""
