@@ -18,7 +18,7 @@ import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
 import { useZones } from "./useZones";
 import classes from "./Zones.module.css";
-import { ruleText } from "./zoneText";
+import { masksText, ruleText } from "./zoneText";
 
 interface Props {
   /** Begins to draw a zone, or to change one; null while the scene shows something else. */
@@ -48,6 +48,7 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
   const here = list.zones.filter((zone) => zone.here);
   const elsewhere = list.zones.filter((zone) => !zone.here);
   const [others, setOthers] = useState(false);
+  const masks = masksText(list.masks);
   const rows = (zones: Zone[]) =>
     zones.map((zone) => (
       <ZoneRow
@@ -73,6 +74,7 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
       <ul className={places.list} aria-label="Zones of this map">
         {rows(here)}
       </ul>
+      {masks !== null && <p className={places.empty}>{masks}</p>}
       {deleted !== null && (
         <div className={places.undo} role="status">
           <span className={places.text}>Deleted {deleted.name}.</span>
