@@ -13,12 +13,18 @@ from typing import Any
 import pytest
 from automatika_ros_sugar.srv import ExecuteMethod
 from kompass_interfaces.action import MotionRecording
-from std_msgs.msg import Bool, String
+from std_msgs.msg import Bool, Empty, String
 
+from kompass.rules.schema.actions import CallService, Method
+from kompass.rules.schema.conditions import Received
+from kompass.rules.schema.events import Event
+from kompass.rules.schema.signals import Signal
+from kompass.rules.schema.table import Rule, Table
 from kompass.simulation.physics.robot_model import TURTLEBOT3
 from kompass.virtual.network import Conditions
 from tests.support.hand import Hand
 from tests.support.motion_recipe import motion_recipe
+from tests.support.rules import Rules
 from tests.support.tester import LATCHED
 from tests.support.virtual_robot import VirtualRobot
 
@@ -267,3 +273,37 @@ def test_a_timed_one_keeps_the_newest_stretches_in_which_the_robot_moved(made: M
     assert robot.result(robot.send_goal(-2.0, -0.5)).status == SUCCEEDED
     robot.wait_until(lambda: set(folder.glob("*.csv")) != before, 20, "newer ones")
     assert len(list(folder.glob("*.csv"))) == 2
+
+
+SLOWLY = Table(
+    rules=(
+        Rule(
+            id="test",
+            source="recipe",
+            event=Event(
+                condition=Received(signal=Signal(topic="/test", type="std_msgs/msg/Empty"))
+            ),
+            actions=(
+                # Looked for, for two seconds.
+                CallService(service="/nobody", type="std_srvs/srv/Trigger", on_error="continue"),
+                Method(component="motion_server", method="run_test"),
+            ),
+        ),
+    )
+)
+
+
+def test_a_rule_that_fired_before_a_stop_begins_no_test_after_it(made: Make) -> None:
+    robot = made(table=SLOWLY)
+    asks = robot.node.create_publisher(Empty, "/test", 10)
+    robot.wait_for_listeners("/test", "monitor")
+    rules = Rules(robot)
+    asks.publish(Empty())
+    robot.wait_until(lambda: rules.firings, 5, "a firing")
+    assert robot.stop().success
+    assert robot.release().success
+    at = robot.truth
+    robot.rest(5.0)
+    assert math.dist(at[:2], robot.truth[:2]) < 0.01
+    asks.publish(Empty())
+    robot.is_moved_by_the_test()
