@@ -16,9 +16,10 @@ import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
+import { masksText } from "./maskText";
 import { useZones } from "./useZones";
 import classes from "./Zones.module.css";
-import { masksText, ruleText } from "./zoneText";
+import { ruleText } from "./zoneText";
 
 interface Props {
   /** Begins to draw a zone, or to change one; null while the scene shows something else. */

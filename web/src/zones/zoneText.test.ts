@@ -3,7 +3,6 @@ import {
   cornersText,
   drawn,
   labelText,
-  masksText,
   readCorners,
   readSpeed,
   ruleText,
@@ -15,15 +14,6 @@ test("a zone says what it asks for", () => {
   const barred = { name: "Stairs", kind: "keep_out", speed: null } as const;
   expect([ruleText(slow), ruleText(barred)]).toEqual(["At most 0.3 m/s", "Keep out"]);
   expect([labelText(slow), labelText(barred)]).toEqual(["Aisle: 0.3 m/s", "Stairs: keep out"]);
-});
-
-test("masks are told each once, with what they ask for", () => {
-  const pit = { name: "Pit", kind: "keep_out", speed: null } as const;
-  const ramp = { name: "Ramp", kind: "speed", speed: 0.2 } as const;
-  expect(masksText([])).toBeNull();
-  expect(masksText([pit, pit, ramp])).toBe(
-    "Masks of the recipe, which stay: Pit (keep out), Ramp (at most 0.2 m/s).",
-  );
 });
 
 test("corners are typed as they are shown, and what is none is named by its line", () => {

@@ -1,4 +1,4 @@
-import type { Mask, Zone } from "../api/types";
+import type { Zone } from "../api/types";
 
 export type Corner = readonly [number, number];
 
@@ -13,12 +13,6 @@ export const ruleText = (zone: Pick<Zone, "kind" | "speed">): string =>
 /** As it is written on the map. */
 export const labelText = (zone: Pick<Zone, "name" | "kind" | "speed">): string =>
   zone.kind === "keep_out" ? `${zone.name}: keep out` : `${zone.name}: ${zone.speed} m/s`;
-
-/** The masks of the recipe, each with what it asks; null without any. A mask may have many patches. */
-export function masksText(masks: readonly Pick<Mask, "name" | "kind" | "speed">[]): string | null {
-  const told = new Set(masks.map((mask) => `${mask.name} (${ruleText(mask).toLowerCase()})`));
-  return told.size === 0 ? null : `Masks of the recipe, which stay: ${[...told].join(", ")}.`;
-}
 
 /** Corners as a person types them: x and y, a line each. */
 export const cornersText = (corners: readonly Corner[]): string =>
