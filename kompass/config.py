@@ -4,6 +4,7 @@ from kompass.components.base.component_config import ComponentConfig, ComponentR
 from kompass.porting import absent_names
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.settings import Settings
+from kompass.zones.mask import Mask
 
 BaseComponentConfig = ComponentConfig
 
@@ -11,6 +12,7 @@ __all__ = [
     "BaseComponentConfig",
     "ComponentConfig",
     "ComponentRunType",
+    "Mask",
     "RobotConfig",
     "RobotFrames",
     "Settings",

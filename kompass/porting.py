@@ -55,12 +55,7 @@ NAMES: dict[str, dict[str, str]] = {
         "BaseValidators": BOUNDS,
         "base_validators": BOUNDS,
     },
-    "kompass.components": {
-        "MotionServer": "drive by actions of the DriveManager, e.g. move_forward; the flight "
-        "recorder records",
-        "MotionServerConfig": "drive by actions of the DriveManager, e.g. move_forward; the flight "
-        "recorder records",
-    },
+    "kompass.components": {},
     "kompass.components.controller": {
         **dict.fromkeys(("Controller", "ControllerConfig"), IN_COMPONENTS),
         "ControllersID": "import it from kompass.control",
@@ -139,7 +134,7 @@ MODULES: dict[str, str] = {
     "kompass.components.drive_manager": "import DriveManager from kompass.components",
     "kompass.components.mapper": "import LocalMapper from kompass.components",
     "kompass.components.map_server": "import MapServer from kompass.components",
-    "kompass.components.motion_server": "drive by actions of the DriveManager, e.g. move_forward",
+    "kompass.components.motion_server": "import MotionServer from kompass.components",
     "kompass.data_types": "use any ROS message type: Topic(msg_type='package/Type')",
     "kompass.executable": PROCESSES,
     "ros_sugar.base_clients": "use ServiceClientConfig, ActionClientConfig of kompass.ros",

@@ -56,7 +56,10 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("diff", "lint", "outlook", "permissions"),
         ("guard", "merge"),
     ),
-    "kompass.components": (("base", "topics_keys"), ("controller", "drive", "mapping", "planner")),
+    "kompass.components": (
+        ("base", "topics_keys"),
+        ("controller", "drive", "mapping", "motion", "planner"),
+    ),
     "kompass_console": (
         ("control",),
         ("audit", "cli_error", "private_file", "progress", "recordings", "schema"),

@@ -21,6 +21,7 @@ from kompass.components import (
     DriveManager,
     LocalMapper,
     MapServer,
+    MotionServer,
     Planner,
 )
 from kompass.components.controller.follower_settings import FollowerSettings
@@ -32,6 +33,7 @@ COMPONENTS: tuple[type[Component], ...] = (
     LocalMapper,
     DriveManager,
     MapServer,
+    MotionServer,
 )
 NO_EFFECT = "without effect"
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 import yaml
+from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from kompass.algorithms.grid import FREE, OCCUPIED, UNKNOWN, Grid
@@ -34,7 +36,70 @@ def load_map(path: Path) -> Grid:
     MapFileError
         A file is missing or is no image, or a field is missing or unusable.
     """
-    path = Path(path)
+    image = _read(Path(path))
+    if image.mode != "trinary":
+        raise MapFileError(f"{path}: mode: {image.mode!r} is not supported; use 'trinary'")
+    return image.grid(image.trinary())
+
+
+def load_mask(path: Path) -> Grid:
+    """The mask that a YAML file as Nav2's costmap filters have it describes.
+
+    As :func:`load_map`; in ``mode: scale`` cells between the thresholds have values from 0 to 100
+    in proportion, and those that the image shows through are unknown; in ``mode: raw`` a cell has
+    the image's value, and unknown are those above 100.
+
+    Raises
+    ------
+    MapFileError
+        As of :func:`load_map`; or the mode is none of the three.
+    """
+    image = _read(Path(path))
+    if image.mode == "trinary":
+        return image.grid(image.trinary())
+    if image.mode == "raw":
+        return image.grid(np.where(image.pixels <= OCCUPIED, image.pixels, UNKNOWN))
+    if image.mode != "scale":
+        raise MapFileError(
+            f"{path}: mode: {image.mode!r} is not supported; use 'scale', 'trinary' or 'raw'"
+        )
+    low, high = image.thresholds
+    share = np.clip((image.occupancy - low) / (high - low), 0.0, 1.0)
+    cells = np.rint(OCCUPIED * share)
+    cells[image.occupancy < low], cells[image.occupancy > high] = FREE, OCCUPIED
+    return image.grid(np.where(image.opaque, cells, UNKNOWN))
+
+
+@dataclass(frozen=True, eq=False)
+class _MapImage:
+    """What a YAML file and its image say: pixels (H, W) with the highest y on top."""
+
+    mode: object
+    pixels: NDArray[np.uint8]
+    opaque: NDArray[np.bool_]
+    negate: bool
+    thresholds: tuple[float, float]  # free, occupied
+    resolution: float
+    origin: tuple[float, float, float]
+
+    @property
+    def occupancy(self) -> NDArray[np.float64]:
+        brightness = self.pixels / 255.0
+        return brightness if self.negate else 1.0 - brightness
+
+    def trinary(self) -> NDArray[np.int8]:
+        free, occupied = self.thresholds
+        cells = np.full(self.pixels.shape, UNKNOWN, dtype=np.int8)
+        cells[self.occupancy > occupied] = OCCUPIED
+        cells[self.occupancy < free] = FREE
+        return cells
+
+    def grid(self, cells: NDArray[Any]) -> Grid:
+        rows = np.ascontiguousarray(cells[::-1].astype(np.int8))
+        return Grid(rows, self.resolution, self.origin)
+
+
+def _read(path: Path) -> _MapImage:
     fields = _read_fields(path)
     resolution = _number(path, fields, "resolution", None)
     if resolution <= 0:
@@ -42,9 +107,6 @@ def load_map(path: Path) -> Grid:
     origin = fields.get("origin")
     if not isinstance(origin, list) or len(origin) != 3 or not all(map(_is_number, origin)):
         raise MapFileError(f"{path}: origin: {origin!r}; give [x, y, yaw] in metres and radians")
-    mode = fields.get("mode", "trinary")
-    if mode != "trinary":
-        raise MapFileError(f"{path}: mode: {mode!r} is not supported; use 'trinary'")
     negate = fields.get("negate", 0)
     if negate not in (0, 1):
         raise MapFileError(f"{path}: negate: {negate!r}; give 0 (dark is occupied) or 1")
@@ -55,14 +117,17 @@ def load_map(path: Path) -> Grid:
             f"{path}: free_thresh: {free_threshold}, occupied_thresh: {occupied_threshold}; "
             "they must satisfy 0 <= free_thresh < occupied_thresh <= 1"
         )
-
-    brightness = _read_image(path, fields.get("image")).astype(np.float64) / 255.0
-    occupancy = brightness if negate else 1.0 - brightness
-    cells = np.full(occupancy.shape, UNKNOWN, dtype=np.int8)
-    cells[occupancy > occupied_threshold] = OCCUPIED
-    cells[occupancy < free_threshold] = FREE
+    pixels, opaque = _read_image(path, fields.get("image"))
     x, y, yaw = (float(value) for value in origin)
-    return Grid(np.ascontiguousarray(cells[::-1]), resolution, (x, y, yaw))
+    return _MapImage(
+        mode=fields.get("mode", "trinary"),
+        pixels=pixels,
+        opaque=opaque,
+        negate=bool(negate),
+        thresholds=(free_threshold, occupied_threshold),
+        resolution=resolution,
+        origin=(x, y, yaw),
+    )
 
 
 def save_map(grid: Grid, path: Path) -> None:
@@ -124,13 +189,15 @@ def _number(path: Path, fields: dict[str, Any], name: str, default: float | None
     return number
 
 
-def _read_image(path: Path, name: object) -> np.ndarray[Any, np.dtype[np.uint8]]:
+def _read_image(path: Path, name: object) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
+    """Brightness and opaqueness (H, W) of the pixels."""
     if not isinstance(name, str) or not name:
         raise MapFileError(f"{path}: image: {name!r}; give the image's file name")
     file = path.parent / name
     try:
         with Image.open(file) as image:
-            return np.asarray(image.convert("L"), dtype=np.uint8)
+            alpha = np.asarray(image.convert("RGBA").getchannel("A"), dtype=np.uint8)
+            return np.asarray(image.convert("L"), dtype=np.uint8), alpha == 255
     except FileNotFoundError as error:
         raise MapFileError(
             f"{path}: image: {file} does not exist; paths are relative to the YAML file"

@@ -9,6 +9,8 @@ from kompass.components.drive.config import DriveManagerConfig
 from kompass.components.drive.drive_manager import DriveManager
 from kompass.components.mapping.map_server import MapServer, MapServerConfig
 from kompass.components.mapping.mapper import LocalMapper, LocalMapperConfig, MapConfig
+from kompass.components.motion.config import MotionServerConfig
+from kompass.components.motion.motion_server import MotionServer
 from kompass.components.planner.config import PlannerConfig
 from kompass.components.planner.planner import Planner
 from kompass.components.topics_keys import TopicsKeys
@@ -27,6 +29,8 @@ __all__ = [
     "MapConfig",
     "MapServer",
     "MapServerConfig",
+    "MotionServer",
+    "MotionServerConfig",
     "Planner",
     "PlannerConfig",
     "TopicsKeys",

@@ -18,12 +18,13 @@ TO_THE_BASE = (Twist, TwistStamped)
 
 
 def feeders_of(gate: Component, components: Sequence[Component]) -> frozenset[str]:
-    """Names of the components that publish the commands which a gate takes."""
+    """Names of the components by which a gate drives: who publishes or asks what it carries out."""
     taken = set(_topics(gate, "in", COMMANDS))
     return frozenset(
         other.node_name
         for other in components
-        if other is not gate and taken & set(_topics(other, "out", COMMANDS))
+        if other is not gate
+        and (other.asks_for_motion or taken & set(_topics(other, "out", COMMANDS)))
     )
 
 

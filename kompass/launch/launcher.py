@@ -34,6 +34,7 @@ from kompass.robot import RobotConfig, RobotFrames
 from kompass.rulebook.permissions import NOTHING_OPENED, Opened, opened
 from kompass.settings import notice_once
 from kompass.supervisor.liveness import LivenessLimits
+from kompass.zones.mask import Mask
 
 NAMESPACE = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*/?", re.ASCII)
 
@@ -110,6 +111,7 @@ class Launcher:
         # Given before there were components; those that come take them.
         self._robot: RobotConfig | None = None
         self._frames: RobotFrames | None = None
+        self._masks: tuple[Mask, ...] | None = None
 
     @named_arguments
     def kompass(
@@ -199,6 +201,8 @@ class Launcher:
             component.robot = self._robot
         if self._frames is not None:
             component.frames = self._frames
+        if self._masks is not None:
+            _mask(component, self._masks)
 
     def agents(self, components: list[Component], *args: Any, **kwargs: Any) -> None:
         """As :meth:`kompass`."""
@@ -323,6 +327,23 @@ class Launcher:
         self._frames = value.model_copy()
         for component in self._components:
             component.frames = value
+
+    @property
+    def masks(self) -> dict[str, tuple[Mask, ...]]:
+        """The masks that each component keeps to, by node name; of those that look at any."""
+        found = {each.node_name: getattr(each.config, "masks", None) for each in self._components}
+        return {name: masks for name, masks in found.items() if masks is not None}
+
+    @masks.setter
+    def masks(self, value: Sequence[Mask]) -> None:
+        given = tuple(value) if isinstance(value, Sequence) else ()
+        if not given or not all(isinstance(mask, Mask) for mask in given):
+            raise TypeError(
+                f"launcher.masks = {value!r} are no masks; give a list, [Mask(file=…, kind=…)]"
+            )
+        self._masks = given
+        for component in self._components:
+            _mask(component, given)
 
     def configure(self, config_file: str, component_name: str | None = None) -> None:
         """Apply a configuration file to all components, or to one.
@@ -575,6 +596,12 @@ class Launcher:
 
     def setup_launch_description(self) -> None:
         """Nothing is to be set up before :meth:`bringup`."""
+
+
+def _mask(component: Component, masks: tuple[Mask, ...]) -> None:
+    """Have a component keep to masks, if it looks at any."""
+    if "masks" in type(component.config).model_fields:
+        component.config.masks = masks
 
 
 def _check_file(path: str, components: Iterable[Component]) -> None:

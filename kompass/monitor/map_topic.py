@@ -23,6 +23,6 @@ def map_topic(node: Node, catalog: RecipeCatalog) -> str | None:
     if _MAP in names:
         return _MAP
     heard = frozenset[str]().union(
-        *(spec.hears for spec in catalog.components().values() if spec.serves)
+        *(spec.hears for spec in catalog.components().values() if spec.takes_goals)
     )
     return next((name for name in names if name in heard), None)

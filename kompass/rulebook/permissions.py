@@ -36,7 +36,7 @@ HAND = "hand"  # topic of a drive manager, for people only
 MONITOR = "monitor"
 # What the gate hears and says beside the topics of its inputs and outputs; and what every node of
 # the robot believes.
-_OF_THE_GATE = frozenset({"drive_state", "footprint"})
+_OF_THE_GATE = frozenset({"drive_state", "footprint", "masks"})
 _OF_ALL = frozenset({"tf", "tf_static", "clock", "rosout", "parameter_events"})
 # Until the stack is known: the usual names.
 _USUAL = frozenset({"control", "control_list", "scan", "odom", "cmd_vel", "emergency_stop"})

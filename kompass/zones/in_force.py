@@ -11,11 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from kompass.algorithms.geometry import Floats
 from kompass.algorithms.grid import OCCUPIED, Grid
+from kompass.zones.mask import GENTLE, SPACING, MaskInForce
 from kompass.zones.zone import Zone
 
-SPACING = 0.05  # m between two points of an edge
 CREEP = 0.2  # m/s, inside a keep-out zone: somebody gets the robot out of it
-_GENTLE = 0.5  # share of the braking that the robot can do, before a speed zone
 
 
 class Outlines:
@@ -108,43 +107,53 @@ def covered(polygon: ArrayLike, grid: Grid) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class SpeedLimit:
-    """How fast the robot may be [m/s], and the zone that says so."""
+    """How fast the robot may be [m/s], and the zone or mask that says so."""
 
     speed: float
-    zone: Zone
+    zone: Zone | MaskInForce
 
 
 class ZonesInForce:
-    """The zones of one map.
+    """The zones of one map, and the masks that lie on it.
 
     Parameters
     ----------
     zones
         In force.
+    masks
+        Of the recipe.
     """
 
-    def __init__(self, zones: Iterable[Zone] = ()) -> None:
-        given = tuple(zones)
-        self._barred = [zone for zone in given if zone.kind == "keep_out"]
+    def __init__(self, zones: Iterable[Zone] = (), masks: Iterable[MaskInForce] = ()) -> None:
+        given, laid = tuple(zones), tuple(masks)
+        self._masks = [mask for mask in laid if mask.kind == "keep_out"]
+        self._slow_masks = [mask for mask in laid if mask.kind == "speed"]
+        barred = [zone for zone in given if zone.kind == "keep_out"]
+        self._all_barred: list[Zone | MaskInForce] = [*barred, *self._masks]
+        self._barred = barred
         self._slow = [zone for zone in given if zone.kind == "speed"]
         self._barred_outlines = Outlines([zone.corners for zone in self._barred])
         self._slow_outlines = Outlines([zone.corners for zone in self._slow])
 
     def __bool__(self) -> bool:
-        return bool(self._barred or self._slow)
+        return bool(self._barred or self._slow or self._masks or self._slow_masks)
 
     @property
     def barred_names(self) -> list[str]:
-        """Of the keep-out zones."""
-        return [zone.name for zone in self._barred]
+        """Of the keep-out zones and masks."""
+        return [zone.name for zone in self._all_barred]
 
-    def barred(self, x: float, y: float, near: float = 0.0) -> Zone | None:
+    def barred(self, x: float, y: float, near: float = 0.0) -> Zone | MaskInForce | None:
         """The keep-out zone at a point, or the nearest of those less than ``near`` [m] away."""
-        away = self._barred_outlines.distance(x, y)
-        if not len(away):
+        away = [
+            *self._barred_outlines.distance(x, y).tolist(),
+            *(mask.distance(x, y, near) for mask in self._masks),
+        ]
+        if not away:
             return None
-        nearest = int(away.argmin())
-        return self._barred[nearest] if away[nearest] == 0.0 or away[nearest] < near else None
+        nearest = int(np.argmin(away))
+        found = self._all_barred[nearest]
+        return found if away[nearest] == 0.0 or away[nearest] < near else None
 
     def in_the_way(self, x: float, y: float, reach: float) -> Floats:
         """Points (N, 2) on the edges of keep-out zones, up to ``reach`` [m] from the robot.
@@ -152,7 +161,8 @@ class ZonesInForce:
         A zone that the robot's middle is in has none: what is left then is to leave it.
         """
         outlines = self._barred_outlines
-        return outlines.near(x, y, reach, ~outlines.inside(x, y))
+        edges = outlines.near(x, y, reach, ~outlines.inside(x, y))
+        return np.concatenate([edges, *(mask.edges(x, y, reach) for mask in self._masks)])
 
     def limit(self, x: float, y: float, radius: float, decel: float) -> SpeedLimit | None:
         """How fast the robot may be, so that it is slow enough where a zone begins.
@@ -171,14 +181,33 @@ class ZonesInForce:
         for zone, away in zip(self._slow, self._slow_outlines.distance(x, y), strict=True):
             assert zone.speed is not None  # of every speed zone
             room = max(0.0, float(away) - radius)
-            limits.append(SpeedLimit(math.sqrt(zone.speed**2 + 2.0 * _GENTLE * decel * room), zone))
+            limits.append(SpeedLimit(math.sqrt(zone.speed**2 + 2.0 * GENTLE * decel * room), zone))
+        limits += [SpeedLimit(CREEP, mask) for mask in self._masks if mask.inside(x, y)]
+        limits += [
+            SpeedLimit(speed, mask)
+            for mask in self._slow_masks
+            if math.isfinite(speed := mask.limit(x, y, radius, decel))
+        ]
         return min(limits, key=lambda limit: limit.speed, default=None)
+
+    def off(self, grid: Grid) -> str:
+        """Which mask does not lie on a map, in a sentence; empty when all do."""
+        for mask in (*self._masks, *self._slow_masks):
+            if not mask.lies_on(grid):
+                x, y, _ = mask.grid.origin
+                return (
+                    f"The mask {mask.name!r} does not lie on the map: its origin is "
+                    f"({x:g}, {y:g}) m; give it one that suits the map, or leave it out."
+                )
+        return ""
 
     def occupy(self, grid: Grid) -> Grid:
         """The grid with every cell that a keep-out zone covers or touches occupied."""
-        if not self._barred:
+        if not (self._barred or self._masks):
             return grid
         cells = grid.cells.copy()
         for zone in self._barred:
             cells[covered(zone.corners, grid)] = OCCUPIED
+        for mask in self._masks:
+            cells[mask.covered(grid)] = OCCUPIED
         return Grid(cells, grid.resolution, grid.origin)

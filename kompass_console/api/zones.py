@@ -22,6 +22,7 @@ from kompass_console.api.places import map_of_now
 from kompass_console.link.goal_check import cell_at
 from kompass_console.scene.layers.preview import Preview
 from kompass_console.schema.zone_models import (
+    MaskInfo,
     ZoneDrawn,
     ZoneEdit,
     ZoneInfo,
@@ -55,6 +56,15 @@ async def zones(_: LoggedIn, console: CurrentConsole) -> ZoneList:
         map=here,
         most=MOST_ZONES,
         zones=[] if book is None else [_info(zone, here) for zone in book.zones],
+        masks=[
+            MaskInfo(
+                name=mask.name,
+                kind="keep_out" if mask.speed is None else "speed",
+                speed=mask.speed,
+                corners=list(mask.corners),
+            )
+            for mask in watch.masks
+        ],
     )
 
 

@@ -108,7 +108,7 @@ class RosLink:
         self.initial_pose = InitialPose(self._node)
         self.rules = RulesWatch(changed, rules_said)
         self.places = PlacesWatch(world, changed)
-        self.zones = ZonesWatch(world, self.places, changed)
+        self.zones = ZonesWatch(self._node, world, self.places, changed)
         self.missions = MissionsWatch(self.places, changed)
         self.goals = Goals(self._node, world, changed, self.missions.sender)
         self.timeline = TimelineWatch(changed)

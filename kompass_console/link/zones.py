@@ -6,11 +6,14 @@ import logging
 from collections.abc import Callable
 
 from pydantic import ValidationError
+from rclpy.node import Node
 
 from kompass.invalid import first_invalid
 from kompass.monitor.client import MonitorClient
 from kompass.places.place import MapIdentity
+from kompass.zones.mask import MaskMark
 from kompass.zones.zone import Zone, ZoneBook
+from kompass_console.link.masks import MasksWatch
 from kompass_console.link.places import PlacesWatch
 from kompass_console.schema.models import ZonesInfo
 from kompass_console.schema.plain import plain
@@ -30,8 +33,11 @@ class ZonesWatch:
         Called when pages have something new to show; on the link's thread.
     """
 
-    def __init__(self, world: WorldModel, places: PlacesWatch, changed: Callable[[], None]) -> None:
+    def __init__(
+        self, node: Node, world: WorldModel, places: PlacesWatch, changed: Callable[[], None]
+    ) -> None:
         self._world, self._places, self._changed = world, places, changed
+        self._masks = MasksWatch(node, self._masked)
         self._book: ZoneBook | None = None
         self._drawn: MapIdentity | None = None  # the map whose zones are drawn
 
@@ -49,6 +55,11 @@ class ZonesWatch:
         """All zones; None until the monitor has told them."""
         return self._book
 
+    @property
+    def masks(self) -> tuple[MaskMark, ...]:
+        """The masks of the recipe."""
+        return self._masks.marks
+
     def find(self, zone_id: int) -> Zone | None:
         """A zone; None when there is none of this number."""
         zones = () if self._book is None else self._book.zones
@@ -60,6 +71,7 @@ class ZonesWatch:
         return ZonesInfo(
             available=book is not None and book.available,
             revision=0 if book is None else book.revision,
+            masks=self._masks.changes,
         )
 
     def _store(self, text: str) -> None:
@@ -73,13 +85,17 @@ class ZonesWatch:
         self._draw()
         self._changed()
 
+    def _masked(self) -> None:
+        self._draw()
+        self._changed()
+
     def _draw(self) -> None:
         book, here = self._book, self._places.here()
         self._drawn = here
-        self._world.zones.set(
-            tuple(
-                ZoneMark(zone.name, zone.corners, zone.speed)
-                for zone in (() if book is None else book.zones)
-                if here is not None and zone.map.id == here.id
-            )
-        )
+        zones = [
+            ZoneMark(zone.name, zone.corners, zone.speed)
+            for zone in (() if book is None else book.zones)
+            if here is not None and zone.map.id == here.id
+        ]
+        masks = [ZoneMark(mask.name, mask.corners, mask.speed) for mask in self.masks]
+        self._world.zones.set((*zones, *masks))

@@ -475,10 +475,11 @@ class PlacesInfo(BaseModel):
 
 
 class ZonesInfo(BaseModel):
-    """Changes whenever the list of zones does."""
+    """Changes whenever the list of zones does; `masks` with the masks of the recipe."""
 
     available: bool = False
     revision: int = 0
+    masks: int = 0
 
 
 class TimelineInfo(BaseModel):

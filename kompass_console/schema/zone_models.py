@@ -48,8 +48,17 @@ class ZoneInfo(BaseModel):
     time: float
 
 
+class MaskInfo(BaseModel):
+    """A patch of a mask of the recipe, to be drawn; `speed` (m/s) only of one of speeds."""
+
+    name: str
+    kind: Kind
+    speed: float | None
+    corners: list[tuple[float, float]]
+
+
 class ZoneList(BaseModel):
-    """All zones, in the order in which they were saved.
+    """All zones, in the order in which they were saved, and the recipe's masks, which stay.
 
     `problem` says why none can be kept, or what was lost; empty when all is well. `most` is how
     many a robot keeps.
@@ -61,6 +70,7 @@ class ZoneList(BaseModel):
     map: MapIdentity | None
     most: int
     zones: list[ZoneInfo]
+    masks: list[MaskInfo]
 
 
 class ZoneSketch(In):

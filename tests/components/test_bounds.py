@@ -22,6 +22,7 @@ from kompass.components import (
     LocalMapper,
     MapConfig,
     MapServer,
+    MotionServer,
     Planner,
     PlannerConfig,
 )
@@ -31,7 +32,7 @@ from kompass.robot import RobotConfig
 from kompass.settings import section_of
 
 LOUD: dict[str, Any] = {"log_level": "loud"}
-KINDS = (Planner, Controller, LocalMapper, DriveManager, MapServer)
+KINDS = (Planner, Controller, LocalMapper, DriveManager, MapServer, MotionServer)
 
 
 def numbers_of(model: type[BaseModel], path: str = "") -> dict[str, set[type]]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from automatika_ros_sugar.srv import ChangeParameter
 from geometry_msgs.msg import PoseStamped
+from kompass_interfaces.action import ControlPath
 from kompass_interfaces.msg import TwistArray
 from nav_msgs.msg import Odometry, Path
 from pydantic import ValidationError
@@ -144,6 +145,24 @@ def test_a_path_that_takes_too_long_to_look_at_is_not_followed_and_the_one_befor
     stage.alive.wait_until(lambda: stage.speed == 0.0, 5, "a standstill")
     stage.plan(*STRAIGHT)
     stage.alive.wait_until(stage.drives, 5, "the next path is followed")
+
+
+def test_as_an_action_server_it_follows_what_is_on_plan_when_a_goal_asks_for_it(run: Run) -> None:
+    stage = Stage(run)
+    stage.controller.run_type = "ActionServer"
+    stage.plan(*STRAIGHT)
+    stage.alive.wait_until(lambda: stage.controller.input("plan").message, 5, "the plan")
+    stage.alive.rest(1.0)
+    assert not stage.commands
+    client = stage.alive.action_client(ControlPath, "/controller/control_path")
+    handle = stage.alive.send(client, ControlPath.Goal())
+    stage.alive.wait_until(stage.drives, 10, "motion")
+    stage.plan()
+    stage.alive.rest(1.0)
+    assert stage.drives()  # the path is not the planner's any more
+    handle.cancel_goal_async()
+    stage.alive.wait_until(lambda: stage.speed == 0.0, 5, "a stop command")
+    assert stage.alive.result(handle).result.outcome == ControlPath.Result.OUTCOME_CANCELED
 
 
 def test_the_sensor_can_be_changed_on_the_way_without_a_halt(run: Run) -> None:

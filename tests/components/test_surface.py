@@ -8,12 +8,13 @@ from kompass.components import (
     DriveManager,
     LocalMapper,
     MapServer,
+    MotionServer,
     Planner,
 )
 
 OF_ALL = """
 action_specs action_type add_callback_postprocessor add_publisher_preprocessor
-allowed_inputs allowed_outputs allowed_run_types answer_call apply_config_file
+allowed_inputs allowed_outputs allowed_run_types answer_call apply_config_file asks_for_motion
 attach_custom_callback
 available_actions awaits broadcast_status call_action callbacks check_declaration clock
 config_class
@@ -40,9 +41,11 @@ OWN = {
     Controller: "algorithm algorithms_config direct_sensor set_algorithm",
     LocalMapper: "",
     DriveManager: (
-        "back_off move_backward move_forward move_to_unblock rotate_in_place turn_to_room"
+        "back_off drive_leg move_backward move_forward move_to_unblock room_for rotate_in_place "
+        "turn_to_room"
     ),
     MapServer: "",
+    MotionServer: "run_test",
 }
 
 

@@ -12,6 +12,7 @@ import httpx
 import pytest
 from std_msgs.msg import String
 
+from kompass.zones.mask import MaskMark, MasksNow
 from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, running_stack
 from tests.console.fake_stack import world_map
@@ -168,6 +169,30 @@ def test_who_would_be_in_a_zone_is_told_before_it_is_saved(ava: httpx.Client) ->
     assert inside(CORNERS[:2]) == (False, [])
     gone = ava.delete(f"/api/places/{saved.json()['id']}", params={"version": 1})
     assert gone.status_code == 200, gone.text
+
+
+def test_masks_of_the_recipe_are_listed_to_be_drawn_beside_the_zones(
+    ava: httpx.Client, domain: int
+) -> None:
+    save(ava)
+    tester = Robot(domain)
+    try:
+        masks = tester.node.create_publisher(String, "/masks", LATCHED)
+        corners = tuple((x, y) for x, y in CORNERS)
+        ramp = MaskMark(name="Ramp", speed=0.2, corners=corners)
+        told = MasksNow(masks=(MaskMark(name="Pit", speed=None, corners=corners), ramp))
+        masks.publish(String(data="{}}"))  # is passed over
+        masks.publish(String(data=told.model_dump_json()))
+        wait_until(lambda: len(listed(ava)["masks"]) == 2, 10.0, "two masks")
+        assert [(one["name"], one["kind"], one["speed"]) for one in listed(ava)["masks"]] == [
+            ("Pit", "keep_out", None),
+            ("Ramp", "speed", 0.2),
+        ]
+        assert [zone["name"] for zone in listed(ava)["zones"]] == ["Stairs"]
+        masks.publish(String(data=MasksNow().model_dump_json()))
+        wait_until(lambda: not listed(ava)["masks"], 10.0, "no masks")
+    finally:
+        tester.close()
 
 
 def test_on_another_map_a_zone_is_not_in_force_until_it_is_taken_along(

@@ -218,7 +218,8 @@ PUBLIC = {
         "patience",
         "recovery",
     ),
-    *("kompass", "agents", "add_pkg", "components", "robot", "frames", "configure"),
+    *("kompass", "agents", "add_pkg", "components", "robot", "frames", "masks"),
+    "configure",
     *("inputs", "outputs", "on", "bringup", "setup_launch_description", "enable_ui"),
     *("fallback_rate", "on_fail", "on_algorithm_fail", "on_component_fail", "on_system_fail"),
     *("on_giveup", "on_process_fail", "add_py_executable", "add_method", "open_to_rules"),
@@ -269,6 +270,7 @@ MISTYPED: Any = {"name_space": "robot1"}
             r"launcher\.robot = .* give a RobotConfig",
         ),
         (lambda it: setattr(it, "frames", "map"), r"launcher\.frames = 'map' are no frames"),
+        (lambda it: setattr(it, "masks", "stairs.yaml"), r"launcher\.masks = 'stairs.yaml' are no"),
     ],
 )
 def test_an_argument_of_a_wrong_kind_is_refused(call: Callable[[Any], Any], message: str) -> None:

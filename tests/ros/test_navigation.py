@@ -1,12 +1,15 @@
 """The robot goes where it is sent, over real DDS, and every goal ends with its reason."""
 
 import math
+from pathlib import Path as FilePath
 
 import pytest
+from kompass_interfaces.action import ControlPath
 from nav2_msgs.srv import LoadMap
 from nav_msgs.msg import Path
 
 from kompass.share import map_path
+from tests.support.path_file import save_path
 from tests.support.processes import wait_until
 from tests.support.robot import LATCHED, Robot
 
@@ -22,6 +25,22 @@ def test_a_clicked_point_from_another_process_moves_the_robot_there(robot: Robot
     # The next test begins with a robot that stands.
     wait_until(lambda: robot.newest["/drive_state"].standstill, 10, "a measured standstill")
     assert robot.contacts == 0
+
+
+def test_a_saved_path_is_followed_to_its_end(robot: Robot, tmp_path: FilePath) -> None:
+    x, y, _ = robot.truth
+    end = (0.85, -0.5)
+    file = save_path(tmp_path / "ahead.json", [(x, y, 0.0), (*end, 0.0)])
+    client = robot.action_client(ControlPath, "/controller/control_path")
+    goal = ControlPath.Goal(path_source=1, path_file_location=str(tmp_path), path_name=file.name)
+    ended = robot.result(robot.send(client, goal), timeout=30)
+    assert ended.status == SUCCEEDED, ended.result.message
+    assert ended.result.reached_end
+    assert robot.distance_to(*end) < 0.06
+    goal.path_name = "none.json"
+    refused = robot.result(robot.send(client, goal), timeout=10)
+    assert (refused.status, refused.result.outcome) == (ABORTED, REFUSED)
+    assert "none.json: does not exist" in refused.result.message
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kompass.algorithms.grid import FREE, OCCUPIED, Grid
-from kompass.zones.in_force import CREEP, SPACING, Outlines, ZonesInForce
+from kompass.zones.in_force import CREEP, Outlines, ZonesInForce
+from kompass.zones.mask import SPACING
 from tests.zones.zones import SQUARE, zone
 
 L_SHAPE = ((0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3))

@@ -107,6 +107,8 @@ class Component:
     needs_robot: ClassVar[bool] = False
     # Whether it must end before all others, because it is what halts the robot.
     stops_robot: ClassVar[bool] = False
+    # Whether it has what stops the robot drive it by actions; its death halts the robot then.
+    asks_for_motion: ClassVar[bool] = False
     # The ROS action and service by which it is asked to do its work, when it has them.
     main_action_type: ClassVar[type | None] = None
     main_srv_type: ClassVar[type | None] = None

@@ -1,6 +1,6 @@
 """The zones of the robot's map, as the monitor tells them, for the components that move it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from pydantic import ValidationError
 from std_msgs.msg import String
@@ -9,6 +9,7 @@ from kompass.bus.node import LifecycleNode
 from kompass.invalid import first_invalid
 from kompass.rclpy_ext.topic import LATCHED
 from kompass.zones.in_force import ZonesInForce
+from kompass.zones.mask import MaskInForce
 from kompass.zones.zone import ZonesNow
 
 TOPIC = "zones"
@@ -28,20 +29,28 @@ class ZonesHeard:
     Attributes
     ----------
     now
-        Those in force.
+        Those in force, and the masks of the recipe.
     told
         As they were told; None before anything was.
+    masks
+        Those of the recipe.
     """
 
     def __init__(self, node: LifecycleNode, changed: Callable[[], None] = lambda: None) -> None:
         self.now = ZonesInForce()
         self.told: ZonesNow | None = None
+        self.masks: Sequence[MaskInForce] = ()
         self._log, self._changed = node.get_logger(), changed
         node.create_subscription(String, TOPIC, self._on_zones, LATCHED.to_ros())
 
     def set(self, told: ZonesNow) -> None:
         """Put zones into force."""
-        self.told, self.now = told, ZonesInForce(told.zones)
+        self.told, self.now = told, ZonesInForce(told.zones, self.masks)
+
+    def mask_with(self, masks: Sequence[MaskInForce]) -> None:
+        """Put masks into force, whatever is told of zones."""
+        self.masks = masks
+        self.now = ZonesInForce(() if self.told is None else self.told.zones, masks)
 
     def _on_zones(self, message: String) -> None:
         if len(message.data) > _LONGEST:

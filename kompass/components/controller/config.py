@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
-from kompass.components.base.sensor_settings import SensorSettings
+from kompass.components.base.mask_settings import MaskSettings
 from kompass.components.controller.controllers_id import ELSEWHERE, ControllersID
 from kompass.components.controller.follower_settings import (
     DWAConfig,
@@ -40,7 +40,7 @@ def _by_value(kind: type[enum.Enum]) -> Any:
     return BeforeValidator(read)
 
 
-class ControllerConfig(SensorSettings):
+class ControllerConfig(MaskSettings):
     """How a path becomes commands."""
 
     ignored_settings: ClassVar[Mapping[str, str]] = {
@@ -68,6 +68,14 @@ class ControllerConfig(SensorSettings):
     location_timeout: float = Field(default=0.5, gt=0, le=60, description="s; an older pose stops")
     progress_timeout: float = Field(
         default=5.0, gt=0, le=3600, description="s; a robot that gets nowhere for so long is stuck"
+    )
+    patience: float = Field(
+        default=20.0, gt=0, le=3600, description="s without progress that end a goal of ControlPath"
+    )
+    paths_folder: str | None = Field(
+        default=None,
+        description="from which relative places of files of ControlPath set out; `paths` in the "
+        "robot's folder unless given",
     )
     goal_dist_tolerance: float = Field(default=0.03, gt=0, le=10, description="m")
     goal_orientation_tolerance: float = Field(default=0.05, gt=0, le=math.pi, description="rad")

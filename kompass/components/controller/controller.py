@@ -1,11 +1,16 @@
 """The controller: follows the path, to its very end."""
 
+from pathlib import Path as FilePath
 from typing import Any, ClassVar
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped, Twist
+from kompass_interfaces.action import ControlPath
 from kompass_interfaces.msg import DriveState, TwistArray
 from numpy.typing import NDArray
+from rclpy.action import CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
 
 from kompass.algorithms.following.command import Command, FollowStep
 from kompass.algorithms.following.follower import NoCommand, PathFollower
@@ -18,6 +23,7 @@ from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_of, path_poses, quaternion_msg
 from kompass.components.base.location_source import LocationSource
+from kompass.components.base.people import People
 from kompass.components.base.seen import (
     MOST_SENSORS,
     SENSOR_INPUTS,
@@ -34,13 +40,28 @@ from kompass.components.controller.follower_settings import (
     make_follower,
 )
 from kompass.components.controller.obstacle_source import HANDOVER, ObstacleSource
+from kompass.components.controller.path_goal import (
+    FROM_FILE,
+    MOST_POSES,
+    NoPath,
+    PathGoal,
+    TopicPath,
+    check_goal,
+    check_path,
+    poses_of_file,
+    poses_of_message,
+)
 from kompass.components.controller.progress import Progress
+from kompass.printable import printable
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, QoSConfig, Topic
+from kompass.store.errors import StoreUnwritable
+from kompass.store.paths import robot_folder
 
 STILL = Command()
 SENSORS = ("sensor_data", "local_map")
 EDGES = 5.0  # m up to which followers are shown the edges of zones
-MOST_POSES = 20_000  # of a path: to look at more takes so long that the controller seems to hang
+FEEDBACK = 0.2  # s
+LOOK = 0.05  # s between two looks at whether a path has come
 
 
 class Controller(Component):
@@ -48,6 +69,10 @@ class Controller(Component):
 
     A path ends with its last pose, heading included. An empty path clears the old one. So does a
     person who presses STOP or takes the wheel: what publishes paths may be dead, or not know.
+
+    ``<node>/control_path`` follows one path of a topic or a file to its end, and says how that
+    ended. A path on ``plan`` takes over from it, so that a goal of a person comes first; while one
+    of ``plan`` is followed it is refused. As ``ActionServer`` nothing but that action is followed.
 
     An algorithm that needs obstacles (DWA, MPPI) sees them in ``local_map``, or, with
     ``use_direct_sensor``, in ``sensor_data``; only the one in use is subscribed to. For the others
@@ -58,7 +83,10 @@ class Controller(Component):
     config: ControllerConfig
     config_class = ControllerConfig
     needs_robot = True
-    allowed_run_types = (ComponentRunType.TIMED,)
+    steps_in_any_run_type = True
+    main_action_type = ControlPath
+    serves_main_action_itself = True
+    allowed_run_types = (ComponentRunType.TIMED, ComponentRunType.ACTION_SERVER)
     tells_missing_inputs = False
     allowed_inputs: ClassVar = {
         "plan": AllowedTopics(["Path"]),
@@ -141,7 +169,8 @@ class Controller(Component):
         self._incoming: PathFollower[Any] | None = None
         self._incoming_since = 0.0
         self._has_path = False
-        self._interruptions: int | None = None  # by people, as the drive manager counts them
+        self._people = People()
+        self._pursued: PathGoal | None = None  # of the action, whose path is followed
         self._progress = Progress()
         self._moving: dict[int, MovingObstacles] = {}  # by the index of their sensor
         self._clouds: dict[int, CloudMemory] = {}
@@ -155,8 +184,18 @@ class Controller(Component):
             DriveState, "drive_state", self._on_drive_state, LATCHED.to_ros()
         )
         self._zones = ZonesHeard(self.node)
+        self._server = self.node.create_action_server(
+            ControlPath,
+            self.main_action_name,
+            self._execute,
+            goal_callback=lambda _goal: (
+                GoalResponse.ACCEPT if self.is_active else GoalResponse.REJECT
+            ),
+            cancel_callback=lambda _handle: CancelResponse.ACCEPT,
+        )
 
     def custom_on_activate(self) -> None:
+        self._zones.mask_with(self.config.masks_in_force())
         self._location = LocationSource(self)
         self.input("plan").on_message = self._on_plan
         self._obstacles = ObstacleSource(
@@ -167,10 +206,12 @@ class Controller(Component):
         self._obstacles.want(self._sensor)
 
     def custom_on_deactivate(self) -> None:
+        self._end(ControlPath.Result.OUTCOME_ERROR, "The controller was deactivated.")
         self._halt()
         self._location.close()
 
     def on_config_changed(self, names: set[str]) -> None:
+        self._zones.mask_with(self.config.masks_in_force())
         follower = self._make_follower()
         self._clouds = {}  # which may be read otherwise from now on
         if self._obstacles is not None and self.is_active:
@@ -204,6 +245,13 @@ class Controller(Component):
     # -- inputs -------------------------------------------------------------------------------
 
     def _on_plan(self, message: Any) -> None:
+        if self.run_type is ComponentRunType.ACTION_SERVER:
+            return  # it is there for a goal that asks for it
+        if self._pursued is not None:
+            if len(message.poses) < 2:
+                return  # the planner has none; this path is not the planner's
+            topic = self.input("plan").topic.name
+            self._end(ControlPath.Result.OUTCOME_PREEMPTED, f"A path on /{topic} took over.")
         if len(message.poses) > MOST_POSES:
             self._drop_path()
             self.warn(
@@ -215,15 +263,18 @@ class Controller(Component):
         if len(poses) < 2 or not np.all(np.isfinite(poses)):
             self._drop_path()
             return
+        self._set_path(poses)
+
+    def _set_path(self, poses: NDArray[np.float64]) -> None:
         if not self._has_path:
             self._follower.reset()
         self._follower.set_path(poses)
         self._has_path = True
 
     def _on_drive_state(self, state: DriveState) -> None:
-        before, self._interruptions = self._interruptions, state.interruptions
         # The count tells of a STOP that was released while this process was held.
-        if state.stopped or state.driven_by or before not in (None, state.interruptions):
+        if self._people.hear(state, self.clock.monotonic(), self.clock.wall()):
+            self._end_by_people()
             self._drop_path()
 
     def _drop_path(self) -> None:
@@ -257,9 +308,149 @@ class Controller(Component):
         rows, cols = np.nonzero(grid.occupied())
         return grid.cell_to_world(np.column_stack([cols, rows]))
 
+    # -- the action ---------------------------------------------------------------------------
+
+    async def _execute(self, handle: ServerGoalHandle) -> ControlPath.Result:
+        self.node.executor.create_task(self._server.expire_goals)
+        try:
+            poses = await self._path_of(handle.request)
+        except NoPath as error:
+            handle.abort()
+            self.warn(f"no path is followed: {error}")
+            return _ended(ControlPath.Result.OUTCOME_REFUSED, printable(f"{error}"))
+        self._end(ControlPath.Result.OUTCOME_PREEMPTED, "A newer path took over.")
+        ended = Future(executor=self.node.executor)
+        self._pursued = pursued = PathGoal(handle, poses, ended)
+        # The same path a second time is followed from its beginning, too.
+        self._follower, self._incoming = self._make_follower(), None
+        self._set_path(poses)
+        while not ended.done():
+            await self.sleep(FEEDBACK)
+            if handle.is_cancel_requested and self._pursued is pursued:
+                self._end(ControlPath.Result.OUTCOME_CANCELED, "Canceled.")
+        outcome, text, (distance, turn) = ended.result()
+        result = _ended(outcome, text)
+        result.destination_error.lateral_distance_error = distance
+        result.destination_error.orientation_error = turn
+        if outcome == ControlPath.Result.OUTCOME_ARRIVED:
+            handle.succeed()
+        elif outcome == ControlPath.Result.OUTCOME_CANCELED:
+            handle.canceled()
+        else:
+            handle.abort()
+        return result
+
+    async def _path_of(self, goal: ControlPath.Goal) -> NDArray[np.float64]:
+        """The path (N, 3) that a goal asks for, once it may be followed from here.
+
+        Raises
+        ------
+        NoPath
+            When it may not; says why.
+        """
+        check_goal(goal)
+        world = self.frames.world
+        if goal.path_source == FROM_FILE:
+            poses = poses_of_file(goal, self._paths_folder(), world)
+        elif goal.path_name:
+            poses = poses_of_message(await self._heard(goal.path_name), world)
+        else:
+            source = self.input("plan")
+            if source.message is None:
+                raise NoPath(f"path_name = '', and nothing has come on /{source.topic.name}")
+            poses = poses_of_message(source.message, world)
+        # Last, for all this may have changed while a path was waited for.
+        refusal = self._people.refusal(self.clock.monotonic())
+        if refusal:
+            raise NoPath(refusal)
+        if self._has_path and self._pursued is None:
+            topic = self.input("plan").topic.name
+            raise NoPath(f"the path of /{topic} is being followed; cancel its goal first")
+        pose = self._location.pose()
+        if pose is None or self.input("location").age() > self.config.location_timeout:
+            raise NoPath("the robot does not know where it is")
+        check_path(poses, pose, self._zones.now)
+        return poses
+
+    def _paths_folder(self) -> FilePath:
+        given = self.config.paths_folder
+        try:
+            return robot_folder() / "paths" if given is None else FilePath(given).expanduser()
+        except (StoreUnwritable, RuntimeError) as error:
+            raise NoPath(f"there is no folder of paths: {error}") from None
+
+    async def _heard(self, topic: str) -> Any:
+        """The path of a topic."""
+        source, limit = TopicPath(self.node, topic), self.config.topic_subscription_timeout
+        until = self.clock.monotonic() + limit
+        try:
+            while source.message is None:
+                if self.clock.monotonic() >= until:
+                    raise NoPath(
+                        f"path_name = {topic!r}: no path came within {limit:g} s; publish it "
+                        "latched (transient local), or after the goal"
+                    )
+                await self.sleep(LOOK)
+        finally:
+            source.close()
+        return source.message
+
+    def _end(self, outcome: int, text: str) -> None:
+        """End the goal that is pursued, and with it its path."""
+        pursued, self._pursued = self._pursued, None
+        if pursued is None:
+            return
+        pose = self._location.pose()
+        errors = (np.inf, np.inf) if pose is None else pursued.errors(pose)
+        self._drop_path()
+        self.node.get_logger().info(f"the path ended: {printable(text)}")
+        pursued.ended.set_result((outcome, text, errors))
+
+    def _end_by_people(self) -> None:
+        people = self._people
+        if people.stopped or not people.driven:
+            told = people.stopped or "somebody pressed STOP, or took the wheel"
+            self._end(ControlPath.Result.OUTCOME_STOPPED, f"Stopped: {told}.")
+        else:
+            self._end(ControlPath.Result.OUTCOME_PREEMPTED, f"Driven by hand: {people.driven}.")
+
+    def _judge_pursued(self, pose: Pose2D | None) -> None:
+        """Give up a path on which the robot has not got on for long, whatever the reason."""
+        pursued = self._pursued
+        if pursued is None:
+            return
+        now = self.clock.monotonic()
+        at = pursued.last if pose is None else pose
+        if at is None:
+            return
+        pursued.last = at
+        if pursued.progress.stalled(at, now, turning=False) >= self.config.patience:
+            text = f"No progress for {self.config.patience:g} s"
+            why = "" if self.health.is_healthy else f": {self.health.message}"
+            self._end(ControlPath.Result.OUTCOME_STUCK, f"{text}{why}.")
+
+    def _tell_pursued(self, step: FollowStep, began: float) -> None:
+        pursued, now = self._pursued, self.clock.monotonic()
+        if pursued is None or now - pursued.told < FEEDBACK:
+            return
+        pursued.told = now
+        feedback = ControlPath.Feedback(
+            prediction_horizon=self.config.control_time_step, compute_time=now - began
+        )
+        feedback.global_path_deviation.lateral_distance_error = step.cross_track_error
+        feedback.global_path_deviation.orientation_error = step.heading_error
+        feedback.control = self._twist(step.command)
+        feedback.control_list = self._twists(step.command)
+        pursued.handle.publish_feedback(feedback)
+
     # -- the loop -----------------------------------------------------------------------------
 
     def _execution_step(self) -> None:
+        self._step()
+        self._judge_pursued(self._location.pose())
+
+    def _step(self) -> None:
+        began = self.clock.monotonic()
         if self._incoming is not None and self._obstacles is not None:
             sees = self._obstacles.points(self.config.sensor_timeout) is not None
             if sees or self.clock.monotonic() - self._incoming_since > HANDOVER:
@@ -292,7 +483,9 @@ class Controller(Component):
         self._judge_progress(step, pose)
         self._command(step.command)
         self._publish_tracked_point(step, pose)
+        self._tell_pursued(step, began)
         if step.phase == "arrived":
+            self._end(ControlPath.Result.OUTCOME_ARRIVED, "Arrived at the end of the path.")
             self._has_path = False
 
     def _judge_progress(self, step: FollowStep, pose: Pose2D) -> None:
@@ -367,18 +560,24 @@ class Controller(Component):
 
     def _command(self, command: Command) -> None:
         if self.config.ctrl_publish_type is CmdPublishType.TWIST_ARRAY:
-            message = TwistArray(time_step=self.config.control_time_step)
-            message.linear_velocities.x = [command.vx]
-            message.linear_velocities.y = [command.vy]
-            message.linear_velocities.z = [0.0]
-            message.angular_velocities.x = [0.0]
-            message.angular_velocities.y = [0.0]
-            message.angular_velocities.z = [command.omega]
-            self.publish("multi_command", message)
+            self.publish("multi_command", self._twists(command))
             return
+        self.publish("command", self._twist(command))
+
+    def _twists(self, command: Command) -> TwistArray:
+        message = TwistArray(time_step=self.config.control_time_step)
+        message.linear_velocities.x = [command.vx]
+        message.linear_velocities.y = [command.vy]
+        message.linear_velocities.z = [0.0]
+        message.angular_velocities.x = [0.0]
+        message.angular_velocities.y = [0.0]
+        message.angular_velocities.z = [command.omega]
+        return message
+
+    def _twist(self, command: Command) -> Twist:
         twist = Twist()
         twist.linear.x, twist.linear.y, twist.angular.z = command.vx, command.vy, command.omega
-        self.publish("command", twist)
+        return twist
 
     def _publish_tracked_point(self, step: FollowStep, pose: Pose2D) -> None:
         tracker = self._follower.tracker
@@ -391,3 +590,8 @@ class Controller(Component):
         message.pose.position.x, message.pose.position.y = x, y
         message.pose.orientation = quaternion_msg(pose[2] + step.heading_error)
         self.publish("tracked_point", message)
+
+
+def _ended(outcome: int, text: str) -> ControlPath.Result:
+    arrived = outcome == ControlPath.Result.OUTCOME_ARRIVED
+    return ControlPath.Result(reached_end=arrived, outcome=outcome, message=text)

@@ -5,10 +5,10 @@ from typing import ClassVar
 
 from pydantic import Field, model_validator
 
-from kompass.components.base.sensor_settings import SensorSettings
+from kompass.components.base.mask_settings import MaskSettings
 
 
-class DriveManagerConfig(SensorSettings):
+class DriveManagerConfig(MaskSettings):
     """What lies between a command and the wheels."""
 
     ignored_settings: ClassVar[Mapping[str, str]] = {

@@ -17,7 +17,7 @@ from kompass_interfaces.srv import ReleaseStop, StopRobot, TakeWheel
 from numpy.typing import NDArray
 from rclpy.duration import Duration
 from rclpy.task import Future
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, String
 
 from kompass.access.gatekeeper import UNSIGNED_HAND, NotAdmitted
 from kompass.algorithms.footprint import Footprint
@@ -36,6 +36,7 @@ from kompass.components.drive.command_queue import STILL, CommandQueue, Twist2D
 from kompass.components.drive.config import DriveManagerConfig
 from kompass.components.drive.drive_gate import KEEP_OUT, SPEED, DriveGate, GateInput, GateLimits
 from kompass.components.drive.halt import HALT_NODE
+from kompass.components.drive.leg import Leg, least_gap, read_legs, swept
 from kompass.components.drive.manoeuvre import (
     Manoeuvre,
     free_way,
@@ -54,9 +55,11 @@ from kompass.rclpy_ext.topic import LATCHED, SENSOR, AllowedTopics, Topic
 from kompass.robot import RobotType
 from kompass.store.errors import StoreUnwritable
 from kompass.store.paths import robot_folder
+from kompass.zones.mask import MasksNow
 
 EMERGENCY_PERIOD = 0.5  # s between repetitions of an unchanged emergency flag
 STATE_PERIOD = 0.2  # s
+MASKS = "masks"  # topic, for who draws them
 RELEASE_STOP = "release_stop"  # name of the service
 TAKE_WHEEL, HAND = "take_wheel", "hand"  # names of the service, and of the topic of commands
 IGNORED_PERIOD = 5.0  # s between two lines on commands of a hand that were not obeyed
@@ -86,7 +89,8 @@ class DriveManager(Component):
 
     Its actions are motions for rules: measured by odometry, bounded in time, within the limits.
     While one runs, commands of others are ignored. STOP ends it, and refuses the next one. The
-    stop zone counts as for any motion: what leads away from an obstacle is allowed.
+    stop zone counts as for any motion: what leads away from an obstacle is allowed. A leg of a
+    test of the base is the one motion that gives way: it ends at the first command of another.
 
     A person who has taken the wheel drives by hand, through the same gate: no other command counts
     meanwhile, and no motion of rules begins. Without a command for 0.25 s the robot stands.
@@ -149,7 +153,7 @@ class DriveManager(Component):
         self._state_sent = -float("inf")
         self._busy = ""
         self._held_since: float | None = None
-        self._manoeuvre: Manoeuvre | None = None
+        self._manoeuvre: Manoeuvre | Leg | None = None
         self._ended: Future | None = None
         self._wheel = Wheel()
         self._is_cut = False  # and the wheels have been told
@@ -171,6 +175,7 @@ class DriveManager(Component):
 
     def on_config_changed(self, names: set[str]) -> None:
         assert self._gate is not None
+        self._take_masks()
         self._gate.set_limits(self._gate_limits())
         self._queue.timeout = self.config.command_timeout
         for sensor in self._sensors:
@@ -190,11 +195,13 @@ class DriveManager(Component):
         )
         self.node.create_service(TakeWheel, f"{name}/{TAKE_WHEEL}", self._on_wheel)
         self.node.create_subscription(HandCommand, f"{name}/{HAND}", self._on_hand, SENSOR.to_ros())
+        self._masks_publisher = self.node.create_publisher(String, MASKS, LATCHED.to_ros())
         self._restore_stop()
         self._zones = ZonesHeard(self.node, self._keep_zones)
         self._restore_zones()
 
     def custom_on_activate(self) -> None:
+        self._take_masks()
         self._location = LocationSource(self)
         self._watch = PublisherWatch(self.node, self._watched_topics)
         self.input("command").on_message = self._on_command
@@ -226,6 +233,8 @@ class DriveManager(Component):
             self._keeper = None
 
     def on_feeder_lost(self, reason: str) -> None:
+        if isinstance(self._manoeuvre, Leg):
+            self._finish(reason)
         # Commands that were under way when it was lost come in after its loss is told.
         self._deaf_until = self.clock.monotonic() + LATE
         self._queue.clear()
@@ -355,6 +364,19 @@ class DriveManager(Component):
                 log.error(f"the zones are not kept over a restart: {error}")
 
         self._zones_writer.submit(keep)
+
+    def _take_masks(self) -> None:
+        """Put the masks into force, and tell who draws them."""
+        masks = self.config.masks_in_force()
+        self._zones.mask_with(masks)
+        publish, executor = self._masks_publisher.publish, self.node.executor
+
+        def tell() -> None:
+            marks = tuple(mark for mask in masks for mark in mask.marks())
+            text = MasksNow(masks=marks).model_dump_json()
+            executor.create_task(publish, String(data=text))
+
+        self._zones_writer.submit(tell)
 
     def _in_zones(self, given: GateInput) -> GateInput:
         """What is known of this turn, with what the zones forbid where the robot is."""
@@ -495,9 +517,10 @@ class DriveManager(Component):
         return bool(by_itself) or self.clock.monotonic() < self._deaf_until
 
     def _on_command(self, message: Twist) -> None:
-        if self._is_deaf:
-            return
         command = (message.linear.x, message.linear.y, message.angular.z)
+        if self._is_deaf:
+            self._give_way(any(command))
+            return
         try:
             self._queue.put([command], 0.0, self.clock.monotonic())
         except ValueError as error:
@@ -505,11 +528,18 @@ class DriveManager(Component):
 
     def _on_commands(self, message: TwistArray) -> None:
         if self._is_deaf:
+            linear, angular = message.linear_velocities, message.angular_velocities
+            self._give_way(any((*linear.x, *linear.y, *angular.z)))
             return
         try:
             self._queue.put_array(message, self.clock.monotonic())
         except ValueError as error:
             self._refuse_command("multi_command", error)
+
+    def _give_way(self, moves: bool) -> None:
+        """End a leg of a test where somebody else wants the robot to move."""
+        if moves and isinstance(self._manoeuvre, Leg):
+            self._finish("somebody else drives the robot: a goal, or another program")
 
     def _refuse_command(self, key: str, error: ValueError) -> None:
         self.warn(f"/{self.input(key).topic.name}: a command is not carried out: {error}")
@@ -873,6 +903,81 @@ class DriveManager(Component):
             if turn is None:
                 return self.fails("boxed in: no way is free ahead, back, or after a turn")
             return await self._rotate(turn, points, rotation_safety_margin)
+
+    @component_action(active=True, recipe_only=True)
+    async def room_for(self, legs: list[list[float]]) -> str | bool:
+        """Whether there is room to drive legs one after the other; nothing moves.
+
+        Parameters
+        ----------
+        legs
+            Rows of (vx, vy, omega, seconds) [m/s, m/s, rad/s, s].
+        """
+        return self._room_for(self._read_legs("room_for", legs))
+
+    @component_action(active=True, recipe_only=True)
+    async def drive_leg(self, vx: float, vy: float, omega: float, seconds: float) -> bool:
+        """Drive at one speed for a while, where there is room: a leg of a test of the base.
+
+        It gives way: the first command of another ends it.
+
+        Parameters
+        ----------
+        vx, vy, omega
+            Within the robot's limits [m/s, m/s, rad/s].
+        seconds
+            How long, 60 at most.
+        """
+        (leg,) = self._read_legs("drive_leg", [[vx, vy, omega, seconds]])
+        with self._manoeuvring("drive_leg"):
+            if not self._room_for([leg]):
+                return False
+            self._ended = Future(executor=self.node.executor)
+            self._manoeuvre = leg
+            problem: str = await self._ended
+            if problem:
+                return self.fails(problem)  # at once: whoever is given way to is waiting
+            self._halt()
+            await self._rest()
+            return True
+
+    def _read_legs(self, name: str, legs: list[list[float]]) -> list[Leg]:
+        try:
+            return read_legs(legs, velocity_limits(self.config.described_robot))
+        except ValueError as error:
+            raise ActionRefused(f"{name}: {error}") from None
+
+    def _room_for(self, legs: list[Leg]) -> str | bool:
+        """How much room is left beside the legs; False where it is not enough, or unknown."""
+        robot, now = self.config.described_robot, self.clock.monotonic()
+        commanded = self._queue.current(now)
+        if commanded is not None and any(commanded):
+            return self.fails("somebody else drives the robot")
+        points = self._obstacles()
+        if points is None:
+            return self.fails("there is no scan to measure the room by")
+        turns = any(leg.twist[2] and not any(leg.twist[:2]) for leg in legs)
+        if turns and robot.model_type is RobotType.ACKERMANN:
+            return self.fails("a robot with steered wheels cannot turn on the spot")
+        poses = swept(legs, velocity_limits(robot))
+        reach = float(np.hypot(poses[:, 0], poses[:, 1]).max()) + robot.radius
+        if self._zones.now:
+            pose = self._location.pose()
+            if pose is None:
+                return self.fails("it is not known how near the zones are")
+            edges = self._zones.now.in_the_way(pose[0], pose[1], reach + 1.0)
+            points = np.concatenate([points, transform_points(inverse(pose), edges)])
+        if float(poses[:, 0].min()) < -robot.radius and not self._looks_back():
+            return self.fails("the scanner does not look behind the robot, where the legs lead")
+        needed = self.config.critical_zone_distance + MARGIN
+        gap = least_gap(poses, points, Footprint(robot.footprint), needed)
+        if gap < needed:
+            return self.fails(
+                f"there is no room: the legs reach {reach - robot.radius:.2f} m from here and "
+                f"leave {max(0.0, gap):.2f} m beside the body, not {needed:.2f} m; drive to where "
+                "more is free, or drive shorter or slower legs"
+            )
+        return f"{min(gap, reach):.2f} m are left beside the body"
 
     # -- carrying actions out ----------------------------------------------------------------
 

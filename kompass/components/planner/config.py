@@ -8,7 +8,7 @@ from typing import ClassVar
 from pydantic import Field, field_validator
 
 from kompass.algorithms.planning.sampling import planner_names
-from kompass.components.base.sensor_settings import SensorSettings
+from kompass.components.base.mask_settings import MaskSettings
 from kompass.settings import Settings, notice_once
 
 STAND_IN = "RRTConnect"
@@ -63,7 +63,7 @@ class OmplConfig(Settings):
         return value
 
 
-class PlannerConfig(SensorSettings):
+class PlannerConfig(MaskSettings):
     """How paths are found, and how long a goal is pursued."""
 
     ignored_settings: ClassVar[Mapping[str, str]] = {

@@ -145,6 +145,7 @@ class Planner(Component):
         self._planner: GlobalPlanner | None = None
         self._live: LiveMap | None = None
         self._map: Grid | None = None  # without a live one
+        self._off_map = ""  # which mask does not lie on it, in a sentence
         self._failed = -math.inf  # when it found no way
         self._kept = self.config.clearance  # by the path that is driven [m]
         self._pursued: GoalProgress | None = None
@@ -191,6 +192,7 @@ class Planner(Component):
         return key != "sensor_data" or self.config.use_sensor
 
     def custom_on_activate(self) -> None:
+        self._zones.mask_with(self.config.masks_in_force())
         self._location = LocationSource(self)
         self._watch()
         self.input("map").on_message = self._on_map
@@ -211,6 +213,9 @@ class Planner(Component):
     # -- inputs -------------------------------------------------------------------------------
 
     def on_config_changed(self, names: set[str]) -> None:
+        if {"masks", "robot"} & names:
+            self._zones.mask_with(self.config.masks_in_force())
+            self._on_zones()
         if self.is_active and {"use_sensor", "obstacle_memory"} & names:
             self._watch()
         message = self.input("map").message
@@ -275,6 +280,7 @@ class Planner(Component):
             self.health.set_fail_system(topics=["/map"], message=str(error))
             return
         self._map = grid
+        self._off_map = self._zones.now.off(grid)
         if self._looking is not None:
             self._looking.set_map(grid)
         if self._live is None:
@@ -667,6 +673,8 @@ class Planner(Component):
         return self._planner, pose
 
     def _pose(self) -> Pose2D:
+        if self._off_map:
+            raise PlanningFailure("no_map", self._off_map)
         pose = self._location.pose()
         if pose is None or self.input("location").age() > self.config.location_timeout:
             raise PlanningFailure("no_pose", "The robot does not know where it is.")

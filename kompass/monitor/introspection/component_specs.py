@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import annotated_types
+from kompass_interfaces.action import PlanPath
 from pydantic import BaseModel, JsonValue
 from pydantic.fields import FieldInfo
 
@@ -53,6 +54,7 @@ def component_spec(component: Component) -> ComponentSpec:
         hears=_topics(component, component.inputs_keys, component.get_in_topic),
         speaks=_topics(component, component.outputs_keys, component.get_out_topic),
         serves=frozenset({component.main_action_name} if component.main_action_type else ()),
+        takes_goals=component.main_action_type is PlanPath,
     )
 
 

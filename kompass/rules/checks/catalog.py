@@ -128,6 +128,8 @@ class ComponentSpec(NamedTuple):
         The topics of its inputs and of its outputs, without the leading slash.
     serves
         The actions that it serves, without the leading slash.
+    takes_goals
+        Whether one of these takes the places that the robot is sent to.
     """
 
     name: str
@@ -139,6 +141,7 @@ class ComponentSpec(NamedTuple):
     hears: frozenset[str] = frozenset()
     speaks: frozenset[str] = frozenset()
     serves: frozenset[str] = frozenset()
+    takes_goals: bool = False
 
 
 class Catalog(Protocol):

@@ -36,6 +36,7 @@ export type PlaceEdit = Schemas["PlaceEdit"];
 
 export type ZoneList = Sent<Schemas["ZoneList"]>;
 export type Zone = ZoneList["zones"][number];
+export type Mask = ZoneList["masks"][number];
 export type ZoneSave = Schemas["ZoneSave"];
 export type ZoneSketch = Schemas["ZoneSketch"];
 

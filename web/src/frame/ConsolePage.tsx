@@ -417,12 +417,13 @@ function FlatScene(props: Omit<ComponentProps<typeof FlatMap>, "places" | "zones
   const { list } = usePlaces();
   const { list: zones } = useZones();
   const here = list?.places.filter((place) => place.here) ?? [];
-  const barred = zones?.zones.filter((zone) => zone.here) ?? [];
+  const drawn = zones?.zones.filter((zone) => zone.here) ?? [];
+  const masks = zones?.masks ?? [];
   return (
     <FlatMap
       {...props}
       places={here.map(({ name, pose }) => ({ name, ...pose }))}
-      zones={barred.map((zone) => ({
+      zones={[...drawn, ...masks].map((zone) => ({
         label: labelText(zone),
         barred: zone.kind === "keep_out",
         corners: asCorners(zone.corners),

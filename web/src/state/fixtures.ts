@@ -56,7 +56,7 @@ export const robot = (part: Partial<State> = {}): State => ({
   simulation: null,
   battery: null,
   places: { available: false, revision: 0, map: null },
-  zones: { available: false, revision: 0 },
+  zones: { available: false, revision: 0, masks: 0 },
   timeline: { available: false, newest: 0, changes: 0 },
   log: { available: false, newest: 0 },
   missions: { available: false, revision: 0, notice: "", run: null, queue: [] },

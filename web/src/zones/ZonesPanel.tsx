@@ -19,6 +19,7 @@ import { t } from "../texts/text";
 import { langOf, told } from "../texts/told";
 import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
+import { masksText } from "./maskText";
 import { useZones } from "./useZones";
 import classes from "./Zones.module.css";
 import { ruleText } from "./zoneText";
@@ -51,6 +52,7 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
   const here = list.zones.filter((zone) => zone.here);
   const elsewhere = list.zones.filter((zone) => !zone.here);
   const [others, setOthers] = useState(false);
+  const masks = masksText(list.masks);
   const rows = (zones: Zone[]) =>
     zones.map((zone) => (
       <ZoneRow
@@ -81,6 +83,7 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
       <ul className={places.list} aria-label={t("Zones of this map")}>
         {rows(here)}
       </ul>
+      {masks !== null && <p className={places.empty}>{masks}</p>}
       {deleted !== null && (
         <div className={places.undo} role="status">
           <span className={places.text}>{t("Deleted {name}.", { name: deleted.name })}</span>

@@ -7,7 +7,13 @@ export function useZones() {
   const { state } = useRobot();
   const now = state?.zones;
   const { data: list, error } = useAsked({
-    key: ["zones", now?.available ?? false, now?.revision ?? 0, state?.places.map ?? null],
+    key: [
+      "zones",
+      now?.available ?? false,
+      now?.revision ?? 0,
+      now?.masks ?? 0,
+      state?.places.map ?? null,
+    ],
     ask: listZones,
     enabled: now !== undefined,
     keep: true,

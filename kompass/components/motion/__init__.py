@@ -1,0 +1,1 @@
+"""The motion server: tests of the base, recorded and made into numbers."""
