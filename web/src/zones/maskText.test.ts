@@ -6,6 +6,6 @@ test("masks are told each once, with what they ask for", () => {
   const ramp = { name: "Ramp", kind: "speed", speed: 0.2 } as const;
   expect(masksText([])).toBeNull();
   expect(masksText([pit, pit, ramp])).toBe(
-    "Masks of the recipe, which stay: Pit (keep out), Ramp (at most 0.2 m/s).",
+    "Masks of the recipe, which stay: Pit (Keep out), Ramp (At most 0.2 m/s).",
   );
 });

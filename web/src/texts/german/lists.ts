@@ -152,6 +152,7 @@ export const LISTS = {
   "At most ({unit})": "Höchstens ({unit})",
   "At most {speed}": "Höchstens {speed}",
   "A number of {unit} above 0": "Eine Zahl in {unit} über 0",
+  "Masks of the recipe, which stay: {names}.": "Masken des Rezepts, die bleiben: {names}.",
   "{name}: keep out": "{name}: gesperrt",
   "Corners: x, y in metres, a line each": "Ecken: x, y in Metern, je eine Zeile",
   "Corners: x, y in feet, a line each": "Ecken: x, y in Fuß, je eine Zeile",
