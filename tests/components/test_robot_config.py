@@ -11,10 +11,16 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from kompass import settings
-from kompass.components import DriveManager, DriveManagerConfig, Planner, PlannerConfig
+from kompass.components import (
+    Controller,
+    ControllerConfig,
+    DriveManager,
+    DriveManagerConfig,
+    Planner,
+    PlannerConfig,
+)
 from kompass.components.controller.follower_settings import make_follower
-from kompass.control import StanleyConfig
+from kompass.control import ControllersID, StanleyConfig
 from kompass.robot import (
     AngularCtrlLimits,
     LinearCtrlLimits,
@@ -265,11 +271,24 @@ def test_nobody_creeps_slower_than_the_base_can_drive() -> None:
     assert stated.config.min_speed == 0.05
 
 
-def test_steered_wheels_are_told_what_is_not_done_for_them(
-    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(settings, "_told", set())
-    make_follower(StanleyConfig(), described_robot())
-    assert "ACKERMANN" not in caplog.text
-    make_follower(StanleyConfig(), car())
-    assert "model_type = ACKERMANN: the algorithms here turn on the spot" in caplog.text
+def test_an_algorithm_that_turns_on_the_spot_is_refused_for_steered_wheels() -> None:
+    said = "algorithm = DWA, and model_type of the robot is ACKERMANN: .* choose MPPI"
+    with pytest.raises(ValidationError, match=said):
+        ControllerConfig(robot=car(), algorithm=ControllersID.DWA)
+    controller = Controller()
+    controller.algorithm = "DWA"
+    with pytest.raises(ValidationError, match=said):
+        controller.robot = car()
+    assert controller.robot is None
+    controller.algorithm = "Stanley"
+    controller.robot = car()
+    with pytest.raises(ValidationError, match=said):
+        controller.algorithm = "DWA"
+
+
+def test_stanley_steers_the_bicycle_that_the_robot_is() -> None:
+    follower = make_follower(StanleyConfig(), car(wheel_base=0.4))
+    assert (follower.config.wheel_base, follower.config.max_steer) == pytest.approx((0.4, 0.5))
+    assert make_follower(StanleyConfig(), car()).config.wheel_base == pytest.approx(0.6)
+    assert make_follower(StanleyConfig(max_steer=0.3), car()).config.max_steer == 0.3
+    assert make_follower(StanleyConfig(), described_robot()).config.wheel_base == 0.16

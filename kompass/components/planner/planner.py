@@ -18,6 +18,7 @@ from std_msgs.msg import Bool, String
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Pose2D
 from kompass.algorithms.grid import Grid
+from kompass.algorithms.planning.car_planner import CarPlanner
 from kompass.algorithms.planning.failure import PlanningFailure, Reason, code_of
 from kompass.algorithms.planning.outline_planner import OutlinePlanner
 from kompass.algorithms.planning.planner import GlobalPlanner, Plan
@@ -69,6 +70,9 @@ LATE = 0.25  # s from when something was said to when it is heard, for whoever w
 # s after it was held in which goals that waited meanwhile are still handed to it.
 HELD_OVER = 1.0
 STRAYED = 0.5  # m
+# A car is led along curves a little wider than its tightest one, so that it can steer back to them.
+ROOM_TO_STEER = 1.1
+BESIDE = 0.3  # m from the end of its path within which one has driven all of it
 BETTER = 0.1  # share of the way that another path must save to take the place of a good one
 # The algorithm was given all it needs and has no answer. A goal in a wall is not that.
 ALGORITHM_FAILURES: tuple[Reason, ...] = ("start_blocked", "no_path", "unreachable")
@@ -145,6 +149,7 @@ class Planner(Component):
         self._live: LiveMap | None = None
         self._map: Grid | None = None  # without a live one
         self._failed = -math.inf  # when it found no way
+        self._led = -math.inf  # when a car was led to where its path had ended
         self._kept = self.config.clearance  # by the path that is driven [m]
         self._pursued: GoalProgress | None = None
         self._handle: ServerGoalHandle | None = None
@@ -302,6 +307,17 @@ class Planner(Component):
         grid = (self._zones.now if zones is None else zones).occupy(grid)
         robot = self.config.described_robot
         body = Footprint(robot.footprint)
+        if robot.turning_radius > 0:
+            return CarPlanner(
+                grid,
+                footprint=body,
+                turning_radius=ROOM_TO_STEER * robot.turning_radius,
+                clearance=self._wanted_clearance,
+                least=None if self._live is None else 0.0,
+                unknown_is_obstacle=self.config.unknown_is_obstacle,
+                points_per_meter=self.config.points_per_meter,
+                start_slack=start_slack,
+            )
         if not body.is_round:
             return OutlinePlanner(
                 grid,
@@ -727,6 +743,8 @@ class Planner(Component):
             distance, _ = pursued.errors(pose)
             self._end(GoalOutcome.ARRIVED, f"Arrived, {100 * distance:.0f} cm off.")
             return
+        if standing and self._is_beside_the_end(pursued, pose):
+            self._come_to_the_end(pursued, pose, now)
         elapsed, self._followed = now - self._followed, now
         if self._moved_by or self._waiting:
             pursued.pause(min(elapsed, 2.0 / PROGRESS_RATE))
@@ -741,6 +759,26 @@ class Planner(Component):
                 self._replan(now)
         if self._handle is not None and self._turn % FEEDBACK_EVERY == 0:
             self._handle.publish_feedback(self._feedback(pursued, pose))
+
+    def _is_beside_the_end(self, pursued: GoalProgress, pose: Pose2D) -> bool:
+        """Whether a car is where its path ends, but for what it cannot put right there."""
+        path, steered = pursued.path, self.config.described_robot.turning_radius > 0
+        if path is None or not steered:
+            return False
+        return math.dist(path[-1, :2], pose[:2]) <= BESIDE and not self._moved_by
+
+    def _come_to_the_end(self, pursued: GoalProgress, pose: Pose2D, now: float) -> None:
+        """Lead a car ahead and back to where it is to be; that alone is no progress."""
+        if now - self._failed < RETRY or now - self._led < RETRY:
+            return
+        self._led = now
+        try:
+            plan = self._find(pursued)
+        except PlanningFailure as failure:
+            self._fail(pursued, failure, now)
+            return
+        pursued.replanned(plan.poses, pose)
+        self._drive(plan)
 
     def _give_up(self, pursued: GoalProgress, now: float) -> None:
         """End a goal that its patience is over with, or that there is no way to."""

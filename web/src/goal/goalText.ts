@@ -108,6 +108,7 @@ const HELD: Record<string, string> = {
   "second publisher": "another program commands it, too",
   "scan stale": "a scanner or camera is silent",
   "odometry stale": "no odometry arrives",
+  "steered wheels": "steered wheels turn only while it drives",
   "command stale": "no commands arrive",
 };
 
