@@ -271,7 +271,7 @@ class RobotConfig(Settings):
     )
     wheel_base: float | None = Field(
         default=None,
-        gt=0,
+        ge=0.001,
         le=LARGEST,
         description="m; of ACKERMANN, from the axle of base_link to the one that steers. Left out: "
         "the length of the body, which no wheel base exceeds, and so a turn as wide as it may be",
