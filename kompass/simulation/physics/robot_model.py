@@ -341,7 +341,7 @@ ACKERMANN = RobotModel(
     imu_height=0.07,
     max_speed=1.5,
     max_turn_rate=math.inf,  # what speed and steering make of it
-    lidar=LidarModel(720, 0.0, math.tau / 720, 0.10, 10.0, 0.005, 0.30),
+    lidar=LidarModel(720, 0.0, math.tau / 720, 0.10, 10.0, 0.005, 0.285),
     steering=Steering(wheel_base=0.40, most=0.6, rate=4.0, gain=30.0),
 )
 
@@ -367,7 +367,7 @@ OMNI = RobotModel(
     imu_height=0.07,
     max_speed=1.0,
     max_turn_rate=3.0,
-    lidar=LidarModel(720, 0.0, math.tau / 720, 0.10, 10.0, 0.005, 0.28),
+    lidar=LidarModel(720, 0.0, math.tau / 720, 0.10, 10.0, 0.005, 0.265),
     omni=OmniWheels(0.16, (math.pi / 3, -math.pi / 3, math.pi), max_side_speed=1.0),
 )
 
