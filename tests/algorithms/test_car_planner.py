@@ -129,3 +129,13 @@ def test_a_path_is_told_apart_by_how_it_is_driven() -> None:
     # Of a path whose poses do not say how it faces, all of it is driven ahead.
     without = np.column_stack([ahead[:, 0], 0.3 * ahead[:, 0], 0.0 * ahead[:, 0] + 1.2])
     assert [leg.backward for leg in legs_of(without)] == [False]
+
+
+def test_a_path_dearer_than_one_that_is_known_is_not_looked_for() -> None:
+    made = planner(walls())
+    start, goal = (1.0, 1.0, 0.0), (2.0, 8.5, None)
+    cost = made.cost(made.plan(start, goal).poses)
+    assert made.plan(start, goal, 1.2 * cost).length > 0.0
+    with pytest.raises(PlanningFailure) as told:
+        made.plan(start, goal, 0.7 * cost)
+    assert told.value.reason == "no_path"

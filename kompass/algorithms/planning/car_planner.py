@@ -135,11 +135,22 @@ class CarPlanner(OutlinePlanner):
         )
         self._step = step
 
-    def plan(self, start: ArrayLike, goal: tuple[float, float, float | None]) -> Plan:
+    def plan(
+        self,
+        start: ArrayLike,
+        goal: tuple[float, float, float | None],
+        most: float = math.inf,
+    ) -> Plan:
         """The path from ``start`` (x, y, yaw) to ``goal`` (x, y, yaw or None for "any").
 
         All along it the body keeps what it must from obstacles, except that where it starts closer
         it comes away from there.
+
+        Parameters
+        ----------
+        most
+            What it may cost, by :meth:`cost` [m]: that there is no cheaper one than a path that is
+            known is found out much sooner than another path.
 
         Raises
         ------
@@ -153,7 +164,7 @@ class CarPlanner(OutlinePlanner):
         if math.hypot(end[0] - x, end[1] - y) < 1e-6 and abs(wrap_angle(heading - yaw)) < 1e-6:
             return self._judged(np.array([[x, y, yaw], [end[0], end[1], heading]]), 0.0)
         to_go = self._outline.costs_to(last, unlikely=_UNLIKELY)
-        found = self._searched((x, y, yaw), end, to_go)
+        found = self._searched((x, y, yaw), end, to_go, most)
         if found is None:
             raise PlanningFailure(
                 "no_path",
@@ -200,6 +211,7 @@ class CarPlanner(OutlinePlanner):
         start: tuple[float, float, float],
         goal: tuple[float, float, float | None],
         to_go: Floats,
+        most: float,
     ) -> Floats | None:
         """Poses (N, 3) close to each other that lead to the goal; None when there are none."""
         tree, ends = _Tree(), dict[int, _Arrival]()
@@ -213,7 +225,9 @@ class CarPlanner(OutlinePlanner):
         for turn in itertools.count():
             batch = list[int]()
             while waiting and len(batch) < _BATCH:
-                _, _, node = waiting[0]
+                about, _, node = waiting[0]
+                if about > most:
+                    break  # and so does all that is left
                 if node in ends:
                     if not batch:
                         return self._traced(tree, node, ends[node])

@@ -581,7 +581,8 @@ class Planner(Component):
             planner, _ = self._ready(pursued.goal)
             holds = not (planner.blocked(ahead, self._kept / 2) or pursued.strayed(pose, STRAYED))
             # Only a way with all of the clearance is better than one that holds.
-            plan = self._find(pursued, narrow=not holds)
+            most = (1.0 - BETTER) * planner.cost(ahead) if holds else math.inf
+            plan = self._find(pursued, narrow=not holds, most=most)
         except PlanningFailure as failure:
             # A path that the body still fits through is better than none.
             if planner is None or planner.blocked(ahead):
@@ -595,18 +596,22 @@ class Planner(Component):
         pursued.replanned(plan.poses, pose)
         self._drive(plan)
 
-    def _find(self, pursued: GoalProgress, *, narrow: bool = True) -> Plan:
+    def _find(self, pursued: GoalProgress, *, narrow: bool = True, most: float = math.inf) -> Plan:
+        """A path; of one that would cost more than ``most`` a car's planner need not know."""
         try:
-            return self._search(pursued, narrow=narrow)
+            return self._search(pursued, narrow=narrow, most=most)
         except PlanningFailure as failure:
-            self._blame_zone(failure, pursued.goal)
+            if most == math.inf:
+                self._blame_zone(failure, pursued.goal)
             raise
 
-    def _search(self, pursued: GoalProgress, *, narrow: bool) -> Plan:
+    def _search(self, pursued: GoalProgress, *, narrow: bool, most: float) -> Plan:
         x, y, yaw = pursued.goal
         heading = yaw if pursued.tolerance.heading_matters else None
         planner, pose = self._ready(pursued.goal)
         try:
+            if isinstance(planner, CarPlanner):
+                return planner.plan(pose, (x, y, heading), most)
             return planner.plan(pose, (x, y, heading))
         except PlanningFailure as failure:
             if self._live is None or failure.reason not in WIDER or not narrow:
@@ -622,7 +627,7 @@ class Planner(Component):
         # The way round may lead further away than was thought of so far.
         if not self._live.widen():
             raise told
-        return self._search(pursued, narrow=True)
+        return self._search(pursued, narrow=True, most=most)
 
     def _blame_zone(self, failure: PlanningFailure, goal: Pose2D) -> None:
         """Raise a failure anew, with the keep-out zone's name, where that is why."""
