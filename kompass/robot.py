@@ -18,6 +18,8 @@ from pydantic import (
 from kompass.porting import absent_names
 from kompass.settings import Settings, ignored_of
 
+# Wheels that steer by more than this would drive the robot across itself [rad].
+STEEPEST = 1.5
 # What no robot on the ground has: a slip of units, or of a digit.
 LARGEST = 100.0  # m, any measure of its shape
 FASTEST = 100.0  # m/s, and rad/s
@@ -175,7 +177,8 @@ class AngularCtrlLimits(_Limits):
         ge=0,
         le=math.pi,
         validation_alias=AliasChoices("max_steer", "max_ang"),
-        description="rad; read, and not used: no algorithm here steers wheels",
+        description="rad; of ACKERMANN the largest steering angle, of the wheel that would be "
+        "midway between the two; no other robot has one",
     )
     max_acc: float | None = Field(
         default=None, ge=0, le=HARDEST, description="rad/s²; left out: reaches max_vel in 0.5 s"
@@ -233,6 +236,10 @@ Vector = Annotated[
 class RobotConfig(Settings):
     """What the stack must know of the robot; nothing of it is guessed.
 
+    ``base_link`` of an ACKERMANN lies midway between the wheels that are not steered: that is the
+    place which moves as a twist says. Its tightest turn has the radius
+    ``wheel_base / tan(ctrl_omega_limits.max_steer)``; see :attr:`turning_radius`.
+
     It is a value: given to a component or a launcher, it is copied, and so is the array of
     ``geometry_params``, which cannot be written to afterwards (assign another). What is refused
     leaves it as it was. ``model_dump_json()`` and ``model_validate_json()`` are each other's
@@ -242,7 +249,8 @@ class RobotConfig(Settings):
     ------
     ValueError
         When something was left out, ``geometry_params`` do not fit ``geometry_type``, a limit
-        cannot be meant, or the robot could neither drive nor turn.
+        cannot be meant, the robot could neither drive nor turn, or something is said of it that
+        its kind of drive does not have.
     """
 
     model_config = ConfigDict(revalidate_instances="always")
@@ -254,6 +262,19 @@ class RobotConfig(Settings):
     ctrl_omega_limits: AngularCtrlLimits = Field(description="rotation")
     ctrl_vy_limits: LinearCtrlLimits = Field(
         default_factory=LinearCtrlLimits, description="sideways; none unless stated"
+    )
+    geometry_offset: float = Field(
+        default=0.0,
+        ge=-LARGEST,
+        le=LARGEST,
+        description="m; how far ahead of base_link the middle of the shape lies",
+    )
+    wheel_base: float | None = Field(
+        default=None,
+        ge=0.001,
+        le=LARGEST,
+        description="m; of ACKERMANN, from the axle of base_link to the one that steers. Left out: "
+        "the length of the body, which no wheel base exceeds, and so a turn as wide as it may be",
     )
 
     @model_validator(mode="before")
@@ -281,7 +302,34 @@ class RobotConfig(Settings):
                 raise ValueError(
                     f"{name}.max_vel = 0: the robot could not {what}; give what it can do"
                 )
+        half = self._length / 2
+        if not abs(self.geometry_offset) < half:
+            raise ValueError(
+                f"geometry_offset = {self.geometry_offset:g} m: base_link would lie outside the "
+                f"body; give less than half of its length, {half:g} m"
+            )
+        self._check_drive()
         return self
+
+    def _check_drive(self) -> None:
+        if self.model_type is not RobotType.ACKERMANN:
+            if self.wheel_base is not None:
+                raise ValueError(
+                    f"wheel_base = {self.wheel_base:g} m: only ACKERMANN has one, and model_type "
+                    f"is {self.model_type}; leave it out"
+                )
+            return
+        most = self.ctrl_omega_limits.max_steer
+        if not 0.0 < most <= STEEPEST:
+            raise ValueError(
+                f"ctrl_omega_limits.max_steer = {most:.2f} rad: how tightly an ACKERMANN can turn "
+                f"comes from its largest steering angle; give it, above 0 and at most {STEEPEST:g}"
+            )
+        if self.ctrl_vy_limits.max_vel > 0:
+            raise ValueError(
+                f"ctrl_vy_limits.max_vel = {self.ctrl_vy_limits.max_vel:g} m/s: an ACKERMANN "
+                "cannot move sideways; leave it out"
+            )
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, RobotConfig):
@@ -298,8 +346,23 @@ class RobotConfig(Settings):
 
     @property
     def radius(self) -> float:
-        """Radius of the circle around the footprint [m]."""
-        return RobotGeometry.get_radius(self.geometry_type, self.geometry_params)
+        """Radius of the circle around ``base_link`` that holds the footprint [m]."""
+        if self.geometry_offset == 0.0:
+            return RobotGeometry.get_radius(self.geometry_type, self.geometry_params)
+        return float(np.hypot(*self.footprint.T).max())
+
+    @property
+    def turning_radius(self) -> float:
+        """Radius of the tightest turn that ``base_link`` can drive [m]; 0 turns on the spot."""
+        if self.model_type is not RobotType.ACKERMANN:
+            return 0.0
+        base = self._length if self.wheel_base is None else self.wheel_base
+        return base / math.tan(self.ctrl_omega_limits.max_steer)
+
+    @property
+    def _length(self) -> float:
+        corners = RobotGeometry.get_footprint(self.geometry_type, self.geometry_params)
+        return float(np.ptp(corners[:, 0]))
 
     @property
     def height(self) -> float:
@@ -309,7 +372,9 @@ class RobotConfig(Settings):
     @property
     def footprint(self) -> NDArray[np.float64]:
         """Corners in the robot's frame, anticlockwise, shape (N, 2) [m]."""
-        return RobotGeometry.get_footprint(self.geometry_type, self.geometry_params)
+        corners = RobotGeometry.get_footprint(self.geometry_type, self.geometry_params)
+        corners[:, 0] += self.geometry_offset
+        return corners
 
 
 class RobotFrames(Settings):

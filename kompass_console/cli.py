@@ -133,8 +133,8 @@ Robot = Annotated[
     str | None,
     typer.Option(
         metavar="NAME",
-        help="Which embedded robot (turtlebot3 if not named, jackal or turtlebot3-plus); the "
-        "recipe must describe it.",
+        help="Which embedded robot (turtlebot3 if not named, jackal, turtlebot3-plus, ackermann or "
+        "omni); the recipe must describe it.",
         show_default=False,
     ),
 ]

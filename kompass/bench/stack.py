@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from kompass.components import Controller, DriveManager, LocalMapper, Planner, PlannerConfig
@@ -28,6 +30,14 @@ LIMITS: dict[str, tuple[LinearCtrlLimits, AngularCtrlLimits]] = {
         LinearCtrlLimits(max_vel=2.0, max_acc=3.0, max_decel=4.0),
         AngularCtrlLimits(max_vel=4.0, max_acc=8.0, max_decel=8.0),
     ),
+    "ackermann": (
+        LinearCtrlLimits(max_vel=1.0, max_acc=1.5, max_decel=2.5),
+        AngularCtrlLimits(max_vel=1.7, max_acc=5.0, max_decel=5.0, max_steer=0.6),
+    ),
+    "omni": (
+        LinearCtrlLimits(max_vel=1.0, max_acc=1.5, max_decel=2.5),
+        AngularCtrlLimits(max_vel=2.0, max_acc=5.0, max_decel=5.0),
+    ),
 }
 
 
@@ -38,12 +48,22 @@ def described(robot: RobotModel) -> RobotConfig:
         kind, params = RobotGeometry.Type.CYLINDER, [robot.radius, robot.body_height]
     else:
         kind, params = RobotGeometry.Type.BOX, [*robot.box, robot.body_height]
+    if robot.steering is not None:
+        drive: dict[str, Any] = {
+            "model_type": RobotType.ACKERMANN,
+            "wheel_base": robot.steering.wheel_base,
+        }
+    elif robot.omni is not None:
+        drive = {"model_type": RobotType.OMNI, "ctrl_vy_limits": along}
+    else:
+        drive = {"model_type": RobotType.DIFFERENTIAL_DRIVE}
     return RobotConfig(
-        model_type=RobotType.DIFFERENTIAL_DRIVE,
         geometry_type=kind,
         geometry_params=np.array(params),
+        geometry_offset=robot.middle,
         ctrl_vx_limits=along,
         ctrl_omega_limits=turning,
+        **drive,
     )
 
 

@@ -31,10 +31,10 @@ class CommandInput:
     node
         Owns the subscription.
     drive
-        Called with v [m/s] and omega [rad/s]; its ValueError becomes a warning.
+        Called with v [m/s], omega [rad/s] and vy [m/s]; its ValueError becomes a warning.
     """
 
-    def __init__(self, node: Node, drive: Callable[[float, float], None]) -> None:
+    def __init__(self, node: Node, drive: Callable[[float, float, float], None]) -> None:
         self._node = node
         self._drive = drive
         self._type: type[Twist] | type[TwistStamped] = TwistStamped
@@ -86,6 +86,6 @@ class CommandInput:
         self._heard = True
         twist = message.twist if isinstance(message, TwistStamped) else message
         try:
-            self._drive(twist.linear.x, twist.angular.z)
+            self._drive(twist.linear.x, twist.angular.z, twist.linear.y)
         except ValueError as error:
             self._node.get_logger().warning(f"{TOPIC} ignored: {error}", throttle_duration_sec=5.0)

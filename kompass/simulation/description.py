@@ -23,11 +23,7 @@ def description(robot: RobotModel) -> str:
         f'<material name="{name}"><color rgba="{r} {g} {b} 1"/></material>'
         for name, (r, g, b) in _COLOURS.items()
     )
-    links = (
-        _link("base_link", *_body(robot))
-        + "".join(_wheel(robot, side) for side in ("left", "right"))
-        + _sensor(robot)
-    )
+    links = _link("base_link", *_body(robot)) + _wheels(robot) + _sensor(robot)
     return f"<?xml version='1.0'?><robot name={quoteattr(robot.name)}>{materials}{links}</robot>"
 
 
@@ -39,7 +35,8 @@ def _body(robot: RobotModel) -> list[str]:
     middle = _CLEARANCE + shell / 2
     radius, box = robot.radius, robot.box
     nose_x = (radius if box is None else box[0] / 2) * 0.62
-    nose = (nose_x * 0.55, radius * 0.36, 0.012)
+    nose = (nose_x * 0.55, (radius if box is None else box[1] * 0.775) * 0.36, 0.012)
+    x = robot.middle + nose_x
     if box is None:
         # Above the wheels it is as wide as the footprint, between them it leaves them room.
         skirt = 1.8 * robot.wheel_radius
@@ -50,31 +47,55 @@ def _body(robot: RobotModel) -> list[str]:
         deck = f'<cylinder radius="{radius * 0.8}" length="0.01"/>'
     else:
         low = []
-        size = f'<box size="{box[0] * 0.96} {box[1] * 0.8} {shell * 0.75}"/>'
+        width = box[1] * (0.8 if robot.steering is None else 0.55)  # a car's wheels are beside it
+        size = f'<box size="{box[0] * 0.96} {width} {shell * 0.75}"/>'
         deck = f'<box size="{box[0] * 0.8} {box[1] * 0.62} {shell * 0.2}"/>'
     deck_z = top - lidar + 0.005 if box is None else _CLEARANCE + shell * 0.9
     nose_z = deck_z + (0.008 if box is None else shell * 0.1)
     return [
         *low,
-        _visual(size, "body", (0.0, 0.0, middle)),
-        _visual(deck, "deck", (0.0, 0.0, deck_z)),
-        _visual('<box size="{} {} {}"/>'.format(*nose), "front", (nose_x, 0.0, nose_z)),
-        *(
-            _visual(
-                f'<sphere radius="{robot.caster_radius}"/>',
-                "wheel",
-                (side * robot.caster_offset, 0.0, robot.caster_radius),
-            )
-            for side in (-1, 1)
-        ),
+        _visual(size, "body", (robot.middle, 0.0, middle)),
+        _visual(deck, "deck", (robot.middle, 0.0, deck_z)),
+        _visual('<box size="{} {} {}"/>'.format(*nose), "front", (x, 0.0, nose_z)),
+        *_casters(robot),
     ]
+
+
+def _casters(robot: RobotModel) -> list[str]:
+    if robot.steering is not None or robot.omni is not None:
+        return []
+    shape = f'<sphere radius="{robot.caster_radius}"/>'
+    return [
+        _visual(shape, "wheel", (side * robot.caster_offset, 0.0, robot.caster_radius))
+        for side in (-1, 1)
+    ]
+
+
+def _wheels(robot: RobotModel) -> str:
+    radius, width = robot.wheel_radius, 2 * max(robot.wheel_edge, 0.009)
+    shape = f'<cylinder radius="{radius}" length="{width}"/>'
+    if robot.omni is not None:
+        visuals = [
+            _visual(
+                shape,
+                "wheel",
+                (robot.omni.away * math.cos(at), robot.omni.away * math.sin(at), radius),
+                # Its axle points away from the middle.
+                (0.0, math.pi / 2, at),
+            )
+            for at in robot.omni.directions
+        ]
+        return _link("wheels", *visuals) + _joint("wheels", "fixed", (0.0, 0.0, 0.0))
+    return "".join(_wheel(robot, side) for side in ("left", "right"))
 
 
 def _wheel(robot: RobotModel, side: str) -> str:
     sign = 1 if side == "left" else -1
     radius, width = robot.wheel_radius, 2 * max(robot.wheel_edge, 0.009)
-    # A box on four wheels is driven by two in the physics; it is drawn as it is built.
     along = (0.0,) if robot.box is None else (-robot.box[0] * 0.28, robot.box[0] * 0.28)
+    # A box on four wheels is driven by two in the physics; it is drawn as it is built.
+    if robot.steering is not None:
+        along = (0.0, robot.steering.wheel_base)
     visuals = [
         _visual(
             f'<cylinder radius="{radius}" length="{width}"/>',

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from kompass.simulation.battery import Battery
 from kompass.simulation.physics.barriers import Barrier
-from kompass.simulation.physics.drive import DifferentialDrive
+from kompass.simulation.physics.drive import drive_of
 from kompass.simulation.physics.mjcf import (
+    DRIVEN_WHEELS,
     GLASS_GROUP,
     SOLID_GROUP,
     STORE,
@@ -37,7 +38,7 @@ from kompass.simulation.sensors.depth_camera import DepthCamera
 from kompass.simulation.sensors.imu import Imu, ImuReading
 from kompass.simulation.sensors.lidar import Lidar
 from kompass.simulation.sensors.localizer import Localizer
-from kompass.simulation.sensors.wheel_odometry import WheelOdometry
+from kompass.simulation.sensors.wheel_odometry import OmniOdometry, WheelOdometry
 from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
 
@@ -49,7 +50,7 @@ _SETTLING_STEPS = 250  # the wheels sink a few micrometres into the floor first
 
 
 class SimulatedRobot:
-    """A differential-drive robot in a world.
+    """One of the embedded robots in a world.
 
     It starts at rest at the start pose of its world. Every source of noise has its own stream
     drawn from ``seed``, so the same seed and the same calls give the same run, and replacing one
@@ -88,7 +89,7 @@ class SimulatedRobot:
             np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(4)
         )
         self.battery: PowerSource = Battery(world.start[:2])
-        self.drive: WheelDrive = DifferentialDrive(kind)
+        self.drive: WheelDrive = drive_of(kind)
         self._lidar = Lidar(self._model, self._data, lidar, kind.lidar)
         self.lidar: RangeFinder = self._lidar
         self.rear: RangeFinder | None = None
@@ -100,19 +101,25 @@ class SimulatedRobot:
             stream = self.chance("camera")
             self.camera = DepthCamera(self._model, self._data, stream, kind.camera)
         self.imu_sensor = Imu(self._model, self._data, imu)
-        self.wheels: Odometer = WheelOdometry(wheels, kind)
+        self.wheels: Odometer
+        if kind.omni is None:
+            self.wheels = WheelOdometry(wheels, kind)
+        else:
+            self.wheels = OmniOdometry(wheels, kind, kind.omni)
         self.localizer: PoseSource = Localizer(localizer, SAMPLE_PERIOD)
         self.bumper = Bumper()
         self.slip = (0.0, 0.0)
         self._slipped = (0.0, 0.0)  # rad, of both wheels since the start
         self._rolled = (0.0, 0.0)  # rad, as of the last sample
+        self._turned = [0.0, 0.0, 0.0]  # rad, of omni wheels since the start
         self._people: dict[str, Person] = {}
         self._person_bumper = Bumper()
 
         self._touch = self._data.sensor("shell").data
-        self._left, self._right = (
-            int(self._model.joint(name).qposadr[0]) for name in ("left", "right")
-        )
+        if kind.omni is None:
+            self._left, self._right = (
+                int(self._model.joint(name).qposadr[0]) for name in DRIVEN_WHEELS
+            )
         self._steps = 0
         self._left_over = 0.0
         self.place(world.start)
@@ -219,9 +226,15 @@ class SimulatedRobot:
     def _store(self, name: str) -> None:
         self._put(name, (0.0, 0.0, 0.0), STORE)
 
-    def command(self, v: float, omega: float) -> None:
-        """Drive with ``v`` (m/s) and ``omega`` (rad/s); see :meth:`DifferentialDrive.command`."""
-        self.drive.command(v, omega, self.time)
+    def command(self, v: float, omega: float, vy: float = 0.0) -> None:
+        """Drive with ``v``, ``vy`` (m/s) and ``omega`` (rad/s), as far as it can.
+
+        Raises
+        ------
+        ValueError
+            One of them is not finite; the robot keeps its last command until it runs out.
+        """
+        self.drive.command(v, omega, self.time, vy)
 
     def step(self, dt: float) -> None:
         """Let ``dt`` seconds of simulated time pass.
@@ -239,10 +252,14 @@ class SimulatedRobot:
         count = int(self._left_over / TIMESTEP + 1e-6)
         self._left_over -= count * TIMESTEP
         model, data, touch, ctrl = self._model, self._data, self._touch, self._data.ctrl
+        omni = self.kind.omni is not None
         for _ in range(count):
-            ctrl[0], ctrl[1] = self.drive.wheel_speeds(self._steps * TIMESTEP)
+            ctrl[:] = self.drive.wheel_speeds(self._steps * TIMESTEP)
             mujoco.mj_step(model, data)
             self._steps += 1
+            if omni:
+                for wheel, speed in enumerate(data.actuator_velocity.tolist()):
+                    self._turned[wheel] += speed * TIMESTEP
             if touch[0] > 0.0:
                 self.bumper.update(True, self.time)
                 if self._people:
@@ -293,15 +310,19 @@ class SimulatedRobot:
         return BodyMotion((x, y, yaw), (cos * east + sin * north, cos * north - sin * east, omega))
 
     def _sample(self) -> None:
-        qpos = self._data.qpos
-        left, right = float(qpos[self._left]), float(qpos[self._right])
+        qpos, behind = self._data.qpos, 0.0
+        if self.kind.omni is None:
+            left, right = float(qpos[self._left]), float(qpos[self._right])
+        else:
+            left, right, behind = self._turned
         if self.slip != (0.0, 0.0):
             self._slipped = (
                 self._slipped[0] + self.slip[0] * (left - self._rolled[0]),
                 self._slipped[1] + self.slip[1] * (right - self._rolled[1]),
             )
         self._rolled = left, right
-        self.wheels.update(left + self._slipped[0], right + self._slipped[1], SAMPLE_PERIOD)
+        left, right = left + self._slipped[0], right + self._slipped[1]
+        self.wheels.update(left, right, SAMPLE_PERIOD, behind)
         self.localizer.update(self.truth())
 
     def _walk(self) -> None:

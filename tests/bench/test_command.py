@@ -167,3 +167,13 @@ def test_a_file_of_worlds_that_is_nested_too_deeply_is_refused(
     done = bench("--worlds", file)
     assert done.returncode == 2
     assert "deep.json: it is nested too deeply" in done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ["ackermann", "omni"])
+def test_robots_that_steer_or_slide_get_through(bench: Bench, tmp_path: Path, robot: str) -> None:
+    done = bench("--worlds", world_file(tmp_path), "--only", "1", "--robot", robot)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout.splitlines()[0])
+    assert (found["outcome"], found["robot"], found["contacts"]) == ("arrived", robot, 0)
+    assert found["clearance"] > 0.0

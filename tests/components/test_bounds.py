@@ -57,7 +57,7 @@ def test_every_number_has_an_upper_and_a_lower_bound(kind: type[Component]) -> N
 
 def test_every_number_of_a_robot_has_bounds() -> None:
     found = numbers_of(RobotConfig)
-    assert len(found) == 13
+    assert len(found) == 15
     assert not [name for name, has in found.items() if not (has & {Le} and has & {Ge})]
 
 

@@ -9,6 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kompass.algorithms.following.limits import Limits
+from kompass.algorithms.footprint import Footprint
+from kompass.algorithms.motion_model import MotionModel
 from kompass.algorithms.safety.velocity_limiter import VelocityLimits
 from kompass.components.drive.command_queue import STILL, Twist2D
 from kompass.components.drive.drive_gate import SETTLE, DriveGate, GateInput, GateLimits, Verdict
@@ -242,3 +244,55 @@ def test_the_nearer_of_obstacle_and_zone_is_named() -> None:
 def test_with_zones_and_no_place_it_stands() -> None:
     verdict = after(DriveGate(limits()), known(edges=None))
     assert (verdict.factor, verdict.limited_by) == (0.0, "place unknown")
+
+
+# A car of 0.6 x 0.4 m, the axle that drives a tenth before its tail.
+CAR_BODY = Footprint(np.array([[0.5, -0.2], [0.5, 0.2], [-0.1, 0.2], [-0.1, -0.2]]))
+CAR = {"radius": CAR_BODY.radius, "footprint": CAR_BODY, "motion": MotionModel(0.5)}
+
+
+def test_steered_wheels_are_not_told_to_turn_on_the_spot_and_the_state_says_why() -> None:
+    verdict = after(DriveGate(limits(**CAR)), known((0.0, 0.0, 1.0)))
+    assert (verdict.twist, verdict.limited_by) == (STILL, "steered wheels")
+    assert not verdict.emergency
+
+
+@pytest.mark.parametrize("v", [0.4, -0.4])
+def test_too_tight_a_turn_is_made_as_tight_as_the_wheels_steer(v: float) -> None:
+    verdict = after(DriveGate(limits(**CAR)), known((v, 0.1, 1.5)))
+    assert verdict.limited_by == ""
+    assert verdict.twist == pytest.approx((v, 0.0, 0.8))
+
+
+@given(
+    wanted=st.lists(
+        st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-3.0, 3.0), st.booleans()),
+        min_size=1,
+        max_size=20,
+    )
+)
+def test_whatever_is_commanded_steered_wheels_can_do_what_is_sent(
+    wanted: list[tuple[float, float, float, bool]],
+) -> None:
+    gate = DriveGate(limits(**CAR, velocity=SLUGGISH))
+    for turn, (vx, vy, omega, blocked) in enumerate(wanted):
+        obstacles = np.array([[0.52, 0.0]]) if blocked else NOTHING
+        sent = gate.judge(known((vx, vy, omega), obstacles=obstacles), turn * PERIOD).twist
+        assert sent is not None
+        assert sent[1] == 0.0
+        assert abs(sent[2]) * 0.5 <= abs(sent[0]) + 1e-9
+
+
+def test_a_car_is_stopped_by_what_its_tail_would_meet_and_not_by_what_it_leaves() -> None:
+    behind = np.array([[-0.13, 0.0]])
+    assert after(DriveGate(limits(**CAR)), known((-0.3, 0.0, 0.0), obstacles=behind)).factor == 0.0
+    assert after(DriveGate(limits(**CAR)), known((0.3, 0.0, 0.0), obstacles=behind)).factor == 1.0
+
+
+def test_a_slide_is_stopped_by_what_lies_to_the_side() -> None:
+    sideways = VelocityLimits(Limits(0.5, 5.0, 5.0), Limits(1.5, 10.0, 10.0), Limits(0.5, 5.0, 5.0))
+    wall = WALL[:, ::-1]  # to the left
+    gate = DriveGate(limits(velocity=sideways, motion=MotionModel(aside=sideways.vy)))
+    verdict = after(gate, known((0.0, 0.3, 0.0), obstacles=wall))
+    assert (verdict.factor, verdict.limited_by, verdict.emergency) == (0.0, "obstacle", True)
+    assert after(gate, known((0.0, -0.3, 0.0), obstacles=wall)).twist == pytest.approx((0, -0.3, 0))

@@ -44,10 +44,24 @@ def robot(kind: RobotType = RobotType.DIFFERENTIAL_DRIVE) -> RobotConfig:
     )
 
 
+def car() -> RobotConfig:
+    """As narrow as the round one, and longer."""
+    return RobotConfig(
+        model_type=RobotType.ACKERMANN,
+        geometry_type=RobotGeometry.Type.BOX,
+        geometry_params=np.array([0.3, 0.2, 0.3]),
+        geometry_offset=0.05,
+        wheel_base=0.2,
+        ctrl_vx_limits=LinearCtrlLimits(max_vel=0.4, max_acc=1.5, max_decel=2.5),
+        ctrl_omega_limits=AngularCtrlLimits(max_vel=2.0, max_steer=0.5),
+    )
+
+
 def started(
     run: Run, posts: list[Post] | None = None, **settings: object
 ) -> tuple[Alive, ToyRobot]:
-    config = DriveManagerConfig(robot=robot(), **settings)  # type: ignore[arg-type]
+    settings = {"robot": robot(), **settings}
+    config = DriveManagerConfig(**settings)  # type: ignore[arg-type]
     alive = run(DriveManager(config=config))
     toy = ToyRobot(alive, posts)
     driver = alive.component
@@ -326,3 +340,29 @@ def test_inputs_that_have_not_spoken_yet_are_awaited_not_missed(run: Run) -> Non
     alive.wait_until(lambda: alive.statuses, 5, "a status")
     assert alive.statuses[0].status == 0
     alive.wait_until(lambda: alive.statuses[-1].status == 3, 5, "a SYSTEM failure in the end")
+
+
+@pytest.mark.parametrize("action", ["rotate_in_place", "turn_to_room"])
+def test_a_car_says_that_it_cannot_turn_on_the_spot(run: Run, action: str) -> None:
+    alive, toy = started(run, robot=car())
+    answer = alive.execute(action, max_rotation=1.0)
+    assert not answer.success
+    assert "a robot with steered wheels cannot turn on the spot" in answer.error_msg
+    assert not any(omega for _, omega in toy.commands)
+
+
+def test_a_car_frees_itself_straight_by_the_room_that_its_outline_has(run: Run) -> None:
+    # Beside its way back, and within the circle around it.
+    alive, toy = started(run, [(0.3, 0.0, 0.05), (-0.2, 0.15, 0.03)], robot=car())
+    answer = alive.execute("move_to_unblock", max_distance_backwards=0.3)
+    assert answer.success, answer.error_msg
+    assert toy.x == pytest.approx(-0.3, abs=0.05)
+    assert toy.turned == 0.0
+
+
+def test_a_car_that_is_boxed_in_tries_no_turn(run: Run) -> None:
+    alive, toy = started(run, [(0.27, 0.0, 0.05), (-0.18, 0.0, 0.05)], robot=car())
+    answer = alive.execute("move_to_unblock")
+    assert not answer.success
+    assert "boxed in: no way is free ahead or back" in answer.error_msg
+    assert toy.turned == 0.0

@@ -11,10 +11,16 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from kompass import settings
-from kompass.components import DriveManager, DriveManagerConfig, Planner, PlannerConfig
+from kompass.components import (
+    Controller,
+    ControllerConfig,
+    DriveManager,
+    DriveManagerConfig,
+    Planner,
+    PlannerConfig,
+)
 from kompass.components.controller.follower_settings import make_follower
-from kompass.control import StanleyConfig
+from kompass.control import ControllersID, StanleyConfig
 from kompass.robot import (
     AngularCtrlLimits,
     LinearCtrlLimits,
@@ -78,6 +84,9 @@ REFUSED = [
         "min_absolute_val = 2 is above max_vel = 1",
     ),
     (put("ctrl_omega_limits", "max_steer", to=4.0), "max_steer"),
+    (put("model_type", to="ACKERMANN"), "max_steer = 3.14 rad: .* largest steering angle; give it"),
+    (put("wheel_base", to=0.3), "wheel_base = 0.3 m: only ACKERMANN has one"),
+    (put("geometry_offset", to=0.2), "geometry_offset = 0.2 m: base_link would lie outside"),
     (put("model_typ", to="OMNI"), "'model_typ' is not a setting .* did you mean 'model_type'"),
     (write, "read-only"),
     (scale, "read-only"),
@@ -152,11 +161,44 @@ def test_it_comes_back_from_json_as_it_was() -> None:
 
 @pytest.mark.parametrize("given", ["ACKERMANN", "ackermann", "RobotType.ACKERMANN"])
 def test_kinds_are_equal_to_their_names(given: Any) -> None:
-    robot = described_robot(model_type=given, geometry_type="Type.CYLINDER")
+    limits = AngularCtrlLimits(max_vel=1.0, max_steer=0.5)
+    robot = described_robot(
+        model_type=given, geometry_type="Type.CYLINDER", ctrl_omega_limits=limits
+    )
     assert robot.model_type == "ACKERMANN"
     assert robot.model_type is RobotType.ACKERMANN
     assert robot.geometry_type == "CYLINDER"
     assert f"{robot.geometry_type}" == "CYLINDER"
+
+
+def car(**changed: Any) -> RobotConfig:
+    fields: dict[str, Any] = {
+        "model_type": "ACKERMANN",
+        "geometry_type": "BOX",
+        "geometry_params": [0.6, 0.4, 0.2],
+        "ctrl_omega_limits": AngularCtrlLimits(max_vel=2.0, max_steer=0.5),
+    }
+    return described_robot(**{**fields, **changed})
+
+
+def test_the_tightest_turn_of_a_car_comes_from_its_wheel_base_and_its_steering() -> None:
+    assert car(wheel_base=0.4).turning_radius == pytest.approx(0.4 / math.tan(0.5))
+    # No wheel base exceeds the body: without one the turn is taken to be as wide as it may be.
+    assert car().turning_radius == pytest.approx(0.6 / math.tan(0.5))
+    assert described_robot().turning_radius == 0.0
+
+
+def test_a_car_is_not_said_to_go_sideways() -> None:
+    with pytest.raises(ValidationError, match=r"max_vel = 0.1 m/s: an ACKERMANN cannot move side"):
+        car(ctrl_vy_limits=LinearCtrlLimits(max_vel=0.1))
+
+
+def test_a_body_may_lie_before_its_frame() -> None:
+    robot = car(wheel_base=0.4, geometry_offset=0.2)
+    assert robot.footprint[:, 0].max() == pytest.approx(0.5)
+    assert robot.footprint[:, 0].min() == pytest.approx(-0.1)
+    assert robot.radius == pytest.approx(math.hypot(0.5, 0.2))
+    assert RobotConfig.model_validate_json(robot.model_dump_json()) == robot
 
 
 @pytest.mark.parametrize("left_out", ["model_type", "geometry_params", "ctrl_omega_limits"])
@@ -229,11 +271,24 @@ def test_nobody_creeps_slower_than_the_base_can_drive() -> None:
     assert stated.config.min_speed == 0.05
 
 
-def test_steered_wheels_are_told_what_is_not_done_for_them(
-    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(settings, "_told", set())
-    make_follower(StanleyConfig(), described_robot())
-    assert "ACKERMANN" not in caplog.text
-    make_follower(StanleyConfig(), described_robot(model_type="ACKERMANN"))
-    assert "model_type = ACKERMANN: the algorithms here turn on the spot" in caplog.text
+def test_an_algorithm_that_turns_on_the_spot_is_refused_for_steered_wheels() -> None:
+    said = "algorithm = DWA, and model_type of the robot is ACKERMANN: .* choose MPPI"
+    with pytest.raises(ValidationError, match=said):
+        ControllerConfig(robot=car(), algorithm=ControllersID.DWA)
+    controller = Controller()
+    controller.algorithm = "DWA"
+    with pytest.raises(ValidationError, match=said):
+        controller.robot = car()
+    assert controller.robot is None
+    controller.algorithm = "Stanley"
+    controller.robot = car()
+    with pytest.raises(ValidationError, match=said):
+        controller.algorithm = "DWA"
+
+
+def test_stanley_steers_the_bicycle_that_the_robot_is() -> None:
+    follower = make_follower(StanleyConfig(), car(wheel_base=0.4))
+    assert (follower.config.wheel_base, follower.config.max_steer) == pytest.approx((0.4, 0.5))
+    assert make_follower(StanleyConfig(), car()).config.wheel_base == pytest.approx(0.6)
+    assert make_follower(StanleyConfig(max_steer=0.3), car()).config.max_steer == 0.3
+    assert make_follower(StanleyConfig(), described_robot()).config.wheel_base == 0.16

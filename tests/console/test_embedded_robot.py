@@ -17,7 +17,8 @@ RECIPE = recipe_path("01_point_navigation.py")
         (
             "hexagon",
             "husky",
-            "--robot husky: there is no such robot; known are turtlebot3, jackal, turtlebot3-plus",
+            "--robot husky: there is no such robot; known are turtlebot3, jackal, turtlebot3-plus, "
+            "ackermann, omni",
         ),
         (None, "jackal", "--robot jackal is for the embedded robot; add --sim"),
     ],

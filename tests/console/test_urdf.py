@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kompass.simulation.description import description
-from kompass.simulation.physics.robot_model import JACKAL, TURTLEBOT3, RobotModel
+from kompass.simulation.physics.robot_model import ACKERMANN, JACKAL, OMNI, TURTLEBOT3, RobotModel
 from kompass_console.scene.layers.robot import RobotColours, body_of, by_colour
 from kompass_console.scene.urdf import BadDescription, read_description
 
@@ -34,7 +34,9 @@ def stl(path: Path, triangles: int = 1) -> Path:
     return path
 
 
-@pytest.mark.parametrize("kind", [TURTLEBOT3, JACKAL], ids=lambda kind: str(kind.name))
+@pytest.mark.parametrize(
+    "kind", [TURTLEBOT3, JACKAL, ACKERMANN, OMNI], ids=lambda kind: str(kind.name)
+)
 def test_the_embedded_robots_describe_themselves_as_large_as_they_are(kind: RobotModel) -> None:
     found = read_description(description(kind))
     assert found.problems == ()

@@ -8,7 +8,9 @@ import pytest
 
 from kompass.algorithms.transforms import matrix_of
 from kompass.simulation.physics.robot_model import (
+    ACKERMANN,
     JACKAL,
+    OMNI,
     TURTLEBOT3,
     RobotModel,
     robot_model,
@@ -28,13 +30,17 @@ LONG = World(
 )
 
 
-def drive(robot: SimulatedRobot, v: float, omega: float, seconds: float) -> None:
+def drive(robot: SimulatedRobot, v: float, omega: float, seconds: float, vy: float = 0.0) -> None:
     for _ in range(round(seconds / PERIOD)):
-        robot.command(v, omega)
+        robot.command(v, omega, vy)
         robot.step(PERIOD)
 
 
-@pytest.mark.parametrize("model", [TURTLEBOT3, JACKAL], ids=lambda model: model.name)
+ALL = [TURTLEBOT3, JACKAL, ACKERMANN, OMNI]
+TURN_ON_THE_SPOT = [TURTLEBOT3, JACKAL, OMNI]
+
+
+@pytest.mark.parametrize("model", ALL, ids=lambda model: model.name)
 def test_it_reaches_its_top_speed_and_no_more(model: RobotModel) -> None:
     robot = SimulatedRobot(LONG, kind=model)
     drive(robot, 100.0, 0.0, 1.2)
@@ -45,13 +51,75 @@ def test_it_reaches_its_top_speed_and_no_more(model: RobotModel) -> None:
     assert x > 0.5 * model.max_speed
 
 
-@pytest.mark.parametrize("model", [TURTLEBOT3, JACKAL], ids=lambda model: model.name)
+@pytest.mark.parametrize("model", TURN_ON_THE_SPOT, ids=lambda model: model.name)
 def test_it_turns_as_it_is_told_and_stands_when_nobody_tells_it(model: RobotModel) -> None:
     robot = SimulatedRobot(LONG, kind=model)
     drive(robot, 0.0, 1.0, 1.0)
     assert robot.truth().pose[2] == pytest.approx(1.0, rel=0.15)
     robot.step(2.0)
     assert robot.truth().twist == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)
+
+
+def test_a_car_stands_when_it_is_told_to_turn_on_the_spot() -> None:
+    robot = SimulatedRobot(LONG, kind=ACKERMANN)
+    drive(robot, 0.0, 1.0, 2.0)
+    assert robot.truth().pose == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("v", [0.5, -0.5])
+def test_a_car_turns_as_it_is_told_and_no_tighter_than_its_steering_lets_it(v: float) -> None:
+    assert ACKERMANN.steering is not None
+    radius = ACKERMANN.steering.turning_radius
+    robot = SimulatedRobot(LONG, kind=ACKERMANN)
+    drive(robot, v, 0.4, 1.5)
+    assert robot.truth().twist == pytest.approx((v, 0.0, 0.4), abs=0.01)
+    drive(robot, v, 5.0, 1.5)
+    speed, aside, turn = robot.truth().twist
+    assert speed == pytest.approx(v, abs=0.01)
+    assert aside == pytest.approx(0.0, abs=0.01)
+    # Backwards its wheels are steered the other way, and it turns the same.
+    assert turn == pytest.approx(abs(v) / radius, rel=0.02)
+
+
+@pytest.mark.parametrize("direction", [0.0, 1.0, 2.5, -2.0])
+def test_an_omni_goes_any_way_and_turns_meanwhile(direction: float) -> None:
+    robot = SimulatedRobot(LONG, kind=OMNI)
+    vx, vy = 0.5 * math.cos(direction), 0.5 * math.sin(direction)
+    drive(robot, vx, 0.0, 2.0, vy)
+    assert robot.truth().twist == pytest.approx((vx, vy, 0.0), abs=0.01)
+    drive(robot, vx, 0.8, 2.0, vy)
+    assert robot.truth().twist == pytest.approx((vx, vy, 0.8), abs=0.01)
+
+
+def test_only_an_omni_goes_sideways() -> None:
+    for model in (TURTLEBOT3, JACKAL, ACKERMANN):
+        robot = SimulatedRobot(LONG, kind=model)
+        drive(robot, 0.0, 0.0, 1.0, vy=0.5)
+        assert robot.truth().pose == pytest.approx((0.0, 0.0, 0.0), abs=1e-3), model.name
+
+
+@pytest.mark.parametrize("model", [ACKERMANN, OMNI], ids=lambda model: model.name)
+def test_its_encoders_tell_where_it_went_to_a_few_percent(model: RobotModel) -> None:
+    robot = SimulatedRobot(LONG, kind=model)
+    drive(robot, 0.5, 0.3, 3.0, vy=0.2)
+    drive(robot, -0.3, 0.2, 2.0, vy=-0.1)
+    told, truth = robot.wheel_odometry(), robot.truth()
+    assert told.pose == pytest.approx(truth.pose, abs=0.05)
+    assert told.twist == pytest.approx(truth.twist, abs=0.03)
+    assert np.diag(told.pose_covariance).min() > 0.0
+
+
+def test_the_body_of_a_car_reaches_further_ahead_than_behind() -> None:
+    # The wall's face is at x = 5.9, and the nose half a metre before the axle that drives.
+    robot = SimulatedRobot(LONG, kind=ACKERMANN)
+    robot.place((5.2, 0.0, 0.0))
+    while robot.contacts == 0:
+        drive(robot, 0.2, 0.0, PERIOD)
+        assert robot.time < 3.0
+    assert robot.truth().pose[0] == pytest.approx(5.4, abs=0.01)
+    wall = np.array([[5.9, 0.0]])
+    facing = np.array([[5.4, 0.0, 0.0], [5.4, 0.0, math.pi]])
+    assert ACKERMANN.gap(facing, wall)[:, 0] == pytest.approx([0.0, 0.4], abs=1e-6)
 
 
 def test_a_jackal_brakes_from_full_speed_within_a_metre() -> None:

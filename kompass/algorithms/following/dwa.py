@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,18 +110,23 @@ class DWA(PathFollower[DWAParams]):
     footprint
         The robot's body.
     limits
-        ``max_v``, ``max_omega``, ``acc``, ``decel``, ``omega_acc``, as of every follower.
+        ``max_v``, ``max_omega``, ``acc``, ``decel``, ``omega_acc``, ``motion``, as of every
+        follower.
     """
 
     params_class = DWAParams
     needs_obstacles = True
 
     def __init__(
-        self, config: DWAParams | None = None, *, footprint: Footprint, **limits: float
+        self, config: DWAParams | None = None, *, footprint: Footprint, **limits: Any
     ) -> None:
         super().__init__(config, footprint=footprint, **limits)
+        if self.motion.is_steered:
+            raise ValueError(
+                f"turning_radius: {self.motion.turning_radius:g} m; DWA turns on the spot to get "
+                "round things: take MPPI for a robot with steered wheels"
+            )
         self.robot_radius = footprint.radius
-        self._body = footprint
         steps = max(2, round(self.config.prediction_time / self.config.time_step))
         self._times = self.config.time_step * np.arange(1, steps + 1, dtype=np.float64)
         reach = self._linear.max_vel * self.config.prediction_time + self.robot_radius
@@ -149,7 +154,7 @@ class DWA(PathFollower[DWAParams]):
     def _curvature(self, situation: Situation) -> float:
         raise AssertionError("DWA chooses velocities, not a curvature")
 
-    def _drive(self, situation: Situation) -> tuple[float, float]:
+    def _drive(self, situation: Situation) -> tuple[float, float, float]:
         config = self.config
         v, omega = self._window(situation)
         shape = (len(omega) * len(v), len(self._times))
@@ -179,7 +184,7 @@ class DWA(PathFollower[DWAParams]):
         admissible = self._admissible(obstacles, distance, travelled, counts)
         self._gives_way = not admissible.any() or (self._gives_way and situation.off_course)
         if not admissible.any():
-            return 0.0, self._turn_to_open(obstacles, situation)
+            return 0.0, 0.0, self._turn_to_open(obstacles, situation)
         nearest = np.where(counts, distance, np.inf).min(axis=1)
         aim = self._aim(situation)
         left = np.hypot(x[:, -1] - aim[0], y[:, -1] - aim[1])
@@ -194,7 +199,7 @@ class DWA(PathFollower[DWAParams]):
             + config.smoothness_weight * change
         )
         best = int(np.argmin(np.where(admissible, cost, np.inf)))
-        return float(v[best]), float(omega[best])
+        return float(v[best]), 0.0, float(omega[best])
 
     def _admissible(
         self, obstacles: Floats, distance: Floats, travelled: Floats, counts: NDArray[np.bool_]

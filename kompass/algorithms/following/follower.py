@@ -5,23 +5,31 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, Generic, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kompass.algorithms.following.command import Command, FollowStep, Phase
+from kompass.algorithms.following.gears import Leg, legs_of
 from kompass.algorithms.following.limits import Limits, stopping_speed
 from kompass.algorithms.following.path_tracker import PathTracker
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats, wrap_angle
+from kompass.algorithms.motion_model import MotionModel
 
 
 class NoCommand(Exception):
     """No direction is free of obstacles: the robot must stop, and wait or be freed."""
 
 
+# Where a leg of a car's path ends, it has come near enough to change direction [m].
+_TURNING_POINT = 0.015
+# … and so far at least it aims ahead [m].
+_BEYOND_END = 0.12
+# So slow the wheels may be turned round [m/s], and so much of the speed is driven back with.
+_AT_REST, _BACK = 0.03, 0.5
 # Least and largest value of a parameter that has no bounds of its own.
 USUAL_BOUNDS = (0.0, 1000.0)
 
@@ -96,7 +104,8 @@ class Situation:
     Attributes
     ----------
     x, y, yaw
-        Pose in the frame of the path [m, m, rad].
+        Pose in the frame of the path [m, m, rad]; of a car that drives back, as it would be
+        turned round, and so is all that follows.
     speed, turn_rate
         Current velocity [m/s, rad/s].
     tracker
@@ -113,6 +122,8 @@ class Situation:
         Points (N, 2) in the base frame [m]; none for a follower that does not need them.
     movers
         (M, 5) in the base frame: x, y [m], velocity over the floor [m/s], radius [m].
+    aside
+        Current velocity to the left [m/s].
     """
 
     x: float
@@ -127,6 +138,7 @@ class Situation:
     dt: float
     obstacles: Floats
     movers: Floats
+    aside: float = 0.0
 
 
 P = TypeVar("P", bound=FollowerParams)
@@ -149,6 +161,10 @@ class PathFollower(ABC, Generic[P]):
         Both ways [rad/s²].
     footprint
         The robot's body; only those look at it that need obstacles.
+    motion
+        What else the wheels can and cannot do; a robot that turns on the spot when left out. One
+        with steered wheels drives a path leg by leg, ahead or back as its poses face, and comes to
+        rest where one ends: where it does not get to the very end, another path must lead it.
     """
 
     params_class: ClassVar[type[FollowerParams]]
@@ -167,9 +183,12 @@ class PathFollower(ABC, Generic[P]):
         decel: float,
         omega_acc: float,
         footprint: Footprint | None = None,
+        motion: MotionModel | None = None,
     ) -> None:
         self.config: P = cast(P, self.params_class()) if config is None else config
         self.footprint = footprint
+        self._bodies = None if footprint is None else (footprint, Footprint(-footprint.corners))
+        self.motion = motion or MotionModel()
         self._linear = Limits(max_v, acc, decel)
         self._angular = Limits(max_omega, omega_acc, omega_acc)
         for name, value in (
@@ -182,13 +201,14 @@ class PathFollower(ABC, Generic[P]):
             if value <= 0:
                 raise ValueError(f"{name}: {value}; give a number above 0")
         self._poses: Floats | None = None
+        self._legs: list[Leg] = []  # that are left, the one that is driven first
         self._tracker: PathTracker | None = None
         self._phase: Phase = "driving"
         self._last = Command()
 
     @property
     def tracker(self) -> PathTracker | None:
-        """Progress along the current path; None before the first one."""
+        """Progress along the current path, of a car its current leg; None before the first one."""
         return self._tracker
 
     def set_path(self, poses: ArrayLike) -> None:
@@ -206,13 +226,20 @@ class PathFollower(ABC, Generic[P]):
         same = self._poses is not None and np.array_equal(self._poses, given)
         if same and self._phase != "arrived":
             return
-        self._tracker = PathTracker(given)
-        self._poses = given
+        tracker = PathTracker(given)
+        if self.motion.is_steered:
+            backward = self._drives_back
+            self._legs = legs_of(_with_yaw(given))
+            tracker = PathTracker(self._legs[0].poses)
+            if self._drives_back != backward:
+                self._turned_round()
+        self._tracker, self._poses = tracker, given
         self._phase = "driving"
 
     def take_over(self, other: PathFollower[Any]) -> None:
         """Go on where another follower is: same path, same place on it, same velocity."""
         self._poses, self._tracker = other._poses, other._tracker
+        self._legs = other._legs
         self._phase, self._last = other._phase, other._last
 
     def reset(self) -> None:
@@ -227,6 +254,7 @@ class PathFollower(ABC, Generic[P]):
         dt: float,
         obstacles: ArrayLike = (),
         movers: ArrayLike = (),
+        vy: float = 0.0,
     ) -> FollowStep:
         """The command for the next ``dt`` [s].
 
@@ -243,6 +271,8 @@ class PathFollower(ABC, Generic[P]):
         movers
             (M, 5) in the base frame, what of that moves: x, y [m], velocity over the floor in x
             and y [m/s], radius [m]; for a follower that looks ahead in time.
+        vy
+            Measured velocity to the left [m/s].
 
         Raises
         ------
@@ -254,14 +284,21 @@ class PathFollower(ABC, Generic[P]):
             Every motion within reach meets an obstacle.
         """
         x, y, yaw = (float(value) for value in np.asarray(pose, dtype=np.float64))
-        if not all(map(math.isfinite, (x, y, yaw, v, omega))):
-            raise ValueError(f"pose, v, omega: {(x, y, yaw, v, omega)}; give finite numbers")
+        if not all(map(math.isfinite, (x, y, yaw, v, omega, vy))):
+            raise ValueError(
+                f"pose, v, omega, vy: {(x, y, yaw, v, omega, vy)}; give finite numbers"
+            )
         if not (math.isfinite(dt) and dt > 0):
             raise ValueError(f"dt: {dt} s; give the control period, above 0")
         tracker = self._tracker
         if tracker is None:
             raise RuntimeError("No path to follow: call set_path first.")
-        speed, turn_rate = self._velocity(v, omega, dt)
+        speed, aside, turn_rate = self._velocity(v, vy, omega, dt)
+        points = np.asarray(obstacles, dtype=np.float64).reshape(-1, 2)
+        moving = np.asarray(movers, dtype=np.float64).reshape(-1, 5)
+        if self.motion.is_steered:
+            around = _Around(x, y, yaw, speed, 0.0, turn_rate, dt, points, moving)
+            return self._step_of_car(around, v)
         tracker.advance(x, y)
         dx, dy = tracker.goal[0] - x, tracker.goal[1] - y
         distance = math.hypot(dx, dy)
@@ -273,15 +310,19 @@ class PathFollower(ABC, Generic[P]):
             command = Command()
         elif self._phase == "aligning":
             heading_error = wrap_angle(tracker.goal_yaw - yaw)
-            command = self._align(heading_error, speed, turn_rate, dt)
+            command = self._align(heading_error, speed, aside, turn_rate, dt)
             at_rest = abs(v) <= 0.02 and abs(omega) <= 0.1 and command == Command()
             if at_rest and abs(heading_error) <= self.config.heading_tolerance:
                 self._phase = "arrived"
         else:
-            points = np.asarray(obstacles, dtype=np.float64).reshape(-1, 2)
-            moving = np.asarray(movers, dtype=np.float64).reshape(-1, 5)
-            command = self._move(x, y, yaw, speed, turn_rate, distance, dt, points, moving)
+            around = _Around(x, y, yaw, speed, aside, turn_rate, dt, points, moving)
+            command = self._move(around, distance)
         self._last = command
+        return self._told(x, y, command, heading_error)
+
+    def _told(self, x: float, y: float, command: Command, heading_error: float) -> FollowStep:
+        tracker = self._tracker
+        assert tracker is not None
         return FollowStep(
             command=command,
             phase=self._phase,
@@ -291,18 +332,73 @@ class PathFollower(ABC, Generic[P]):
             heading_error=heading_error,
         )
 
-    def _velocity(self, v: float, omega: float, dt: float) -> tuple[float, float]:
+    def _step_of_car(self, around: _Around, v: float) -> FollowStep:
+        """One cycle of a robot with steered wheels, along the leg that it is on."""
+        x, y, dt, gear = around.x, around.y, around.dt, -1.0 if self._drives_back else 1.0
+        tracker = self._tracker
+        assert tracker is not None
+        tracker.advance(x, y)
+        last = len(self._legs) == 1
+        near = 0.3 * self.config.goal_tolerance if last else _TURNING_POINT
+        ended = tracker.remaining <= max(near, 0.5 * abs(around.speed) * dt)
+        rests = abs(v) <= _AT_REST and abs(around.speed) <= _AT_REST
+        if ended and rests and not last:
+            del self._legs[0]
+            gear, ended = -gear, False
+            tracker = self._tracker = PathTracker(self._legs[0].poses)
+            tracker.advance(x, y)
+            self._turned_round()
+        facing = around if gear > 0.0 else around.turned_round()
+        heading_error = float(wrap_angle(tracker.heading_at(tracker.progress) - facing.yaw))
+        if self._phase == "arrived" or (ended and rests):
+            self._phase, command = "arrived", Command()
+        elif ended or gear * around.speed < -_AT_REST:
+            self._phase = "aligning" if ended and last else "driving"
+            slower = self._linear.approach(around.speed, 0.0, dt)
+            command = Command(slower, 0.0, self.motion.turn(slower, around.turn_rate))
+        else:
+            self._phase = "driving"
+            distance = math.hypot(tracker.goal[0] - x, tracker.goal[1] - y)
+            moved = self._move(facing, distance)
+            command = Command(gear * moved.vx, 0.0, moved.omega)
+        self._last = command
+        return self._told(x, y, command, heading_error)
+
+    @property
+    def _body(self) -> Footprint:
+        """The body as it lies before the way that is driven."""
+        if self._bodies is None:
+            raise AssertionError(f"{type(self).__name__} was made without a footprint")
+        return self._bodies[self._drives_back]
+
+    @property
+    def _drives_back(self) -> bool:
+        """Whether the leg that a car is on is driven back."""
+        return bool(self._legs) and self._legs[0].backward
+
+    @staticmethod
+    def _nearer(lookahead: float, remaining: float) -> float:
+        """How far ahead a car aims [m]: hardly beyond the end of a leg, where its curve may end."""
+        return min(lookahead, max(remaining, _BEYOND_END))
+
+    def _turned_round(self) -> None:
+        """A car drives the other way from now on."""
+
+    def _velocity(self, v: float, vy: float, omega: float, dt: float) -> tuple[float, float, float]:
         """What to accelerate from: the last command, unless the robot plainly did not follow it.
 
         Measurements lag and are noisy; but after a stop or a slowdown they are right.
         """
         linear, angular = self._linear, self._angular
-        speed, turn_rate = self._last.vx, self._last.omega
+        speed, aside, turn_rate = self._last.vx, self._last.vy, self._last.omega
+        sideways = self.motion.aside
+        if abs(vy - aside) > max(0.3 * sideways.max_vel, 3.0 * sideways.max_acc * dt):
+            aside = vy if self.motion.slides else 0.0
         if abs(v - speed) > max(0.3 * linear.max_vel, 3.0 * linear.max_acc * dt):
             speed = v
         if abs(omega - turn_rate) > max(0.3 * angular.max_vel, 3.0 * angular.max_acc * dt):
             turn_rate = omega
-        return speed, turn_rate
+        return speed, aside, turn_rate
 
     def _settle_phase(
         self, tracker: PathTracker, distance: float, ahead: float, speed: float, dt: float
@@ -319,24 +415,15 @@ class PathFollower(ABC, Generic[P]):
         ):
             self._phase = "aligning"
 
-    def _move(
-        self,
-        x: float,
-        y: float,
-        yaw: float,
-        speed: float,
-        turn_rate: float,
-        distance: float,
-        dt: float,
-        obstacles: Floats,
-        movers: Floats,
-    ) -> Command:
-        tracker, params = self._tracker, self.config
+    def _move(self, around: _Around, distance: float) -> Command:
+        tracker, params, steered = self._tracker, self.config, self.motion.is_steered
         assert tracker is not None
+        x, y, yaw, dt = around.x, around.y, around.yaw, around.dt
+        speed, aside, turn_rate = around.speed, around.aside, around.turn_rate
         # Past the end of the path or beside it, only the straight way to the goal is left.
         dx, dy = tracker.goal[0] - x, tracker.goal[1] - y
         end = tracker.end_heading
-        homing = (
+        homing = not steered and (
             tracker.remaining <= params.goal_tolerance
             and math.cos(end) * dx + math.sin(end) * dy <= 0.3 * params.goal_tolerance
         )
@@ -348,23 +435,25 @@ class PathFollower(ABC, Generic[P]):
         if homing and distance <= 0.7 * params.goal_tolerance:
             bearing = 0.0  # on the spot: where it lies does not matter any more
         limit = params.turn_in_place_angle * (0.5 if homing else 1.0)
-        off_course = abs(bearing) > limit
+        off_course = abs(bearing) > limit and not steered
         if off_course and self._turns_to_path():
             self._phase = "turning"
         elif self._phase == "turning" and abs(bearing) <= params.turn_done_angle:
             self._phase = "driving"
         if self._phase == "turning":
-            return self._turn(bearing, speed, turn_rate, dt)
+            return self._turn(bearing, speed, aside, turn_rate, dt)
 
         allowed = self._allowed_speed(tracker, bearing, distance if homing else None, dt)
+        if self._drives_back:
+            allowed = min(allowed, _BACK * self._linear.max_vel)
         situation = Situation(
-            *(x, y, yaw, speed, turn_rate, tracker, homing, off_course, allowed, dt, obstacles),
-            movers,
+            *(x, y, yaw, speed, turn_rate, tracker, homing, off_course, allowed, dt),
+            *(around.obstacles, around.movers, aside),
         )
-        vx, omega = self._drive(situation)
-        return Command(
-            self._linear.approach(speed, vx, dt), 0.0, self._angular.approach(turn_rate, omega, dt)
-        )
+        vx, vy, omega = self._drive(situation)
+        vx = self._linear.approach(speed, vx, dt)
+        omega = self.motion.turn(vx, self._angular.approach(turn_rate, omega, dt))
+        return Command(vx, self.motion.aside.approach(aside, vy, dt), omega)
 
     def _turns_to_path(self) -> bool:
         """Whether to turn on the spot when the path lies far to the side."""
@@ -387,34 +476,80 @@ class PathFollower(ABC, Generic[P]):
         limits.append(stopping_speed(left, decel, 1.5 * dt))
         return max(min(limits), min(params.min_speed, self._linear.max_vel))
 
-    def _turn(self, angle: float, speed: float, turn_rate: float, dt: float) -> Command:
+    def _turn(
+        self, angle: float, speed: float, aside: float, turn_rate: float, dt: float
+    ) -> Command:
         """Turn on the spot by ``angle`` [rad], slowing down in time."""
         limit = stopping_speed(abs(angle), 0.5 * self._angular.max_decel, 1.5 * dt)
         rate = min(self._angular.max_vel, max(limit, self.config.min_turn_rate))
         return Command(
             self._linear.approach(speed, 0.0, dt),
-            0.0,
+            self.motion.aside.approach(aside, 0.0, dt),
             self._angular.approach(turn_rate, math.copysign(rate, angle), dt),
         )
 
-    def _align(self, error: float, speed: float, turn_rate: float, dt: float) -> Command:
+    def _align(
+        self, error: float, speed: float, aside: float, turn_rate: float, dt: float
+    ) -> Command:
         if abs(error) > 0.5 * self.config.heading_tolerance:
-            return self._turn(error, speed, turn_rate, dt)
+            return self._turn(error, speed, aside, turn_rate, dt)
         return Command(
-            self._linear.approach(speed, 0.0, dt), 0.0, self._angular.approach(turn_rate, 0.0, dt)
+            self._linear.approach(speed, 0.0, dt),
+            self.motion.aside.approach(aside, 0.0, dt),
+            self._angular.approach(turn_rate, 0.0, dt),
         )
 
-    def _drive(self, situation: Situation) -> tuple[float, float]:
-        """Velocity and turning rate wanted next; the limits of acceleration are applied after."""
+    def _drive(self, situation: Situation) -> tuple[float, float, float]:
+        """The twist (vx, vy, omega) wanted next; the limits of acceleration are applied after."""
         curvature = self._curvature(situation)
+        if self.motion.is_steered:
+            tightest = 1.0 / self.motion.turning_radius
+            curvature = min(max(curvature, -tightest), tightest)
         v = situation.allowed_speed
         # The turning rate wins: rather slower than off the curve.
         if abs(curvature) * v > self._angular.max_vel:
             v = self._angular.max_vel / abs(curvature)
         reached = self._linear.approach(situation.speed, v, situation.dt)
         limit = self._angular.max_vel
-        return v, min(max(curvature * reached, -limit), limit)
+        return v, 0.0, min(max(curvature * reached, -limit), limit)
 
     @abstractmethod
     def _curvature(self, situation: Situation) -> float:
         """The curvature to drive now [1/m], positive to the left."""
+
+
+@dataclass(frozen=True)
+class _Around:
+    """Where a robot is, how it moves and what is around it; see :class:`Situation`."""
+
+    x: float
+    y: float
+    yaw: float
+    speed: float
+    aside: float
+    turn_rate: float
+    dt: float
+    obstacles: Floats
+    movers: Floats
+
+    def turned_round(self) -> _Around:
+        """The same as seen by a car that faces the other way, and so drives ahead."""
+        movers = self.movers.copy()
+        movers[:, :4] *= -1.0
+        return replace(
+            self,
+            yaw=float(wrap_angle(self.yaw + math.pi)),
+            speed=-self.speed,
+            obstacles=-self.obstacles,
+            movers=movers,
+        )
+
+
+def _with_yaw(poses: Floats) -> Floats:
+    """Poses (N, 3) that face along a path (N, ≥ 2) without headings."""
+    given = np.atleast_2d(poses)
+    if given.shape[1] > 2 or len(given) < 2:
+        return given[:, :3]
+    delta = np.diff(given[:, :2], axis=0)
+    yaw = np.arctan2(delta[:, 1], delta[:, 0])
+    return np.column_stack([given[:, :2], np.append(yaw, yaw[-1])])

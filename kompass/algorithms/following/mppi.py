@@ -5,7 +5,8 @@ Parallel Computation", Journal of Guidance, Control, and Dynamics, 2017; the wei
 information theory of G. Williams et al., "Information Theoretic MPC for Model-Based Reinforcement
 Learning", ICRA 2017.
 
-A plan is a velocity and a turning rate for each step of the horizon. Every cycle the last plan,
+A plan is a velocity and a turning rate for each step of the horizon, and one to the side for a
+robot that slides; steered wheels turn no tighter than they can. Every cycle the last plan,
 moved on by one period, is disturbed by noise that is smooth in time, made feasible for the
 robot's accelerations, driven in the mind, and judged: distance from obstacles under the true
 footprint, and how far along the path it comes. The mean of all plans, weighted by
@@ -177,7 +178,8 @@ class MPPI(PathFollower[MPPIParams]):
     seed
         Of the noise.
     limits
-        ``max_v``, ``max_omega``, ``acc``, ``decel``, ``omega_acc``, as of every follower.
+        ``max_v``, ``max_omega``, ``acc``, ``decel``, ``omega_acc``, ``motion``, as of every
+        follower.
     """
 
     params_class = MPPIParams
@@ -193,7 +195,6 @@ class MPPI(PathFollower[MPPIParams]):
         **limits: Any,
     ) -> None:
         super().__init__(config, footprint=footprint, **limits)
-        self._body = footprint
         params = self.config
         self._steps = max(4, round(params.prediction_time / params.time_step))
         # A slow robot looks ahead for longer, or it would see nothing of a way round.
@@ -216,7 +217,12 @@ class MPPI(PathFollower[MPPIParams]):
         self._noise = self._draw(np.random.default_rng(seed))
         self._fixed = self._plain()
         self._bank = 0
-        self._plan: Singles = np.zeros((2, self._steps), dtype=np.float32)
+        self._plan: Singles = np.zeros((self._axes, self._steps), dtype=np.float32)
+
+    @property
+    def _axes(self) -> int:
+        """Of a plan: ahead, turning, and to the side where the robot slides."""
+        return 3 if self.motion.slides else 2
 
     def reset(self) -> None:
         super().reset()
@@ -224,14 +230,21 @@ class MPPI(PathFollower[MPPIParams]):
 
     def take_over(self, other: PathFollower[Any]) -> None:
         super().take_over(other)
-        self._plan[:] = [[self._last.vx], [self._last.omega]]
+        back = -1.0 if self._drives_back else 1.0
+        axes = [[back * self._last.vx], [self._last.omega], [self._last.vy]]
+        self._plan[:] = axes[: self._axes]
+
+    def _turned_round(self) -> None:
+        self._plan[:] = 0.0
 
     def _move(self, *args: Any, **kwargs: Any) -> Command:
         # Turning is one of the plans, under which obstacles are looked at; so it has no phase
         # that goes on by itself, only a name for whoever watches.
         self._phase = "driving"
         command = super()._move(*args, **kwargs)
-        creeping = command.vx <= max(self.config.min_speed, 0.05 * self._linear.max_vel)
+        creeping = math.hypot(command.vx, command.vy) <= max(
+            self.config.min_speed, 0.05 * self._linear.max_vel
+        )
         if creeping and abs(command.omega) >= self.config.min_turn_rate:
             self._phase = "turning"
         return command
@@ -248,7 +261,7 @@ class MPPI(PathFollower[MPPIParams]):
         limit = min(self._linear.max_vel, stopping_speed(left, decel, 1.5 * dt))
         return max(limit, min(self.config.min_speed, self._linear.max_vel))
 
-    def _drive(self, situation: Situation) -> tuple[float, float]:
+    def _drive(self, situation: Situation) -> tuple[float, float, float]:
         rollouts = self._roll_out(self._candidates(situation), situation)
         seen = self._look(rollouts, situation)
         if (home := self._home(seen, situation)) is not None:
@@ -263,7 +276,7 @@ class MPPI(PathFollower[MPPIParams]):
         if situation.speed <= _STANDS and not len(situation.movers):
             # To stand is a plan too, and so is to turn here and there: a robot that can do nothing
             # else is to say so.
-            furthest = float(rollouts.plans[0].sum(axis=0)[cost < _CONTACT].max())
+            furthest = float(rollouts.speed.sum(axis=0)[cost < _CONTACT].max())
             if furthest * self._step_time < _SOMEWHERE and not self._open_beside(seen):
                 self._plan[:] = 0.0
                 raise self._enclosed(seen)
@@ -286,16 +299,18 @@ class MPPI(PathFollower[MPPIParams]):
 
     def _open_beside(self, seen: _Seen) -> bool:
         """Whether there is a direction that it could turn to on the spot and drive on in."""
+        if self.motion.is_steered:
+            return False
         yaw = np.linspace(-math.pi, math.pi, _DIRECTIONS, endpoint=False, dtype=np.float32)
         way = np.linspace(0.0, _OPEN_AHEAD, 7, dtype=np.float32)[1:, None]
         room = self._room(seen.obstacles, way * np.cos(yaw), way * np.sin(yaw), yaw + 0.0 * way)
         needed = np.minimum(self.config.clearance, seen.here + 0.1 * way) - _ROUNDING
         return bool((room >= needed).all(axis=0).any())
 
-    def _take_up(self, plan: Singles) -> tuple[float, float]:
-        """Go on from this plan (2, steps), by its first velocities."""
+    def _take_up(self, plan: Singles) -> tuple[float, float, float]:
+        """Go on from this plan (axes, steps), by its first velocities."""
         self._plan = plan.copy()
-        return float(plan[0, 0]), float(plan[1, 0])
+        return float(plan[0, 0]), float(plan[2, 0]) if len(plan) > 2 else 0.0, float(plan[1, 0])
 
     def _look(self, rollouts: _Rollouts, situation: Situation) -> _Seen:
         """What stands and where the path goes, as far as the rollouts come."""
@@ -323,15 +338,16 @@ class MPPI(PathFollower[MPPIParams]):
         ahead = PointField(path, tuple(low), tuple(high), border / _PATH_CELLS)
         return _Seen(obstacles, here, ahead, path, left, course)
 
-    def _brake(self, seen: _Seen, situation: Situation) -> tuple[float, float]:
+    def _brake(self, seen: _Seen, situation: Situation) -> tuple[float, float, float]:
         """As hard as it can, and turned to where most room is left while it comes to rest.
 
         What lay behind something else is seen late: then the way straight on is not the best one.
         """
         turns = np.linspace(-1.0, 1.0, _BRAKING) * self._angular.max_vel
-        wanted = np.zeros((2, self._steps, _BRAKING), dtype=np.float32)
+        wanted = np.zeros((self._axes, self._steps, _BRAKING), dtype=np.float32)
         wanted[1] = turns
-        v, omega = plans = self._feasible(wanted, situation)
+        plans = self._feasible(wanted, situation)
+        v, omega = plans[:2]
         # It stands when it has stopped: turning on the spot is looked at anew then.
         omega = omega * (v > 0.0)
         # In finer steps than plans have: all of it is over within a few of them.
@@ -343,9 +359,9 @@ class MPPI(PathFollower[MPPIParams]):
         room = self._room(seen.obstacles, x, y, yaw).min(axis=0)
         # Of equally good ones the one that turns least.
         best = int(np.lexsort((np.abs(turns), -np.round(room, 3)))[0])
-        return 0.0, float(plans[1, 0, best])
+        return 0.0, 0.0, float(plans[1, 0, best])
 
-    def _home(self, seen: _Seen, situation: Situation) -> tuple[float, float] | None:
+    def _home(self, seen: _Seen, situation: Situation) -> tuple[float, float, float] | None:
         """The last bit of the way as pure pursuit drives it, if that is free; else None.
 
         There what a plan still wins by coming nearer is less than what the noise makes of it: the
@@ -355,13 +371,21 @@ class MPPI(PathFollower[MPPIParams]):
         if not situation.homing and tracker.remaining > ahead:
             return None
         here_from = inverse((situation.x, situation.y, situation.yaw))
-        ((px, py),) = transform_points(here_from, np.array([tracker.goal]))
+        aim, left = tracker.goal, math.inf
+        if self.motion.is_steered:
+            # It comes to rest at the end of the path, and faces along it: what it steers to lies
+            # beyond.
+            left = tracker.remaining
+            aim = tracker.point_at(tracker.progress + self._nearer(ahead, left))
+        ((px, py),) = transform_points(here_from, np.array([aim]))
         distance, bearing = math.hypot(px, py), math.atan2(py, px)
         if distance > 2.0 * ahead:
             return None  # the path comes back on itself
         if distance <= 0.7 * self.config.goal_tolerance:
             bearing = 0.0  # on the spot: where it lies does not matter any more
-        plan = np.zeros((2, self._steps, 1), dtype=np.float32)
+        plan = np.zeros((self._axes, self._steps, 1), dtype=np.float32)
+        if abs(bearing) > _ASIDE and self.motion.is_steered:
+            return None
         if abs(bearing) > _ASIDE:
             rate = stopping_speed(abs(bearing), 0.5 * self._angular.max_decel, 1.5 * situation.dt)
             rate = max(min(rate, self._angular.max_vel), self.config.min_turn_rate)
@@ -369,7 +393,8 @@ class MPPI(PathFollower[MPPIParams]):
         else:
             curvature = 2.0 * math.sin(bearing) / max(distance, 0.05)
             way = np.arange(1, self._steps + 1) * situation.allowed_speed * self._step_time
-            steps = np.diff(np.minimum(way, distance), prepend=0.0) / self._step_time
+            way = np.minimum(way, min(distance, left))
+            steps = np.diff(way, prepend=0.0) / self._step_time
             plan[0, :, 0] = steps
             plan[1, :, 0] = curvature * steps
         straight = self._roll_out(plan, situation)
@@ -378,21 +403,23 @@ class MPPI(PathFollower[MPPIParams]):
         return self._take_up(straight.plans[:, :, 0])
 
     def _draw(self, random: np.random.Generator) -> Singles:
-        """Noise (banks, 2, steps, rollouts) in velocity [m/s] and turning rate [rad/s]."""
-        params = self.config
-        knots = random.standard_normal((_BANKS, params.rollouts, _KNOTS, 2)).transpose(0, 3, 2, 1)
+        """Noise (banks, axes, steps, rollouts) in velocities [m/s] and turning rate [rad/s]."""
+        params, shape = self.config, (_BANKS, self.config.rollouts, _KNOTS, self._axes)
+        knots = random.standard_normal(shape).transpose(0, 3, 2, 1)
         at = np.linspace(0.0, _KNOTS - 1.0, self._steps)
         low = np.minimum(at.astype(np.int64), _KNOTS - 2)
         share = (at - low)[:, None]
         noise = knots[:, :, low] * (1.0 - share) + knots[:, :, low + 1] * share
         noise[:, 0] *= params.speed_noise * self._linear.max_vel
         noise[:, 1] *= params.turn_noise * self._angular.max_vel
+        noise[:, 2:] *= params.speed_noise * self.motion.aside.max_vel
         return np.ascontiguousarray(noise, dtype=np.float32)
 
     def _plain(self) -> Singles:
-        """Plans (2, steps, N) that noise around the last one would rarely meet.
+        """Plans (axes, steps, N) that noise around the last one would rarely meet.
 
-        To stop, to turn, to drive an arc, to step aside, and to step aside and come back.
+        To stop, to turn, to drive an arc, to step aside, and to step aside and come back; for a
+        robot that slides, to do so, with and without a way ahead.
         """
         top, turn = self._linear.max_vel, self._angular.max_vel
         time = np.arange(self._steps) / self._steps
@@ -412,11 +439,21 @@ class MPPI(PathFollower[MPPIParams]):
             for heading in (-1.1, -0.7, -0.35, 0.35, 0.7, 1.1)
             for rate in (2.0 * heading / horizon * aside, 4.0 * heading / horizon * back)
         ]
-        both = [[share * top * steady, rate] for share, rate in plans]
-        return np.ascontiguousarray(np.transpose(both, (1, 2, 0)), dtype=np.float32)
+        if not self.motion.slides:
+            both = [[share * top * steady, rate] for share, rate in plans]
+            return np.ascontiguousarray(np.transpose(both, (1, 2, 0)), dtype=np.float32)
+        still, side = 0.0 * steady, self.motion.aside.max_vel
+        all_of_it = [[share * top * steady, rate + still, still] for share, rate in plans]
+        all_of_it += [
+            [share * top * steady, still, slide * side * along]
+            for share in (0.0, 0.3, 0.7)
+            for slide in (-1.0, -0.3, 0.3, 1.0)
+            for along in (steady, aside, back)
+        ]
+        return np.ascontiguousarray(np.transpose(all_of_it, (1, 2, 0)), dtype=np.float32)
 
     def _candidates(self, situation: Situation) -> Singles:
-        """Plans (2, steps, N) to be looked at, whether the robot could do them or not."""
+        """Plans (axes, steps, N) to be looked at, whether the robot could do them or not."""
         at = np.arange(self._steps) + situation.dt / self._step_time
         moved = np.array([np.interp(at, np.arange(self._steps), axis) for axis in self._plan])
         self._bank = (self._bank + 1) % _BANKS
@@ -426,7 +463,7 @@ class MPPI(PathFollower[MPPIParams]):
         return plans
 
     def _feasible(self, plans: Singles, situation: Situation) -> Singles:
-        """Make plans (2, steps, N) keep to the robot's speeds and accelerations."""
+        """Make plans (axes, steps, N) keep to the robot's speeds, accelerations and wheels."""
         step = self._step_time
         linear, angular = self._linear, self._angular
         top = min(linear.max_vel, situation.allowed_speed)
@@ -445,7 +482,8 @@ class MPPI(PathFollower[MPPIParams]):
             )
         )
         least, most = np.empty_like(speed), np.empty_like(speed)
-        for v, omega in zip(*plans, strict=True):
+        tightest = np.float32(self.motion.turning_radius)
+        for v, omega in zip(*plans[:2], strict=True):
             np.maximum(v, np.subtract(speed, slower, out=least), out=v)
             speed = np.minimum(v, np.add(speed, faster, out=most), out=v)
             # Whoever wants to turn tightly slows down first: a wheel that slips turns nothing.
@@ -455,11 +493,31 @@ class MPPI(PathFollower[MPPIParams]):
             np.maximum(omega, np.negative(most, out=most), out=omega)
             np.maximum(omega, np.subtract(rate, bend, out=least), out=omega)
             rate = np.minimum(omega, np.add(rate, bend, out=most), out=omega)
+            if tightest:
+                # Who brakes in a curve keeps the curve, however fast its turning fades with it.
+                np.divide(v, tightest, out=most)
+                np.minimum(omega, most, out=omega)
+                np.maximum(omega, np.negative(most, out=most), out=omega)
+        if len(plans) > 2:
+            self._slide(plans, situation, top)
         return plans
 
+    def _slide(self, plans: Singles, situation: Situation, top: float) -> None:
+        """Make the motion to the side of plans (3, steps, N) keep to its limits."""
+        limits, step = self.motion.aside, self._step_time
+        np.clip(plans[2], -limits.max_vel, limits.max_vel, out=plans[2])
+        aside = np.full(plans.shape[2], situation.aside, dtype=np.float32)
+        change = np.float32(min(limits.max_acc, limits.max_decel) * step)
+        # All ways together it is no faster than it may be ahead.
+        most = np.sqrt(np.maximum(np.float32(top * top) - plans[0] * plans[0], 0.0))
+        for vy, fastest in zip(plans[2], most, strict=True):
+            np.clip(vy, -fastest, fastest, out=vy)
+            np.clip(vy, aside - change, aside + change, out=vy)
+            aside = vy
+
     def _roll_out(self, plans: Singles, situation: Situation) -> _Rollouts:
-        """Where plans (2, steps, N), which become feasible, lead."""
-        v, omega = self._feasible(plans, situation)
+        """Where plans (axes, steps, N), which become feasible, lead."""
+        v, omega, *sideways = self._feasible(plans, situation)
         step = np.float32(self._step_time)
         x, y, yaw = (np.empty((len(v) + len(_HELD_FOR), v.shape[1]), np.float32) for _ in range(3))
         steps = len(v)
@@ -473,8 +531,15 @@ class MPPI(PathFollower[MPPIParams]):
         for index in range(1, steps):
             yaw[index] += yaw[index - 1]
         middle += yaw[:steps]
-        np.multiply(np.cos(middle), way, out=x[:steps])
-        np.multiply(np.sin(middle, out=middle), way, out=y[:steps])
+        if sideways:
+            across = sideways[0] * step
+            cos, sin = np.cos(middle), np.sin(middle)
+            np.subtract(cos * way, sin * across, out=x[:steps])
+            np.add(sin * way, cos * across, out=y[:steps])
+            y[0] += np.float32(self.config.delay * situation.aside)
+        else:
+            np.multiply(np.cos(middle), way, out=x[:steps])
+            np.multiply(np.sin(middle, out=middle), way, out=y[:steps])
         x[0] += ahead * np.cos(begin / 2)
         y[0] += ahead * np.sin(begin / 2)
         for index in range(1, steps):
@@ -483,11 +548,18 @@ class MPPI(PathFollower[MPPIParams]):
 
         # What looks at single commands, as the drive manager does, cannot know of the turn that a
         # plan has in mind: one that would lead too close by itself would not be carried out.
-        fastest = v[0] + np.abs(omega[0]) * np.float32(self._body.radius)
+        speed = np.hypot(v[0], sideways[0][0]) if sideways else v[0]
+        fastest = speed + np.abs(omega[0]) * np.float32(self._body.radius)
         seconds = np.minimum(np.float32(_HELD) / np.maximum(fastest, 1e-3), 1.0) * _HELD_FOR
         np.multiply(seconds, omega[0], out=yaw[steps:])
-        seconds *= v[0]
         middle = yaw[steps:] * np.float32(0.5)
+        if sideways:
+            way, across = seconds * v[0], seconds * sideways[0][0]
+            cos, sin = np.cos(middle), np.sin(middle)
+            np.subtract(cos * way, sin * across, out=x[steps:])
+            np.add(sin * way, cos * across, out=y[steps:])
+            return _Rollouts(plans, x, y, yaw)
+        seconds *= v[0]
         np.multiply(seconds, np.cos(middle), out=x[steps:])
         np.multiply(seconds, np.sin(middle), out=y[steps:])
         return _Rollouts(plans, x, y, yaw)
@@ -507,7 +579,7 @@ class MPPI(PathFollower[MPPIParams]):
         alive, rollouts, room = alive.take(free), rollouts.only(free), room[:steps].take(free, 1)
         if not len(alive):
             return cost
-        v, omega = rollouts.plans
+        omega, v = rollouts.plans[1], rollouts.speed
         room -= np.float32(params.clearance)
         nearness = np.clip(1.0 - room / np.float32(params.obstacle_range), 0.0, 1.0)
         # The faster, the farther off what is planned comes out.
@@ -519,8 +591,10 @@ class MPPI(PathFollower[MPPIParams]):
             nearness = np.maximum(nearness, close)
         off, along, course = seen.along(x, y)
         facing = np.abs(wrap_angle(rollouts.yaw[steps - 1] - course))
-        change = np.abs(np.diff(v, axis=0)).mean(axis=0) / self._linear.max_vel
+        change = np.abs(np.diff(rollouts.plans[0], axis=0)).mean(axis=0) / self._linear.max_vel
         change += np.abs(np.diff(omega, axis=0)).mean(axis=0) / self._angular.max_vel
+        for vy in rollouts.plans[2:]:
+            change += np.abs(np.diff(vy, axis=0)).mean(axis=0) / self._linear.max_vel
         cost[alive] = (
             params.path_weight * off
             + params.progress_weight * along
@@ -535,7 +609,7 @@ class MPPI(PathFollower[MPPIParams]):
     def _needed(self, rollouts: _Rollouts, seen: _Seen) -> Singles:
         """Room (steps + 2, N) that rollouts must have where they lead [m]."""
         params, steps = self.config, self._steps
-        v = rollouts.plans[0]
+        v = rollouts.speed
         needed = np.empty_like(rollouts.x)
         stray = np.subtract(v, np.float32(_SLOW), out=needed[:steps])
         np.maximum(stray, np.float32(0.0), out=stray)
@@ -643,7 +717,7 @@ class _Rollouts:
     Attributes
     ----------
     plans
-        (2, steps, N): velocities and turning rates.
+        (axes, steps, N): velocities ahead, turning rates, and velocities to the left, if any.
     x, y, yaw
         (steps + 2, N): after each step [m, m, rad], and last where the first twist alone leads
         within the drive manager's reach.
@@ -657,6 +731,12 @@ class _Rollouts:
     @property
     def count(self) -> int:
         return len(self.x[0])
+
+    @property
+    def speed(self) -> Singles:
+        """(steps, N), whichever way [m/s]."""
+        out: Singles = self.plans[0]
+        return out if len(self.plans) == 2 else np.hypot(out, self.plans[2])
 
     def only(self, which: NDArray[np.int64]) -> _Rollouts:
         """Some of them, by their numbers."""

@@ -121,6 +121,18 @@ class PathTracker:
         """The directions (N,) at arc lengths ``s`` (N,); as :meth:`heading_at`."""
         return wrap_angle(np.interp(s, self._middles, self._headings))
 
+    def curvature_at(self, s: float) -> float:
+        """The path's curvature about arc length ``s`` [1/m], positive to the left."""
+        arc = min(_CURVATURE_ARC, self.length / 2.0)
+        if arc < 1e-6:
+            return 0.0
+        # At its ends, where there are no two sides, that of the nearest place that has them.
+        middle = min(max(s, arc), self.length - arc)
+        low, high = np.interp((middle - arc, middle + arc), self._middles, self._headings)
+        first, last = float(self._middles[0]), float(self._middles[-1])
+        apart = min(middle + arc, last) - max(middle - arc, first)
+        return float(high - low) / apart if apart > 1e-6 else 0.0
+
     def sharpest(self, start: float, end: float) -> float:
         """The largest |curvature| [1/m] between two arc lengths."""
         at = np.linspace(start, end, 8)

@@ -32,6 +32,8 @@ class PurePursuit(PathFollower[PurePursuitParams]):
     def _curvature(self, situation: Situation) -> float:
         tracker, config = situation.tracker, self.config
         lookahead = max(config.lookahead_distance, config.lookahead_gain * abs(situation.speed))
+        if self.motion.is_steered:
+            lookahead = self._nearer(lookahead, tracker.remaining)
         if situation.homing:
             x, y = tracker.goal
         else:

@@ -48,7 +48,11 @@ class StanleyParams(FollowerParams):
 
 
 class Stanley(PathFollower[StanleyParams]):
-    """Stanley's law; a robot without a steered axle drives as if it had one ahead of it."""
+    """Stanley's law; a robot without a steered axle drives as if it had one ahead of it.
+
+    One with steered wheels follows with its front axle what that would describe if the other one
+    kept to the path, and turned round when it drives back.
+    """
 
     params_class = StanleyParams
 
@@ -57,6 +61,8 @@ class Stanley(PathFollower[StanleyParams]):
         if situation.homing:
             dx, dy = tracker.goal[0] - situation.x, tracker.goal[1] - situation.y
             steer = wrap_angle(math.atan2(dy, dx) - situation.yaw)
+        elif self.motion.is_steered:
+            steer = self._steer_front_axle(situation)
         else:
             # The published law looks at the path beside the front axle, not the rear one.
             front_x = situation.x + config.wheel_base * math.cos(situation.yaw)
@@ -71,3 +77,18 @@ class Stanley(PathFollower[StanleyParams]):
             )
         steer = min(max(steer, -config.max_steer), config.max_steer)
         return math.tan(steer) / config.wheel_base
+
+    def _steer_front_axle(self, situation: Situation) -> float:
+        """The law for a car, whose path is that of the axle behind, at where the other is to be."""
+        tracker, config = situation.tracker, self.config
+        length = config.wheel_base
+        x, y = tracker.point_at(tracker.progress)
+        course = tracker.heading_at(tracker.progress)
+        heading = course + math.atan(length * tracker.curvature_at(tracker.progress))
+        dx = situation.x + length * math.cos(situation.yaw) - x - length * math.cos(course)
+        dy = situation.y + length * math.sin(situation.yaw) - y - length * math.sin(course)
+        error = math.cos(heading) * dy - math.sin(heading) * dx
+        speed = max(abs(situation.speed), config.cross_track_min_linear_vel)
+        return config.heading_gain * wrap_angle(heading - situation.yaw) - math.atan(
+            config.cross_track_gain * error / speed
+        )

@@ -150,6 +150,10 @@ class OutlinePlanner(GlobalPlanner):
         dearer = self._outline.dearer(self._room(facing))
         return float((steps * (dearer[:-1] + dearer[1:]) / 2.0).sum())
 
+    def _dense(self, poses: Floats) -> Floats:
+        """Poses close to each other on the way over some."""
+        return _dense(poses, self.grid.resolution / 2.0)
+
     def _room(self, poses: Floats) -> Floats:
         """Distance (N,) between body and obstacles at poses (N, 3) [m], at most too small."""
         middle = self.field.at(poses[:, :2])
@@ -174,7 +178,7 @@ class OutlinePlanner(GlobalPlanner):
     def _overlaps(self, poses: Floats, least: float | None = None) -> Floats:
         """Places (N, 2) on the way over poses where the body keeps less than it must."""
         least = self._least if least is None else least
-        dense = _dense(poses, self.grid.resolution / 2.0)
+        dense = self._dense(poses)
         room = self._room(dense)
         # Who stands too close already may go wherever he comes no closer.
         gone = np.hypot(*(dense[:, :2] - dense[0, :2]).T)
@@ -184,7 +188,7 @@ class OutlinePlanner(GlobalPlanner):
         return dense[room < needed - TOLERANCE, :2]
 
     def _judged(self, poses: Floats, length: float) -> Plan:
-        dense = _dense(poses, self.grid.resolution / 2.0)
+        dense = self._dense(poses)
         return Plan(
             poses=poses,
             length=length,

@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse.csgraph import connected_components, dijkstra
 
 from kompass.algorithms.distance_field import DistanceField
 from kompass.algorithms.footprint import Footprint
@@ -75,6 +75,21 @@ class OutlineSpace(FreeSpace):
         near = np.clip(1.0 - room / self.ample, 0.0, 1.0)
         out: Floats = 1.0 + _NARROW * narrow * narrow + _NEAR * near * near
         return out
+
+    def costs_to(self, goal: int, *, unlikely: float) -> Floats:
+        """What the way to a cell costs from each of the cells (rows * cols,) [m].
+
+        Where there is none along which the body faces, as a car may drive back, it is the straight
+        line, each metre of which counts for ``unlikely`` many.
+        """
+        # Against its edges: all of the ways lead to the goal.
+        costs: Floats = dijkstra(
+            csgraph=self._graph.transpose().tocsr(), directed=True, indices=np.array([goal])
+        )[0]
+        without = np.flatnonzero(~np.isfinite(costs))
+        centres = self.centres(np.append(without, goal))
+        costs[without] = unlikely * np.hypot(*(centres[:-1] - centres[-1]).T)
+        return costs
 
     def copied(self) -> OutlineSpace:
         """One of its own to :meth:`avoid` places in."""

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from kompass.components.base.mask_settings import MaskSettings
 from kompass.components.controller.controllers_id import ELSEWHERE, ControllersID
@@ -83,3 +83,14 @@ class ControllerConfig(MaskSettings):
     MPPI: MPPIConfig = Field(default_factory=MPPIConfig)
     Stanley: StanleyConfig = Field(default_factory=StanleyConfig)
     PurePursuit: PurePursuitConfig = Field(default_factory=PurePursuitConfig)
+
+    @model_validator(mode="after")
+    def _can_be_driven(self) -> "ControllerConfig":
+        steered = self.robot is not None and self.robot.turning_radius > 0
+        if steered and self.algorithm is ControllersID.DWA:
+            raise ValueError(
+                "algorithm = DWA, and model_type of the robot is ACKERMANN: DWA turns on the spot "
+                "to get round things, which steered wheels cannot; choose MPPI, which looks at "
+                "obstacles, too, or PurePursuit or Stanley"
+            )
+        return self

@@ -468,12 +468,12 @@ class Controller(Component):
             self._progress.reset()
             self.health.set_healthy()
             return
-        vx, _, omega = self._location.speed()
+        vx, vy, omega = self._location.speed()
         period = 1.0 / self.config.loop_rate
         try:
             points = transform_points(inverse(pose), self._with_zones(seen, pose))
             moving = seen_from(pose, self._moving_now())
-            step = self._follower.step(pose, vx, omega, period, points, moving)
+            step = self._follower.step(pose, vx, omega, period, points, moving, vy)
         except NoCommand as error:
             self.health.set_fail_algorithm([self.config.algorithm.value], str(error))
             self._halt()

@@ -13,10 +13,10 @@ from kompass.algorithms.following.mppi import MPPI
 from kompass.algorithms.following.pure_pursuit import PurePursuit
 from kompass.algorithms.following.stanley import Stanley
 from kompass.algorithms.footprint import Footprint
-from kompass.components.base.robot_limits import velocity_limits
+from kompass.components.base.robot_limits import motion_model, velocity_limits
 from kompass.components.controller.controllers_id import ControllersID
-from kompass.robot import RobotConfig, RobotType
-from kompass.settings import Settings, notice_once
+from kompass.robot import RobotConfig
+from kompass.settings import Settings
 
 # Facing farther off than this the robot turns first: swinging in while driving would take it off
 # the path by more than the clearance that the path keeps.
@@ -171,11 +171,10 @@ def make_follower(
         Parameters for what the section leaves out.
     """
     limits = velocity_limits(robot)
-    if robot.model_type is RobotType.ACKERMANN:
-        notice_once(
-            "model_type = ACKERMANN: the algorithms here turn on the spot where a path asks for "
-            "it, which steered wheels cannot; max_steer and the turning circle are not looked at"
-        )
+    if settings.follower is Stanley and robot.turning_radius > 0:
+        steer = robot.ctrl_omega_limits.max_steer
+        wheel_base = robot.turning_radius * math.tan(steer)
+        defaults = {"max_steer": steer, "wheel_base": wheel_base, **defaults}
     params = settings.params(**{**settings.defaults, **defaults})
     # What is slower never reaches the wheels, unless the section itself wants it so.
     crawl = {
@@ -194,4 +193,5 @@ def make_follower(
         acc=limits.vx.max_acc,
         decel=limits.vx.max_decel,
         omega_acc=limits.omega.max_acc,
+        motion=motion_model(robot),
     )

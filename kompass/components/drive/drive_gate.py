@@ -4,13 +4,14 @@ No ROS and no clock: time is an argument [s].
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kompass.algorithms.following.command import Command
 from kompass.algorithms.footprint import Footprint
+from kompass.algorithms.motion_model import MotionModel
 from kompass.algorithms.safety.stop_zone import StopZone
 from kompass.algorithms.safety.velocity_limiter import VelocityLimiter, VelocityLimits
 from kompass.components.drive.command_queue import STILL, Twist2D
@@ -19,6 +20,7 @@ from kompass.components.drive.command_queue import STILL, Twist2D
 BLOCKED_BELOW = 0.05
 TURNING = 0.1  # rad/s from which a command counts as a turn too
 KEEP_OUT, SPEED = "keep-out zone", "speed zone"  # what limits
+STEERED = "steered wheels"  # turn only while they drive
 SETTLE = 0.5  # s of zero commands after the last motion
 _NO_EDGES: NDArray[np.float64] = np.empty((0, 2))
 
@@ -45,6 +47,8 @@ class GateLimits:
         Whether the robot stands still while it sees nothing.
     footprint
         The body, where it is not round.
+    motion
+        What the wheels can do besides.
     """
 
     velocity: VelocityLimits
@@ -56,6 +60,7 @@ class GateLimits:
     safety_stop: bool = True
     needs_scan: bool = True
     footprint: Footprint | None = None
+    motion: MotionModel = field(default_factory=MotionModel)
 
 
 @dataclass(frozen=True)
@@ -106,7 +111,8 @@ class Verdict:
         Share of the wanted twist that is allowed, 0 … 1.
     limited_by
         "stop", "second publisher", "odometry stale", "place unknown", "scan stale", "obstacle",
-        "keep-out zone", "speed zone" or "command stale"; empty when nothing holds the robot back.
+        "keep-out zone", "speed zone", "steered wheels" or "command stale"; empty when nothing holds
+        the robot back.
     emergency
         Whether a wanted motion is fully blocked by the stop zone, or, with none wanted, something
         is inside the critical zone the way that the robot went last.
@@ -121,7 +127,8 @@ class Verdict:
 class DriveGate:
     """Judges commands one turn after another; it remembers what was sent last.
 
-    Where the way is blocked, the turn that the command holds is still carried out.
+    Where the way is blocked, the turn that the command holds is still carried out; by steered
+    wheels it is not, and a turn that is too tight for them is made as tight as it may be.
     """
 
     def __init__(self, limits: GateLimits) -> None:
@@ -155,10 +162,12 @@ class DriveGate:
         ValueError
             The wanted twist is not finite.
         """
+        given = self._steered(given)
         wanted = given.wanted
         factor, limited_by = self._allowed(given)
         blocked = limited_by in ("obstacle", KEEP_OUT) and factor == 0.0
-        turn = wanted[2] if wanted and blocked else 0.0
+        turns = blocked and not self._limits.motion.is_steered
+        turn = wanted[2] if wanted and turns else 0.0
         for points in (given.obstacles, given.edges):
             if turn and points is not None:
                 # What is blocked is the way, and the turn that is part of the command leads out of
@@ -176,6 +185,13 @@ class DriveGate:
             emergency = self._too_close_ahead(given.obstacles)
         return Verdict(twist, factor, limited_by, emergency)
 
+    def _steered(self, given: GateInput) -> GateInput:
+        """What is wanted, as far as steered wheels can do it; a turn alone is left as it is."""
+        motion, wanted = self._limits.motion, given.wanted
+        if wanted is None or not (motion.is_steered and wanted[0]):
+            return given
+        return replace(given, wanted=(wanted[0], 0.0, motion.turn(wanted[0], wanted[2])))
+
     def _allowed(self, given: GateInput) -> tuple[float, str]:
         """Share of the wanted twist that is allowed, and why not all of it."""
         limits, wanted = self._limits, given.wanted
@@ -192,6 +208,8 @@ class DriveGate:
         factor, limited_by = 1.0, "command stale" if given.command_stale else ""
         if wanted is None:
             return factor, limited_by
+        if limits.motion.is_steered and any(wanted) and not wanted[0]:
+            return 0.0, STEERED
         for points, what in (
             (given.obstacles if limits.safety_stop else None, "obstacle"),
             (given.edges, KEEP_OUT),
@@ -214,7 +232,8 @@ class DriveGate:
             # At once: what the limiter would smooth is what must not happen.
             target, before = (0.0, 0.0, turn), (0.0, 0.0, before[2] if turn else 0.0)
         smooth = self._limiter.limit(Command(*target), Command(*before), self._limits.period)
-        command = (smooth.vx, smooth.vy, smooth.omega)
+        # Who slows down in a curve slows its turning down with it, however fast that is.
+        command = (smooth.vx, smooth.vy, self._limits.motion.turn(smooth.vx, smooth.omega))
         if command != STILL or wanted is not None:
             self._moved = now
         return command if now - self._moved <= SETTLE else None

@@ -24,12 +24,13 @@ from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import inverse, transform_points
 from kompass.algorithms.safety.rhythm import Rhythm
 from kompass.algorithms.safety.standstill import Standstill
+from kompass.algorithms.safety.sweep import time_to_contact
 from kompass.components.base.actions import ActionRefused, component_action
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.location_source import LocationSource
 from kompass.components.base.ports import Input
-from kompass.components.base.robot_limits import velocity_limits
+from kompass.components.base.robot_limits import motion_model, velocity_limits
 from kompass.components.base.seen import MOST_SENSORS, SENSOR_INPUTS
 from kompass.components.base.zones_heard import ZonesHeard
 from kompass.components.drive.command_queue import STILL, CommandQueue, Twist2D
@@ -72,6 +73,7 @@ LONGEST_NAME = 40  # characters of who pressed STOP, in the log
 REST = 1.0  # s at most for the robot to come to rest
 DISK_RETRY = 5.0  # s after which a disk that could not be written is tried again
 SLOW_DISK = 0.7  # s; a release that is not on disk by then is answered all the same
+NO_TURN = "a robot with steered wheels cannot turn on the spot"
 LATE = 0.3  # s in which commands of somebody who is lost may still come in
 
 
@@ -165,6 +167,7 @@ class DriveManager(Component):
             velocity=velocity_limits(robot),
             radius=robot.radius,
             footprint=Footprint(robot.footprint),
+            motion=motion_model(robot),
             critical_distance=config.critical_zone_distance,
             slowdown_distance=config.slowdown_zone_distance,
             odometry_timeout=config.odometry_timeout,
@@ -699,7 +702,7 @@ class DriveManager(Component):
             value if abs(value) >= axis.min_absolute_val else 0.0
             for value, axis in zip(twist, axes, strict=True)
         )
-        return vx, vy, omega
+        return vx, vy, motion_model(robot).turn(vx, omega)
 
     def _judge_intruders(self, intruders: Mapping[str, tuple[str, ...]]) -> None:
         texts = [f"{' and '.join(nodes)} on /{topic}" for topic, nodes in intruders.items()]
@@ -801,6 +804,8 @@ class DriveManager(Component):
             By how much; positive is to the left [rad].
         safety_margin
             What must be free around the robot [m]; a twentieth of its radius unless given.
+
+        A robot with steered wheels cannot, and says so.
         """
         with self._manoeuvring("rotate_in_place"):
             return await self._rotate(max_rotation, self._obstacles(), safety_margin)
@@ -821,7 +826,7 @@ class DriveManager(Component):
             radius = self.config.described_robot.radius
             if not self._looks_back():
                 return self.fails("the scanner does not look behind the robot")
-            free = free_way(points, radius, math.pi) - self.config.critical_zone_distance - MARGIN
+            free = self._free_way(points, math.pi) - self.config.critical_zone_distance - MARGIN
             wanted = 3 * radius if max_distance is None else abs(float(max_distance))
             distance = min(wanted, free)
             if distance < USEFUL:
@@ -845,6 +850,8 @@ class DriveManager(Component):
             Largest turn either way [rad].
         """
         with self._manoeuvring("turn_to_room"):
+            if self.config.described_robot.turning_radius > 0:
+                return self.fails(NO_TURN)
             points = self._obstacles()
             if points is None:
                 return self.fails("there is no scan to choose a way by")
@@ -867,8 +874,8 @@ class DriveManager(Component):
         """Free the robot: drive to the side with more room, or turn to where a way is open.
 
         Ahead and back are tried in the order of the room measured there, each as far as the stop
-        zone lets it, if that is of any use; then a turn. True at the first success; False when it
-        is boxed in.
+        zone lets it, if that is of any use; then a turn, unless the wheels are steered. True at the
+        first success; False when it is boxed in.
 
         Parameters
         ----------
@@ -885,8 +892,8 @@ class DriveManager(Component):
                 return self.fails("there is no scan to choose a way by")
             radius = self.config.described_robot.radius
             room = {
-                -1.0: (free_way(points, radius, math.pi), max_distance_backwards),
-                1.0: (free_way(points, radius), max_distance_forward),
+                -1.0: (self._free_way(points, math.pi), max_distance_backwards),
+                1.0: (self._free_way(points, 0.0), max_distance_forward),
             }
             for sign in sorted(room, key=lambda one: -room[one][0]):
                 free, wanted = room[sign]
@@ -898,6 +905,8 @@ class DriveManager(Component):
                     return self.fails("STOP is pressed")
                 if self._wheel.driver:
                     return self.fails(f"{self._wheel.driver} drives by hand")
+            if self.config.described_robot.turning_radius > 0:
+                return self.fails("boxed in: no way is free ahead or back")
             needed = self.config.critical_zone_distance + MARGIN + USEFUL
             turn = open_turn(points, radius, abs(max_rotation), needed) if max_rotation else None
             if turn is None:
@@ -1002,6 +1011,20 @@ class DriveManager(Component):
             else:
                 self._halt()
 
+    def _free_way(self, points: NDArray[np.float64], direction: float) -> float:
+        """How far the robot can go straight ahead (0) or back (π) before it touches something [m].
+
+        A car goes nowhere but where it faces, so its outline counts and not the circle around.
+        """
+        robot = self.config.described_robot
+        if robot.turning_radius == 0:
+            return free_way(points, robot.radius, direction)
+        if not len(points):
+            return math.inf
+        sign = math.cos(direction)
+        after = time_to_contact(Footprint(robot.footprint), points, sign, 0.0, 0.0)
+        return float(after.min())
+
     def _looks_back(self) -> bool:
         """Whether a scan has measured what the body would sweep on its way back."""
         return any(sensor.looked_at(math.pi, BEHIND) for sensor in self._sensors)
@@ -1014,8 +1037,8 @@ class DriveManager(Component):
         self, angle: float, points: NDArray[np.float64] | None, margin: float | None
     ) -> bool:
         robot = self.config.described_robot
-        if robot.model_type is RobotType.ACKERMANN:
-            return self.fails("a robot with steered wheels cannot turn on the spot")
+        if robot.turning_radius > 0:
+            return self.fails(NO_TURN)
         room = 0.05 * robot.radius if margin is None else margin
         if points is not None and len(points) and not self.config.disable_safety_stop:
             nearest = float(np.hypot(points[:, 0], points[:, 1]).min()) - robot.radius

@@ -23,7 +23,9 @@ BESIDE = 0.35  # m beside the body in which something may be in the way of it
 OUT_OF_SIGHT = 2.0  # s without a ray, after which what was seen is only remembered
 SAME = 0.5  # m between what was in the way before and what is now, for it to be the same
 # By these the drive manager holds a robot back that has room: nothing near it is why.
-NO_THINGS = frozenset({"second publisher", "odometry stale", "place unknown", "scan stale"})
+NO_THINGS = frozenset(
+    {"second publisher", "odometry stale", "place unknown", "scan stale", "steered wheels"}
+)
 MOVED = 0.4  # m from where something moved, for it to be what is in the way
 _TOGETHER = 0.3  # m from what is in sight: rays do not come to every cell of a thing
 _OF_THE_MAP = 0.15  # m from an obstacle of the map: what is seen there is that one

@@ -18,6 +18,7 @@ from std_msgs.msg import Bool, String
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Pose2D
 from kompass.algorithms.grid import Grid
+from kompass.algorithms.planning.car_planner import CarPlanner
 from kompass.algorithms.planning.failure import PlanningFailure, Reason, code_of
 from kompass.algorithms.planning.outline_planner import OutlinePlanner
 from kompass.algorithms.planning.planner import GlobalPlanner, Plan
@@ -70,6 +71,9 @@ LATE = 0.25  # s from when something was said to when it is heard, for whoever w
 HELD_OVER = 1.0
 NEWER = "A newer goal took over."
 STRAYED = 0.5  # m
+# A car is led along curves a little wider than its tightest one, so that it can steer back to them.
+ROOM_TO_STEER = 1.1
+BESIDE = 0.3  # m from the end of its path within which one has driven all of it
 BETTER = 0.1  # share of the way that another path must save to take the place of a good one
 # The algorithm was given all it needs and has no answer. A goal in a wall is not that.
 ALGORITHM_FAILURES: tuple[Reason, ...] = ("start_blocked", "no_path", "unreachable")
@@ -147,6 +151,7 @@ class Planner(Component):
         self._map: Grid | None = None  # without a live one
         self._off_map = ""  # which mask does not lie on it, in a sentence
         self._failed = -math.inf  # when it found no way
+        self._led = -math.inf  # when a car was led to where its path had ended
         self._kept = self.config.clearance  # by the path that is driven [m]
         self._pursued: GoalProgress | None = None
         self._handle: ServerGoalHandle | None = None
@@ -309,6 +314,17 @@ class Planner(Component):
         grid = (self._zones.now if zones is None else zones).occupy(grid)
         robot = self.config.described_robot
         body = Footprint(robot.footprint)
+        if robot.turning_radius > 0:
+            return CarPlanner(
+                grid,
+                footprint=body,
+                turning_radius=ROOM_TO_STEER * robot.turning_radius,
+                clearance=self._wanted_clearance,
+                least=None if self._live is None else 0.0,
+                unknown_is_obstacle=self.config.unknown_is_obstacle,
+                points_per_meter=self.config.points_per_meter,
+                start_slack=start_slack,
+            )
         if not body.is_round:
             return OutlinePlanner(
                 grid,
@@ -573,7 +589,8 @@ class Planner(Component):
             planner, _ = self._ready(pursued.goal)
             holds = not (planner.blocked(ahead, self._kept / 2) or pursued.strayed(pose, STRAYED))
             # Only a way with all of the clearance is better than one that holds.
-            plan = self._find(pursued, narrow=not holds)
+            most = (1.0 - BETTER) * planner.cost(ahead) if holds else math.inf
+            plan = self._find(pursued, narrow=not holds, most=most)
         except PlanningFailure as failure:
             # A path that the body still fits through is better than none.
             if planner is None or planner.blocked(ahead):
@@ -587,18 +604,22 @@ class Planner(Component):
         pursued.replanned(plan.poses, pose)
         self._drive(plan)
 
-    def _find(self, pursued: GoalProgress, *, narrow: bool = True) -> Plan:
+    def _find(self, pursued: GoalProgress, *, narrow: bool = True, most: float = math.inf) -> Plan:
+        """A path; of one that would cost more than ``most`` a car's planner need not know."""
         try:
-            return self._search(pursued, narrow=narrow)
+            return self._search(pursued, narrow=narrow, most=most)
         except PlanningFailure as failure:
-            self._blame_zone(failure, pursued.goal)
+            if most == math.inf:
+                self._blame_zone(failure, pursued.goal)
             raise
 
-    def _search(self, pursued: GoalProgress, *, narrow: bool) -> Plan:
+    def _search(self, pursued: GoalProgress, *, narrow: bool, most: float) -> Plan:
         x, y, yaw = pursued.goal
         heading = yaw if pursued.tolerance.heading_matters else None
         planner, pose = self._ready(pursued.goal)
         try:
+            if isinstance(planner, CarPlanner):
+                return planner.plan(pose, (x, y, heading), most)
             return planner.plan(pose, (x, y, heading))
         except PlanningFailure as failure:
             if self._live is None or failure.reason not in WIDER or not narrow:
@@ -614,7 +635,7 @@ class Planner(Component):
         # The way round may lead further away than was thought of so far.
         if not self._live.widen():
             raise told
-        return self._search(pursued, narrow=True)
+        return self._search(pursued, narrow=True, most=most)
 
     def _blame_zone(self, failure: PlanningFailure, goal: Pose2D) -> None:
         """Raise a failure anew, with the keep-out zone's name, where that is why."""
@@ -737,6 +758,8 @@ class Planner(Component):
             distance, _ = pursued.errors(pose)
             self._end(GoalOutcome.ARRIVED, f"Arrived, {100 * distance:.0f} cm off.")
             return
+        if standing and self._is_beside_the_end(pursued, pose):
+            self._come_to_the_end(pursued, pose, now)
         elapsed, self._followed = now - self._followed, now
         if self._moved_by or self._waiting:
             pursued.pause(min(elapsed, 2.0 / PROGRESS_RATE))
@@ -751,6 +774,26 @@ class Planner(Component):
                 self._replan(now)
         if self._handle is not None and self._turn % FEEDBACK_EVERY == 0:
             self._handle.publish_feedback(self._feedback(pursued, pose))
+
+    def _is_beside_the_end(self, pursued: GoalProgress, pose: Pose2D) -> bool:
+        """Whether a car is where its path ends, but for what it cannot put right there."""
+        path, steered = pursued.path, self.config.described_robot.turning_radius > 0
+        if path is None or not steered:
+            return False
+        return math.dist(path[-1, :2], pose[:2]) <= BESIDE and not self._moved_by
+
+    def _come_to_the_end(self, pursued: GoalProgress, pose: Pose2D, now: float) -> None:
+        """Lead a car ahead and back to where it is to be; that alone is no progress."""
+        if now - self._failed < RETRY or now - self._led < RETRY:
+            return
+        self._led = now
+        try:
+            plan = self._find(pursued)
+        except PlanningFailure as failure:
+            self._fail(pursued, failure, now)
+            return
+        pursued.replanned(plan.poses, pose)
+        self._drive(plan)
 
     def _give_up(self, pursued: GoalProgress, now: float) -> None:
         """End a goal that its patience is over with, or that there is no way to."""

@@ -176,8 +176,10 @@ class FrozenOdometry:
         self.sound = sound
         self._kept = _reading(sound)
 
-    def update(self, left_angle: float, right_angle: float, dt: float) -> None:
-        self.sound.update(left_angle, right_angle, dt)
+    def update(
+        self, left_angle: float, right_angle: float, dt: float, rear_angle: float = 0.0
+    ) -> None:
+        self.sound.update(left_angle, right_angle, dt, rear_angle)
 
     def read(self) -> BodyMotion:
         if self._kept is None:
@@ -207,8 +209,10 @@ class SilentOdometry:
     def __init__(self, sound: Odometer) -> None:
         self.sound = sound
 
-    def update(self, left_angle: float, right_angle: float, dt: float) -> None:
-        self.sound.update(left_angle, right_angle, dt)
+    def update(
+        self, left_angle: float, right_angle: float, dt: float, rear_angle: float = 0.0
+    ) -> None:
+        self.sound.update(left_angle, right_angle, dt, rear_angle)
 
     def read(self) -> BodyMotion:
         raise NoReading("the wheels' encoders are silent")
@@ -239,8 +243,10 @@ class LateOdometry:
         self.sound = sound
         self._line = _DelayLine(delay, time)
 
-    def update(self, left_angle: float, right_angle: float, dt: float) -> None:
-        self.sound.update(left_angle, right_angle, dt)
+    def update(
+        self, left_angle: float, right_angle: float, dt: float, rear_angle: float = 0.0
+    ) -> None:
+        self.sound.update(left_angle, right_angle, dt, rear_angle)
         self._line.take(self.sound)
 
     def read(self) -> BodyMotion:
@@ -318,11 +324,11 @@ class BlockedWheelDrive:
     def __init__(self, sound: WheelDrive) -> None:
         self.sound = sound
 
-    def command(self, v: float, omega: float, now: float) -> None:
-        self.sound.command(v, omega, now)
+    def command(self, v: float, omega: float, now: float, vy: float = 0.0) -> None:
+        self.sound.command(v, omega, now, vy)
 
-    def wheel_speeds(self, now: float) -> tuple[float, float]:
-        return 0.0, self.sound.wheel_speeds(now)[1]
+    def wheel_speeds(self, now: float) -> tuple[float, ...]:
+        return 0.0, *self.sound.wheel_speeds(now)[1:]
 
 
 class SlippingDrive:
@@ -340,12 +346,12 @@ class SlippingDrive:
         self.sound = sound
         self._grip = grip
 
-    def command(self, v: float, omega: float, now: float) -> None:
-        self.sound.command(v, omega, now)
+    def command(self, v: float, omega: float, now: float, vy: float = 0.0) -> None:
+        self.sound.command(v, omega, now, vy)
 
-    def wheel_speeds(self, now: float) -> tuple[float, float]:
-        left, right = self.sound.wheel_speeds(now)
-        return self._grip[0] * left, self._grip[1] * right
+    def wheel_speeds(self, now: float) -> tuple[float, ...]:
+        left, right, *others = self.sound.wheel_speeds(now)
+        return self._grip[0] * left, self._grip[1] * right, *others
 
 
 class LowBattery:

@@ -17,6 +17,10 @@ from kompass.simulation.worlds.world import World
 
 TIMESTEP = 0.002  # s
 
+# What the physics calls the wheels that the robot is driven by.
+DRIVEN_WHEELS = ("left", "right")
+OMNI_WHEELS = (*DRIVEN_WHEELS, "behind")
+
 STORE = -10.0  # m; where walls, doors and people are that are not up, far below the floor
 
 # Geom groups, by which the lidar's rays tell solids from the floor and from the robot itself.
@@ -77,10 +81,7 @@ def model_text(world: World, robot: RobotModel = TURTLEBOT3) -> str:
     {_robot(robot, world.start)}
   </worldbody>
   <actuator>
-    <velocity name="left" joint="left" kv="{robot.wheel_gain}"
-              forcerange="-{robot.wheel_torque} {robot.wheel_torque}"/>
-    <velocity name="right" joint="right" kv="{robot.wheel_gain}"
-              forcerange="-{robot.wheel_torque} {robot.wheel_torque}"/>
+    {_motors(robot)}
   </actuator>
   <sensor>
     <touch name="shell" site="shell"/>
@@ -127,30 +128,83 @@ def _cylinder(radius: float, height: float) -> str:
 def _robot(robot: RobotModel, start: tuple[float, float, float]) -> str:
     x, y, yaw = start
     com_x, com_y, com_z = robot.mass_center
-    caster, offset = robot.caster_radius, robot.caster_offset
     half = (robot.body_height - 0.01) / 2  # the shell ends 1 cm above the floor
     middle = 0.01 + half
+    ahead = robot.middle
     return f"""
     <body name="base_link" pos="{x} {y} 0" quat="{math.cos(yaw / 2)} 0 0 {math.sin(yaw / 2)}">
       <freejoint name="base"/>
       <inertial pos="{com_x} {com_y} {com_z}" mass="{robot.body_mass}"
                 diaginertia="{_inertia(robot)}"/>
-      <geom name="rear_caster" class="rolling" type="sphere" size="{caster}" condim="1"
-            friction="0" pos="-{offset} 0 {caster}"/>
-      <geom name="front_caster" class="rolling" type="sphere" size="{caster}" condim="1"
-            friction="0" pos="{offset} 0 {caster + robot.front_caster_gap}"/>
+      {_casters(robot)}
       <site name="lidar" pos="0 0 {robot.lidar.height}"/>
       <site name="imu" pos="0 0 {robot.imu_height}"/>
       {_more_sensors(robot)}
       <body name="shell">
-        <geom name="shell" {_shell(robot, half)} pos="0 0 {middle}" mass="0"
+        <geom name="shell" {_shell(robot, half)} pos="{ahead} 0 {middle}" mass="0"
               contype="0" conaffinity="{_SOLID_BIT}" group="{ROBOT_GROUP}" friction="0.4"/>
         <site name="shell" {_shell(robot, half, 1.5)}
-              pos="0 0 {middle}"/>
+              pos="{ahead} 0 {middle}"/>
       </body>
-      {_wheel(robot, "left", robot.wheel_separation / 2)}
-      {_wheel(robot, "right", -robot.wheel_separation / 2)}
+      {_wheels(robot)}
     </body>"""
+
+
+def _motors(robot: RobotModel) -> str:
+    """What drives and steers; in the order in which a drive says what is wanted of each."""
+    gain, torque = robot.wheel_gain, robot.wheel_torque
+    force = f'forcerange="-{torque} {torque}"'
+    if robot.omni is not None:
+        # An omni wheel pulls along its rim, and across it there is nothing that holds it.
+        gear = f'gear="{1 / robot.wheel_radius} 0 0 0 0 0"'
+        return "\n    ".join(
+            f'<velocity name="{name}" site="{name}" {gear} kv="{gain}" {force}/>'
+            for name in OMNI_WHEELS
+        )
+    motors = [
+        f'<velocity name="{name}" joint="{name}" kv="{gain}" {force}/>' for name in DRIVEN_WHEELS
+    ]
+    if robot.steering is not None:
+        servo = f'kp="{robot.steering.gain}" dampratio="1"'
+        motors += [
+            f'<position name="{name}_steer" joint="{name}_steer" {servo}/>'
+            for name in DRIVEN_WHEELS
+        ]
+    return "\n    ".join(motors)
+
+
+def _casters(robot: RobotModel) -> str:
+    """What the robot stands on besides its wheels, without friction."""
+    radius, away = robot.caster_radius, robot.caster_offset
+    if robot.steering is not None:
+        return ""  # it stands on four wheels
+    places = [(-away, 0.0, radius), (away, 0.0, radius + robot.front_caster_gap)]
+    if robot.omni is not None:
+        # Its wheels pull, and are not made to roll on the floor.
+        places += [(0.0, -away, radius), (0.0, away, radius)]
+    names = ("rear_caster", "front_caster", "right_caster", "left_caster")
+    return "\n      ".join(
+        f'<geom name="{name}" class="rolling" type="sphere" size="{radius}" condim="1" '
+        f'friction="0" pos="{x} {y} {z}"/>'
+        for name, (x, y, z) in zip(names, places, strict=False)
+    )
+
+
+def _wheels(robot: RobotModel) -> str:
+    if robot.omni is not None:
+        # They pull at the height of the centre of mass, so that the robot does not nod.
+        height, away = robot.mass_center[2], robot.omni.away
+        return "\n      ".join(
+            f'<site name="{name}" euler="0 0 {direction + math.pi / 2}" '
+            f'pos="{away * math.cos(direction)} {away * math.sin(direction)} {height}"/>'
+            for name, direction in zip(OMNI_WHEELS, robot.omni.directions, strict=True)
+        )
+    half = robot.wheel_separation / 2
+    wheels = [_wheel(robot, "left", half), _wheel(robot, "right", -half)]
+    if robot.steering is not None:
+        base = robot.steering.wheel_base
+        wheels += [_steered(robot, "left", base, half), _steered(robot, "right", base, -half)]
+    return "\n      ".join(wheels)
 
 
 def _more_sensors(robot: RobotModel) -> str:
@@ -183,14 +237,26 @@ def _inertia(robot: RobotModel) -> str:
     return " ".join(str(mass * (a**2 + b**2) / 12) for a, b in sides)
 
 
-def _wheel(robot: RobotModel, name: str, y: float) -> str:
+def _steered(robot: RobotModel, name: str, x: float, y: float) -> str:
+    """A wheel ahead that rolls freely, on a knuckle that turns."""
+    radius, mass = robot.wheel_radius, robot.wheel_mass
+    turned = mass * radius**2 / 4
+    return f"""
+      <body name="{name}_knuckle" pos="{x} {y} {radius}">
+        <joint name="{name}_steer" type="hinge" axis="0 0 1" armature="0.01"/>
+        <inertial pos="0 0 0" mass="0.1" diaginertia="{turned} {turned} {turned}"/>
+        {_wheel(robot, f"{name}_front", 0.0, -radius)}
+      </body>"""
+
+
+def _wheel(robot: RobotModel, name: str, y: float, lower: float = 0.0) -> str:
     # An ellipsoid touches the floor in one point, so turning on the spot does not scrub a line
     # of contact and the effective wheel separation is the nominal one.
     radius, mass = robot.wheel_radius, robot.wheel_mass
     spin = mass * radius**2 / 2
     tumble = mass * radius**2 / 4
     return f"""
-      <body name="{name}_wheel" pos="0 {y} {radius}">
+      <body name="{name}_wheel" pos="0 {y} {radius + lower}">
         <joint name="{name}" type="hinge" axis="0 1 0" damping="0.0001" armature="0.0001"/>
         <inertial pos="0 0 0" mass="{mass}" diaginertia="{tumble} {spin} {tumble}"/>
         <geom name="{name}_wheel" class="rolling" type="ellipsoid" condim="3" friction="0.9"

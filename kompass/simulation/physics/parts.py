@@ -64,8 +64,13 @@ class PoseSource(Protocol):
 class Odometer(Protocol):
     """Tells how far the wheels have rolled."""
 
-    def update(self, left_angle: float, right_angle: float, dt: float) -> None:
-        """Take in the wheel angles (radians), ``dt`` seconds after the last ones."""
+    def update(
+        self, left_angle: float, right_angle: float, dt: float, rear_angle: float = 0.0
+    ) -> None:
+        """Take in the wheel angles (radians), ``dt`` seconds after the last ones.
+
+        Of three omni wheels there is a third one.
+        """
 
     def read(self) -> BodyMotion:
         """The newest reading.
@@ -95,8 +100,8 @@ class PowerSource(Protocol):
 class WheelDrive(Protocol):
     """Turns commands into speeds of the wheels."""
 
-    def command(self, v: float, omega: float, now: float) -> None:
-        """Drive with ``v`` (m/s) and ``omega`` (rad/s) from ``now`` (s) on."""
+    def command(self, v: float, omega: float, now: float, vy: float = 0.0) -> None:
+        """Drive with ``v``, ``vy`` (m/s) and ``omega`` (rad/s) from ``now`` (s) on."""
 
-    def wheel_speeds(self, now: float) -> tuple[float, float]:
-        """(left, right) in rad/s."""
+    def wheel_speeds(self, now: float) -> tuple[float, ...]:
+        """(left, right) in rad/s, and what else the robot has motors for."""

@@ -99,10 +99,56 @@ class CameraModel:
 
 
 @dataclass(frozen=True)
-class RobotModel:
-    """A differential drive on two wheels and two casters.
+class Steering:
+    """Two wheels ahead that are steered, each towards the one centre of the turn (Ackermann).
 
-    ``base_link`` lies on the floor midway between the wheels, x forward.
+    Attributes
+    ----------
+    wheel_base
+        From the driven axle to the steered one [m].
+    most
+        Steering angle of the wheel that would be midway between the two [rad].
+    rate
+        With which it changes [rad/s].
+    gain
+        Of the servos [N·m per rad].
+    """
+
+    wheel_base: float
+    most: float
+    rate: float
+    gain: float
+
+    @property
+    def turning_radius(self) -> float:
+        """Of the tightest turn, of ``base_link`` [m]."""
+        return self.wheel_base / math.tan(self.most)
+
+
+@dataclass(frozen=True)
+class OmniWheels:
+    """Three wheels around the body, whose rollers let each slide along its axle.
+
+    Attributes
+    ----------
+    away
+        Of the wheels from the middle [m].
+    directions
+        In which they are: left, right, behind [rad].
+    max_side_speed
+        To which commands are cut [m/s].
+    """
+
+    away: float
+    directions: tuple[float, float, float]
+    max_side_speed: float
+
+
+@dataclass(frozen=True)
+class RobotModel:
+    """A robot on two driven wheels and two casters, unless it is steered or has omni wheels.
+
+    ``base_link`` lies on the floor midway between the driven wheels, x forward.
 
     Attributes
     ----------
@@ -114,6 +160,8 @@ class RobotModel:
         Of a round body; of a box, of the circle around it [m].
     box
         (length, width) of a body that is a box [m]; None for a round one.
+    middle
+        Of the body, ahead of ``base_link`` [m].
     body_height
         Of its top above the floor [m].
     body_mass
@@ -141,6 +189,8 @@ class RobotModel:
         On top.
     rear, camera
         Sensors that not every robot has.
+    steering, omni
+        How it moves, where that is not by the difference of two wheels.
     """
 
     name: str
@@ -165,6 +215,9 @@ class RobotModel:
     lidar: LidarModel
     rear: RearScanner | None = None
     camera: CameraModel | None = None
+    middle: float = 0.0
+    steering: Steering | None = None
+    omni: OmniWheels | None = None
 
     def gap(self, pose: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Distance between the body and points [m]; negative for points inside of it.
@@ -185,7 +238,7 @@ class RobotModel:
         if self.box is None:
             return np.asarray(np.hypot(away[..., 0], away[..., 1]) - self.radius)
         cos, sin = np.cos(pose[:, 2, None]), np.sin(pose[:, 2, None])
-        ahead = np.abs(cos * away[..., 0] + sin * away[..., 1]) - self.box[0] / 2
+        ahead = np.abs(cos * away[..., 0] + sin * away[..., 1] - self.middle) - self.box[0] / 2
         aside = np.abs(cos * away[..., 1] - sin * away[..., 0]) - self.box[1] / 2
         outside = np.hypot(np.maximum(ahead, 0.0), np.maximum(aside, 0.0))
         return np.asarray(outside + np.minimum(np.maximum(ahead, aside), 0.0))
@@ -264,7 +317,61 @@ TURTLEBOT3_PLUS = replace(
     ),
 )
 
-_ROBOTS = {model.name: model for model in (TURTLEBOT3, JACKAL, TURTLEBOT3_PLUS)}
+_CAR_BOX, _CAR_MIDDLE = (0.60, 0.40), 0.20
+ACKERMANN = RobotModel(
+    name="ackermann",
+    title="A car of 0.60 x 0.40 m: wheels steered by 0.6 rad, 0.40 m before the axle that drives; "
+    "1.5 m/s, a lidar all around to 10 m",
+    radius=math.hypot(_CAR_MIDDLE + _CAR_BOX[0] / 2, _CAR_BOX[1] / 2),
+    box=_CAR_BOX,
+    middle=_CAR_MIDDLE,
+    body_height=0.25,
+    body_mass=12.0,
+    mass_center=(0.18, 0.0, 0.08),
+    wheel_radius=0.075,
+    wheel_separation=0.33,
+    wheel_mass=0.4,
+    wheel_edge=0.025,
+    # 14 kg with 3 m/s²: 2 x 1.6 N·m / 0.075 m.
+    wheel_torque=1.6,
+    wheel_gain=2.0,
+    caster_offset=0.0,
+    caster_radius=0.0,
+    front_caster_gap=0.0,
+    imu_height=0.07,
+    max_speed=1.5,
+    max_turn_rate=math.inf,  # what speed and steering make of it
+    lidar=LidarModel(720, 0.0, math.tau / 720, 0.10, 10.0, 0.005, 0.285),
+    steering=Steering(wheel_base=0.40, most=0.6, rate=4.0, gain=30.0),
+)
+
+OMNI = RobotModel(
+    name="omni",
+    title="On three omni wheels: round, 0.20 m in radius, 1 m/s any way, a lidar all around to "
+    "10 m",
+    radius=0.20,
+    box=None,
+    body_height=0.25,
+    body_mass=9.0,
+    mass_center=(0.0, 0.0, 0.06),
+    wheel_radius=0.05,
+    wheel_separation=0.30,
+    wheel_mass=0.0,
+    wheel_edge=0.02,
+    # Two of three wheels drive it ahead: 9 kg with 3 m/s² and some more.
+    wheel_torque=1.0,
+    wheel_gain=1.5,
+    caster_offset=0.15,
+    caster_radius=0.02,
+    front_caster_gap=0.0,
+    imu_height=0.07,
+    max_speed=1.0,
+    max_turn_rate=3.0,
+    lidar=LidarModel(720, 0.0, math.tau / 720, 0.10, 10.0, 0.005, 0.265),
+    omni=OmniWheels(0.16, (math.pi / 3, -math.pi / 3, math.pi), max_side_speed=1.0),
+)
+
+_ROBOTS = {model.name: model for model in (TURTLEBOT3, JACKAL, TURTLEBOT3_PLUS, ACKERMANN, OMNI)}
 
 
 def robot_names() -> tuple[str, ...]:

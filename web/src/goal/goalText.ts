@@ -124,6 +124,7 @@ const HELD: Record<string, Phrase> = {
   "second publisher": "another program commands it, too",
   "scan stale": "a scanner or camera is silent",
   "odometry stale": "no odometry arrives",
+  "steered wheels": "steered wheels turn only while it drives",
   "command stale": "no commands arrive",
 };
 

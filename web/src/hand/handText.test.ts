@@ -25,6 +25,7 @@ test("what holds the robot back is told to the hand, and what to do", () => {
   expect(heldBackText({ ...free, limited_by: "obstacle", speed_factor: 0.4 })).toContain("40 %");
   expect(heldBackText({ ...free, limited_by: "scan stale", speed_factor: 0 })).toContain("scan");
   expect(heldBackText({ ...free, limited_by: "command stale" })).toContain("not heard");
+  expect(heldBackText({ ...free, limited_by: "steered wheels" })).toContain("push ahead or back");
   expect(heldBackText(null)).toContain("silent");
 });
 

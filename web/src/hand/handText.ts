@@ -7,6 +7,8 @@ export function heldBackText(drive: Drive | null): string | null {
   if (drive === null) return t("The drive manager is silent: the robot stands.");
   if (drive.stopped) return t("Stopped: release the stop, then drive.");
   if (drive.limited_by === "let go first") return t("Let go first, then drive.");
+  if (drive.limited_by === "steered wheels")
+    return t("Its wheels are steered: to turn, push ahead or back, too.");
   if (drive.limited_by === "command stale") return t("The hand is not heard: the robot stands.");
   return limitText(drive);
 }

@@ -120,6 +120,8 @@ export const DRIVE = {
   "an obstacle is close": "ein Hindernis ist nah",
   "a keep-out zone": "eine Sperrzone",
   "a speed zone": "eine Langsamzone",
+  "steered wheels turn only while it drives":
+    "gelenkte Räder drehen nur während der Fahrt",
   "it does not know where it is, and there are zones":
     "er weiß nicht, wo er ist, und es gibt Zonen",
   "another program commands it, too": "ein anderes Programm steuert ihn auch",
@@ -201,6 +203,8 @@ export const DRIVE = {
   "The drive manager is silent: the robot stands.":
     "Die Fahrsteuerung schweigt: Der Roboter steht.",
   "Stopped: release the stop, then drive.": "Gestoppt: Stopp freigeben, dann fahren.",
+  "Its wheels are steered: to turn, push ahead or back, too.":
+    "Die Räder sind gelenkt: zum Abbiegen auch vor oder zurück drücken.",
   "Let go first, then drive.": "Erst loslassen, dann fahren.",
   "The hand is not heard: the robot stands.": "Die Hand ist nicht zu hören: Der Roboter steht.",
 

@@ -203,6 +203,8 @@ export const SAID: Readonly<Record<string, string>> = {
   "Held: no odometry arrives": "Angehalten: es kommt keine Odometrie",
   "Held: its place is not known": "Angehalten: sein Ort ist nicht bekannt",
   "Held: somebody else commands the base": "Angehalten: jemand anders steuert das Fahrwerk",
+  "Held: told to turn on the spot, which steered wheels cannot":
+    "Angehalten: soll auf der Stelle drehen, was gelenkte Räder nicht können",
   "Held: an obstacle": "Angehalten: ein Hindernis",
   "Held: a keep-out zone": "Angehalten: eine Sperrzone",
   STOP: "STOPP",
