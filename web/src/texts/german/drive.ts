@@ -120,8 +120,7 @@ export const DRIVE = {
   "an obstacle is close": "ein Hindernis ist nah",
   "a keep-out zone": "eine Sperrzone",
   "a speed zone": "eine Langsamzone",
-  "steered wheels turn only while it drives":
-    "gelenkte Räder drehen nur während der Fahrt",
+  "steered wheels turn only while it drives": "gelenkte Räder drehen nur während der Fahrt",
   "it does not know where it is, and there are zones":
     "er weiß nicht, wo er ist, und es gibt Zonen",
   "another program commands it, too": "ein anderes Programm steuert ihn auch",
