@@ -13,6 +13,7 @@ const KEYS: [string, string][] = [
   ["F", "Follow the robot"],
   ["T", "Top view"],
   ["L", "Layers"],
+  ["C", "Camera: what the robot sees"],
   ["P", "Places"],
   ["R", "Rules"],
   ["E", "Timeline: what has happened"],

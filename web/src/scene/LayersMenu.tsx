@@ -3,6 +3,8 @@ import { useMediaQuery } from "@mantine/hooks";
 import { IconCheck, IconStack2 } from "@tabler/icons-react";
 import type { LayerKey } from "../api/types";
 import { LOW } from "../ui/screen";
+import { ExtraLayers } from "./ExtraLayers";
+import classes from "./Layers.module.css";
 import type { Flat } from "./useFlat";
 import type { ViewHandle } from "./useView";
 
@@ -28,7 +30,7 @@ interface Props {
 
 /** Which parts of the scene are drawn; stays open while several are switched. */
 export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
-  const { view, toggleLayer } = scene;
+  const { view, toggleLayer, toggleExtra } = scene;
   const low = useMediaQuery(LOW, false, { getInitialValueInEffect: false });
   return (
     <Menu
@@ -36,7 +38,7 @@ export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
       onChange={onOpen}
       position={low ? "bottom-start" : "right-start"}
       closeOnItemClick={false}
-      width={230}
+      width={260}
     >
       <Menu.Target>
         <UnstyledButton
@@ -49,7 +51,7 @@ export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
           <span>Layers</span>
         </UnstyledButton>
       </Menu.Target>
-      <Menu.Dropdown aria-label="Layers">
+      <Menu.Dropdown aria-label="Layers" className={classes.dropdown}>
         {LAYERS.map(([key, label]) => {
           const on = view?.layers[key] ?? false;
           return (
@@ -65,6 +67,7 @@ export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
             </Menu.CheckboxItem>
           );
         })}
+        {open && view !== null && <ExtraLayers view={view} onToggle={toggleExtra} />}
         <Menu.Divider />
         <Menu.CheckboxItem
           checked={flat.flat}
