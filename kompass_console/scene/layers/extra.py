@@ -10,7 +10,7 @@ from kompass_console.scene.layers.palette import Palette, Rgb
 from kompass_console.scene.layers.shapes import Faces, Vertices
 from kompass_console.schema.world import Shape, ShapeLabel
 
-_POINT = 0.025  # m
+_POINT = 0.016  # m
 _OPACITY = 0.55
 
 

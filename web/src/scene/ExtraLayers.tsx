@@ -40,7 +40,7 @@ export function ExtraLayers({ view, onToggle }: Props) {
           {topic}
         </span>
         <span className={classes.words}>{words}</span>
-        {on && note !== null && <span className={classes.note}>{note}</span>}
+        {on && note !== null && <span className={classes.note}>▲ {note}</span>}
         {full && <span className={classes.words}>{EXTRAS.enough}</span>}
       </Menu.CheckboxItem>
     );
