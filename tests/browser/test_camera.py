@@ -72,8 +72,7 @@ def test_the_camera_and_further_layers_are_shown_in_the_scene_when_they_are_aske
     for topic in (REAR, POINTS):
         page.get(f"extra-{topic}").click()
     page.page.keyboard.press("Escape")
-    for topic in (REAR, POINTS):
-        wait_until(lambda topic=topic: is_drawn(page, topic), 10, f"{topic} in the scene")
+    wait_until(lambda: all(is_drawn(page, topic) for topic in (REAR, POINTS)), 10, "both layers")
     page.get("layers").click()
     expect(page.get(f"extra-{REAR}")).to_have_text(f"{REAR}Laser scan")
     page.get(f"extra-{REAR}").click()

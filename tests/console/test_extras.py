@@ -28,7 +28,7 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from kompass_console.link.on_demand.extras import MOST_READ
+from kompass_console.link.on_demand.extras import MOST_READ, newest
 from kompass_console.schema.look_models import MOST_EXTRAS
 from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, cookie_of
@@ -360,3 +360,29 @@ def test_a_page_shows_so_many_further_layers_and_all_pages_together_so_many(
         )
         one.show()
         of_last(lambda each: each["problem"] == "" and each["age"] is not None)
+
+
+def test_of_more_messages_than_can_be_read_the_newest_count() -> None:
+    waiting = [bytes([number]) * 400 for number in range(6)]
+    assert newest(waiting, 1000) == waiting[-2:]
+    assert newest(waiting, 10_000) == waiting
+    assert newest([bytes(5000)], 1000) == [bytes(5000)]
+    assert newest([], 1000) == []
+
+
+def test_a_flood_of_markers_is_drawn_as_of_now(page: FlatPage, robot: Robot) -> None:
+    publisher = robot.node.create_publisher(MarkerArray, "/flood", 10)
+    many = [
+        Marker(header=Header(frame_id="map"), id=number, color=opaque(), scale=metre())
+        for number in range(1500)
+    ]
+
+    def say(x: float) -> None:
+        many[0].pose.position.x = x
+        publisher.publish(MarkerArray(markers=many))
+
+    page.show("/flood")
+    robot.wait_until(lambda: publisher.get_subscription_count() > 0, 5, "the console")
+    for x in range(30):
+        say(float(x))
+    page.until(lambda extras: 29.0 in extras.get("/flood", {}).get("lines", []), 15.0)

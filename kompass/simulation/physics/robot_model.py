@@ -268,7 +268,7 @@ JACKAL = RobotModel(
 TURTLEBOT3_PLUS = replace(
     TURTLEBOT3,
     name="turtlebot3-plus",
-    title="TurtleBot3-sized, with a lidar of 270 degrees, a scanner behind, depth and colour camera",
+    title="TurtleBot3-sized: a lidar of 270 degrees, a scanner behind, a depth and colour camera",
     lidar=LidarModel(271, -math.radians(135.0), math.radians(1.0), 0.12, 3.5, 0.005, 0.17),
     rear=RearScanner(
         LidarModel(181, -math.radians(90.0), math.radians(1.0), 0.04, 3.5, 0.005, 0.06), 0.07

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from geometry_msgs.msg import PolygonStamped, PoseArray
@@ -36,6 +36,7 @@ _PERIOD = 0.25  # s between two looks at a topic
 _REST = 4.0  # times as long as a look takes is waited before the next one
 _AGAIN = 1.0  # s between two looks for a frame that is not connected
 _MARKERS_WAIT = 50  # messages between two looks: each may add or take away
+_MOST_AT_ONCE = 1_000_000  # bytes of messages that wait; of more only the newest are read
 _KB, _MB = 1000, 1_000_000
 
 
@@ -73,6 +74,16 @@ def can_be_read(topic: str) -> bool:
     return True
 
 
+def newest(messages: Sequence[bytes], most: int) -> Sequence[bytes]:
+    """Of messages, the oldest first, the last ones of so many bytes together; one at least."""
+    size = 0
+    for count, message in enumerate(reversed(messages)):
+        size += len(message)
+        if count > 0 and size > most:
+            return messages[len(messages) - count :]
+    return messages
+
+
 @dataclass(slots=True)
 class _Read:
     """A topic that is read."""
@@ -87,7 +98,8 @@ class _Read:
     problem: str = ""
     note: str = ""
     shape: Stamped[Shape] | None = None
-    drawn: int = field(default=0)
+    drawn: int = 0
+    missed: int = 0
 
 
 class Extras:
@@ -186,7 +198,11 @@ class Extras:
         """Whether there is something else to draw of a topic."""
         each.topic.fit()
         new = False
-        for raw in each.topic.take():
+        waiting = list(each.topic.take())
+        chosen = newest(waiting, _MOST_AT_ONCE)
+        if waiting:
+            each.missed = len(waiting) - len(chosen)
+        for raw in chosen:
             each.received = now
             try:
                 self._take(each, raw, now)
@@ -229,7 +245,10 @@ class Extras:
                 problems.append(str(error))
         each.place_due = now + _AGAIN if problems else math.inf
         each.problem = problems[0] if problems else ""
-        each.note = " ".join(part.note for part in each.parts if part.note)
+        notes = [part.note for part in each.parts if part.note]
+        if each.missed > 0:
+            notes.append("It comes faster than it can be read: some messages are left out.")
+        each.note = " ".join(notes)
         self._draw(each, shapes.combined(placed) if placed else Shape(), now)
 
     def _draw(self, each: _Read, shape: Shape, now: float) -> None:
