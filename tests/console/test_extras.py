@@ -370,7 +370,9 @@ def test_of_more_messages_than_can_be_read_the_newest_count() -> None:
     assert newest([], 1000) == []
 
 
-def test_a_flood_of_markers_is_drawn_as_of_now(page: FlatPage, robot: Robot) -> None:
+def test_a_flood_of_markers_is_drawn_as_of_now_and_says_what_is_left_out(
+    console: Served, client: httpx.Client, page: FlatPage, robot: Robot
+) -> None:
     publisher = robot.node.create_publisher(MarkerArray, "/flood", 10)
     many = [
         Marker(header=Header(frame_id="map"), id=number, color=opaque(), scale=metre())
@@ -383,6 +385,8 @@ def test_a_flood_of_markers_is_drawn_as_of_now(page: FlatPage, robot: Robot) -> 
 
     page.show("/flood")
     robot.wait_until(lambda: publisher.get_subscription_count() > 0, 5, "the console")
-    for x in range(30):
-        say(float(x))
+    with told(console, client, "/flood") as of_flood:
+        for x in range(30):
+            say(float(x))
+        of_flood(lambda each: "faster than it can be read" in each["note"])
     page.until(lambda extras: 29.0 in extras.get("/flood", {}).get("lines", []), 15.0)

@@ -146,6 +146,7 @@ def test_a_large_one_or_one_that_is_something_else_is_made_anew() -> None:
         (b"<svg onload=alert(1)>", "no whole JPEG or PNG"),
         (compressed("JPEG")[:200], "no whole JPEG or PNG"),
         (compressed("PNG")[:-30], "no whole JPEG or PNG"),
+        (compressed("JPEG", (300, 200))[:-200], "no whole JPEG or PNG"),
         (compressed("GIF"), "no whole JPEG or PNG"),
         (compressed("PNG", (5000, 4000)), "5000 × 4000 pixels, and at most 16 million are shown"),
         (bytes(8_000_001), "it has 8.0 MB, and at most 8 MB are shown"),
