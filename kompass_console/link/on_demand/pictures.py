@@ -123,8 +123,8 @@ def _pixels(message: Any) -> Pixels:
     encoding = _ENCODINGS.get(name)
     if encoding is None:
         raise ValueError(
-            f"encoding = {plain(name, 40)!r} is not known here; have the camera send one of "
-            f"{', '.join(sorted(_ENCODINGS))}"
+            f"encoding = {plain(name, 40)!r} is not known here; have the camera send rgb8, bgr8, "
+            "mono8, 16UC1 or 32FC1"
         )
     width, height, step = int(message.width), int(message.height), int(message.step)
     if width == 0 or height == 0:

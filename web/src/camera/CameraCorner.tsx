@@ -42,6 +42,7 @@ function Camera({ tool, topics, covered }: Props & { topics: string[] }) {
   const listed = topic === null || topics.includes(topic) ? topics : [topic, ...topics];
   const feed = useCameraFeed(topic, tool.large, !covered);
   const { text, stale } = pictureAge(feed.age, feed.waited);
+  const wrong = feed.problem !== "" ? feed.problem : stale ? text : null;
   return (
     <section
       className={classes.card}
@@ -84,8 +85,8 @@ function Camera({ tool, topics, covered }: Props & { topics: string[] }) {
       <span role="status" className="visually-hidden">
         {feed.problem || (stale ? CAMERA.silent : "")}
       </span>
-      <p className={classes.told} data-testid="camera-told" data-stale={stale}>
-        {topic === null ? CAMERA.none : feed.problem || (stale ? `▲ ${text}` : text)}
+      <p className={classes.told} data-testid="camera-told" data-wrong={wrong !== null}>
+        {topic === null ? CAMERA.none : wrong === null ? text : `▲ ${wrong}`}
       </p>
     </section>
   );
