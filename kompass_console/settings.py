@@ -46,7 +46,7 @@ class ConnectionLimits(BaseModel):
     unread_time
         Until a connection is dropped that takes nothing of what was sent.
     sockets_of_session
-        Websockets of one log-in; a page has up to four.
+        Websockets of one log-in; a page has up to six.
     sockets_of_viewers
         Websockets of all viewers together, so that they leave room for those who drive.
     """

@@ -14,6 +14,7 @@ from kompass.algorithms.geometry import Floats, transform_points
 UNKNOWN = -1
 FREE = 0
 OCCUPIED = 100
+OCCUPIED_FROM = 65  # as map_server and RViz draw it
 # Of cells a robot drives by [m]; beyond them a number is a slip, or in another unit.
 FINEST, COARSEST = 0.001, 10.0
 

@@ -10,7 +10,7 @@ from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
-from sensor_msgs.msg import BatteryState, Imu, LaserScan, PointCloud2
+from sensor_msgs.msg import BatteryState, Image, Imu, LaserScan, PointCloud2
 from std_msgs.msg import Float32, String, UInt32
 from tf2_msgs.msg import TFMessage
 
@@ -45,11 +45,13 @@ class Broadcast:
         self._clock = node.get_clock()
         publisher = node.create_publisher
         self._scan = publisher(LaserScan, "/scan", _SENSOR)
-        self._rear = self._cloud = None
+        self._rear = self._cloud = self._picture = None
         if robot.rear is not None:
             self._rear = publisher(LaserScan, "/rear_scan", _SENSOR)
         if robot.camera is not None:
             self._cloud = publisher(PointCloud2, "/camera/points", _SENSOR)
+        if robot.picture_camera is not None:
+            self._picture = publisher(Image, "/camera/image", _SENSOR)
         self._imu = publisher(Imu, "/imu", _SENSOR)
         self._filtered = publisher(Odometry, "/odometry/filtered", _RELIABLE)
         self._wheels = publisher(Odometry, "/odom", _RELIABLE)
@@ -111,6 +113,17 @@ class Broadcast:
             return
         stamp = self._clock.now().to_msg()
         publisher.publish(messages.point_cloud(camera.points(), stamp, CAMERA))
+
+    def picture(self) -> None:
+        """One picture in colours, where there is such a camera and somebody looks.
+
+        Who hears of all that is sent is no reason: it would cost a drill more than all its physics.
+        """
+        camera, publisher = self._robot.picture_camera, self._picture
+        if camera is None or publisher is None or publisher.get_subscription_count() == 0:
+            return
+        stamp = self._clock.now().to_msg()
+        publisher.publish(messages.picture(camera.picture(), stamp, CAMERA))
 
     def scan(self, period: float) -> None:
         """One turn of the lidars, ``period`` seconds after the one before."""

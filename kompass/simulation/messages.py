@@ -10,7 +10,7 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
-from sensor_msgs.msg import Imu, LaserScan, PointCloud2, PointField
+from sensor_msgs.msg import Image, Imu, LaserScan, PointCloud2, PointField
 
 from kompass.algorithms.geometry import quaternion_from_yaw
 from kompass.simulation.physics.motion import BodyMotion, Matrix3
@@ -105,6 +105,16 @@ def point_cloud(points: NDArray[np.float32], stamp: Time, frame: str) -> PointCl
     message.point_step, message.row_step = 12, 12 * columns
     message.is_dense = False
     message.data = array.array("B", points.tobytes())
+    return message
+
+
+def picture(pixels: NDArray[np.uint8], stamp: Time, frame: str) -> Image:
+    """``pixels`` (rows, columns, 3) of red, green and blue as sensor_msgs/Image."""
+    rows, columns, _ = pixels.shape
+    message = Image(height=rows, width=columns, encoding="rgb8", step=3 * columns)
+    message.header.stamp = stamp
+    message.header.frame_id = frame
+    message.data = array.array("B", pixels.tobytes())
     return message
 
 

@@ -38,6 +38,7 @@ from kompass.simulation.sensors.depth_camera import DepthCamera
 from kompass.simulation.sensors.imu import Imu, ImuReading
 from kompass.simulation.sensors.lidar import Lidar
 from kompass.simulation.sensors.localizer import Localizer
+from kompass.simulation.sensors.picture_camera import PictureCamera
 from kompass.simulation.sensors.wheel_odometry import OmniOdometry, WheelOdometry
 from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
@@ -73,8 +74,8 @@ class SimulatedRobot:
         Which robot it is.
     battery, drive, lidar, imu_sensor, wheels, localizer, bumper
         Its parts, which may be exchanged for objects that behave otherwise.
-    rear, camera
-        A scanner that looks back and a depth camera, where the robot has them.
+    rear, camera, picture_camera
+        A scanner that looks back, a depth camera and one for colours, where the robot has them.
     slip
         How much further the (left, right) wheel has turned than its rolling says, per turn. The
         encoders count it; the drive has to leave it out.
@@ -100,6 +101,9 @@ class SimulatedRobot:
         if kind.camera is not None:
             stream = self.chance("camera")
             self.camera = DepthCamera(self._model, self._data, stream, kind.camera)
+        self.picture_camera: PictureCamera | None = None
+        if kind.camera is not None and kind.camera.picture is not None:
+            self.picture_camera = PictureCamera(self._model, self._data, kind.camera.picture)
         self.imu_sensor = Imu(self._model, self._data, imu)
         self.wheels: Odometer
         if kind.omni is None:

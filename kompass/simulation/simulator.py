@@ -20,6 +20,7 @@ from kompass.simulation.worlds.world import World
 PERIOD = 0.02  # of odometry and transforms, s
 SCAN_PERIODS = 5  # a scan every 0.1 s
 CLOUD_TICK = 2  # of these periods: scan and cloud are not made in one
+PICTURE_PERIODS, PICTURE_TICK = 10, 4  # a picture every 0.2 s, neither with scan nor cloud
 GRAPH_PERIODS = 10  # look for publishers of commands every 0.2 s
 REPORT_PERIODS = 50  # rate and contacts every second
 SLOW = 0.95  # below this rate the node complains
@@ -89,6 +90,8 @@ class Simulator:
             self._broadcast.scan(SCAN_PERIODS * PERIOD)
         if self._ticks % SCAN_PERIODS == CLOUD_TICK:
             self._broadcast.cloud()
+        if self._ticks % PICTURE_PERIODS == PICTURE_TICK:
+            self._broadcast.picture()
         if self._ticks % GRAPH_PERIODS == 0:
             self._commands.follow_publishers(now)
         if self._ticks % REPORT_PERIODS == 0:

@@ -18,6 +18,7 @@ from kompass_console import __version__
 from kompass_console.api import (
     audit,
     backtests,
+    camera,
     control,
     drills,
     flat_map,
@@ -45,6 +46,7 @@ from kompass_console.api.audited import AuditRequests
 from kompass_console.link.state import build_state
 from kompass_console.schema.drill_models import DrillRequest
 from kompass_console.schema.hand_models import HandAnswer, HandRequest
+from kompass_console.schema.look_models import CameraNews
 from kompass_console.schema.map_models import FlatNews
 from kompass_console.schema.models import ErrorAnswer, ErrorDetail, Ping, StateMessage
 from kompass_console.schema.rule_models import (
@@ -66,6 +68,7 @@ _BESIDE_ROUTES: tuple[type[BaseModel], ...] = (
     HandRequest,
     HandAnswer,
     FlatNews,
+    CameraNews,
     RulesLive,
     ProbeRequest,
     ProbeReading,
@@ -133,6 +136,7 @@ def create_app(console: Console | None) -> FastAPI:
         recordings.router,
         audit.router,
         flat_map.router,
+        camera.router,
         scene.router,
     ):
         app.include_router(router)

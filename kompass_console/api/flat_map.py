@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from typing import Annotated
 
-from fastapi import APIRouter, Response, WebSocket
+from fastapi import APIRouter, Query, Response, WebSocket
 from starlette.concurrency import run_in_threadpool
 
 from kompass_console.api.access import CurrentConsole, LoggedIn, console_of
@@ -32,19 +33,22 @@ async def picture(version: int, theme: Theme, _: LoggedIn, console: CurrentConso
 
 
 @router.websocket("/live")
-async def live(websocket: WebSocket) -> None:
-    """See `FlatNews` in the schema. What the page says is not listened to."""
+async def live(websocket: WebSocket, view: Annotated[str, Query(max_length=40)] = "") -> None:
+    """See `FlatNews` in the schema; `view` says which further topics are told, too. What the page
+    says is not listened to."""
     async with admitted(websocket) as session:
         if session is None:
             return
         await websocket.accept()
-        async with telling(_push(websocket, console_of(websocket).scene)):
+        console = console_of(websocket)
+        own = view if console.views.get(view, session) is not None else ""
+        async with telling(_push(websocket, console.scene, own)):
             async for _ in texts(websocket, Pace(*_PINGS)):
                 pass
 
 
-async def _push(websocket: WebSocket, scene: Scene) -> None:
-    with scene.flat_map() as flat:
+async def _push(websocket: WebSocket, scene: Scene, view_id: str) -> None:
+    with scene.flat_map(view_id) as flat:
         silent = _SILENCE
         while True:
             news = flat.news()

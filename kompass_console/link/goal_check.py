@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from kompass.algorithms.grid import Grid
+from kompass.algorithms.grid import OCCUPIED_FROM, Grid
 from kompass.algorithms.planning.failure import REASONS
 from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.link.goals.goals import GoalTopic, Listeners
@@ -21,7 +21,6 @@ POINT_ONLY = "The robot's program takes points only, so the heading is not used.
 STOPPED = "The robot is stopped: release STOP before it can drive there."
 MAP_ONLY = "No planner checks goals here: only the map was looked at."
 
-_OCCUPIED_FROM = 65
 
 _MESSAGES: dict[GoalReason, str] = {
     "": "The robot can go there.",
@@ -154,7 +153,7 @@ def look_at_map(world: WorldModel, x: float, y: float) -> GoalReason:
     cell = cell_at(stamped.value, x, y)
     if cell is None or cell < 0:
         return "outside_map"
-    return "occupied" if cell >= _OCCUPIED_FROM else ""
+    return "occupied" if cell >= OCCUPIED_FROM else ""
 
 
 def cell_at(grid: Grid, x: float, y: float) -> int | None:

@@ -29,6 +29,7 @@ from kompass_console.link.graph.services import ServicePool
 from kompass_console.link.initial_pose import InitialPose
 from kompass_console.link.log_ring import LogRing
 from kompass_console.link.missions import MissionsWatch
+from kompass_console.link.on_demand.on_demand import OnDemand
 from kompass_console.link.places import PlacesWatch
 from kompass_console.link.processes import Processes
 from kompass_console.link.rosout import PERIOD, Rosout
@@ -119,6 +120,8 @@ class RosLink:
         self._log_node = self._make_node(f"{NODE_NAME}_log_{os.getpid()}")
         self.log = LogRing()
         self.rosout = Rosout(self._log_node, self.log)
+        self._on_demand_node = self._make_node(f"{NODE_NAME}_on_demand_{os.getpid()}")
+        self.on_demand = OnDemand(self._on_demand_node, world)
         self._checks = ServicePool(self._node, CheckGoal, "kompass_interfaces/srv/CheckGoal")
         self._node.create_timer(_LOOK_AROUND, self._look_around)
         self._node.create_timer(_TICK, self.goals.tick)
@@ -174,6 +177,8 @@ class RosLink:
         self._executor.wake()
         self._thread.join(2.0)
         self._executor.shutdown(0.0)
+        self.on_demand.stop()
+        self._on_demand_node.destroy_node()
         self._log_node.destroy_node()
         self._node.destroy_node()
         rclpy.shutdown(context=self._context, uninstall_handlers=False)
@@ -217,6 +222,8 @@ class RosLink:
         self.monitor.refresh(services)
         self.backtests.refresh()
         self.topics.refresh(published)
+        self.on_demand.extras.refresh(published, self.streams.topics)
+        self.on_demand.cameras.refresh(published)
         self.places.refresh()
         self.zones.refresh()
 

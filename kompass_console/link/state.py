@@ -68,6 +68,8 @@ def build_state(
         missions=link.missions.info(),
         timeline=link.timeline.info(),
         log=link.rosout.info(),
+        extras=link.on_demand.extras.infos(),
+        cameras=link.on_demand.cameras.infos(),
         processes=link.processes.infos(),
         ros=RosInfo(domain_id=link.domain_id, middleware=link.middleware),
         viewers=viewers,

@@ -88,6 +88,12 @@ class Streams:
         """Simulated seconds per real second, as a simulator says."""
         return self._rate.get()
 
+    @property
+    def topics(self) -> set[str]:
+        """All that are read, and drawn as what they are."""
+        readers = (*self._readers.values(), self._footprint)
+        return {reader.topic for reader in readers if reader.topic is not None}
+
     def refresh(self, published: Graph) -> None:
         """Read from the topics that are there now, and see how fast messages come."""
         self._measure()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,6 +23,8 @@ from kompass_console.schema.world import (
     HindranceMark,
     PlaceMark,
     Pose,
+    Shape,
+    Stamped,
     WorldModel,
     ZoneMark,
 )
@@ -52,6 +55,7 @@ class Drawings:
     """The newest drawing of every layer, and how many there have been of each.
 
     Pages compare the counts with those they have drawn; a page that has just come finds all.
+    `extras`, by topic, count by themselves.
     """
 
     map: MapDrawing | None = None
@@ -66,6 +70,7 @@ class Drawings:
     hindrance: HindranceMark | None = None
     places: tuple[PlaceMark, ...] = ()
     zones: tuple[ZoneMark, ...] = ()
+    extras: Mapping[str, Stamped[Shape]] = field(default_factory=dict)
     counts: dict[LayerKey, int] = field(default_factory=lambda: dict.fromkeys(_PERIODS, 0))
 
 
@@ -90,6 +95,7 @@ class Converter:
         """Bring every layer up to date. Call from one thread only."""
         world, drawings = self._world, self._drawings
         self.remember()
+        drawings.extras = world.extras
         if (motion := world.motion.get()) is not None and self._is_new("robot", motion.version):
             drawings.robot = motion.value.pose
         if self._trail_changed and self._is_due("trail"):

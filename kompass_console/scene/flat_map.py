@@ -13,10 +13,21 @@ from kompass_console.scene.layers.local_map import LocalMapDrawing
 from kompass_console.scene.layers.map import MapDrawing
 from kompass_console.scene.layers.robot import outline
 from kompass_console.scene.layers.shapes import Vertices
-from kompass_console.schema.map_models import FlatAreas, FlatGoal, FlatMapInfo, FlatNews, FlatPoint
-from kompass_console.schema.world import GoalMark, HindranceMark
+from kompass_console.schema.map_models import (
+    FlatAreas,
+    FlatExtra,
+    FlatGoal,
+    FlatMapInfo,
+    FlatNews,
+    FlatPoint,
+    FlatText,
+)
+from kompass_console.schema.models import View
+from kompass_console.schema.world import GoalMark, HindranceMark, Shape, Stamped
 
 _LAYERS = ("map", "local_map", "path", "scan", "trail", "footprint", "goal", "hindrance")
+_MOST_POINTS = 2000  # of a further topic; a weak tablet draws them one by one
+_MOST_LINES = 2000
 
 
 class FlatMap:
@@ -24,11 +35,24 @@ class FlatMap:
 
     Drawings are never changed once they are made, so that another object is another drawing; and
     whoever asks seldom is told the newest.
+
+    Parameters
+    ----------
+    find_view
+        The page's view; None where it has none (any more).
     """
 
-    def __init__(self, drawings: Drawings) -> None:
+    def __init__(self, drawings: Drawings, find_view: Callable[[], View | None]) -> None:
         self._drawings = drawings
+        self._find_view = find_view
         self._told: dict[str, Any] = dict.fromkeys(_LAYERS)
+        self._told_extras: dict[str, Stamped[Shape]] = {}
+
+    @property
+    def extras(self) -> list[str]:
+        """Further topics that are shown."""
+        view = self._find_view()
+        return [] if view is None else view.extras
 
     def news(self) -> FlatNews:
         """What has changed since the last time; everything there is, the first time."""
@@ -39,7 +63,20 @@ class FlatMap:
                 continue
             self._told[layer] = drawing
             news[layer] = None if drawing is None else _IN_NUMBERS[layer](drawing)
+        extras = self._new_extras()
+        if extras:
+            news["extras"] = extras
         return FlatNews(**news)
+
+    def _new_extras(self) -> dict[str, FlatExtra | None]:
+        shown = {t: d for t in self.extras if (d := self._drawings.extras.get(t)) is not None}
+        told, self._told_extras = self._told_extras, shown
+        gone: dict[str, FlatExtra | None] = {topic: None for topic in told if topic not in shown}
+        return gone | {
+            topic: _extra(drawing.value)
+            for topic, drawing in shown.items()
+            if drawing is not told.get(topic)
+        }
 
 
 def _map(drawing: MapDrawing) -> FlatMapInfo:
@@ -85,6 +122,16 @@ def _goal(mark: GoalMark) -> FlatGoal:
 
 def _hindrance(mark: HindranceMark) -> FlatPoint:
     return FlatPoint(x=mark.x, y=mark.y)
+
+
+def _extra(shape: Shape) -> FlatExtra:
+    step = max(1, -(-len(shape.points) // _MOST_POINTS))
+    return FlatExtra(
+        points=_numbers(shape.points[::step, :2]),
+        lines=_numbers(shape.segments[:_MOST_LINES, :, :2]),
+        areas=_numbers(shape.areas[:, :, :2]),
+        texts=[FlatText(x=each.at[0], y=each.at[1], text=each.text) for each in shape.labels],
+    )
 
 
 def _numbers(points: npt.NDArray[np.floating], digits: int = 2) -> list[float]:

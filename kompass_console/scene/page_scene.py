@@ -14,6 +14,7 @@ from kompass_console.scene import camera as cameras
 from kompass_console.scene.drawings import Drawings, LayerKey
 from kompass_console.scene.drive_drawing import DriveDrawing
 from kompass_console.scene.layers.cross import CrossNodes
+from kompass_console.scene.layers.extra import ExtraNodes, extra_colour
 from kompass_console.scene.layers.goal import GoalNodes
 from kompass_console.scene.layers.local_map import LocalMapNodes
 from kompass_console.scene.layers.map import MapNodes
@@ -28,6 +29,7 @@ from kompass_console.scene.layers.zones import ZoneNodes
 from kompass_console.scene.picking import Camera
 from kompass_console.scene.playback import Playback
 from kompass_console.schema.models import View
+from kompass_console.schema.world import Shape, Stamped
 
 _WORLD = "/world"
 _SAME_CAMERA = 0.05  # m; a page that reconnects reports the camera it had, to within rounding
@@ -40,6 +42,15 @@ class Memory:
 
     position: np.ndarray
     shift: np.ndarray
+
+
+@dataclass(slots=True)
+class _Extra:
+    """Nodes for a further topic, and which drawing of which topic they show."""
+
+    nodes: ExtraNodes
+    topic: str | None = None
+    drawn: Stamped[Shape] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +92,7 @@ class PageScene:
         self._playback: Playback | None = None
         self._left: _Left | None = None
         self._footprint: np.ndarray | None = None
+        self._extras: list[_Extra] = []
         resumed = memory is not None and np.allclose(
             client.camera.position, memory.position, atol=_SAME_CAMERA
         )
@@ -96,6 +108,11 @@ class PageScene:
             client.camera.fov = cameras.FIELD_OF_VIEW
             self._frame()
         self.draw(drawings)
+
+    @property
+    def extras(self) -> list[str]:
+        """Further topics that are shown."""
+        return self._view.extras
 
     @property
     def camera(self) -> Camera:
@@ -199,6 +216,7 @@ class PageScene:
                 self._places.draw(drawings.places)
             if self._changed("zones", counts):
                 self._zones.draw(drawings.zones)
+            self._draw_extras(drawings)
         if self._changed("map", counts) and drawings.map is not None:
             self._map.draw(drawings.map)
             first = self._bounds is None
@@ -228,12 +246,46 @@ class PageScene:
         self._robot_nodes = RobotNodes(self._scene, f"{_WORLD}/robot", robot)
         self._places = PlaceNodes(self._scene, _WORLD, colours.place)
         self._zones = ZoneNodes(self._scene, _WORLD, colours)
+        for extra in self._extras:
+            extra.drawn = None
         self._goal = GoalNodes(self._scene, f"{_WORLD}/goal", colours.goal)
         self._hindrance = CrossNodes(self._scene, f"{_WORLD}/hindrance", colours.alert)
         self._preview_nodes = PreviewNodes(self._scene, _WORLD, theme)
         self._preview_nodes.draw(self._preview)
         if self._playback is not None:
             self._playback.build(theme)
+
+    def _draw_extras(self, drawings: Drawings) -> None:
+        """Each topic keeps its nodes; those of one that is not shown any more are the next one's,
+        for viser remembers every name that a node ever had."""
+        shown = self._view.extras
+        for extra in self._extras:
+            if extra.topic is not None and extra.topic not in shown:
+                extra.nodes.hide()
+                extra.topic = extra.drawn = None
+        colours = palette(self._view.theme)
+        for topic in shown:
+            drawing = drawings.extras.get(topic)
+            extra = self._extra_of(topic)
+            if drawing is extra.drawn:
+                continue
+            extra.drawn = drawing
+            if drawing is None:
+                extra.nodes.hide()
+            else:
+                extra.nodes.draw(drawing.value, extra_colour(topic, colours))
+
+    def _extra_of(self, topic: str) -> _Extra:
+        for extra in self._extras:
+            if extra.topic == topic:
+                return extra
+        free = next((extra for extra in self._extras if extra.topic is None), None)
+        if free is None:
+            name = f"{_WORLD}/extra{len(self._extras)}"
+            free = _Extra(ExtraNodes(self._scene, name))
+            self._extras.append(free)
+        free.topic = topic
+        return free
 
     def _light(self) -> None:
         """Even light from above, and a little more from the north-west to tell sides apart."""

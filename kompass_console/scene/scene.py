@@ -45,6 +45,7 @@ class Scene:
 
     def __init__(self, world: WorldModel, find_view: Callable[[str], View | None]) -> None:
         self._find_view = find_view
+        self._world = world
         self._drawings = Drawings()
         self._converter = Converter(world, self._drawings)
         self._pages: dict[str, PageScene] = {}
@@ -86,9 +87,9 @@ class Scene:
         self.hub.post(change)
 
     @contextlib.contextmanager
-    def flat_map(self) -> Iterator[FlatMap]:
+    def flat_map(self, view_id: str) -> Iterator[FlatMap]:
         """The scene for a page that draws it by itself, for as long as the block lasts."""
-        flat = FlatMap(self._drawings)
+        flat = FlatMap(self._drawings, lambda: self._find_view(view_id))
         self._flat_maps.add(flat)
         try:
             yield flat
@@ -183,8 +184,15 @@ class Scene:
     def _watched(self) -> bool:
         return bool(self._pages or self._flat_maps)
 
+    def _extras_shown(self) -> frozenset[str]:
+        """Further topics that some page shows, for whoever reads them."""
+        lists = [page.extras for page in list(self._pages.values())]
+        lists += [flat.extras for flat in list(self._flat_maps)]
+        return frozenset(topic for extras in lists for topic in extras)
+
     def _work(self) -> None:
         while not self._ending.wait(_PERIOD if self._watched else _IDLE_PERIOD):
+            self._world.extras_wanted = self._extras_shown()
             if not self._watched:
                 self._converter.remember()
                 continue

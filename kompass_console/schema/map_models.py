@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 
 class FlatMapInfo(BaseModel):
@@ -49,10 +49,29 @@ class FlatPoint(BaseModel):
     y: float
 
 
+class FlatText(BaseModel):
+    """A text at a place, m."""
+
+    x: float
+    y: float
+    text: str
+
+
+class FlatExtra(BaseModel):
+    """What is drawn of a further topic, in m of the map frame: points of x, y; lines of x0, y0, x1,
+    y1; areas of four corners each; and texts."""
+
+    points: list[float]
+    lines: list[float]
+    areas: list[float]
+    texts: list[FlatText]
+
+
 class FlatNews(BaseModel):
     """What has changed since the last message: what is left out is as it was, null is not there.
 
-    Points are x, y, x, y, … in m of the map frame; `footprint` is in the robot's own.
+    `extras` are by topic, and only those that have changed. Points are x, y, x, y, … in m of the
+    map frame; `footprint` is in the robot's own.
     """
 
     type: Literal["map"] = "map"
@@ -64,3 +83,4 @@ class FlatNews(BaseModel):
     footprint: list[float] | None = None
     goal: FlatGoal | None = None
     hindrance: FlatPoint | None = None
+    extras: dict[str, FlatExtra | None] = Field(default_factory=dict)

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 from kompass.algorithms.planning.failure import Reason
 from kompass.missions.run import Phase
 from kompass_console.schema.control_models import ControlInfo
+from kompass_console.schema.look_models import MOST_EXTRAS, CameraInfo, ExtraInfo, TopicName
 from kompass_console.schema.plain import plain
 from kompass_console.schema.roles import Role
 
@@ -101,12 +102,13 @@ class LayersPatch(In):
 
 
 class View(BaseModel):
-    """One page's scene and how it is shown."""
+    """One page's scene and how it is shown; `extras` are the further topics that are drawn."""
 
     id: str
     follow: bool = False
     top: bool = False
     layers: Layers = Field(default_factory=Layers)
+    extras: list[TopicName] = Field(default_factory=list)
     theme: Theme = "light"
 
 
@@ -116,6 +118,7 @@ class ViewPatch(In):
     follow: bool | None = None
     top: bool | None = None
     layers: LayersPatch | None = None
+    extras: Annotated[list[TopicName], Field(max_length=MOST_EXTRAS)] | None = None
     theme: Theme | None = None
 
 
@@ -579,6 +582,8 @@ class State(BaseModel):
     timeline: TimelineInfo
     missions: MissionsInfo
     log: LogInfo
+    extras: list[ExtraInfo] = Field(default_factory=list)
+    cameras: list[CameraInfo] = Field(default_factory=list)
     processes: list[ProcessInfo]
     ros: RosInfo
     viewers: int

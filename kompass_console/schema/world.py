@@ -8,8 +8,8 @@ from __future__ import annotations
 import itertools
 import time
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -19,6 +19,8 @@ from kompass.algorithms.geometry import compose, inverse, wrap_angle
 from kompass.algorithms.grid import Grid
 
 T = TypeVar("T")
+
+MAP_FRAME = "map"
 
 
 class Stamped(NamedTuple, Generic[T]):
@@ -66,12 +68,13 @@ class Pose(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RobotMotion:
-    """Odometry: pose in the map frame, twist in the robot's (m/s, rad/s), stamp (ROS s)."""
+    """Odometry: pose in `frame`, twist in the robot's (m/s, rad/s), stamp (ROS s)."""
 
     pose: Pose
     v: float
     w: float
     stamp: float
+    frame: str = MAP_FRAME
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +129,42 @@ class PlaceMark:
     yaw: float | None
 
 
+@dataclass(frozen=True, slots=True)
+class ShapeLabel:
+    """A text in the scene, at a place in m."""
+
+    text: str
+    at: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What is drawn of a topic, in the frame of the scene or in its own, all in m.
+
+    Attributes
+    ----------
+    points
+        (N, 3).
+    segments
+        Of lines, (M, 2, 3).
+    areas
+        Corners of flat rectangles in their order round, (K, 4, 3).
+    labels
+        Texts.
+    point_colours, segment_colours
+        RGB (N, 3) and (M, 3), 0..255, of what says its own; None for the colour of the topic.
+    """
+
+    points: npt.NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
+    segments: npt.NDArray[np.float32] = field(
+        default_factory=lambda: np.zeros((0, 2, 3), np.float32)
+    )
+    areas: npt.NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 4, 3), np.float32))
+    labels: tuple[ShapeLabel, ...] = ()
+    point_colours: npt.NDArray[np.uint8] | None = None
+    segment_colours: npt.NDArray[np.uint8] | None = None
+
+
 class PoseHistory:
     """Poses of the last seconds by stamp, so that a scan is drawn from where it was taken."""
 
@@ -177,6 +216,16 @@ class WorldModel:
         self.hindrance: Latest[HindranceMark | None] = Latest(now)
         self.places: Latest[tuple[PlaceMark, ...]] = Latest(now)
         self.zones: Latest[tuple[ZoneMark, ...]] = Latest(now)
+        # By topic. Whoever draws says which are wanted, whoever reads says what there is; each
+        # puts a whole new one in its place.
+        self.extras_wanted: frozenset[str] = frozenset()
+        self.extras: Mapping[str, Stamped[Shape]] = {}
+
+    @property
+    def frame(self) -> str:
+        """In which frame the scene is: that of odometry."""
+        motion = self.motion.get()
+        return MAP_FRAME if motion is None else motion.value.frame
 
     def scanned_from(self, scan: Scan) -> Pose | None:
         """Where the sensor was when a scan was taken, in the map frame; None until that is known.

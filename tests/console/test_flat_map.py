@@ -63,7 +63,7 @@ def test_the_picture_has_a_pixel_for_each_cell_and_north_up() -> None:
 
 def test_a_page_is_told_where_something_is_in_the_way_and_that_it_is_gone() -> None:
     drawings = Drawings()
-    flat = FlatMap(drawings)
+    flat = FlatMap(drawings, lambda: None)
     flat.news()
     drawings.hindrance = HindranceMark(1.2, 0.45, "In the way: a box.")
     told = flat.news().hindrance
@@ -84,7 +84,7 @@ def test_a_page_is_told_everything_once_and_then_what_has_changed() -> None:
     drawings.path = path_segments(np.array([[0.0, 0.0], [1.0, 0.5], [2.0, 0.5]]))
     drawings.scan = np.array([[1.234, 0.5, 0.1]], np.float32)
     drawings.goal = GoalMark(1.0, 2.0, None, active=True)
-    flat = FlatMap(drawings)
+    flat = FlatMap(drawings, lambda: None)
 
     first = flat.news()
     assert first.map is not None
@@ -103,7 +103,7 @@ def test_a_page_is_told_everything_once_and_then_what_has_changed() -> None:
     then = flat.news()
     assert then.model_fields_set == {"scan", "goal"}
     assert (then.scan, then.goal) == ([], None)
-    late = FlatMap(drawings).news()
+    late = FlatMap(drawings, lambda: None).news()
     assert late.path == first.path
 
 
@@ -112,7 +112,7 @@ def test_a_short_trail_is_the_points_that_were_driven() -> None:
     for x in (0.0, 0.1, 0.2):
         trail.add(Pose(x, 0.0, 0.0))
     drawings = Drawings(trail=trail.segments())
-    assert FlatMap(drawings).news().trail == [0.0, 0.0, 0.1, 0.0, 0.2, 0.0]
+    assert FlatMap(drawings, lambda: None).news().trail == [0.0, 0.0, 0.1, 0.0, 0.2, 0.0]
 
 
 def test_of_a_refused_goal_the_place_and_the_nearest_one_are_marked() -> None:

@@ -11,7 +11,7 @@ from PIL import Image
 
 from kompass.algorithms.geometry import compose
 from kompass.algorithms.grid import Grid
-from kompass_console.scene.layers.cells import rectangles
+from kompass.algorithms.rectangles import rectangles
 from kompass_console.scene.layers.local_map import local_map_drawing
 from kompass_console.scene.layers.map import map_drawing
 from kompass_console.scene.layers.palette import palette

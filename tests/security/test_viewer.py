@@ -71,7 +71,7 @@ def test_a_large_scene_message_is_refused_by_its_size_alone(console: Served, kin
         assert scene_closed_with(page) in TOO_LARGE
 
 
-@pytest.mark.parametrize("path", ["/api/state", "/api/rules/live", "/api/map/live"])
+@pytest.mark.parametrize("path", ["/api/state", "/api/rules/live", "/api/map/live", "/api/camera"])
 def test_no_other_socket_takes_a_large_message(console: Served, path: str) -> None:
     with console.client(Role.VIEWER) as client, opened(console, path, client) as socket:
         with contextlib.suppress(ConnectionClosed):
@@ -150,7 +150,7 @@ def test_a_flood_of_cameras_ends_its_own_scene_and_no_other(console: Served) -> 
             wait_until(lambda: theirs.dark, 5.0, "the other scene goes on")
 
 
-@pytest.mark.parametrize("path", ["/api/state", "/api/rules/live", "/api/map/live"])
+@pytest.mark.parametrize("path", ["/api/state", "/api/rules/live", "/api/map/live", "/api/camera"])
 def test_who_chatters_on_a_socket_is_closed(console: Served, path: str) -> None:
     with console.client(Role.VIEWER) as client, opened(console, path, client) as socket:
         with contextlib.suppress(ConnectionClosed):
@@ -170,7 +170,13 @@ def a_page(
     with contextlib.ExitStack() as stack:
         sockets = [
             stack.enter_context(opened(console, path, client))
-            for path in ("/api/state", "/api/rules/live", "/api/rules/probe", "/api/map/live")
+            for path in (
+                "/api/state",
+                "/api/rules/live",
+                "/api/rules/probe",
+                "/api/map/live",
+                "/api/camera",
+            )
         ]
         yield sockets, stack.enter_context(scene(console, client))
 

@@ -204,3 +204,34 @@ def test_a_robot_that_there_is_not_is_refused_with_those_that_there_are() -> Non
         ValueError, match=r"robot is 'husky'.* choose one of: turtlebot3, jackal, turt"
     ):
         robot_model("husky")
+
+
+def test_the_camera_shows_what_stands_ahead_in_other_colours_than_the_floor() -> None:
+    post = Box("post", (1.5, 0.0), (0.3, 0.3), height=0.5)
+    free = SimulatedRobot(replace(LONG, start=(0.0, 0.0, 0.0)), kind=PLUS)
+    both = replace(LONG, obstacles=(*LONG.obstacles, post), start=(0.0, 0.0, 0.0))
+    seeing = SimulatedRobot(both, kind=PLUS)
+    assert free.picture_camera is not None
+    assert seeing.picture_camera is not None
+    before, after = free.picture_camera.picture(), seeing.picture_camera.picture()
+    assert before.shape == (120, 160, 3)
+    changed = (before != after).any(axis=2)
+    columns = np.flatnonzero(changed.any(axis=0))
+    # From the camera 1.27 m ahead, and 0.3 m across.
+    half = 80 * (0.15 / 1.27) / math.tan(math.radians(43.5))
+    assert columns.min() == pytest.approx(80 - half, abs=4)
+    assert columns.max() == pytest.approx(79 + half, abs=4)
+    seeing.place((0.0, 0.0, math.pi))
+    behind = seeing.picture_camera.picture()
+    free.place((0.0, 0.0, math.pi))
+    assert (behind == free.picture_camera.picture()).all()
+
+
+def test_a_picture_takes_nothing_from_the_chance_of_the_other_sensors() -> None:
+    looked_at, alone = (SimulatedRobot(LONG, seed=3, kind=PLUS) for _ in range(2))
+    assert looked_at.picture_camera is not None
+    looked_at.picture_camera.picture()
+    assert (looked_at.scan() == alone.scan()).all()
+    assert looked_at.camera is not None
+    assert alone.camera is not None
+    np.testing.assert_array_equal(looked_at.camera.points(), alone.camera.points())

@@ -7,14 +7,19 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
+import numpy as np
 import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 from automatika_ros_sugar.srv import ExecuteMethod
 from kompass_interfaces.msg import DriveState
 from kompass_interfaces.srv import SetFault
+from numpy.typing import NDArray
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import Image
 
 from kompass.launch.virtual_stack import Embedded
 from kompass.simulation.physics.robot_model import TURTLEBOT3_PLUS
+from kompass.simulation.sensors.picture_camera import PictureCamera
 from kompass.simulation.worlds import registry
 from kompass.simulation.worlds.shapes import Box
 from kompass.simulation.worlds.world import World
@@ -27,6 +32,7 @@ SEVERAL = RECIPE.with_name("09_several_sensors.py")
 PLUS = Embedded(kind=TURTLEBOT3_PLUS, has_map=False)
 REAR = '        Topic(name="/rear_scan", msg_type="LaserScan"),\n'
 CAMERA = '        Topic(name="/camera/points", msg_type="PointCloud2"),\n'
+SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 SUCCEEDED = 4
 SYSTEM = ComponentStatus.STATUS_FAILURE_SYSTEM_LEVEL
 STATUS = "/drive_manager/status"
@@ -148,3 +154,24 @@ def test_one_sensor_that_falls_silent_holds_the_robot_and_is_named(
     robot.world.network.set_conditions(Conditions(), topic=topic)
     assert robot.result(handle, timeout=90).status == SUCCEEDED
     assert robot.contacts == 0
+
+
+def test_pictures_are_taken_while_somebody_looks_and_at_no_other_time(
+    robot: VirtualRobot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken: list[float] = []
+    take = PictureCamera.picture
+
+    def counted(camera: PictureCamera) -> NDArray[np.uint8]:
+        taken.append(robot.clock.monotonic())
+        return take(camera)
+
+    monkeypatch.setattr(PictureCamera, "picture", counted)
+    robot.rest(2.0)
+    assert taken == []
+    robot.subscribe(Image, "/camera/image", SENSOR)
+    robot.wait_until(lambda: len(taken) > 5, 5, "pictures")
+    image = robot.newest["/camera/image"]
+    assert (image.encoding, image.height, image.width) == ("rgb8", 120, 160)
+    assert image.header.frame_id == "camera_link"
+    assert taken[-1] - taken[0] == pytest.approx(0.2 * (len(taken) - 1), abs=0.03)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from kompass.algorithms.geometry import yaw_from_quaternion
 from kompass.algorithms.grid import Grid
 from kompass_console.schema.plain import plain
-from kompass_console.schema.world import HindranceMark, Pose, RobotMotion, Scan
+from kompass_console.schema.world import MAP_FRAME, HindranceMark, Pose, RobotMotion, Scan
 
 
 def seconds(stamp: Any) -> float:
@@ -43,6 +43,7 @@ def motion(message: Any) -> RobotMotion:
         float(twist.linear.x),
         float(twist.angular.z),
         seconds(message.header.stamp),
+        str(message.header.frame_id).removeprefix("/") or MAP_FRAME,
     )
 
 

@@ -1,4 +1,4 @@
-"""Occupied cells as solid shapes: merged into rectangles first, or a wall is a thousand boxes."""
+"""Occupied cells as solid shapes."""
 
 from __future__ import annotations
 
@@ -7,32 +7,9 @@ import numpy.typing as npt
 
 from kompass_console.scene.layers.shapes import Faces, Vertices
 
-OCCUPIED_FROM = 65  # of 100, as map_server and RViz draw it
-
 # Corners 0..3 are the lower ones, counter-clockwise, and 4..7 those above them.
 _TOP = np.array([[4, 5, 6, 7]])
 _SIDES = np.array([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
-
-
-def rectangles(occupied: npt.NDArray[np.bool_]) -> npt.NDArray[np.int64]:
-    """Rectangles (N, 4) of (row, column, end row, end column) that cover the true cells once:
-    runs along the rows, joined with equal runs in the rows below."""
-    padded = np.zeros((occupied.shape[0], occupied.shape[1] + 2), dtype=np.int8)
-    padded[:, 1:-1] = occupied
-    change = np.diff(padded, axis=1)
-    rows, starts = np.nonzero(change == 1)
-    ends = np.nonzero(change == -1)[1]
-    open_runs: dict[tuple[int, int], list[int]] = {}
-    done: list[list[int]] = []
-    for row, start, end in zip(rows.tolist(), starts.tolist(), ends.tolist(), strict=True):
-        run = open_runs.get((start, end))
-        if run is not None and run[2] == row:
-            run[2] = row + 1
-        else:
-            run = [row, start, row + 1, end]
-            open_runs[start, end] = run
-            done.append(run)
-    return np.array(done, dtype=np.int64).reshape(-1, 4)
 
 
 def blocks(

@@ -12,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
-from kompass.algorithms.grid import Grid
-from kompass_console.scene.layers.cells import OCCUPIED_FROM, blocks, rectangles
+from kompass.algorithms.grid import OCCUPIED_FROM, Grid
+from kompass.algorithms.rectangles import rectangles
+from kompass_console.scene.layers.cells import blocks
 from kompass_console.scene.layers.map import WALL_HEIGHT
 from kompass_console.scene.layers.palette import palette
 from kompass_console.scene.layers.shapes import Faces, Vertices, placed

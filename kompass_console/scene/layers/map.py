@@ -12,8 +12,9 @@ import viser
 from PIL import Image
 
 from kompass.algorithms.geometry import transform_points
-from kompass.algorithms.grid import Grid
-from kompass_console.scene.layers.cells import OCCUPIED_FROM, blocks, rectangles
+from kompass.algorithms.grid import OCCUPIED_FROM, Grid
+from kompass.algorithms.rectangles import rectangles
+from kompass_console.scene.layers.cells import blocks
 from kompass_console.scene.layers.palette import palette
 from kompass_console.schema.models import Theme
 

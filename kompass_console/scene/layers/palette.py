@@ -14,7 +14,8 @@ Rgb = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """One theme's colours; `floor` is the colour behind everything."""
+    """One theme's colours; `floor` is the colour behind everything, `extras` are of further topics,
+    which share them."""
 
     floor: Rgb
     free: Rgb
@@ -35,6 +36,7 @@ class Palette:
     proposed: Rgb
     in_force: Rgb
     alert: Rgb
+    extras: tuple[Rgb, ...]
 
 
 _LIGHT = Palette(
@@ -57,6 +59,7 @@ _LIGHT = Palette(
     proposed=(31, 95, 191),
     in_force=(176, 96, 0),
     alert=(147, 48, 95),
+    extras=((112, 58, 178), (46, 125, 50), (150, 84, 24), (24, 96, 122), (168, 36, 122)),
 )
 
 _DARK = Palette(
@@ -79,6 +82,7 @@ _DARK = Palette(
     proposed=(96, 165, 250),
     in_force=(236, 180, 79),
     alert=(238, 147, 191),
+    extras=((190, 150, 250), (129, 199, 132), (224, 170, 110), (110, 196, 226), (240, 140, 208)),
 )
 
 

@@ -21,6 +21,11 @@ export type GoalCheck = Sent<Schemas["GoalCheck"]>;
 /** Where a goal was pressed and released, as fractions of the scene (u right, v down). */
 export type GoalPick = Schemas["GestureCheck"];
 
+/** A further topic that can be drawn. */
+export type Extra = State["extras"][number];
+export type CameraNews = Sent<Schemas["CameraNews"]>;
+export type FlatExtra = Sent<Schemas["FlatExtra"]>;
+
 /** What has changed on a flat map: what is left out is as it was. */
 export type FlatNews = Partial<Schemas["FlatNews"]>;
 

@@ -2,6 +2,8 @@ import { useMediaQuery } from "@mantine/hooks";
 import { type ComponentProps, useEffect, useState } from "react";
 import type { GoalPick, Place, Zone } from "../api/types";
 import { BatteryBand } from "../battery/BatteryBand";
+import { CameraCorner } from "../camera/CameraCorner";
+import { type CameraTool, useCameraTool } from "../camera/useCameraTool";
 import { ControlBand } from "../control/ControlBand";
 import { CoordinatesForm } from "../goal/CoordinatesForm";
 import { GestureHint } from "../goal/GestureHint";
@@ -104,6 +106,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   const stage = useStage();
   const plays = stage.shown !== null;
   const hand = useHand();
+  const camera = useCameraTool();
   const [layersOpen, setLayersOpen] = useState(false);
   const [helpOpen, setHelpOpen] = useState(false);
   const [placesAsked, setPlacesAsked] = useState(0);
@@ -177,6 +180,9 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
       case "l":
         setLayersOpen(!layersOpen);
         return true;
+      case "c":
+        camera.toggle();
+        return true;
       case "r":
         // The timeline has a key of its own.
         if (rules.place.at === "timeline") rules.go({ at: "table" });
@@ -212,6 +218,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
           return true;
         }
         if (goal.back() || locate.back() || zone.back() || measure.back()) return true;
+        if (camera.back()) return true;
         if (helpOpen) setHelpOpen(false);
         else if (hand.open) hand.close();
         else if (plays) stage.leave();
@@ -245,6 +252,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
             locate={locate}
             zone={zone}
             measure={measure}
+            camera={camera}
             flat={flat.flat}
             covered={phone && rules.open}
             onGo={goTo}
@@ -282,6 +290,7 @@ function SceneStack({
   locate,
   zone,
   measure,
+  camera,
   flat,
   covered,
   onGo,
@@ -291,6 +300,7 @@ function SceneStack({
   locate: LocateTool;
   zone: ZoneTool;
   measure: MeasureTool;
+  camera: CameraTool;
   flat: boolean;
   covered: boolean;
   onGo: ((place: Place) => void) | null;
@@ -386,6 +396,7 @@ function SceneStack({
           {locate.draft !== null && <LocateCard tool={locate} draft={locate.draft} />}
         </>
       )}
+      <CameraCorner tool={camera} covered={covered} />
       <div className={scene.bands}>
         <BandStack>
           {!covered && <StopBand why={<StoppedByRule />} />}

@@ -14,6 +14,7 @@ const KEYS: [string, Phrase][] = [
   ["F", "Follow the robot"],
   ["T", "Top view"],
   ["L", "Layers"],
+  ["C", "Camera: what the robot sees"],
   ["P", "Places"],
   ["R", "Rules"],
   ["E", "Timeline: what has happened"],

@@ -4,6 +4,8 @@ import { IconCheck, IconStack2 } from "@tabler/icons-react";
 import type { LayerKey } from "../api/types";
 import { type Phrase, t } from "../texts/text";
 import { LOW } from "../ui/screen";
+import { ExtraLayers } from "./ExtraLayers";
+import classes from "./Layers.module.css";
 import type { Flat } from "./useFlat";
 import type { ViewHandle } from "./useView";
 
@@ -29,7 +31,7 @@ interface Props {
 
 /** Which parts of the scene are drawn; stays open while several are switched. */
 export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
-  const { view, toggleLayer } = scene;
+  const { view, toggleLayer, toggleExtra } = scene;
   const low = useMediaQuery(LOW, false, { getInitialValueInEffect: false });
   return (
     <Menu
@@ -37,7 +39,7 @@ export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
       onChange={onOpen}
       position={low ? "bottom-start" : "right-start"}
       closeOnItemClick={false}
-      width={230}
+      width={260}
     >
       <Menu.Target>
         <UnstyledButton
@@ -50,7 +52,7 @@ export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
           <span>{t("Layers")}</span>
         </UnstyledButton>
       </Menu.Target>
-      <Menu.Dropdown aria-label={t("Layers")}>
+      <Menu.Dropdown aria-label={t("Layers")} className={classes.dropdown}>
         {LAYERS.map(([key, label]) => {
           const on = view?.layers[key] ?? false;
           return (
@@ -66,6 +68,7 @@ export function LayersMenu({ scene, flat, open, onOpen, className }: Props) {
             </Menu.CheckboxItem>
           );
         })}
+        {open && view !== null && <ExtraLayers view={view} onToggle={toggleExtra} />}
         <Menu.Divider />
         <Menu.CheckboxItem
           checked={flat.flat}

@@ -18,11 +18,16 @@ const view: View = {
     places: true,
     zones: true,
   },
+  extras: ["/other/plan"],
 };
 
 test("a switched layer changes that layer alone", () => {
   const next = merge(view, { layers: { scan: false } });
   expect(next).toEqual({ ...view, layers: { ...view.layers, scan: false } });
+});
+
+test("further layers are switched as a whole list", () => {
+  expect(merge(view, { extras: [] })).toEqual({ ...view, extras: [] });
 });
 
 test("what a change leaves out or leaves null stays as it was", () => {

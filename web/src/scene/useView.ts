@@ -11,6 +11,8 @@ export interface ViewHandle {
   /** Changes the scene; shown at once, taken back when the console refuses. */
   change: (patch: ViewPatch) => void;
   toggleLayer: (key: LayerKey) => void;
+  /** Shows a further topic of the robot, or shows it no more. */
+  toggleExtra: (topic: string) => void;
 }
 
 /**
@@ -85,7 +87,17 @@ export function useView(): ViewHandle {
     [change],
   );
 
-  return { view, error, change, toggleLayer };
+  const toggleExtra = useCallback(
+    (topic: string) => {
+      const extras = latest.current?.extras;
+      if (extras === undefined) return;
+      const without = extras.filter((each) => each !== topic);
+      change({ extras: without.length < extras.length ? without : [...extras, topic] });
+    },
+    [change],
+  );
+
+  return { view, error, change, toggleLayer, toggleExtra };
 }
 
 async function setUp(known: View | null, theme: View["theme"]): Promise<View> {
@@ -111,5 +123,6 @@ export function merge(view: View, patch: ViewPatch): View {
     top: patch.top ?? view.top,
     theme: patch.theme ?? view.theme,
     layers,
+    extras: patch.extras ?? view.extras,
   };
 }

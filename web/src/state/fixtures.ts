@@ -59,6 +59,8 @@ export const robot = (part: Partial<State> = {}): State => ({
   zones: { available: false, revision: 0, masks: 0 },
   timeline: { available: false, newest: 0, changes: 0 },
   log: { available: false, newest: 0 },
+  extras: [],
+  cameras: [],
   missions: { available: false, revision: 0, notice: "", run: null, queue: [] },
   control: {
     holder: "",

@@ -35,7 +35,7 @@ interface Props {
 export function FlatMap(props: Props) {
   const { handle, considered, places, zones, sketch, measured, children } = props;
   const { view, change } = handle;
-  const { world, live } = useFlatWorld();
+  const { world, live } = useFlatWorld(view?.id ?? null);
   const { state, frozen } = useRobot();
   const theme = view?.theme ?? "light";
   const { cells, missing } = useCells(world.map?.version ?? null, theme);

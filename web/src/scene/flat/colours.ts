@@ -12,6 +12,8 @@ export interface Colours {
   preview: string;
   alert: string;
   slow: string;
+  /** Of further topics, which share them. */
+  extras: readonly string[];
 }
 
 const LIGHT: Colours = {
@@ -27,6 +29,7 @@ const LIGHT: Colours = {
   preview: "#5c96e8",
   alert: "#93305f",
   slow: "#b06000",
+  extras: ["#703ab2", "#2e7d32", "#965418", "#18607a", "#a8247a"],
 };
 
 const DARK: Colours = {
@@ -42,6 +45,13 @@ const DARK: Colours = {
   preview: "#96c4fc",
   alert: "#ee93bf",
   slow: "#f0b050",
+  extras: ["#be96fa", "#81c784", "#e0aa6e", "#6ec4e2", "#f08cd0"],
 };
 
 export const coloursOf = (theme: "light" | "dark"): Colours => (theme === "dark" ? DARK : LIGHT);
+
+/** The colour of a topic, the same one as in the scene. */
+export function extraColour(topic: string, { extras }: Colours): string {
+  const sum = new TextEncoder().encode(topic).reduce((all, each) => all + each, 0);
+  return extras[sum % extras.length] ?? "";
+}

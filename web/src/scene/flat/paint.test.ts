@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { coloursOf } from "./colours";
+import { coloursOf, extraColour } from "./colours";
 import { type Picture, paint } from "./paint";
 import { NOTHING, told } from "./world";
 
@@ -129,4 +129,23 @@ test("a place is drawn with its name above it, unless its layer is off", () => {
 test("news change what they name, and nothing else", () => {
   const world = told({ ...NOTHING, scan, path: [1, 1] }, { type: "map", scan: null, trail: [] });
   expect(world).toMatchObject({ scan: null, path: [1, 1], trail: [], map: null });
+});
+
+test("a further topic is drawn in the colour that it has in the list of layers, and then no more", () => {
+  const shape = {
+    points: [1, 2],
+    lines: [0, 0, 1, 0],
+    areas: [0, 0, 1, 0, 1, 1, 0, 1],
+    texts: [{ x: 0, y: 1, text: "here" }],
+  };
+  const world = told(NOTHING, { extras: { "/other/plan": shape } });
+  const shown = canvas();
+  paint(shown.context, { ...picture, world });
+  const colour = extraColour("/other/plan", coloursOf("light"));
+  const dots = shown.drawn("fillRect").filter((call) => call[1] === 108.5 && call[2] === 28.5);
+  expect(dots.map((call) => call[5])).toEqual([{ fill: colour, alpha: 1 }]);
+  expect(shown.drawn("fill").map((call) => call[1])).toContainEqual({ fill: colour, alpha: 0.5 });
+  expect(shown.drawn("fillText")[0]?.[1]).toBe("here");
+  expect(told(world, { path: [0, 0, 1, 1] }).extras).toEqual({ "/other/plan": shape });
+  expect(told(world, { extras: { "/other/plan": null } }).extras).toEqual({});
 });

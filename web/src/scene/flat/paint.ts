@@ -1,6 +1,6 @@
-import type { View } from "../../api/types";
+import type { FlatExtra, View } from "../../api/types";
 import { type Camera, type Size, toPicture } from "./camera";
-import type { Colours } from "./colours";
+import { type Colours, extraColour } from "./colours";
 import type { FlatWorld } from "./world";
 
 export interface Place {
@@ -104,6 +104,9 @@ export function paint(canvas: Canvas, picture: Picture): void {
       canvas.fillRect(x - dot / 2, y - dot / 2, dot, dot);
     }
   }
+  for (const [topic, shape] of Object.entries(world.extras)) {
+    extra(canvas, shape, at, extraColour(topic, colours), colours, moving);
+  }
   canvas.globalAlpha = 1;
   if (layers.places) {
     for (const place of places) named(canvas, place.name, at(place.x, place.y), colours);
@@ -141,6 +144,39 @@ function zone(canvas: Canvas, { label, barred, corners }: DrawnZone, at: At, col
   const middle = corners.reduce(([x, y], each) => [x + each[0], y + each[1]], [0, 0]);
   const [x, y] = at(middle[0] / corners.length, middle[1] / corners.length);
   written(canvas, label, [x, y], colours);
+}
+
+/** A further topic: areas, lines, points and texts. */
+function extra(
+  canvas: Canvas,
+  { areas, lines, points, texts }: FlatExtra,
+  at: At,
+  colour: string,
+  colours: Colours,
+  moving: number,
+): void {
+  canvas.fillStyle = canvas.strokeStyle = colour;
+  canvas.globalAlpha = 0.5 * moving;
+  for (let i = 0; i + 7 < areas.length; i += 8) {
+    canvas.beginPath();
+    for (let corner = i; corner < i + 8; corner += 2) {
+      canvas.lineTo(...at(areas[corner] ?? 0, areas[corner + 1] ?? 0));
+    }
+    canvas.fill();
+  }
+  canvas.globalAlpha = moving;
+  canvas.lineWidth = 2;
+  canvas.beginPath();
+  for (let i = 0; i + 3 < lines.length; i += 4) {
+    canvas.moveTo(...at(lines[i] ?? 0, lines[i + 1] ?? 0));
+    canvas.lineTo(...at(lines[i + 2] ?? 0, lines[i + 3] ?? 0));
+  }
+  canvas.stroke();
+  for (let i = 0; i + 1 < points.length; i += 2) {
+    const [x, y] = at(points[i] ?? 0, points[i + 1] ?? 0);
+    canvas.fillRect(x - 1.5, y - 1.5, 3, 3);
+  }
+  for (const { x, y, text } of texts) written(canvas, text, at(x, y), colours);
 }
 
 function outline(canvas: Canvas, corners: DrawnZone["corners"], at: At, colour: string): void {

@@ -1,7 +1,10 @@
-import type { FlatNews } from "../../api/types";
+import type { FlatExtra, FlatNews } from "../../api/types";
 
 /** What the robot and its stack have told; null where they have told nothing. */
-export type FlatWorld = Required<Omit<FlatNews, "type">>;
+export interface FlatWorld extends Required<Omit<FlatNews, "type" | "extras">> {
+  /** Further topics, by their names. */
+  extras: Record<string, FlatExtra>;
+}
 
 export const NOTHING: FlatWorld = {
   map: null,
@@ -12,7 +15,15 @@ export const NOTHING: FlatWorld = {
   footprint: null,
   goal: null,
   hindrance: null,
+  extras: {},
 };
 
 /** The world after news: what they leave out is as it was. */
-export const told = (world: FlatWorld, news: FlatNews): FlatWorld => ({ ...world, ...news });
+export function told(world: FlatWorld, { extras, ...news }: FlatNews): FlatWorld {
+  const next = { ...world.extras };
+  for (const [topic, shape] of Object.entries(extras ?? {})) {
+    if (shape === null) delete next[topic];
+    else next[topic] = shape;
+  }
+  return { ...world, ...news, extras: extras === undefined ? world.extras : next };
+}
