@@ -11,7 +11,6 @@ export const LOOK = {
   "No camera of this robot shows pictures now.": "Keine Kamera dieses Roboters zeigt jetzt Bilder.",
   "Waiting for the first picture…": "Wartet auf das erste Bild …",
   "No picture for {age}": "Kein Bild seit {age}",
-  "{age} old": "{age} alt",
   "What {topic} shows": "Was {topic} zeigt",
 
   "More on this robot": "Mehr von diesem Roboter",
