@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from kompass.access.ros_control import ROS_CONTROL, ros_control
-from kompass.rclpy_ext.middleware import LOOPBACK, PEERS, PROFILES, RANGE
+from kompass.rclpy_ext.middleware import LOOPBACK, PEERS, PROFILES, RANGE, SUBNET_PROFILE
 from kompass_console.cli_error import CliError
 from kompass_console.domain import LOCALHOST_ONLY, choose_domain, choose_ros_control
 
@@ -32,7 +32,10 @@ def test_the_subnet_is_met_when_asked_for() -> None:
     said = choose_domain(3, "subnet")
     assert said == "ROS domain 3, on the whole subnet (--network subnet)"
     assert os.environ[RANGE] == "SUBNET"
-    assert PROFILES not in os.environ
+    assert os.environ[PROFILES] == str(SUBNET_PROFILE)
+    text = SUBNET_PROFILE.read_text()
+    assert "WhiteList" not in text
+    assert "initialPeers" not in text
 
 
 def test_peers_are_met_when_named() -> None:
