@@ -139,3 +139,48 @@ def test_a_path_dearer_than_one_that_is_known_is_not_looked_for() -> None:
     with pytest.raises(PlanningFailure) as told:
         made.plan(start, goal, 0.7 * cost)
     assert told.value.reason == "no_path"
+
+
+def bend_in_a_round_room() -> tuple[Grid, Floats]:
+    """A room in which a car that turns about its middle as tight as it can has 0.1 m left."""
+    cells = np.full((80, 80), 100, dtype=np.int8)
+    grid = Grid(cells, 0.05)
+    middle = (2.0, 2.0 + 1.1 * RADIUS)
+    rows, columns = np.indices(cells.shape)
+    centres = grid.cell_to_world(np.column_stack([columns.ravel(), rows.ravel()]))
+    inside = np.hypot(*(centres - middle).T) < 1.15
+    cells[inside.reshape(cells.shape)] = 0
+    turn = np.linspace(0.0, math.pi, 25)
+    path = np.column_stack(
+        [
+            middle[0] + 1.1 * RADIUS * np.sin(turn),
+            middle[1] - 1.1 * RADIUS * np.cos(turn),
+            turn,
+        ]
+    )
+    return Grid(cells, 0.05), path
+
+
+@pytest.mark.parametrize("facing", [0.0, math.pi])
+def test_a_car_that_faces_off_a_curve_beside_a_wall_is_lost_although_the_path_is_free(
+    facing: float,
+) -> None:
+    grid, path = bend_in_a_round_room()
+    path[:, 2] += facing
+    made = planner(grid, clearance=0.0)
+    assert not made.blocked(path)
+    x, y, yaw = path[0]
+    assert not made.loses((x, y, yaw), path, RADIUS)
+    assert not made.loses((x, y, yaw - 0.05), path, RADIUS)
+    # Even with its wheels turned as far as they can be it would come out too wide.
+    assert made.loses((x, y, yaw - 0.35), path, RADIUS)
+
+
+def test_where_there_is_room_a_car_comes_back_to_its_path_from_anywhere() -> None:
+    made = planner(empty(8.0))
+    ahead = np.array([[x, 4.0, 0.0] for x in np.arange(2.0, 5.0, 0.1)])
+    turned = ahead[::-1].copy()
+    for path in (ahead, turned):
+        for off in (-0.6, 0.6):
+            x, y, yaw = path[0]
+            assert not made.loses((x, y + off / 3.0, yaw + off), path, RADIUS)

@@ -14,13 +14,16 @@ from kompass_interfaces.srv import CheckGoal
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from std_msgs.msg import Bool, String
 
+from kompass.algorithms.following.gears import legs_of
 from kompass.algorithms.grid import Grid
+from kompass.bench.stack import described
 from kompass.components import Planner, PlannerConfig
-from kompass.components.base.convert import grid_msg
+from kompass.components.base.convert import grid_msg, path_poses, quaternion_msg
+from kompass.simulation.physics.robot_model import ACKERMANN
 from kompass.timeline.goal import GoalReport
 from tests.components.alive import LATCHED, Alive
 from tests.components.goals import Goals
-from tests.components.test_manoeuvres import robot
+from tests.components.test_manoeuvres import car, robot
 
 Run = Callable[..., Alive]
 
@@ -33,7 +36,7 @@ class Stage:
         self.planner = Planner(config=PlannerConfig(**settings))
         self.planner.run_type = run_type
         self.alive = run(self.planner)
-        self.at = (1.0, 1.0)
+        self.at, self.yaw = (1.0, 1.0), 0.0
         node = self.alive.node
         self._odometry = node.create_publisher(Odometry, "/odom", 10)
         self._map = node.create_publisher(OccupancyGrid, "/map", LATCHED)
@@ -44,7 +47,7 @@ class Stage:
         odometry = Odometry()
         odometry.header.frame_id = "map"
         odometry.pose.pose.position.x, odometry.pose.pose.position.y = self.at
-        odometry.pose.pose.orientation.w = 1.0
+        odometry.pose.pose.orientation = quaternion_msg(self.yaw)
         self._odometry.publish(odometry)
 
     def map(self, *occupied: tuple[float, float]) -> None:
@@ -54,6 +57,11 @@ class Stage:
             cells[int(y / 0.05), int(x / 0.05)] = 100
         stamp = self.alive.node.get_clock().now().to_msg()
         self._map.publish(grid_msg(Grid(cells, 0.05), "map", stamp))
+
+    def is_led_from(self, x: float, y: float, yaw: float) -> bool:
+        """Whether the path that is driven begins at a pose."""
+        poses = path_poses(self.plans[-1]) if self.plans else np.empty((0, 3))
+        return len(poses) > 0 and bool(np.allclose(poses[0], (x, y, yaw), atol=1e-3))
 
     def level(self) -> int:
         return self.alive.statuses[-1].status if self.alive.statuses else -1
@@ -203,3 +211,35 @@ def test_an_inactive_planner_answers_instead_of_keeping_silent(run: Run) -> None
     assert "not active" in answer.message
     answer = stage.send(3.0, 3.0)
     assert not answer.success
+
+
+def test_a_car_that_cannot_steer_back_to_its_path_before_a_wall_is_led_anew_at_once(
+    run: Run,
+) -> None:
+    stage = Stage(run, robot=described(ACKERMANN), patience=100.0)
+    stage.map(*[(2.52, y) for y in np.arange(0.1, 3.9, 0.05)])
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
+    goal = {"goal_x": 1.9, "goal_y": 3.0, "goal_orientation": math.pi / 2}
+    assert stage.alive.execute("trigger_main_action_server", **goal).success
+    stage.alive.wait_until(lambda: stage.is_led_from(1.0, 1.0, 0.0), 5, "a plan")
+    assert not any(leg.backward for leg in legs_of(path_poses(stage.plans[-1])))
+    # It is to turn left before the wall, and has not begun to.
+    stage.at = (1.7, 1.0)
+    stage.alive.wait_until(
+        lambda: stage.is_led_from(1.7, 1.0, 0.0), 5, "a plan from where the car is"
+    )
+    assert legs_of(path_poses(stage.plans[-1]))[0].backward
+
+
+def test_a_car_that_does_not_get_on_is_led_anew_from_where_it_is(run: Run) -> None:
+    stage = Stage(run, robot=car(), patience=10.0)
+    stage.map()
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
+    assert stage.send(3.0, 1.0).success
+    stage.alive.wait_until(lambda: stage.is_led_from(1.0, 1.0, 0.0), 5, "a plan")
+    stage.at, stage.yaw = (1.5, 1.05), 0.2
+    stage.alive.wait_until(
+        lambda: stage.is_led_from(1.5, 1.05, 0.2), 5, "a plan from where the car is"
+    )
+    # To be led is no progress: the goal still ends.
+    stage.alive.wait_until(lambda: not stage.plans[-1].poses, 12, "the end of the goal")

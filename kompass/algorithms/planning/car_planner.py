@@ -21,6 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 from ompl import base
 
 from kompass.algorithms.distance_field import TOLERANCE
+from kompass.algorithms.following.gears import Leg, legs_of
+from kompass.algorithms.following.path_tracker import PathTracker
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats, wrap_angle
 from kompass.algorithms.grid import Grid
@@ -48,6 +50,9 @@ _LONGEST = 4.0  # m of way that such a curve may take the place of
 _TINY = 1e-4
 # By so much for each metre on the way a car that stands too close to something must come away.
 _LEAVE = 0.1
+# A car that is off its path steers to what lies so far ahead on it, and at the end of a leg at
+# least so far beyond; so much of its way is looked at [m].
+_AIM, _BEYOND, _REACH = 0.35, 0.12, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,6 +190,33 @@ class CarPlanner(OutlinePlanner):
         """
         given = np.atleast_2d(np.asarray(poses, dtype=np.float64))
         return bool(len(self._overlaps(given, clearance)))
+
+    def loses(self, pose: ArrayLike, poses: ArrayLike, radius: float) -> bool:
+        """Whether a car that is beside a path, or faces off it, would touch something on its way.
+
+        Steered wheels cannot turn it to where the path leads: it comes back to it by a curve, which
+        may lead through something although the path does not. Then only another path helps, which
+        begins where the car is.
+
+        Parameters
+        ----------
+        pose
+            (x, y, yaw) of the car.
+        poses
+            What is left of the path (N, 3), N ≥ 1.
+        radius
+            Of the tightest turn that its wheels can be steered to [m].
+        """
+        here = np.asarray(pose, dtype=np.float64)
+        driven = [here[None]]
+        left = _REACH
+        for leg in legs_of(np.atleast_2d(np.asarray(poses, dtype=np.float64))):
+            part = _steered_back(driven[-1][-1], leg, radius, left, self.grid.resolution)
+            driven.append(part)
+            left -= self.grid.resolution * (len(part) - 1)
+            if left <= 0.0:
+                break
+        return bool(len(self._overlaps(np.concatenate(driven), 0.0)))
 
     def cost(self, poses: ArrayLike) -> float:
         """What a path (N, 3) costs by the measure of the search: its length, or more [m]."""
@@ -506,6 +538,32 @@ def _backward(poses: Floats) -> NDArray[np.bool_]:
     delta: Floats = np.diff(poses[:, :2], axis=0)
     middle = poses[:-1, 2] + wrap_angle(np.diff(poses[:, 2])) / 2.0
     return delta[:, 0] * np.cos(middle) + delta[:, 1] * np.sin(middle) < 0.0
+
+
+def _steered_back(here: Floats, leg: Leg, radius: float, most: float, step: float) -> Floats:
+    """The poses (N, 3) of a car on a leg that it is off, a step apart, the one it has first.
+
+    It steers to a place ahead on the leg, as pure pursuit does, no tighter than its wheels can.
+    """
+    tracker, gear = PathTracker(leg.poses), -1.0 if leg.backward else 1.0
+    x, y, yaw = here.tolist()
+    out = [(x, y, yaw)]
+    for _ in range(math.ceil(most / step)):
+        tracker.advance(x, y)
+        if tracker.remaining < step / 2.0:
+            break
+        aim = tracker.progress + min(_AIM, max(tracker.remaining, _BEYOND))
+        to_x, to_y = tracker.point_at(aim)
+        ahead = gear * (math.cos(yaw) * (to_x - x) + math.sin(yaw) * (to_y - y))
+        left = gear * (math.cos(yaw) * (to_y - y) - math.sin(yaw) * (to_x - x))
+        tightest = 1.0 / radius
+        bend = 2.0 * left / max(ahead * ahead + left * left, 1e-6)
+        turn = step * min(max(bend, -tightest), tightest)
+        x += gear * step * math.cos(yaw + turn / 2.0)
+        y += gear * step * math.sin(yaw + turn / 2.0)
+        yaw += turn
+        out.append((x, y, yaw))
+    return np.array(out)
 
 
 def _between(poses: Floats, spacing: float) -> Floats:

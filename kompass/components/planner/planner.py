@@ -151,7 +151,7 @@ class Planner(Component):
         self._map: Grid | None = None  # without a live one
         self._off_map = ""  # which mask does not lie on it, in a sentence
         self._failed = -math.inf  # when it found no way
-        self._led = -math.inf  # when a car was led to where its path had ended
+        self._led = -math.inf  # when a car was led anew from where it was
         self._kept = self.config.clearance  # by the path that is driven [m]
         self._pursued: GoalProgress | None = None
         self._handle: ServerGoalHandle | None = None
@@ -758,8 +758,7 @@ class Planner(Component):
             distance, _ = pursued.errors(pose)
             self._end(GoalOutcome.ARRIVED, f"Arrived, {100 * distance:.0f} cm off.")
             return
-        if standing and self._is_beside_the_end(pursued, pose):
-            self._come_to_the_end(pursued, pose, now)
+        self._lead_car(pursued, pose, now, standing=standing)
         elapsed, self._followed = now - self._followed, now
         if self._moved_by or self._waiting:
             pursued.pause(min(elapsed, 2.0 / PROGRESS_RATE))
@@ -775,22 +774,31 @@ class Planner(Component):
         if self._handle is not None and self._turn % FEEDBACK_EVERY == 0:
             self._handle.publish_feedback(self._feedback(pursued, pose))
 
-    def _is_beside_the_end(self, pursued: GoalProgress, pose: Pose2D) -> bool:
-        """Whether a car is where its path ends, but for what it cannot put right there."""
-        path, steered = pursued.path, self.config.described_robot.turning_radius > 0
-        if path is None or not steered:
-            return False
-        return math.dist(path[-1, :2], pose[:2]) <= BESIDE and not self._moved_by
+    def _lead_car(self, pursued: GoalProgress, pose: Pose2D, now: float, *, standing: bool) -> None:
+        """Lead a car anew from the very pose that it has, where its path does not lead it on.
 
-    def _come_to_the_end(self, pursued: GoalProgress, pose: Pose2D, now: float) -> None:
-        """Lead a car ahead and back to where it is to be; that alone is no progress."""
+        That is where it has driven all of its path, but for what it cannot put right there; where
+        it is so far off it that it could not come back to it; and where it does not get on, by
+        whatever has come too close to it. To be led alone is no progress.
+        """
+        path, planner = pursued.path, self._planner
+        if path is None or not isinstance(planner, CarPlanner) or self._moved_by:
+            return
         if now - self._failed < RETRY or now - self._led < RETRY:
+            return
+        ended = standing and math.dist(path[-1, :2], pose[:2]) <= BESIDE
+        ahead, radius = pursued.ahead(pose), self.config.described_robot.turning_radius
+        if not (ended or pursued.is_hindered) and (
+            self._turn % REPLAN_EVERY or not planner.loses(pose, ahead, radius)
+        ):
             return
         self._led = now
         try:
             plan = self._find(pursued)
         except PlanningFailure as failure:
-            self._fail(pursued, failure, now)
+            # A path that the body still fits through is better than none.
+            if ended or planner.blocked(ahead):
+                self._fail(pursued, failure, now)
             return
         pursued.replanned(plan.poses, pose)
         self._drive(plan)
