@@ -296,3 +296,18 @@ def test_a_slide_is_stopped_by_what_lies_to_the_side() -> None:
     verdict = after(gate, known((0.0, 0.3, 0.0), obstacles=wall))
     assert (verdict.factor, verdict.limited_by, verdict.emergency) == (0.0, "obstacle", True)
     assert after(gate, known((0.0, -0.3, 0.0), obstacles=wall)).twist == pytest.approx((0, -0.3, 0))
+
+
+def test_on_the_way_to_another_curve_what_is_on_that_way_counts() -> None:
+    slow_to_turn = VelocityLimits(vx=Limits(0.5, 2.0, 2.0), omega=Limits(1.5, 0.5, 0.5))
+    gate = DriveGate(limits(velocity=slow_to_turn))
+    after(gate, known((0.4, 0.0, 0.0)))
+    # Sharply to the left is free at once, and straight on it would still be driven.
+    post = np.array([[0.3, -0.02]])
+    sharply = known((0.4, 0.0, 1.5), obstacles=post)
+    assert gate._zone.factor(post, *sharply.wanted) == 1.0  # type: ignore[misc]
+    assert gate._zone.factor(post, 0.4, 0.0, 0.0) < 0.5
+    verdict = gate.judge(sharply, 20 * PERIOD)
+    assert verdict.limited_by == "obstacle"
+    assert verdict.twist
+    assert verdict.twist[0] < 0.35

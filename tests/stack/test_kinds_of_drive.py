@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -14,6 +15,7 @@ from geometry_msgs.msg import TwistStamped
 from kompass.bench.stack import described
 from kompass.launch.virtual_stack import Embedded
 from kompass.simulation.physics.robot_model import ACKERMANN, OMNI, RobotModel
+from tests.support.hand import Hand
 from tests.support.virtual_robot import VirtualRobot
 from tests.support.virtual_time import node_in
 
@@ -98,4 +100,23 @@ def test_a_goal_with_a_heading_beside_a_car_takes_it_ahead_and_back() -> None:
             min(vx for vx, _, _ in robot.told) < -0.05 < 0.05 < max(vx for vx, _, _ in robot.told)
         )
         assert outside_of_a_car(robot.told) == []
+        assert robot.contacts == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [2, 5])
+def test_whoever_drives_a_car_by_hand_and_in_curves_touches_nothing(seed: int) -> None:
+    chance = random.Random(seed)
+    with driven(ACKERMANN) as robot:
+        ava = Hand(robot, "ava")
+        ava.take()
+        robot.rest(0.5)  # whoever takes the wheel has let go at first
+        end = robot.clock.monotonic() + 15.0
+        while robot.clock.monotonic() < end:
+            ahead = chance.random() < 0.75
+            ava.vx = chance.uniform(0.5, 1.0) if ahead else -chance.uniform(0.3, 1.0)
+            ava.omega = chance.uniform(-1.7, 1.7)
+            robot.rest(chance.uniform(0.25, 1.25))
+        driven_far = sum(abs(vx) for vx, _, _ in robot.told)
+        assert driven_far > 10.0, "it hardly moved"
         assert robot.contacts == 0

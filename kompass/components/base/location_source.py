@@ -7,7 +7,7 @@ import numpy as np
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
-from kompass.algorithms.geometry import Pose2D, compose
+from kompass.algorithms.geometry import Pose2D, compose, inverse
 from kompass.algorithms.transforms import Matrix, TransformError, TransformTree, matrix_of
 from kompass.bus.clock import Clock
 from kompass.bus.node import LifecycleNode
@@ -148,21 +148,32 @@ class LocationSource:
             the location, tells nothing.
         """
         pose = self.pose()
+        if pose is None:
+            return None
+        x, y, yaw = compose(pose, inverse(self.moved_since(stamp)))
+        return float(x), float(y), float(yaw)
+
+    def moved_since(self, stamp: float) -> Pose2D:
+        """Where the robot is now, by its speed, in its frame of when something was measured.
+
+        *Now* is the stamp of the location. A location that jumps moves nothing here.
+
+        Parameters
+        ----------
+        stamp
+            As of :meth:`pose_at`; of one that tells nothing the robot has not moved since.
+        """
         header = getattr(self._component.input("location").message, "header", None)
-        if pose is None or header is None:
-            return pose
-        step = stamp - (header.stamp.sec + 1e-9 * header.stamp.nanosec)
-        if stamp == 0.0 or abs(step) > LONGEST_STEP:
-            return pose
+        if header is None or stamp == 0.0:
+            return 0.0, 0.0, 0.0
+        step = header.stamp.sec + 1e-9 * header.stamp.nanosec - stamp
         vx, vy, omega = self.speed()
-        if not all(map(math.isfinite, (vx, vy, omega))):
-            return pose
+        if abs(step) > LONGEST_STEP or not all(map(math.isfinite, (vx, vy, omega))):
+            return 0.0, 0.0, 0.0
         # Half of the turn before the way, and half of it after: a good chord of the arc.
         half = 0.5 * omega * step
         cos, sin = math.cos(half), math.sin(half)
-        moved = (step * (cos * vx - sin * vy), step * (sin * vx + cos * vy), 2.0 * half)
-        x, y, yaw = compose(pose, moved)
-        return float(x), float(y), float(yaw)
+        return step * (cos * vx - sin * vy), step * (sin * vx + cos * vy), 2.0 * half
 
     def speed(self) -> tuple[float, float, float]:
         """(vx, vy, omega) of the robot; zero when the location does not tell [m/s, rad/s]."""

@@ -22,6 +22,8 @@ TURNING = 0.1  # rad/s from which a command counts as a turn too
 KEEP_OUT, SPEED = "keep-out zone", "speed zone"  # what limits
 STEERED = "steered wheels"  # turn only while they drive
 SETTLE = 0.5  # s of zero commands after the last motion
+# m by which a car comes nearer than it is told to, until its wheels have turned to another curve.
+ROOM_TO_STEER = 0.05
 _NO_EDGES: NDArray[np.float64] = np.empty((0, 2))
 
 
@@ -140,10 +142,11 @@ class DriveGate:
     def set_limits(self, limits: GateLimits) -> None:
         """Judge by other limits from now on."""
         self._limits = limits
+        room = ROOM_TO_STEER if limits.motion.is_steered else 0.0
         self._zone = StopZone(
             limits.radius,
-            limits.critical_distance,
-            limits.slowdown_distance,
+            limits.critical_distance + room,
+            limits.slowdown_distance + room,
             max_decel=limits.velocity.vx.max_decel,
             footprint=limits.footprint,
             max_turn_decel=limits.velocity.omega.max_decel,
@@ -175,6 +178,13 @@ class DriveGate:
                 turn *= self._zone.factor(points, 0.0, 0.0, turn)
         turn = turn if abs(turn) >= TURNING else 0.0
         twist = STILL if given.stopped else self._twist(wanted, factor, turn, now)
+        if twist is not None and wanted and not turn and not _is_part_of(twist, wanted):
+            # The wheels cannot change to another curve at once: what they are told until then is
+            # neither the one that was judged nor the one before, and may lead elsewhere.
+            free, what = self._free(given, twist)
+            if free < 1.0:
+                twist = self._twist(twist, 0.0 if free < BLOCKED_BELOW else free, 0.0, now)
+                factor, limited_by = min(factor, free), limited_by or what
         if twist is not None:
             self._sent = twist
             if twist[0] or twist[1]:
@@ -210,17 +220,25 @@ class DriveGate:
             return factor, limited_by
         if limits.motion.is_steered and any(wanted) and not wanted[0]:
             return 0.0, STEERED
-        for points, what in (
-            (given.obstacles if limits.safety_stop else None, "obstacle"),
-            (given.edges, KEEP_OUT),
-        ):
-            free = 1.0 if points is None else self._zone.factor(points, *wanted)
-            if free < factor:
-                factor, limited_by = (0.0 if free < BLOCKED_BELOW else free), what
+        free, what = self._free(given, wanted)
+        if free < factor:
+            factor, limited_by = (0.0 if free < BLOCKED_BELOW else free), what
         speed = math.hypot(wanted[0], wanted[1])
         if speed * factor > given.fastest:
             factor, limited_by = given.fastest / speed, given.slowed_by
         return factor, limited_by
+
+    def _free(self, given: GateInput, twist: Twist2D) -> tuple[float, str]:
+        """Share of a twist that meets nothing, and what it would meet."""
+        free, what = 1.0, ""
+        for points, name in (
+            (given.obstacles if self._limits.safety_stop else None, "obstacle"),
+            (given.edges, KEEP_OUT),
+        ):
+            share = 1.0 if points is None else self._zone.factor(points, *twist)
+            if share < free:
+                free, what = share, name
+        return free, what
 
     def _twist(
         self, wanted: Twist2D | None, factor: float, turn: float, now: float
@@ -244,3 +262,8 @@ class DriveGate:
         if obstacles is None or self._direction is None or not limits.safety_stop:
             return False
         return self._zone.way(obstacles, self._direction) <= limits.critical_distance
+
+
+def _is_part_of(twist: Twist2D, whole: Twist2D) -> bool:
+    """Whether a twist is along the curve of another one."""
+    return bool(np.allclose(np.cross(twist, whole), 0.0, atol=1e-6))

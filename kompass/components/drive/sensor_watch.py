@@ -87,7 +87,10 @@ class SensorWatch:
             self._points_of, self.has_served = message, True
         if self._repeats.is_frozen:
             return None
-        return self._points if self._memory is None else self._with_remembered(now)
+        # It has moved on since: at 1 m/s by the braking distance of half a period of the scanner.
+        moved = self._location().moved_since(stamp_of(message))
+        points = transform_points(inverse(moved), self._points)
+        return points if self._memory is None else self._with_remembered(points, now)
 
     def looked_at(self, direction: float, width: float) -> bool:
         """Whether the scan that was read last has measured all of a sector; a cloud never has.
@@ -141,13 +144,13 @@ class SensorWatch:
         if pose is not None:
             self._memory.see(seen, pose, now)
 
-    def _with_remembered(self, now: float) -> Points:
+    def _with_remembered(self, points: Points, now: float) -> Points:
         """With what the cloud has shown near the robot, and its sensor does not see any more."""
         pose = self._location().pose()
         if self._memory is None or pose is None:
-            return self._points
+            return points
         remembered = transform_points(inverse(pose), self._memory.points(now))
-        return np.concatenate([self._points, remembered])
+        return np.concatenate([points, remembered])
 
     @staticmethod
     def _what(message: Any) -> str:
