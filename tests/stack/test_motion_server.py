@@ -315,7 +315,10 @@ def asked_on_its_topic(robot: TestedRobot) -> Callable[[], None]:
 
 
 def asked_by_its_action(robot: TestedRobot) -> Callable[[], None]:
-    return lambda: robot.begins(step=True) and None
+    def ask() -> None:
+        robot.begins(step=True)
+
+    return ask
 
 
 def asked_by_a_rule(robot: TestedRobot) -> Callable[[], None]:
