@@ -14,6 +14,7 @@ import numpy as np
 from kompass.algorithms.geometry import Floats, yaw_from_quaternion
 
 LARGEST = 20_000_000  # bytes
+LONGEST_NUMBER = 300  # digits; above 308 it is none that can be reckoned with
 
 
 class PathFileError(ValueError):
@@ -47,7 +48,7 @@ def load_path(path: Path) -> SavedPath:
         The file is missing, none of plain text, too large or no JSON, or a field is unusable.
     """
     try:
-        content = json.loads(_read(path))
+        content = json.loads(_read(path), parse_int=_whole)
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         raise PathFileError(f"{path}: is no JSON ({error}); give a nav_msgs/Path as JSON") from None
     poses = content.get("poses") if isinstance(content, dict) else None
@@ -58,6 +59,11 @@ def load_path(path: Path) -> SavedPath:
         raise PathFileError(f"{path}: header.frame_id: {_short(frame)}; give the name of a frame")
     rows = [_pose(path, pose, f"poses[{index}]") for index, pose in enumerate(poses)]
     return SavedPath(frame, np.array(rows, dtype=np.float64).reshape(-1, 3))
+
+
+def _whole(digits: str) -> int | float:
+    """A whole number; one of too many digits is infinite, and refused where it stands."""
+    return int(digits) if len(digits) <= LONGEST_NUMBER else float(digits)
 
 
 def _read(path: Path) -> str:

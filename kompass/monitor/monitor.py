@@ -170,7 +170,7 @@ class Monitor:
             self._processes.restart_if_stuck,
             channels,
         )
-        self._runner.interruptions = lambda: self._robot.interruptions
+        self._runner.people = self._robot.people
         publishers = self._runner.publishers
         self._runs = runs = Runs(self._runner.run, loop.ended, firings)
         inputs = RuleInputs(node, proxy.pass_on)

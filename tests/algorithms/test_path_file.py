@@ -51,6 +51,17 @@ def test_a_field_that_cannot_be_used_is_named(
         load_path(file)
 
 
+@pytest.mark.parametrize("digits", [309, 5000])  # more than a float, and than an int is read of
+def test_a_number_of_too_many_digits_is_named(tmp_path: Path, digits: int) -> None:
+    file = tmp_path / "long.json"
+    file.write_text(
+        f'{{"poses": [{{"pose": {{"position": {{"x": 1{"0" * digits}, "y": 2}}}}}}]}}',
+        encoding="utf-8",
+    )
+    with pytest.raises(PathFileError, match=r"position\.x: Infinity; give a finite number"):
+        load_path(file)
+
+
 def test_what_is_no_file_of_a_path_is_refused(tmp_path: Path) -> None:
     with pytest.raises(PathFileError, match="does not exist"):
         load_path(tmp_path / "none.json")

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from automatika_ros_sugar.srv import ExecuteMethod
 from geometry_msgs.msg import PoseStamped
-from kompass_interfaces.action import ControlPath
+from kompass_interfaces.action import ControlPath, PlanPath
 from kompass_interfaces.srv import ChangeZones
 from nav_msgs.msg import OccupancyGrid
 from nav_msgs.msg import Path as PathMessage
@@ -197,6 +197,15 @@ def test_a_path_that_something_stands_across_ends_stuck_with_the_reason(
         (LOOP, {"path_name": "/etc/hostname"}, "/etc/hostname: is no JSON"),
         (LOOP, {"path_source": TOPIC, "path_name": "/scan"}, "sensor_msgs/msg/LaserScan publishes"),
         (LOOP, {"path_source": TOPIC, "path_name": "/taught"}, "nobody publishes there"),
+        (
+            LOOP,
+            {"path_source": TOPIC, "path_name": "bad name!"},
+            "path_name = 'bad name!': Invalid",
+        ),
+        (LOOP, {"path_source": TOPIC, "path_name": "//"}, "path_name = '//': Invalid topic name"),
+        (LOOP, {"path_source": TOPIC, "path_name": "{me}"}, "as in '/taught'"),
+        ([(10**400, 0.0, 0.0), (2.0, 0.0, 0.0)], {}, "position.x: Infinity; give a finite"),
+        ([(-1e308, 0.0, 0.0), (1e308, 0.0, 0.0)], {}, "the path is inf m long; give at most"),
         ([(1.5, 0.0, 0.0), (2.0, 0.0, 0.0)], {}, "away from the path; drive to within 1 m"),
         (LOOP[:1], {}, "the path has 1 poses; give from 2"),
         ([LOOP[0], LOOP[0]], {}, "is 0.000 m long"),
@@ -210,6 +219,29 @@ def test_a_path_that_cannot_be_followed_is_refused_with_what_is_wrong(
 ) -> None:
     save_path(robot.paths / "path.json", poses)
     assert told in robot.is_refused(**{"path_source": FILE, "path_name": "path.json"} | goal)
+
+
+def test_a_goal_whose_pursuit_raises_has_not_arrived(
+    robot: FollowingRobot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever it is that nobody has thought of."""
+
+    def fail(*_: object) -> None:
+        raise RuntimeError("nobody thought of it")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("kompass.components.controller.controller.check_path", fail)
+        ended = robot.result(robot.follow_loop())
+        assert ended.status == ABORTED
+        assert ended.result.outcome == Outcome.OUTCOME_ERROR
+        assert "nobody thought of it" in ended.result.message
+    with monkeypatch.context() as patched:
+        patched.setattr("kompass.components.planner.planner.Planner._find", fail)
+        ended = robot.result(robot.send_goal(*AWAY))
+        assert ended.status == ABORTED
+        assert ended.result.outcome == PlanPath.Result.OUTCOME_ERROR
+        assert "nobody thought of it" in ended.result.message
+    assert robot.result(robot.follow_loop()).status == SUCCEEDED
 
 
 def test_a_path_in_another_frame_is_refused(robot: FollowingRobot) -> None:

@@ -18,10 +18,12 @@ from kompass.rules.schema.conditions import Received
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.signals import Signal
 from kompass.rules.schema.table import Rule, Table
+from kompass.virtual.network import Conditions
 from tests.support.hand import Hand
 from tests.support.rules import Rules
 from tests.support.tester import pose
 from tests.support.virtual_robot import VirtualRobot
+from tests.support.virtual_time import node_in
 
 ABORTED = 6
 HELD = 3.0  # s; who is held for longer is killed
@@ -192,6 +194,30 @@ def test_a_goal_of_a_rule_whose_server_was_away_when_stop_was_pressed_is_not_sen
         )
         wait_for(rules, "after the rule had fired")
         assert not asked
+
+
+@pytest.mark.parametrize("interrupt", [press_and_release, take_and_give])
+@pytest.mark.parametrize("under_way", [0.0, 1.0])  # s; the release is heard before or after it
+def test_a_rule_whose_event_waited_for_a_held_monitor_sets_nothing_in_motion(
+    under_way: float, interrupt: Callable[[VirtualRobot], None]
+) -> None:
+    with closing(VirtualRobot(table=when_told_to_go(GO))) as robot:
+        robot.ready()
+        go = node_in(robot.world, "door").create_publisher(Empty, "/go", 10)
+        robot.wait_for_listeners("/go", "monitor")
+        robot.world.network.set_conditions(Conditions(under_way, under_way), process="door")
+        assert stands(robot, 0.5)  # the monitor has heard of the drive manager
+        rules = Rules(robot)
+        robot.stack.stop("monitor")
+        go.publish(Empty())
+        robot.rest(0.2)
+        interrupt(robot)
+        robot.rest(0.2)
+        robot.stack.go_on("monitor")
+        assert stands(robot, HELD)
+        wait_for(rules, "not begun: STOP was pressed, or the wheel taken")
+        go.publish(Empty())
+        robot.wait_until(lambda: robot.speed > 0.1, 20, "motion for who fires anew")
 
 
 def test_a_goal_that_a_held_planner_takes_up_too_late_is_called_off() -> None:

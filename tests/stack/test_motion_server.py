@@ -15,7 +15,7 @@ from automatika_ros_sugar.srv import ExecuteMethod
 from kompass_interfaces.action import MotionRecording
 from std_msgs.msg import Bool, Empty, String
 
-from kompass.rules.schema.actions import CallService, Method
+from kompass.rules.schema.actions import Action, CallService, Method
 from kompass.rules.schema.conditions import Received
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.signals import Signal
@@ -275,21 +275,20 @@ def test_a_timed_one_keeps_the_newest_stretches_in_which_the_robot_moved(made: M
     assert len(list(folder.glob("*.csv"))) == 2
 
 
-SLOWLY = Table(
-    rules=(
-        Rule(
-            id="test",
-            source="recipe",
-            event=Event(
-                condition=Received(signal=Signal(topic="/test", type="std_msgs/msg/Empty"))
-            ),
-            actions=(
-                # Looked for, for two seconds.
-                CallService(service="/nobody", type="std_srvs/srv/Trigger", on_error="continue"),
-                Method(component="motion_server", method="run_test"),
-            ),
-        ),
-    )
+RUN = Method(component="motion_server", method="run_test")
+
+
+def when_told_to_test(*actions: Action) -> Table:
+    """A rule that does this when somebody says so on ``/test``."""
+    told = Received(signal=Signal(topic="/test", type="std_msgs/msg/Empty"))
+    rule = Rule(id="test", source="recipe", event=Event(condition=told), actions=actions)
+    return Table(rules=(rule,))
+
+
+AT_ONCE = when_told_to_test(RUN)
+# Looked for, for two seconds.
+SLOWLY = when_told_to_test(
+    CallService(service="/nobody", type="std_srvs/srv/Trigger", on_error="continue"), RUN
 )
 
 
@@ -306,4 +305,44 @@ def test_a_rule_that_fired_before_a_stop_begins_no_test_after_it(made: Make) -> 
     robot.rest(5.0)
     assert math.dist(at[:2], robot.truth[:2]) < 0.01
     asks.publish(Empty())
+    robot.is_moved_by_the_test()
+
+
+def asked_on_its_topic(robot: TestedRobot) -> Callable[[], None]:
+    asks = robot.node.create_publisher(Bool, "/run_tests", 10)
+    robot.wait_for_listeners("/run_tests", "motion_server")
+    return lambda: asks.publish(Bool(data=True))
+
+
+def asked_by_its_action(robot: TestedRobot) -> Callable[[], None]:
+    def ask() -> None:
+        robot.begins(step=True)
+
+    return ask
+
+
+def asked_by_a_rule(robot: TestedRobot) -> Callable[[], None]:
+    asks = robot.node.create_publisher(Empty, "/test", 10)
+    robot.wait_for_listeners("/test", "monitor")
+    return lambda: asks.publish(Empty())
+
+
+@pytest.mark.parametrize("way", [asked_on_its_topic, asked_by_its_action, asked_by_a_rule])
+def test_a_test_that_waited_for_a_held_motion_server_is_not_begun_after_the_release(
+    made: Make, way: Callable[[TestedRobot], Callable[[], None]]
+) -> None:
+    robot = made(settings="run_step_test=True, run_circle_test=False", table=AT_ONCE)
+    ask = way(robot)
+    robot.stack.stop("motion_server")
+    ask()
+    robot.rest(0.3)
+    assert robot.stop().success
+    robot.rest(0.3)
+    assert robot.release().success
+    at = robot.truth
+    robot.stack.go_on("motion_server")
+    robot.rest(4.0)
+    assert math.dist(at[:2], robot.truth[:2]) < 0.01
+    assert robot.logged("meanwhile; ask again") or robot.logged("a person pressed STOP")
+    ask()
     robot.is_moved_by_the_test()

@@ -178,7 +178,15 @@ class MainAction:
             self._handle = None
         if handle.is_active:
             handle.abort()
-        return _with_text(self._kind.Result(), f"{type(error).__name__}: {error}")
+        return failed_result(self._kind, error)
+
+
+def failed_result(kind: Any, error: Exception) -> Any:
+    """The result of a goal whose pursuit has raised: what went wrong, and never that it arrived."""
+    result = kind.Result()
+    if hasattr(kind.Result, "OUTCOME_ERROR"):
+        result.outcome = kind.Result.OUTCOME_ERROR
+    return _with_text(result, f"{type(error).__name__}: {error}")
 
 
 def _with_text(message: Any, text: str) -> Any:

@@ -23,6 +23,7 @@ from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_of, path_poses, quaternion_msg
 from kompass.components.base.location_source import LocationSource
+from kompass.components.base.main_interfaces import ACTION_HOOK, failed_result
 from kompass.components.base.people import People
 from kompass.components.base.seen import (
     MOST_SENSORS,
@@ -312,6 +313,21 @@ class Controller(Component):
 
     async def _execute(self, handle: ServerGoalHandle) -> ControlPath.Result:
         self.node.executor.create_task(self._server.expire_goals)
+        try:
+            result = await self._follow_for(handle)
+        except Exception as error:  # noqa: BLE001 - becomes the status, and the result
+            self.on_hook_error(ACTION_HOOK, error)
+            result = failed_result(ControlPath, error)
+            if self._pursued is not None and self._pursued.handle is handle:
+                self._end(result.outcome, result.message)
+            if handle.is_active:
+                handle.abort()
+        else:
+            self.on_hook_done(ACTION_HOOK)
+        return result
+
+    async def _follow_for(self, handle: ServerGoalHandle) -> ControlPath.Result:
+        """Follow the path of a goal to its end; how it ended."""
         try:
             poses = await self._path_of(handle.request)
         except NoPath as error:

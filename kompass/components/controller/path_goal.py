@@ -9,7 +9,9 @@ from kompass_interfaces.action import ControlPath
 from kompass_interfaces.msg import FollowPathRequest
 from nav_msgs.msg import Path
 from numpy.typing import NDArray
+from rclpy.exceptions import NameValidationException
 from rclpy.task import Future
+from rclpy.validate_topic_name import validate_topic_name
 
 from kompass.algorithms.geometry import Pose2D, wrap_angle
 from kompass.algorithms.path_file import PathFileError, load_path
@@ -59,13 +61,20 @@ class TopicPath:
     Raises
     ------
     NoPath
-        When nobody publishes a path there.
+        When that is no name of a topic, or nobody publishes a path there.
     """
 
     def __init__(self, node: Node, topic: str) -> None:
         self.message: Path | None = None
         self._node = node
-        name = node.resolve_topic_name(topic)
+        try:
+            validate_topic_name(topic)
+            name = node.resolve_topic_name(topic)
+        except (NameValidationException, ValueError) as error:
+            why = str(error).splitlines()[0]
+            raise NoPath(
+                f"path_name = {topic!r}: {why}; give letters, digits, '_' and '/', as in '/taught'"
+            ) from None
         infos = node.get_publishers_info_by_topic(name)
         kinds = sorted({info.topic_type for info in infos})
         if kinds != ["nav_msgs/msg/Path"]:
@@ -157,7 +166,8 @@ def check_path(poses: NDArray[np.float64], pose: Pose2D, zones: ZonesInForce) ->
     if not np.isfinite(poses).all():
         row = int(np.argmin(np.isfinite(poses).all(axis=1)))
         raise NoPath(f"pose {row} of the path is {poses[row].tolist()}; give finite numbers")
-    steps = np.hypot(*np.diff(poses[:, :2], axis=0).T)
+    with np.errstate(over="ignore"):  # then it is too long
+        steps = np.hypot(*np.diff(poses[:, :2], axis=0).T)
     if steps.sum() < STRIDE:
         raise NoPath(f"the path is {steps.sum():.3f} m long; give at least {STRIDE:g} m")
     if steps.sum() > STRIDE * MOST_POSES:

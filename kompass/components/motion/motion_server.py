@@ -18,6 +18,7 @@ from kompass.components.base.actions import component_action
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import pose_of, speed_of
+from kompass.components.base.people import People
 from kompass.components.base.ports import Input
 from kompass.components.base.robot_limits import velocity_limits
 from kompass.components.motion.config import MotionServerConfig
@@ -121,7 +122,8 @@ class MotionServer(Component):
         self._asked_for = ""  # what the recording is for; empty for those of a timed one
         self._gate: GateClient | None = None
         self._last_command: Triple = (0.0, 0.0, 0.0)
-        self._interruptions: int | None = None  # by people, as the drive manager counts them
+        self._people = People()
+        self._interrupted = False  # by people, since the test began
 
     def create_interfaces(self) -> None:
         self._fits = self.node.create_publisher(String, f"{self.node_name}/{FIT}", LATCHED.to_ros())
@@ -145,7 +147,8 @@ class MotionServer(Component):
     # -- inputs -------------------------------------------------------------------------------
 
     def _on_drive_state(self, state: DriveState) -> None:
-        self._interruptions = state.interruptions
+        if self._people.hear(state, self.clock.monotonic(), self.clock.wall()):
+            self._interrupted = True
 
     def _on_command(self, message: Any) -> None:
         twist = getattr(message, "twist", message)
@@ -219,11 +222,11 @@ class MotionServer(Component):
         legs = self._legs(step, circle)
         if not legs:
             return self.fails("no test is chosen; set run_step_test or run_circle_test")
-        problem = self._unheard()
+        problem = self._people.refusal(self.clock.monotonic()) or self._unheard()
         if problem:
             return self.fails(problem)
         name = self._own_name()
-        self._asked_for = "a test"
+        self._asked_for, self._interrupted = "a test", False
         try:
             problem = await self._drive(legs)
             recording, self._recording = self._recording, None
@@ -268,7 +271,6 @@ class MotionServer(Component):
         """Drive legs, recorded; why not all of them, or nothing."""
         gate = self._gate
         assert gate is not None
-        before = self._interruptions
         looked = await gate.call("room_for", ANSWER, legs=legs)
         if not looked.success:
             return looked.text
@@ -277,7 +279,7 @@ class MotionServer(Component):
         for number, (vx, vy, omega, seconds) in enumerate(legs, start=1):
             if not self.is_active:
                 return "the motion server was deactivated"
-            if self._interruptions != before:
+            if self._interrupted:
                 return "a person pressed STOP or took the wheel"
             driven = await gate.call(
                 "drive_leg", seconds + ANSWER, vx=vx, vy=vy, omega=omega, seconds=seconds

@@ -29,6 +29,7 @@ from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_of, path_msg, pose_of, quaternion_msg
 from kompass.components.base.location_source import LocationSource
+from kompass.components.base.main_interfaces import ACTION_HOOK, failed_result
 from kompass.components.base.seen import MOST_SENSORS, SENSOR_INPUTS, read_seen
 from kompass.components.base.zones_heard import ZonesHeard
 from kompass.components.planner.config import PlannerConfig, usable_planner
@@ -443,6 +444,22 @@ class Planner(Component):
 
     async def _execute(self, handle: ServerGoalHandle) -> PlanPath.Result:
         self.node.executor.create_task(self._server.expire_goals)
+        try:
+            result = await self._pursue(handle)
+        except Exception as error:  # noqa: BLE001 - becomes the status, and the result
+            self.on_hook_error(ACTION_HOOK, error)
+            result = failed_result(PlanPath, error)
+            if self._handle is handle:
+                self._end(GoalOutcome.ERROR, result.message)
+                self._handle = self._ended = None
+            if handle.is_active:
+                handle.abort()
+        else:
+            self.on_hook_done(ACTION_HOOK)
+        return result
+
+    async def _pursue(self, handle: ServerGoalHandle) -> PlanPath.Result:
+        """Pursue a goal to its end; how it ended."""
         if fault := goal_fault(handle.request):
             handle.abort()
             refused = int(GoalOutcome.REFUSED)

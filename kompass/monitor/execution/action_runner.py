@@ -28,6 +28,7 @@ from kompass.access.signed_services import SIGNED_CALL, unwrap, wrap
 from kompass.access.signer import MOST_CALLS, Signer
 from kompass.bus.node import ActionClient, Executor, Node
 from kompass.channel.channels import Channels
+from kompass.components.base.people import People
 from kompass.monitor.execution.component_channels import ComponentChannels
 from kompass.monitor.execution.publishers import Listeners, Publishers
 from kompass.monitor.execution.service_refusal import refusal
@@ -52,6 +53,11 @@ from kompass.store.robot_key import robot_key
 MATCH = 0.5  # s for which a message waits for those who listen
 LINGER = 0.1  # s for which a publisher that goes again stays, to deliver
 INTERRUPTED = "not begun: STOP was pressed, or the wheel taken, after the rule had fired"
+# What came first cannot be told from a message.
+MISSED = (
+    "not begun: STOP was pressed, or the wheel taken, while the monitor was held up; have the rule "
+    "fire again if it is wanted"
+)
 _GO = frozenset({"trigger_main_action_server", "run_test"})  # methods that move it
 _GOALS = ("geometry_msgs/msg/PointStamped", "geometry_msgs/msg/PoseStamped")
 SEARCH = 2.0  # s in which a service or an action server must show up
@@ -110,12 +116,11 @@ class ActionRunner:
     start_mission
         Begins a mission: takes its name, who wants it, and what to call, on any thread, with why it
         did not begin (empty when it did). None where nobody keeps missions.
-    interruptions
-        How often people pressed STOP or took the wheel; None when that is not known.
+    people
+        What people did by STOP and the wheel; they did nothing where nobody tells.
     """
 
     start_mission: StartMission | None = None
-    interruptions: Callable[[], int | None] = staticmethod(lambda: None)
 
     def __init__(
         self,
@@ -130,6 +135,7 @@ class ActionRunner:
         channels: Channels | None = None,
     ) -> None:
         self._node, self._clock = node, node.clock
+        self.people = People()
         self._alarms = alarms
         self._permissions = permissions
         self.publishers = Publishers(node, permissions, functions)
@@ -206,7 +212,7 @@ class ActionRunner:
             Takes the outcome of each action when it has ended.
         """
         # Who has not heard yet counts as one who heard of none: better too careful.
-        error, before = "", self.interruptions() or 0
+        error, before = "", self.people.interruptions or 0
         for action in firing.actions:
             began = self._clock.monotonic()
             try:
@@ -234,10 +240,16 @@ class ActionRunner:
                 return action.type in _GOALS
         return False
 
-    def _check_uninterrupted(self, before: int) -> None:
+    async def _check_uninterrupted(self, before: int) -> None:
         """Set nothing in motion that was asked for before people stopped the robot."""
-        if (self.interruptions() or 0) > before:
+        up_to_date = lambda: self.people.is_up_to_date(self._clock.monotonic())  # noqa: E731
+        # Past a drive manager that tells nothing, nothing moves.
+        with suppress(TimeoutError):
+            await self._awaitables.until(up_to_date, SEARCH, "what the drive manager tells")
+        if (self.people.interruptions or 0) > before:
             raise Failed(INTERRUPTED)
+        if self.people.were_missed(self._clock.monotonic()):
+            raise Failed(MISSED)
 
     async def _perform(self, action: kinds.Action, firing: Firing, before: int) -> str:
         self._check_permitted(action, firing)
@@ -322,7 +334,7 @@ class ActionRunner:
     ) -> str:
         """One of the kinds that are data; ``made`` are arguments from a parser."""
         if self._moves(action):
-            self._check_uninterrupted(before)
+            await self._check_uninterrupted(before)
 
         def arguments(data: Mapping[str, Any]) -> dict[str, Any]:
             return resolve(data, firing.message, firing.messages)
@@ -525,7 +537,7 @@ class ActionRunner:
         except TimeoutError:
             self._check_type(kind, "action", action.action)
             raise
-        self._check_uninterrupted(before)
+        await self._check_uninterrupted(before)
         sent = client.send_goal_async(goal)
         try:
             handle = await self._awaitables.result(sent, SEARCH, f"no answer from {action.action}")

@@ -13,6 +13,7 @@ from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
 from kompass.bus.node import Node
+from kompass.components.base.people import People
 from kompass.components.planner.goal_reports import GOAL_REPORTS, REPORTS
 from kompass.invalid import first_invalid
 from kompass.monitor.introspection.catalog import RecipeCatalog, status_topics
@@ -42,8 +43,8 @@ class RobotWatch:
 
     Attributes
     ----------
-    interruptions
-        How often people pressed STOP or took the wheel; None as long as nobody has told.
+    people
+        What people did by STOP and the wheel.
     """
 
     def __init__(
@@ -57,7 +58,7 @@ class RobotWatch:
         self._health, self._drive = HealthObserver(), DriveObserver()
         self._goals, self._processes = GoalObserver(), ProcessObserver()
         self._newest: dict[str, bytes] = {}
-        self.interruptions: int | None = None
+        self.people = People()
         for component in catalog.components():
             topic, _ = status_topics(component)
             node.create_subscription(
@@ -98,7 +99,7 @@ class RobotWatch:
         self._tell(self._health.says(component, said, self._clock.wall(), lost))
 
     def _on_drive(self, message: DriveState) -> None:
-        self.interruptions = int(message.interruptions)
+        self.people.hear(message, self._clock.monotonic(), self._clock.wall())
         said = DriveSaid(
             bool(message.stopped),
             str(message.stopped_by),
