@@ -78,7 +78,7 @@ async def sketch_zone(body: ZoneSketch, session: Operator, console: CurrentConso
             return _drawn(console, corners, "This is above the horizon; press the floor.")
         start, end = found
         corners += _rectangle(start, end) if not corners else [end or start]
-    corners = [(round(x, 3), round(y, 3)) for x, y in corners]
+    corners = [(round(x, 6), round(y, 6)) for x, y in corners]
     if body.view is not None and console.views.get(body.view, session) is not None:
         console.scene.preview(body.view, _outline(corners))
     here = await map_of_now(console)

@@ -49,7 +49,7 @@ def zone_segments(zone: ZoneMark) -> Vertices:
 
 def zone_label(zone: ZoneMark) -> str:
     """The name of a zone, and what it asks for."""
-    return f"{zone.name}: keep out" if zone.speed is None else f"{zone.name}: {zone.speed:g} m/s"
+    return f"{zone.name}: keep out" if zone.speed is None else f"{zone.name}: {zone.speed:.2g} m/s"
 
 
 class ZoneNodes:

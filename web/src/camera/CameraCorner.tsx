@@ -37,9 +37,10 @@ export function CameraCorner({ tool, covered }: Props) {
 }
 
 function Camera({ tool, topics, covered }: Props & { topics: string[] }) {
-  const [chosen, setChosen] = useState<string | null>(null);
-  // One that was looked at stays: its driver may be restarting.
-  const topic = chosen ?? topics[0] ?? null;
+  const [topic, setTopic] = useState<string | null>(null);
+  // The first one that is there; and it stays: its driver may be restarting, and who steers by the
+  // picture is not shown another one.
+  if (topic === null && topics[0] !== undefined) setTopic(topics[0]);
   const listed = topic === null || topics.includes(topic) ? topics : [topic, ...topics];
   const feed = useCameraFeed(topic, tool.large, !covered);
   const { text, stale } = pictureAge(feed.age, feed.waited);
@@ -60,7 +61,7 @@ function Camera({ tool, topics, covered }: Props & { topics: string[] }) {
             data-testid="camera-choice"
             data={listed}
             value={topic ?? ""}
-            onChange={(event) => setChosen(event.currentTarget.value)}
+            onChange={(event) => setTopic(event.currentTarget.value)}
           />
         ) : (
           <span className={classes.name}>{topic ?? t("Camera")}</span>

@@ -156,7 +156,7 @@ export const DRIVE = {
   "Too little of what the robot sees is on the map to compare them.":
     "Zu wenig von dem, was der Roboter sieht, ist auf der Karte.",
   "The robot may not be where it thinks. Set its place: the tool Locate, or O.":
-    "Der Roboter ist vielleicht nicht, wo er glaubt. Setzen Sie seinen Ort: mit Orten, oder O.",
+    "Der Roboter ist vielleicht nicht, wo er glaubt. Setzen Sie seinen Ort: mit dem Werkzeug „Orten“ (O).",
 
   // Measuring
   "Press two points of the floor, or drag.": "Drücken Sie zwei Punkte am Boden, oder ziehen Sie.",

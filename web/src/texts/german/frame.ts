@@ -81,7 +81,7 @@ export const FRAME = {
   "Goal tool on or off": "Ziel ein oder aus",
   "Locate tool on or off: say where the robot is": "Orten ein oder aus: sagen, wo der Roboter ist",
   "Measure tool on or off: how far it is": "Messen ein oder aus: wie weit es ist",
-  "Go or Set, when the card shows it": "Fahren oder Setzen, wenn die Karte es zeigt",
+  "Go or Set, when the card shows it": "Fahren oder Setzen, wenn das Kärtchen es zeigt",
   "Drop the goal, place or points, then leave the tool":
     "Ziel, Ort oder Punkte verwerfen, dann das Werkzeug verlassen",
   "Drive by hand: the panel; with the wheel W A S D or the arrows, Esc gives it up":
@@ -93,7 +93,7 @@ export const FRAME = {
   "A point; the robot chooses its heading": "Ein Punkt; die Richtung wählt der Roboter",
   "Press, drag, release": "Drücken, ziehen, loslassen",
   "A point with the heading of the drag": "Ein Punkt mit der gezogenen Richtung",
-  "The same, Locate tool on": "Dasselbe, mit Orten",
+  "The same, Locate tool on": "Dasselbe, mit dem Werkzeug „Orten“",
   "Where the robot is, and which way it looks": "Wo der Roboter ist und wohin er blickt",
   "Taps, Measure tool on": "Mehrmals tippen, mit Messen",
   "How far it is from one to the next": "Wie weit es von einem zum nächsten ist",

@@ -109,7 +109,7 @@ export const SAID: Readonly<Record<string, string>> = {
   "Check the robot's localization, then send the goal again.":
     "Prüfen Sie die Lokalisierung des Roboters, dann senden Sie das Ziel erneut.",
   "Move the robot into the open, then send the goal again.":
-    "Bringen Sie den Roboter ins Freie, dann senden Sie das Ziel erneut.",
+    "Bringen Sie den Roboter auf freie Fläche, dann senden Sie das Ziel erneut.",
   "Start the robot's program, or look at the planner's health.":
     "Starten Sie das Programm des Roboters, oder sehen Sie nach dem Zustand des Planers.",
   "Choose another point.": "Wählen Sie einen anderen Punkt.",
