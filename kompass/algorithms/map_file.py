@@ -202,5 +202,9 @@ def _read_image(path: Path, name: object) -> tuple[NDArray[np.uint8], NDArray[np
         raise MapFileError(
             f"{path}: image: {file} does not exist; paths are relative to the YAML file"
         ) from error
+    except Image.DecompressionBombError as error:
+        raise MapFileError(
+            f"{path}: image: {file} has too many pixels to be read; cut it, or draw it coarser"
+        ) from error
     except (UnidentifiedImageError, OSError) as error:
         raise MapFileError(f"{path}: image: {file} is no readable image ({error})") from error

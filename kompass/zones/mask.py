@@ -35,7 +35,9 @@ _NAV2: dict[object, Kind] = {0: "keep_out", 1: "speed_percent", 2: "speed"}
 
 def _kind(given: object) -> object:
     """Nav2's number of a kind of filter is taken, too."""
-    return _NAV2.get(given, given) if isinstance(given, int) else given
+    # True is the number 1, but says nothing of a kind.
+    is_number = isinstance(given, int) and not isinstance(given, bool)
+    return _NAV2.get(given, given) if is_number else given
 
 
 class Mask(Settings):

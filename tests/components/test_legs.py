@@ -64,6 +64,7 @@ def test_only_what_the_robot_can_is_driven() -> None:
         ([[0.1, 0.0, 0.0, 1.0], [0.5, 0.0, 0.0, 1.0]], "leg 2: vx = 0.5 is beyond the robot's 0.4"),
         ([[0.1, 0.0, 0.0, 61.0]], "seconds = 61"),
         ([[0.0, 0.0, 0.0, 60.0]] * 6, "take 360 s"),
+        ([[0.0, 0.0, 0.0, 0.01]] * 41, "there are 41 legs; give at most 40"),
     ],
 )
 def test_what_is_no_leg_is_refused(rows: list[list[float]], told: str) -> None:

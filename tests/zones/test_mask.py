@@ -135,6 +135,7 @@ def test_a_scaled_image_has_values_in_proportion_and_is_unknown_where_it_is_clea
         (".#.", {"kind": "speed_percent", "multiplier": 2.0}, "comes to 200 %"),
         (".#.", {"file": "none.yaml"}, "file = 'none.yaml' cannot be read: No such file"),
         (".#.", {"kind": "lanes"}, "keep_out"),
+        (".#.", {"kind": True}, "keep_out"),
     ],
 )
 def test_a_mask_that_cannot_be_meant_is_refused(
@@ -149,6 +150,17 @@ def test_an_image_that_is_none_is_refused(tmp_path: Path) -> None:
     file = mask_file(tmp_path, ".#.", 0.5, ORIGIN)
     file.with_suffix(".png").write_text("no picture", encoding="utf-8")
     with pytest.raises(ValidationError, match="is no readable image"):
+        Mask(file=str(file))
+
+
+def test_an_image_that_says_it_is_huge_is_refused_with_the_name_of_its_mask(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "huge.pgm").write_bytes(b"P5\n100000 100000\n255\n")
+    file = tmp_path / "mask.yaml"
+    file.write_text("image: huge.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n", encoding="utf-8")
+    told = r"file = '.*mask\.yaml': .*huge\.pgm has too many pixels to be read; cut it"
+    with pytest.raises(ValidationError, match=told):
         Mask(file=str(file))
 
 

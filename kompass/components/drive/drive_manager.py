@@ -920,7 +920,7 @@ class DriveManager(Component):
         Parameters
         ----------
         legs
-            Rows of (vx, vy, omega, seconds) [m/s, m/s, rad/s, s].
+            At most 40 rows of (vx, vy, omega, seconds) [m/s, m/s, rad/s, s].
         """
         return self._room_for(self._read_legs("room_for", legs))
 

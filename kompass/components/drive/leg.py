@@ -18,6 +18,7 @@ from kompass.components.drive.command_queue import Twist2D
 
 LONGEST_LEG = 60.0  # s
 LONGEST_LEGS = 300.0  # s, of all that are looked at together
+MOST_LEGS = 40  # to look at more holds up the wheels
 LATE = 0.3  # s that a base may go on after a leg, before it brakes
 STRIDE = 0.03  # m or rad between two poses that are looked at
 MOST_POSES = 2000
@@ -57,8 +58,11 @@ def read_legs(legs: Sequence[Sequence[float]], limits: VelocityLimits) -> list[L
     Raises
     ------
     ValueError
-        A row is no leg, faster than the robot may be, or takes too long; names it and the remedy.
+        There are too many, or a row is no leg, faster than the robot may be, or takes too long;
+        names it and the remedy.
     """
+    if len(legs) > MOST_LEGS:
+        raise ValueError(f"there are {len(legs)} legs; give at most {MOST_LEGS}")
     read = []
     axes = {"vx": limits.vx, "vy": limits.vy, "omega": limits.omega}
     for number, row in enumerate(legs, start=1):
