@@ -305,8 +305,8 @@ def test_on_the_way_to_another_curve_what_is_on_that_way_counts() -> None:
     # Sharply to the left is free at once, and straight on it would still be driven.
     post = np.array([[0.3, -0.02]])
     sharply = known((0.4, 0.0, 1.5), obstacles=post)
-    assert gate._zone.factor(post, *sharply.wanted) == 1.0  # type: ignore[misc]
-    assert gate._zone.factor(post, 0.4, 0.0, 0.0) < 0.5
+    quick = VelocityLimits(vx=Limits(0.5, 2.0, 2.0), omega=Limits(1.5, 99.0, 99.0))
+    assert DriveGate(limits(velocity=quick)).judge(sharply, 0.0).limited_by == ""
     verdict = gate.judge(sharply, 20 * PERIOD)
     assert verdict.limited_by == "obstacle"
     assert verdict.twist

@@ -966,8 +966,8 @@ class DriveManager(Component):
         if points is None:
             return self.fails("there is no scan to measure the room by")
         turns = any(leg.twist[2] and not any(leg.twist[:2]) for leg in legs)
-        if turns and robot.model_type is RobotType.ACKERMANN:
-            return self.fails("a robot with steered wheels cannot turn on the spot")
+        if turns and robot.turning_radius > 0:
+            return self.fails(NO_TURN)
         poses = swept(legs, velocity_limits(robot))
         reach = float(np.hypot(poses[:, 0], poses[:, 1]).max()) + robot.radius
         if self._zones.now:

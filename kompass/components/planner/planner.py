@@ -30,6 +30,7 @@ from kompass.components.base.component_config import ComponentRunType
 from kompass.components.base.convert import grid_of, path_msg, pose_of, quaternion_msg
 from kompass.components.base.location_source import LocationSource
 from kompass.components.base.main_interfaces import ACTION_HOOK, failed_result
+from kompass.components.base.people import People
 from kompass.components.base.seen import MOST_SENSORS, SENSOR_INPUTS, read_seen
 from kompass.components.base.zones_heard import ZonesHeard
 from kompass.components.planner.config import PlannerConfig, usable_planner
@@ -67,9 +68,6 @@ SET_OFF = 4.0  # s that a robot has to set off on a path that was planned to hel
 FIRST_SCAN = 1.0  # s in which one must come, where the planner begins to look
 MOST_NAMED = 3  # keep-out zones in one sentence
 RETRY = 1.0  # s from finding no way to looking again
-LATE = 0.25  # s from when something was said to when it is heard, for whoever was held meanwhile
-# s after it was held in which goals that waited meanwhile are still handed to it.
-HELD_OVER = 1.0
 NEWER = "A newer goal took over."
 STRAYED = 0.5  # m
 # A car is led along curves a little wider than its tightest one, so that it can steer back to them.
@@ -158,9 +156,8 @@ class Planner(Component):
         self._handle: ServerGoalHandle | None = None
         self._ended: Future | None = None
         self._turn = 0
-        self._stopped = self._driven = self._because = ""
-        self._interruptions: int | None = None  # by people, as the drive manager counts them
-        self._missed = -math.inf  # when it was found that one began and ended unnoticed
+        self._people = People()
+        self._because = ""
         self._standstill = Standstill()
         self._scout: LiveMap | None = None  # looks while a goal is hindered, if nothing else does
         self._found: Hindrance | None = None
@@ -356,29 +353,19 @@ class Planner(Component):
         self._take_seen_in()
 
     def _on_drive_state(self, state: DriveState) -> None:
-        self._stopped = f"{state.stopped_by} pressed STOP" if state.stopped else ""
+        people = self._people
+        over = people.hear(state, self.clock.monotonic(), self.clock.wall())
         self._moved_by, self._held_by = state.manoeuvre, state.limited_by
         held = state.limited_by
         self._because = f"; the drive manager holds the robot back: {held}" if held else ""
-        if self._stopped:
-            self._end(GoalOutcome.STOPPED, f"Stopped: {self._stopped}.")
-        self._driven = f"{state.driven_by} drives by hand" if state.driven_by else ""
-        if self._driven:
+        if people.stopped:
+            self._end(GoalOutcome.STOPPED, f"Stopped: {people.stopped}.")
+        elif people.driven:
             self._end(GoalOutcome.PREEMPTED, f"Driven by hand: {state.driven_by} took the wheel.")
-        before, self._interruptions = self._interruptions, state.interruptions
-        if before in (None, state.interruptions):
-            return
-        if not (self._stopped or self._driven) or self._age_of(state) > LATE:
-            self._missed = self.clock.monotonic()
-        if not (self._stopped or self._driven):
+        elif over:
             # It began and ended while this process was held.
             told = "Stopped: somebody pressed STOP, or took the wheel, while the planner was held."
             self._end(GoalOutcome.STOPPED, told)
-
-    def _age_of(self, state: DriveState) -> float:
-        """How long ago it was said [s]."""
-        said = state.header.stamp
-        return float(self.clock.wall() - said.sec - 1e-9 * said.nanosec)
 
     def _on_goal_message(self, message: Any) -> None:
         """A goal on a topic: pursued here, or sent to our own action, where all can follow it."""
@@ -492,17 +479,17 @@ class Planner(Component):
         self._goal_id = f"{self.node_name} {int(1e6 * self.clock.wall())}"
         self._report(self._pursued)
         self._tell_hindrance(None)
-        if self._stopped:
-            self._end(
-                GoalOutcome.STOPPED, f"{self._stopped}; a person must release it before a new goal."
-            )
+        people = self._people
+        if people.stopped:
+            told = f"{people.stopped}; a person must release it before a new goal."
+            self._end(GoalOutcome.STOPPED, told)
             return
-        if self._driven:
-            told = f"{self._driven}; the wheel must be given up before a new goal."
+        if people.driven:
+            told = f"{people.driven}; the wheel must be given up before a new goal."
             self._end(GoalOutcome.REFUSED, told)
             return
         now = self.clock.monotonic()
-        if now - self._missed < HELD_OVER:
+        if people.were_missed(now):
             # It may have been asked for before; what came first cannot be told from the goal.
             told = "STOP was pressed, or the wheel taken, and given up again while the planner was"
             self._end(GoalOutcome.STOPPED, f"{told} held; send the goal again if it is wanted.")
