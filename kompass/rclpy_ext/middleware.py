@@ -16,6 +16,11 @@ is lost, and they answer once. Whoever comes late then hears of them only when t
 they are there, which all profiles with multicast have them do each second instead of each third. A
 program that was started anew is back that much sooner. By unicast, as the middleware has it for one
 machine, a word to all is 32 packets; so it is multicast on loopback, where that works.
+
+Between participants of one process it passes words by direct calls, and loses some for good: of two
+participants, one did not hear of a subscription that the other made later (two tries in five, with
+seven such processes at a time; each time, with only the builtin words sent over UDP; over UDP
+throughout, none of 77). So all profiles have it use the transport there too.
 """
 
 import hashlib

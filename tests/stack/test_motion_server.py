@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from automatika_ros_sugar.msg import ComponentStatus
 from automatika_ros_sugar.srv import ExecuteMethod
 from kompass_interfaces.action import MotionRecording
 from std_msgs.msg import Bool, Empty, String
@@ -45,12 +46,7 @@ class TestedRobot(VirtualRobot):
         self.subscribe(String, "/motion_server/fit", LATCHED)
         self._recorder = self.action_client(MotionRecording, "/motion_server/motion_recording")
         self.ready()
-        self.wait_until(lambda: self.asks("room_for", legs=[[0.0, 0.0, 0.0, 1.0]]), 20, "a scan")
-
-    def asks(self, action: str, **kwargs: object) -> bool:
-        """Whether the drive manager succeeds in an action."""
-        request = ExecuteMethod.Request(name=action, kwargs_json=json.dumps(kwargs))
-        return bool(self.call(ExecuteMethod, "/drive_manager/execute_method", request).success)
+        self.can_be_tested()
 
     def begins(self, **kwargs: object) -> Callable[[], Any]:
         """Ask for a test; gives its answer once it is there."""
@@ -180,12 +176,31 @@ def test_a_goal_ends_a_test_and_is_reached(made: Make) -> None:
     assert robot.result(handle, 60).status == SUCCEEDED
 
 
+def test_what_a_test_lacks_is_told_before_one_is_asked_for(tmp_path: Path) -> None:
+    recipe = motion_recipe(tmp_path, PERIOD)
+    text = recipe.read_text(encoding="utf-8")
+    wired = 'motion.inputs(command=driver.get_out_topic("robot_command"))'
+    assert wired in text
+    recipe.write_text(
+        text.replace(wired, 'motion.inputs(command=Topic(name="/wheels", msg_type="Twist"))')
+    )
+    with closing(VirtualRobot(recipe)) as robot:
+        robot.subscribe(ComponentStatus, "/motion_server/status", LATCHED)
+        told = "nobody publishes on /wheels, where commands to the wheels are to be heard"
+        status = "/motion_server/status"
+        robot.wait_until(
+            lambda: status in robot.newest and robot.newest[status].msg.endswith(told), 20, told
+        )
+
+
 def test_without_room_nothing_moves_and_the_room_is_told(made: Make) -> None:
     robot = made()
     at = robot.truth
     robot.fault("way_blocked")
     robot.wait_until(
-        lambda: not robot.asks("room_for", legs=[[0.11, 0.0, 0.0, 4.0]]), 10, "a scan of the wall"
+        lambda: not robot.drive_manager_does("room_for", legs=[[0.11, 0.0, 0.0, 4.0]]),
+        10,
+        "a scan of the wall",
     )
     answer = robot.tests(step=True, circle=False)
     assert "there is no room: the legs reach" in answer.error_msg

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
+from automatika_ros_sugar.msg import ComponentStatus
+from automatika_ros_sugar.srv import ExecuteMethod
 from geometry_msgs.msg import PointStamped, Pose, PoseStamped, Twist
 from kompass_interfaces.action import PlanPath
 from kompass_interfaces.msg import DriveState
@@ -12,6 +15,7 @@ from kompass_interfaces.srv import CheckGoal, ReleaseStop, SetFault, StopRobot
 from nav_msgs.msg import Odometry
 from std_msgs.msg import UInt32
 
+from kompass.components.base.health import HEALTHY_TEXT
 from kompass.rclpy_ext.reply import NoAnswer
 from tests.support.client import LATCHED, Client
 
@@ -46,6 +50,24 @@ class Tester(Client):
 
         self.wait_until(lambda: "/simulator/ground_truth" in self.newest, 20, "the robot's pose")
         self.wait_until(plans, 20, "a planner with map and pose")
+
+    def drive_manager_does(self, action: str, **kwargs: object) -> bool:
+        """Whether the drive manager succeeds in an action."""
+        request = ExecuteMethod.Request(name=action, kwargs_json=json.dumps(kwargs))
+        return bool(self.call(ExecuteMethod, "/drive_manager/execute_method", request).success)
+
+    def can_be_tested(self) -> None:
+        """Wait until the drive manager has measured the room, and the motion server hears all."""
+        self.subscribe(ComponentStatus, "/motion_server/status", LATCHED)
+        self.wait_until(
+            lambda: self.drive_manager_does("room_for", legs=[[0.0, 0.0, 0.0, 1.0]]), 20, "a scan"
+        )
+        status = "/motion_server/status"
+        self.wait_until(
+            lambda: status in self.newest and self.newest[status].msg == HEALTHY_TEXT,
+            20,
+            "what it records",
+        )
 
     def check(self, x: float, y: float) -> CheckGoal.Response:
         """Ask whether a point could be reached."""

@@ -178,7 +178,9 @@ class MotionServer(Component):
         location = self.input("location")
         topic = f"/{location.topic.name}"
         if location.age() <= SILENCE:
-            self.health.set_healthy(f"{self._asked_for} is under way" if self._asked_for else "")
+            self.health.set_healthy(
+                f"{self._asked_for} is under way" if self._asked_for else self._unheard()
+            )
         elif self.awaits(location):
             self.health.set_healthy(f"waiting for {topic}")
         else:
