@@ -6,6 +6,7 @@ import uuid
 from collections.abc import Generator, Iterator
 
 import pytest
+from hypothesis import settings
 
 from kompass.rclpy_ext.middleware import prepare_middleware
 from kompass.store.robot_key import GIVEN
@@ -18,6 +19,11 @@ from tests.support.tester import Tester
 
 # Inherited by everything that a test starts, so that orphans can be told from strangers.
 MARK = f"KOMPASS_TEST_RUN={uuid.uuid4().hex}"
+
+
+# A busy machine takes its time for an example, too; that decides nothing.
+settings.register_profile("untimed", parent=settings.default, deadline=None)
+settings.load_profile("untimed")
 
 
 def pytest_configure() -> None:

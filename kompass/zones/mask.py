@@ -1,7 +1,7 @@
 """Masks: images of where the robot must not be, or is slower, as Nav2's costmap filters read them.
 
-A mask is one of the recipe's, and stays what its file was when the stack came up; people draw
-zones.
+A mask is one of the recipe's, and stays what its files were when it was made, whatever becomes of
+them: a program that is started again keeps to the same floor as all others. People draw zones.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from scipy.ndimage import label
 
 from kompass.algorithms.geometry import Floats
@@ -58,6 +58,7 @@ class Mask(Settings):
     base: float = Field(default=0.0, ge=-1e4, le=1e4, description="of speeds")
     multiplier: float = Field(default=1.0, ge=-1e4, le=1e4, description="of speeds")
     name: str = Field(default="", max_length=60, description="for people; the file's unless given")
+    _grid: Grid | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
     def _is_readable(self) -> Self:
@@ -66,6 +67,7 @@ class Mask(Settings):
                 f"base = {self.base:g}, multiplier = {self.multiplier:g} are of speeds; leave them "
                 "out of a keep-out mask"
             )
+        self._grid = self._read()
         self.in_force(FASTEST)
         return self
 
@@ -76,10 +78,17 @@ class Mask(Settings):
 
     def in_force(self, top_speed: float) -> MaskInForce:
         """What it forbids a robot of a top speed [m/s]; raises as the making of a mask."""
+        grid = self._grid
+        assert grid is not None
+        if self.kind == "keep_out":
+            return MaskInForce(self.title, grid, _barred(self.file, grid))
+        speeds = self._speeds(grid, top_speed)
+        return MaskInForce(self.title, grid, np.isfinite(speeds), speeds, top_speed)
+
+    def _read(self) -> Grid:
         path = Path(self.file).expanduser().absolute()
         try:
-            stat = path.stat()
-            grid = _read(path, stat.st_mtime_ns)
+            grid = _read(path, path.stat().st_mtime_ns)
         except OSError as error:
             raise ValueError(f"file = {self.file!r} cannot be read: {error.strerror}") from None
         except MapFileError as error:
@@ -88,10 +97,7 @@ class Mask(Settings):
             raise ValueError(
                 f"file = {self.file!r} has {grid.cells.size} cells; at most {MOST_CELLS} are read"
             )
-        if self.kind == "keep_out":
-            return MaskInForce(self.title, grid, _barred(self.file, grid))
-        speeds = self._speeds(grid, top_speed)
-        return MaskInForce(self.title, grid, np.isfinite(speeds), speeds, top_speed)
+        return grid
 
     def _speeds(self, grid: Grid, top_speed: float) -> Floats:
         """The most speed in each cell (H, W) [m/s]; infinite where nothing is said."""

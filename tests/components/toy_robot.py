@@ -25,6 +25,7 @@ class ToyRobot:
         self.turned = 0.0
         self.wheels_blocked = False
         self.scans = True
+        self.ticks_of_scan = 5
         self.odometry = True
         self.worsen: Callable[[Odometry], object] = lambda _odometry: None  # before it is sent
         self.commands: list[tuple[float, float]] = []
@@ -32,7 +33,7 @@ class ToyRobot:
         self._ticks = 0
         self._clock = alive.clock
         self._last = self._clock.monotonic()
-        node = alive.node
+        self._node = node = alive.node
         node.create_subscription(Twist, "/cmd_vel", self._on_command, 10)
         self._odometry = node.create_publisher(Odometry, "/odom", 10)
         self._scan = node.create_publisher(LaserScan, "/scan", qos_profile_sensor_data)
@@ -64,6 +65,7 @@ class ToyRobot:
         if self.odometry:
             message = Odometry()
             message.header.frame_id = "map"
+            message.header.stamp = self._node.get_clock().now().to_msg()
             message.pose.pose.position.x, message.pose.pose.position.y = self.x, self.y
             message.pose.pose.orientation.z = math.sin(self.yaw / 2)
             message.pose.pose.orientation.w = math.cos(self.yaw / 2)
@@ -71,12 +73,13 @@ class ToyRobot:
             self.worsen(message)
             self._odometry.publish(message)
         self._ticks += 1
-        if self.scans and self._ticks % 5 == 0:
+        if self.scans and self._ticks % self.ticks_of_scan == 0:
             self._scan.publish(self.make_scan())
 
     def make_scan(self) -> LaserScan:
         scan = LaserScan(range_min=0.05, range_max=3.5)
         scan.header.frame_id = "base_link"
+        scan.header.stamp = self._node.get_clock().now().to_msg()
         scan.angle_min, scan.angle_increment = -math.pi, 2 * math.pi / RAYS
         angles = self.yaw - math.pi + 2 * math.pi / RAYS * np.arange(RAYS)
         ranges = np.full(RAYS, math.inf)

@@ -99,6 +99,22 @@ def test_a_hand_is_held_at_its_edge_also_without_a_monitor(made: Make) -> None:
     assert -SLACK < clearance(robot) < 0.15
 
 
+def test_a_drive_manager_that_comes_anew_keeps_to_a_mask_whose_files_are_gone(
+    made: Make, tmp_path: Path
+) -> None:
+    robot = made()
+    robot.ready()
+    (tmp_path / "mask.yaml").unlink()
+    (tmp_path / "mask.png").unlink()
+    robot.stack.kill("drive_manager")
+    ava = hand(robot)
+    ava.vx = 0.2
+    robot.wait_until(
+        lambda: robot.newest["/drive_state"].limited_by == "keep-out zone", 20, "its edge"
+    )
+    assert robot.stop().success
+
+
 @pytest.mark.parametrize(
     "fields",
     [{"kind": "speed", "multiplier": 0.001}, {"kind": 1, "multiplier": 0.5, "base": -4.5455}],

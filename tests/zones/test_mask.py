@@ -170,3 +170,14 @@ def test_a_mask_beside_the_map_is_found_out(tmp_path: Path) -> None:
     assert zones.off(Grid(np.zeros((400, 400), np.int8), 0.5, (-100.0, -100.0, 0.4))) == ""
     told = zones.off(Grid(np.zeros((4, 4), np.int8), 0.5, (20.0, 0.0, 0.0)))
     assert "The mask 'mask' does not lie on the map: its origin is (-1, 0) m" in told
+
+
+def test_a_mask_stays_what_its_files_were_when_it_was_made(tmp_path: Path) -> None:
+    file = mask_file(tmp_path, L_SHAPE, 0.5, ORIGIN)
+    mask = Mask(file=str(file))
+    file.unlink()
+    (tmp_path / "mask.png").unlink()
+    for each in (mask, mask.model_copy()):
+        assert ZonesInForce(masks=[each.in_force(2.0)]).barred(-0.25, 0.75)
+    with pytest.raises(ValidationError, match="cannot be read"):
+        Mask(file=str(file))

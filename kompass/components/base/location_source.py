@@ -16,7 +16,7 @@ from kompass.components.base.ports import Input
 from kompass.rclpy_ext.topic import LATCHED, QoSConfig
 from kompass.robot import RobotFrames
 
-LONGEST_STEP = 0.2  # s over which a speed tells where the robot was, or will be
+LONGEST_STEP = 0.5  # s over which a speed tells where the robot was, or will be
 STATIC_COMES = 2.0  # s in which static transforms are there; what is missing then may be moving
 LONGEST_UNMOVED = 0.5  # s by which a moving frame may be older than what is placed by it
 

@@ -20,13 +20,7 @@ class MaskSettings(SensorSettings):
     )
 
     def masks_in_force(self) -> list[MaskInForce]:
-        """What they forbid this robot.
-
-        Raises
-        ------
-        ValueError
-            When a file cannot be read any more.
-        """
+        """What they forbid this robot."""
         if self.robot is None:
             return [mask.in_force(FASTEST) for mask in self.masks]
         limits = velocity_limits(self.robot)

@@ -52,10 +52,10 @@ export function SidePanel({ onGo, asked, onDraw }: Props) {
           <MissionStatus />
           <GoalStatus />
         </div>
+        <HealthPanel />
         <PlacesPanel onGo={onGo} asked={asked} />
         <MissionsPanel />
         <ZonesPanel onDraw={onDraw} />
-        <HealthPanel />
         <LogPanel />
         <FiringsPanel />
         <DataPanel />

@@ -152,7 +152,7 @@ function UserMenu({ onNotify, onHelp }: { onNotify: () => void; onHelp: () => vo
         >
           <IconUser size={18} aria-hidden />
           <span className={classes.userName}>{session.user}</span>
-          <IconChevronDown size={14} aria-hidden />
+          <IconChevronDown className={classes.more} size={14} aria-hidden />
         </UnstyledButton>
       </Menu.Target>
       <Menu.Dropdown>
