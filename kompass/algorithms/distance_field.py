@@ -84,20 +84,35 @@ class DistanceField:
         dy = pts[:, 1] - self._origin[1]
         u = (self._cos * dx + self._sin * dy) * self._per_metre
         v = (self._cos * dy - self._sin * dx) * self._per_metre
+        # Points that are no numbers compare as false, and are outside as well.
+        if len(u) and (
+            min(u.min(), v.min()) >= 0 and u.max() <= self._last_col and v.max() <= self._last_row
+        ):
+            return self._between(u, v)
         inside = (u >= 0) & (v >= 0) & (u <= self._last_col + 1) & (v <= self._last_row + 1)
-        # Points that are no numbers are outside as well; clipping keeps their index legal.
-        u = np.where(inside, u, 0.0)
-        v = np.where(inside, v, 0.0)
+        found = self._between(np.where(inside, u, 0.0), np.where(inside, v, 0.0))
+        found *= inside
+        return found
+
+    def _between(self, u: Floats, v: Floats) -> Floats:
+        """Between four values of the lattice each, at columns and rows within it (overwritten)."""
         col = np.minimum(u.astype(np.int64), self._last_col)
         row = np.minimum(v.astype(np.int64), self._last_row)
         u -= col
         v -= row
-        i = row * self._stride + col
-        flat = self._flat
-        low = flat[i] * (1.0 - u) + flat[i + 1] * u
-        high = flat[i + self._stride] * (1.0 - u) + flat[i + self._stride + 1] * u
-        out: Floats = (low * (1.0 - v) + high * v) * inside
-        return out
+        i = row * self._stride
+        i += col
+        low: Floats = self._flat.take(i) * (1.0 - u)
+        i += 1
+        low += self._flat.take(i) * u
+        i += self._stride
+        high: Floats = self._flat.take(i) * u
+        i -= 1
+        high += self._flat.take(i) * (1.0 - u)
+        high -= low
+        high *= v
+        high += low
+        return high
 
     def at_xy(self, x: float, y: float) -> float:
         """The distance at one world point, without the overhead of arrays."""

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
+from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 
 from kompass.algorithms.distance_field import DistanceField
@@ -14,6 +14,7 @@ from kompass.algorithms.geometry import Floats
 
 # Right, up and the two diagonals; the opposite directions are the same edges.
 _DIRECTIONS = ((0, 1), (1, 0), (1, 1), (1, -1))
+_NEIGHBOURS = tuple((dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if dy or dx)
 
 
 class FreeSpace:
@@ -37,8 +38,8 @@ class FreeSpace:
             4.0 * enough
         )
         rows, cols = centre.shape
-        ids = np.arange(rows * cols, dtype=np.int32).reshape(rows, cols)
-        sources, targets, costs = [], [], []
+        # Which of its eight neighbours a cell is joined to, in the order of their ids.
+        joined = np.zeros((rows, cols, len(_NEIGHBOURS)), dtype=bool)
         for dy, dx in _DIRECTIONS:
             left, right = max(0, -dx), cols - max(0, dx)
             here = (slice(0, rows - dy), slice(left, right))
@@ -48,22 +49,24 @@ class FreeSpace:
             ]
             open_ = centre[here] & centre[there] & midpoint
             if dy and dx:
-                r, c = np.nonzero(open_)
-                c = c + left
-                first = quarter[2 * r + 1, 2 * c + min(dx, 0) + 1]
-                second = quarter[2 * r + 2, 2 * c + (2 if dx > 0 else -1)]
-                passes = first & second
-                open_[r[~passes], c[~passes] - left] = False
-            sources.append(ids[here][open_])
-            targets.append(ids[there][open_])
-            costs.append(np.full(len(sources[-1]), math.hypot(dx, dy) * grid.resolution))
-        a, b = np.concatenate(sources), np.concatenate(targets)
-        cost = np.concatenate(costs)
-        self._graph = coo_matrix(
-            (np.concatenate([cost, cost]), (np.concatenate([a, b]), np.concatenate([b, a]))),
-            shape=(rows * cols, rows * cols),
-        ).tocsr()
-        _, labels = connected_components(self._graph, directed=False)
+                first = 2 * left + 1 + min(dx, 0)
+                second = 2 * left + (2 if dx > 0 else -1)
+                width = 2 * (right - left)
+                open_ &= quarter[1 : 2 * (rows - dy) : 2, first : first + width : 2]
+                open_ &= quarter[2 : 2 * (rows - dy) + 1 : 2, second : second + width : 2]
+            joined[here][..., _NEIGHBOURS.index((dy, dx))] = open_
+            joined[there][..., _NEIGHBOURS.index((-dy, -dx))] = open_
+        flat = joined.reshape(rows * cols, len(_NEIGHBOURS))
+        cell, direction = np.divmod(np.flatnonzero(flat).astype(np.int32), len(_NEIGHBOURS))
+        steps = np.array([dy * cols + dx for dy, dx in _NEIGHBOURS], dtype=np.int32)
+        lengths = np.array([math.hypot(*each) * grid.resolution for each in _NEIGHBOURS])
+        starts = np.zeros(rows * cols + 1, dtype=np.int32)
+        np.cumsum(flat.sum(axis=1, dtype=np.int32), out=starts[1:])
+        self._graph = csr_matrix(
+            (lengths[direction], cell + steps[direction], starts), shape=(rows * cols, rows * cols)
+        )
+        # Each edge is there in both directions, so what is strongly connected is connected.
+        _, labels = connected_components(self._graph, directed=True, connection="strong")
         self.labels: NDArray[np.int32] = np.where(centre.ravel(), labels, -1).astype(np.int32)
 
     def region(self, cell: int) -> NDArray[np.int64]:
@@ -108,8 +111,11 @@ class FreeSpace:
         return float(x), float(y)
 
     def bounds(self, cell: int) -> tuple[Floats, Floats]:
-        """The world-aligned box (low, high) around the cells reachable from ``cell``."""
-        centres = self.centres(self.region(cell))
+        """The world-aligned box (low, high) around the box of cells reachable from ``cell``."""
+        width = self.field.grid.width
+        rows, cols = divmod(self.region(cell), width)
+        corners = [row * width + col for row in _ends(rows) for col in _ends(cols)]
+        centres = self.centres(np.array(corners))
         return centres.min(axis=0), centres.max(axis=0)
 
     def shortest(
@@ -133,3 +139,7 @@ class FreeSpace:
         while chain[-1] != start:
             chain.append(int(previous[0, chain[-1]]))
         return self.centres(np.array(chain[::-1], dtype=np.int64)), length
+
+
+def _ends(values: NDArray[np.int64]) -> tuple[np.int64, np.int64]:
+    return values.min(), values.max()
