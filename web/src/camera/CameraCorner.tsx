@@ -3,6 +3,7 @@ import { IconArrowsMaximize, IconArrowsMinimize, IconCamera, IconX } from "@tabl
 import { useState } from "react";
 import { useRobot } from "../state/RobotContext";
 import { t } from "../texts/text";
+import { told } from "../texts/told";
 import { IconButton } from "../ui/controls/IconButton";
 import classes from "./Camera.module.css";
 import { pictureAge } from "./cameraText";
@@ -44,7 +45,8 @@ function Camera({ tool, topics, covered }: Props & { topics: string[] }) {
   const listed = topic === null || topics.includes(topic) ? topics : [topic, ...topics];
   const feed = useCameraFeed(topic, tool.large, !covered);
   const { text, stale } = pictureAge(feed.age, feed.waited);
-  const wrong = feed.problem !== "" ? feed.problem : stale ? text : null;
+  const problem = told(feed.problem);
+  const wrong = problem !== "" ? problem : stale ? text : null;
   return (
     <section
       className={classes.card}
@@ -85,7 +87,7 @@ function Camera({ tool, topics, covered }: Props & { topics: string[] }) {
       </div>
       {/* The age changes all the time: whoever hears the page is told once that it is stale. */}
       <span role="status" className="visually-hidden">
-        {feed.problem || (stale ? t("The camera shows no new picture.") : "")}
+        {problem || (stale ? t("The camera shows no new picture.") : "")}
       </span>
       <p className={classes.told} data-testid="camera-told" data-wrong={wrong !== null}>
         {topic === null

@@ -242,4 +242,30 @@ export const SAID: Readonly<Record<string, string>> = {
   "The scene is not connected.": "Die Szene ist nicht verbunden.",
   "Wait until it is drawn again, then repeat.":
     "Warten Sie, bis sie wieder gezeichnet ist, dann wiederholen Sie es.",
+
+  // A STOP that was kept over a restart
+  "{why} (pressed {when}, before this start)": "{why} (gedrückt {when}, vor diesem Start)",
+  "no reason given": "ohne Angabe von Gründen",
+
+  // Further layers and cameras
+  "{most} further layers are drawn on all pages; switch one off.":
+    "{most} weitere Ebenen werden auf allen Seiten gezeichnet; schalten Sie eine aus.",
+  "Its frame {frame} is not connected to {scene}: no transform says where it is.":
+    "Sein Bezugssystem {frame} hängt nicht mit {scene} zusammen: Keine Transformation sagt, wo es ist.",
+  "It comes faster than it can be read: some messages are left out.":
+    "Es kommt schneller, als es gelesen werden kann: Manche Nachrichten fehlen.",
+  "One in {step} of {all} points is drawn.": "Jeder {step}. von {all} Punkten wird gezeichnet.",
+  "{some} of {all} points are drawn.": "{some} von {all} Punkten werden gezeichnet.",
+  "It is drawn {coarser} times as coarse as it is.":
+    "Es wird {coarser}-mal so grob gezeichnet, wie es ist.",
+  "Of {all} areas the first {most} are drawn.":
+    "Von {all} Flächen werden die ersten {most} gezeichnet.",
+  "Not drawn: {why}.": "Nicht gezeichnet: {why}.",
+  "The picture is not shown: {why}.": "Das Bild wird nicht gezeigt: {why}.",
+  "it is {width} × {height} pixels: there is nothing to be seen":
+    "es hat {width} × {height} Pixel: Da ist nichts zu sehen",
+  "{topic} shows no pictures now; choose another camera.":
+    "{topic} zeigt gerade keine Bilder; wählen Sie eine andere Kamera.",
+  "{count} cameras are looked at on all pages; close one, or choose {topic}.":
+    "Auf allen Seiten werden {count} Kameras angesehen; schließen Sie eine, oder wählen Sie {topic}.",
 } as const;
