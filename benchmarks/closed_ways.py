@@ -8,16 +8,12 @@ a door closes before it is reached. What closes stays closed.
 
 from __future__ import annotations
 
-import json
-import os
 import random
 import sys
-import tempfile
 from collections import Counter
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
 
-from kompass.drills.runner.worker import ENVIRONMENT
+from drives import driven
+
 from kompass.drills.scenario import Goal, Scenario, ScheduledFault
 
 # A goal in each room of the apartment, and the door that leads there from the hall.
@@ -37,22 +33,19 @@ def main() -> None:
     drives = int(given[0]) if given else 20
     seed = int(given[1]) if len(given) > 1 else 1
     follower = given[2] if len(given) > 2 else "MPPI"
-    context = get_context("spawn")
-    os.environ |= ENVIRONMENT
+    planned = [scenario_of(number) for number in range(seed, seed + drives)]
     ends: Counter[str] = Counter()
-    for number in range(seed, seed + drives):
-        ours, theirs = context.Pipe()
-        process = context.Process(target=drive, args=(number, follower, theirs))
-        process.start()
-        theirs.close()
-        found = json.loads(ours.recv())
-        process.join()
-        ends[f"{found['closed']} {found['outcome']}"] += 1
-        ends["contacts"] += found["contacts"]
-        ends["without a reason"] += not (found["outcome"] == "arrived" or found["why"])
+    for (scenario, closed), found in zip(
+        planned, driven((one for one, _ in planned), ROBOT, follower), strict=True
+    ):
+        (goal,) = found.goals
+        contacts = len(found.contacts)
+        ends[f"{closed} {goal.outcome}"] += 1
+        ends["contacts"] += contacts
+        ends["without a reason"] += not (goal.outcome == "arrived" or goal.message)
         print(
-            f"seed {number}: {found['closed']}, {found['outcome']} after {found['took']:.0f} s, "
-            f"{found['contacts']} contacts: {found['why']}",
+            f"seed {scenario.seed}: {closed}, {goal.outcome} after "
+            f"{goal.ended or found.duration:.0f} s, {contacts} contacts: {goal.message}",
             flush=True,
         )
     told = ", ".join(f"{count} {what}" for what, count in sorted(ends.items()))
@@ -79,39 +72,6 @@ def scenario_of(seed: int) -> tuple[Scenario, str]:
         limit=LIMIT,
     )
     return scenario, closed
-
-
-def drive(seed: int, follower: str, answer: Connection) -> None:
-    """Make one drive, in a process of its own."""
-    from kompass.bench.stack import bring_up
-    from kompass.drills.runner.run import run_drive
-    from kompass.drills.runner.worker import silence, stack_by
-    from kompass.launch.virtual_stack import Embedded
-    from kompass.simulation.physics.robot_model import robot_model
-    from kompass.virtual.action_clients import action_clients_on_any_node
-
-    kind = robot_model(ROBOT)
-    scenario, closed = scenario_of(seed)
-    with (
-        tempfile.TemporaryDirectory(prefix="kompass-bench-") as folder,
-        silence(),
-        action_clients_on_any_node(),
-    ):
-        os.environ["KOMPASS_DATA_DIR"] = folder
-        stack = stack_by(lambda: bring_up(kind, follower), "the benchmark's stack")
-        found = run_drive(stack, scenario, embedded=Embedded(kind)).result
-    (goal,) = found.goals
-    answer.send(
-        json.dumps(
-            {
-                "closed": closed,
-                "contacts": len(found.contacts),
-                "outcome": goal.outcome,
-                "took": goal.ended or found.duration,
-                "why": goal.message,
-            }
-        )
-    )
 
 
 if __name__ == "__main__":

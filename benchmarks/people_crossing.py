@@ -8,14 +8,10 @@ Nobody walks into the robot: whoever comes too near to it waits, so a contact is
 
 from __future__ import annotations
 
-import json
-import os
 import sys
-import tempfile
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
 
-from kompass.drills.runner.worker import ENVIRONMENT
+from drives import driven
+
 from kompass.drills.scenario import Goal, Scenario, ScheduledFault
 
 GOALS = ((1.7, 0.4), (-1.6, 0.6), (0.5, -1.7))
@@ -29,23 +25,17 @@ def main() -> None:
     seed = int(given[1]) if len(given) > 1 else 1
     follower = given[2] if len(given) > 2 else "MPPI"
     robot = given[3] if len(given) > 3 else "turtlebot3"
-    context = get_context("spawn")
-    os.environ |= ENVIRONMENT
     encounters = contacts = arrived = goals = 0
-    for number in range(seed, seed + drives):
-        ours, theirs = context.Pipe()
-        process = context.Process(target=drive, args=(number, follower, robot, theirs))
-        process.start()
-        theirs.close()
-        found = json.loads(ours.recv())
-        process.join()
-        encounters += found["met"]
-        contacts += found["contacts"]
-        arrived += found["arrived"]
-        goals += len(GOALS)
+    planned = [scenario_of(number) for number in range(seed, seed + drives)]
+    for scenario, found in zip(planned, driven(planned, robot, follower), strict=True):
+        met, touched = len(found.faults), len(found.contacts)
+        reached = sum(goal.outcome == "arrived" for goal in found.goals)
+        took = max((goal.ended or found.duration for goal in found.goals), default=0.0)
+        encounters, contacts = encounters + met, contacts + touched
+        arrived, goals = arrived + reached, goals + len(GOALS)
         print(
-            f"seed {number}: {found['met']} people, {found['contacts']} contacts, "
-            f"{found['arrived']} of {len(GOALS)} goals in {found['took']:.0f} s: {found['why']}",
+            f"seed {scenario.seed}: {met} people, {touched} contacts, "
+            f"{reached} of {len(GOALS)} goals in {took:.0f} s: {found.why}",
             flush=True,
         )
     print(
@@ -54,46 +44,19 @@ def main() -> None:
     )
 
 
-def drive(seed: int, follower: str, robot: str, answer: Connection) -> None:
-    """Make one drive, in a process of its own."""
-    from kompass.bench.stack import bring_up
-    from kompass.drills.runner.run import run_drive
-    from kompass.drills.runner.worker import silence, stack_by
-    from kompass.launch.virtual_stack import Embedded
-    from kompass.simulation.physics.robot_model import robot_model
-    from kompass.virtual.action_clients import action_clients_on_any_node
-
-    kind = robot_model(robot)
+def scenario_of(seed: int) -> Scenario:
+    """One drive."""
     crossing = tuple(
         ScheduledFault(name="person_crossing", at=3.0 + EVERY * index, duration=EVERY - 0.1)
         for index in range(int(UNTIL / EVERY))
     )
-    scenario = Scenario(
+    return Scenario(
         name=f"people-{seed}",
         world="hexagon",
         seed=seed,
         goals=tuple(Goal(x=x, y=y, tolerance=0.1) for x, y in GOALS),
         faults=crossing,
         limit=LIMIT,
-    )
-    with (
-        tempfile.TemporaryDirectory(prefix="kompass-bench-") as folder,
-        silence(),
-        action_clients_on_any_node(),
-    ):
-        os.environ["KOMPASS_DATA_DIR"] = folder
-        stack = stack_by(lambda: bring_up(kind, follower), "the benchmark's stack")
-        found = run_drive(stack, scenario, embedded=Embedded(kind)).result
-    answer.send(
-        json.dumps(
-            {
-                "met": len(found.faults),
-                "contacts": len(found.contacts),
-                "arrived": sum(goal.outcome == "arrived" for goal in found.goals),
-                "took": max((goal.ended or found.duration for goal in found.goals), default=0.0),
-                "why": found.why,
-            }
-        )
     )
 
 
