@@ -12,8 +12,7 @@ import random
 import sys
 from collections import Counter
 
-from drives import driven
-
+from benchmarks.drives import driven
 from kompass.drills.scenario import Goal, Scenario, ScheduledFault
 
 # A goal in each room of the apartment, and the door that leads there from the hall.

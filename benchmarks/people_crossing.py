@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import sys
 
-from drives import driven
-
+from benchmarks.drives import driven
 from kompass.drills.scenario import Goal, Scenario, ScheduledFault
 
 GOALS = ((1.7, 0.4), (-1.6, 0.6), (0.5, -1.7))
