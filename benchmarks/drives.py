@@ -1,20 +1,19 @@
-"""Drives of one robot in virtual time, each in a process of its own."""
+"""Drives of one robot in virtual time, each in a process of its own, one on each core at a time."""
 
 from __future__ import annotations
 
 import os
 import tempfile
 from collections.abc import Iterable, Iterator
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
+from functools import partial
 
 from kompass.drills.drive import DriveResult
-from kompass.drills.runner.worker import ENVIRONMENT
+from kompass.drills.runner.worker import silence, stack_by, worker_pool
 from kompass.drills.scenario import Scenario
 
 
 def driven(scenarios: Iterable[Scenario], robot: str, follower: str) -> Iterator[DriveResult]:
-    """Drive scenarios one after the other, by the recipe of ``bench-nav``.
+    """Drive scenarios by the recipe of ``bench-nav``; their results, in the same order.
 
     Parameters
     ----------
@@ -23,24 +22,14 @@ def driven(scenarios: Iterable[Scenario], robot: str, follower: str) -> Iterator
     follower
         Of the controller.
     """
-    context = get_context("spawn")
-    os.environ |= ENVIRONMENT
-    for scenario in scenarios:
-        ours, theirs = context.Pipe()
-        process = context.Process(
-            target=_drive, args=(scenario.model_dump_json(), robot, follower, theirs)
-        )
-        process.start()
-        theirs.close()
-        found = DriveResult.model_validate_json(ours.recv())
-        process.join()
-        yield found
+    with worker_pool(os.cpu_count() or 1) as pool:
+        for found in pool.map(partial(_drive, robot, follower), scenarios):
+            yield DriveResult.model_validate_json(found)
 
 
-def _drive(scenario: str, robot: str, follower: str, answer: Connection) -> None:
+def _drive(robot: str, follower: str, scenario: Scenario) -> str:
     from kompass.bench.stack import bring_up
     from kompass.drills.runner.run import run_drive
-    from kompass.drills.runner.worker import silence, stack_by
     from kompass.launch.virtual_stack import Embedded
     from kompass.simulation.physics.robot_model import robot_model
     from kompass.virtual.action_clients import action_clients_on_any_node
@@ -53,5 +42,5 @@ def _drive(scenario: str, robot: str, follower: str, answer: Connection) -> None
     ):
         os.environ["KOMPASS_DATA_DIR"] = folder
         stack = stack_by(lambda: bring_up(kind, follower), "the benchmark's stack")
-        found = run_drive(stack, Scenario.model_validate_json(scenario), embedded=Embedded(kind))
-    answer.send(found.result.model_dump_json())
+        found = run_drive(stack, scenario, embedded=Embedded(kind))
+    return found.result.model_dump_json()
