@@ -234,18 +234,6 @@ def test_the_gate_holds_the_hand_before_an_obstacle(scene: Scene) -> None:
     scene.wait(lambda: scene.robot.commands[-1][0] < -0.1, "the way back")
 
 
-@pytest.mark.parametrize("ticks_of_scan", [5, 14])  # each 0.1 and 0.28 s
-def test_it_stands_as_far_before_an_obstacle_with_a_slow_scanner(
-    scene: Scene, ticks_of_scan: int
-) -> None:
-    scene.robot.ticks_of_scan = ticks_of_scan
-    scene.driven()
-    post = scene.robot.x + 1.5
-    scene.robot.posts = [(post, 0.0, 0.05)]
-    scene.wait(scene.robot.is_halted, "a zero twist", 20.0)
-    assert post - scene.robot.x == pytest.approx(0.33, abs=0.02)
-
-
 def test_a_robot_that_does_not_go_sideways_is_not_asked_to(scene: Scene) -> None:
     hand = scene.at_wheel()
     hand.vy = 0.2

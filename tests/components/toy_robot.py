@@ -25,7 +25,6 @@ class ToyRobot:
         self.turned = 0.0
         self.wheels_blocked = False
         self.scans = True
-        self.ticks_of_scan = 5
         self.odometry = True
         self.worsen: Callable[[Odometry], object] = lambda _odometry: None  # before it is sent
         self.commands: list[tuple[float, float]] = []
@@ -73,7 +72,7 @@ class ToyRobot:
             self.worsen(message)
             self._odometry.publish(message)
         self._ticks += 1
-        if self.scans and self._ticks % self.ticks_of_scan == 0:
+        if self.scans and self._ticks % 5 == 0:
             self._scan.publish(self.make_scan())
 
     def make_scan(self) -> LaserScan:
