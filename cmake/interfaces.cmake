@@ -3,7 +3,7 @@
 
 set(CMAKE_CXX_STANDARD 17)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
-set(INTERFACE_PACKAGES automatika_ros_sugar tf2_msgs nav2_msgs kompass_interfaces)  # dependencies first
+set(INTERFACE_PACKAGES automatika_ros_sugar tf2_msgs nav2_msgs vision_msgs kompass_interfaces)  # dependencies first
 set(IDL_SOURCES "${CMAKE_CURRENT_SOURCE_DIR}/kompass/interfaces")
 set(GENERATED "${CMAKE_CURRENT_BINARY_DIR}/rosidl")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 INTRODUCTION = """# Messages and services
 
-The ROS 2 interfaces that come with the project. `automatika_ros_sugar`, `nav2_msgs` and `tf2_msgs` hold
+The ROS 2 interfaces that come with the project. `automatika_ros_sugar`, `nav2_msgs`, `tf2_msgs` and `vision_msgs` hold
 what other packages of those names define, as far as it is needed here, so that no ROS installation is.
 Where a ROS installation has one of these packages, the definitions agree on the wire.
 
@@ -19,6 +19,8 @@ Where a ROS installation has one of these packages, the definitions agree on the
 | `/<component>/signed_call` | `kompass_interfaces/srv/SignedCall`: those services, and `change_state`, for who has the [robot's key](../security.md#requests-are-signed) | each component |
 | `/<component>/challenge`, `/monitor/challenge` | `std_msgs/msg/String`: what a proof is made for; latched, exchanged every minute | each component, the monitor |
 | `/planner/plan_path` | action `kompass_interfaces/action/PlanPath` | a planner whose run type is `ActionServer` |
+| `/controller/control_path` | action `kompass_interfaces/action/ControlPath` | the controller, while its algorithm follows paths |
+| `/controller/track_vision_target`, `/track_vision_target`, `/controller/end_vision_tracking` | action `kompass_interfaces/action/TrackVisionTarget`, `kompass_interfaces/srv/StopVisionTracking` | the controller, while its algorithm follows targets |
 | `/monitor/get_rules`, `check_rules`, `apply_rules`, `confirm_rules`, `rollback_rules`, `explain_rule`, `get_history`, `get_firings`, `reset_rule`, `describe_graph`, `save_recording`, `change_places`, `change_missions`, `change_zones` | `kompass_interfaces/srv/…` | the monitor |
 | `/monitor/backtest_rules` | action `kompass_interfaces/action/BacktestRules` | the monitor |
 | `/monitor/places` | `std_msgs/msg/String`: all named places, as JSON; latched | the monitor |

@@ -4,9 +4,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from kompass.algorithms.following.dvz import DVZ
 from kompass.algorithms.following.path_tracker import PathTracker
 from kompass.algorithms.following.pure_pursuit import PurePursuit, PurePursuitParams
 from kompass.algorithms.following.stanley import Stanley, StanleyParams
+from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import Floats
 
 from .worlds import HAIRPIN, PATHS, SINE, STRAIGHT, L, U, distance_to_polyline, drive, polyline
@@ -17,8 +19,9 @@ ROBOT: dict[str, Any] = {
     "acc": 1.0,
     "decel": 2.0,
     "omega_acc": 3.0,
+    "footprint": Footprint.circle(0.105),
 }
-FOLLOWERS = [PurePursuit, Stanley]
+FOLLOWERS = [PurePursuit, Stanley, DVZ]
 
 
 def length(path: Floats) -> float:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from kompass.algorithms.following.dvz import DVZ, DVZParams
 from kompass.algorithms.following.dwa import DWA
 from kompass.algorithms.following.limits import Limits
 from kompass.algorithms.following.mppi import MPPI
@@ -32,7 +33,7 @@ CAR: dict[str, Any] = {
     "footprint": BODY,
     "motion": MotionModel(RADIUS),
 }
-FOLLOWERS = [PurePursuit, Stanley, MPPI]
+FOLLOWERS = [PurePursuit, Stanley, DVZ, MPPI]
 GOALS = [(6.0, 4.0, None), (3.0, 5.0, math.pi), (1.5, 3.2, 0.0), (2.0, 3.0, math.pi)]
 
 
@@ -40,6 +41,8 @@ GOALS = [(6.0, 4.0, None), (3.0, 5.0, math.pi), (1.5, 3.2, 0.0), (2.0, 3.0, math
 def follower(request: pytest.FixtureRequest) -> Any:
     if request.param is Stanley:
         return Stanley(StanleyParams(wheel_base=0.4, max_steer=0.588), **CAR)
+    if request.param is DVZ:
+        return DVZ(DVZParams(wheel_base=0.4, max_steer=0.588), **CAR)
     return request.param(**CAR)
 
 

@@ -257,3 +257,32 @@ def test_near_a_place_the_map_and_what_was_seen_are_told_apart() -> None:
     assert known == pytest.approx(np.array([[0.925, 0.025]]))
     assert np.hypot(*(seen - (0.0, 0.5)).T).max() < 0.06
     assert len(model.near((0.0, 0.0), 0.2, now=0.0)[2]) == 0
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7])
+@pytest.mark.parametrize("with_map", [True, False])
+def test_what_is_around_a_place_is_the_same_piece_of_the_whole(yaw: float, with_map: bool) -> None:
+    model = WorldModel(memory=10.0)
+    if with_map:
+        cells = np.zeros((200, 300), dtype=np.int8)
+        cells[::17, ::13] = OCCUPIED
+        cells[50:60] = -1
+        model.set_map(Grid(cells, 0.05, (-4.0, -3.0, yaw)))
+    look(model, np.full(RAYS, 2.0), HERE, now=0.0)
+    look(model, np.full(RAYS, 1.0), (2.0, 1.0, 0.3), now=9.0)
+    for now in (9.0, 15.0):
+        for place in ((0.0, 0.0), (2.5, 1.0), (-3.9, -2.5)):
+            piece = model.grid_around(place, 1.5, now)
+            whole = model.grid(now)
+            rows, cols = np.indices(piece.cells.shape)
+            centres = piece.cell_to_world(np.stack([cols.ravel(), rows.ravel()], axis=1))
+            at = whole.world_to_cell(centres)
+            assert (whole.cells[at[:, 1], at[:, 0]] == piece.cells.ravel()).all()
+            assert piece.contains([place])[0] == whole.contains([place])[0]
+
+
+def test_around_a_place_that_it_does_not_have_there_is_nothing() -> None:
+    model = WorldModel()
+    model.set_map(Grid(np.zeros((20, 20), dtype=np.int8), 0.05))
+    with pytest.raises(ValueError, match="is no map"):
+        model.grid_around((50.0, 0.0), 1.0, 0.0)

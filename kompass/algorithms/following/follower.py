@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kompass.algorithms.bounded import BoundedParams
 from kompass.algorithms.following.command import Command, FollowStep, Phase
 from kompass.algorithms.following.gears import Leg, legs_of
 from kompass.algorithms.following.limits import Limits, stopping_speed
@@ -30,12 +31,10 @@ _TURNING_POINT = 0.015
 _BEYOND_END = 0.12
 # So slow the wheels may be turned round [m/s], and so much of the speed is driven back with.
 _AT_REST, _BACK = 0.03, 0.5
-# Least and largest value of a parameter that has no bounds of its own.
-USUAL_BOUNDS = (0.0, 1000.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class FollowerParams:
+class FollowerParams(BoundedParams):
     """Common to all followers; what is not finite or out of its bounds is a ValueError.
 
     Attributes
@@ -60,7 +59,6 @@ class FollowerParams:
         Least rate of turning on the spot [rad/s].
     """
 
-    # Least and largest values by name, where they are not the usual ones.
     bounds: ClassVar[Mapping[str, tuple[float, float]]] = {
         "lookahead_distance": (0.001, 100.0),
         "goal_tolerance": (0.001, 10.0),
@@ -84,12 +82,7 @@ class FollowerParams:
     min_turn_rate: float = 0.1
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            least, most = self.bounds.get(item.name, USUAL_BOUNDS)
-            # Not a number is in no bounds.
-            if isinstance(value, (int, float)) and not least <= value <= most:
-                raise ValueError(f"{item.name}: {value}; give from {least:g} to {most:g}")
+        super().__post_init__()
         if not self.turn_done_angle < self.turn_in_place_angle:
             raise ValueError(
                 f"turn_done_angle: {self.turn_done_angle} rad; give less than "
@@ -385,20 +378,11 @@ class PathFollower(ABC, Generic[P]):
         """A car drives the other way from now on."""
 
     def _velocity(self, v: float, vy: float, omega: float, dt: float) -> tuple[float, float, float]:
-        """What to accelerate from: the last command, unless the robot plainly did not follow it.
-
-        Measurements lag and are noisy; but after a stop or a slowdown they are right.
-        """
-        linear, angular = self._linear, self._angular
-        speed, aside, turn_rate = self._last.vx, self._last.vy, self._last.omega
-        sideways = self.motion.aside
-        if abs(vy - aside) > max(0.3 * sideways.max_vel, 3.0 * sideways.max_acc * dt):
-            aside = vy if self.motion.slides else 0.0
-        if abs(v - speed) > max(0.3 * linear.max_vel, 3.0 * linear.max_acc * dt):
-            speed = v
-        if abs(omega - turn_rate) > max(0.3 * angular.max_vel, 3.0 * angular.max_acc * dt):
-            turn_rate = omega
-        return speed, aside, turn_rate
+        """What to accelerate from: speed ahead, to the left, and turning rate."""
+        last = self._last
+        speed = self._linear.going(last.vx, v, dt)
+        aside = self.motion.aside.going(last.vy, vy, dt) if self.motion.slides else 0.0
+        return speed, aside, self._angular.going(last.omega, omega, dt)
 
     def _settle_phase(
         self, tracker: PathTracker, distance: float, ahead: float, speed: float, dt: float

@@ -40,6 +40,14 @@ class Limits:
             slowest = speed - self.max_decel * dt
         return (slowest, fastest) if velocity >= 0 else (-fastest, -slowest)
 
+    def going(self, commanded: float, measured: float, dt: float) -> float:
+        """What to accelerate from: the last command, unless the robot plainly did not follow it.
+
+        Measurements lag and are noisy; but after a stop or a slowdown they are right.
+        """
+        obeys = abs(measured - commanded) <= max(0.3 * self.max_vel, 3.0 * self.max_acc * dt)
+        return commanded if obeys else measured
+
     def approach(self, velocity: float, target: float, dt: float) -> float:
         """The velocity closest to ``target`` that can follow ``velocity`` after ``dt`` [s]."""
         low, high = self.reachable(velocity, dt)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 from kompass.algorithms.following.follower import FollowerParams, PathFollower, Situation
 from kompass.algorithms.geometry import wrap_angle
@@ -47,14 +47,11 @@ class StanleyParams(FollowerParams):
     max_steer: float = 1.2
 
 
-class Stanley(PathFollower[StanleyParams]):
-    """Stanley's law; a robot without a steered axle drives as if it had one ahead of it.
+S = TypeVar("S", bound=StanleyParams)
 
-    One with steered wheels follows with its front axle what that would describe if the other one
-    kept to the path, and turned round when it drives back.
-    """
 
-    params_class = StanleyParams
+class StanleyLaw(PathFollower[S]):
+    """A follower that steers by Stanley's law, whatever else it does."""
 
     def _curvature(self, situation: Situation) -> float:
         tracker, config = situation.tracker, self.config
@@ -92,3 +89,13 @@ class Stanley(PathFollower[StanleyParams]):
         return config.heading_gain * wrap_angle(heading - situation.yaw) - math.atan(
             config.cross_track_gain * error / speed
         )
+
+
+class Stanley(StanleyLaw[StanleyParams]):
+    """Stanley's law; a robot without a steered axle drives as if it had one ahead of it.
+
+    One with steered wheels follows with its front axle what that would describe if the other one
+    kept to the path, and turned round when it drives back.
+    """
+
+    params_class = StanleyParams

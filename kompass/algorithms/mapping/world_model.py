@@ -325,13 +325,24 @@ class WorldModel:
         ValueError
             The model is empty.
         """
-        seen = self.obstacles(now, seen_within)
-        if self._static is None:
-            cells = np.full(self._shape, FREE, dtype=np.int8)
-        else:
-            cells = self._static.cells.copy()
-        cells[seen] = OCCUPIED
-        return Grid(cells, self._resolution, self._origin)
+        whole = (slice(0, self._shape[0]), slice(0, self._shape[1]))
+        return self._piece(*whole, self.obstacles(now, seen_within))
+
+    def grid_around(self, place: ArrayLike, reach: float, now: float) -> Grid:
+        """What of :meth:`grid` is within ``reach`` [m] of a place (x, y) along each axis of the
+        model, for what so much takes; what lies outside of the model is left out.
+
+        Raises
+        ------
+        ValueError
+            None of it is.
+        """
+        rows, cols = self._around(place, reach)
+        seen = np.zeros((rows.stop - rows.start, cols.stop - cols.start), dtype=bool)
+        for layer in self._layers.values():
+            fresh = now - layer.seen[rows, cols] <= self.memory
+            seen |= (layer.odds[rows, cols] > 0.0) & fresh
+        return self._piece(rows, cols, seen)
 
     def obstacles(self, now: float, seen_within: float = math.inf) -> NDArray[np.bool_]:
         """What was seen, and is not forgotten, bool (H, W) on the cells of :meth:`grid`; without
@@ -363,7 +374,8 @@ class WorldModel:
         ages = now - newest[seen]
         if self._static is None:
             return self._world(at), ages, np.empty((0, 2))
-        known = np.argwhere(self._static.occupied()[rows, cols])[:, ::-1] + start
+        beside = Grid(self._static.cells[rows, cols], self._resolution)
+        known = np.argwhere(beside.occupied())[:, ::-1] + start
         return self._world(at), ages, self._world(known)
 
     def forget(self, unseen_for: float, now: float) -> int:
@@ -374,6 +386,17 @@ class WorldModel:
             layer.odds[old] = 0.0
             gone |= old
         return int(gone.sum())
+
+    def _piece(self, rows: slice, cols: slice, seen: NDArray[np.bool_]) -> Grid:
+        """A piece of the map with what was seen there."""
+        if self._static is None:
+            cells = np.full(seen.shape, FREE, dtype=np.int8)
+        else:
+            cells = self._static.cells[rows, cols].copy()
+        cells[seen] = OCCUPIED
+        corner = self._resolution * np.array([[cols.start, rows.start]], dtype=np.float64)
+        x, y = transform_points(self._origin, corner)[0]
+        return Grid(cells, self._resolution, (float(x), float(y), self._origin[2]))
 
     def _around(self, place: ArrayLike, reach: float) -> tuple[slice, slice]:
         col, row = self._cells(np.asarray(place, dtype=np.float64).reshape(1, 2))[0]

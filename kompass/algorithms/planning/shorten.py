@@ -83,7 +83,13 @@ def _shortest_chain(
     """Dynamic programme over candidates in path order; unseen neighbours follow the old path."""
     n = len(candidates)
     i, j = np.triu_indices(n, k=1)
+    # On one leg of the path all is clear already.
+    along = _along(path)
+    first = np.minimum(np.searchsorted(along, places[:-1] + 1e-9) - 1, len(along) - 2)
+    ends = np.append(along[first + 1], 0.0) + 1e-9
     visible = np.zeros((n, n), dtype=bool)
+    visible[i, j] = one_leg = places[j] <= ends[i]
+    i, j = i[~one_leg], j[~one_leg]
     visible[i, j] = field.segments_clear(candidates[i], candidates[j], required)
     apart = np.hypot(
         candidates[:, None, 0] - candidates[None, :, 0],
@@ -100,7 +106,6 @@ def _shortest_chain(
         onward = cost[k - 1] + float(places[k] - places[k - 1])
         straight[k] = through[best] <= onward
         previous[k], cost[k] = (best, through[best]) if straight[k] else (k - 1, onward)
-    along = _along(path)
     chain = [candidates[-1]]
     k = n - 1
     while k > 0:
@@ -131,6 +136,7 @@ def smooth(
         return band
     # A chord between two nodes on a circle of this radius cuts that much off it.
     target = required + spacing * spacing / (4.0 * max(required, spacing))
+    still = spacing / 50.0  # m; nodes that move no farther have come to rest
     parts = max(2, math.ceil(spacing / (field.grid.resolution / 2.0)))
     shares = (np.arange(1, parts + 1) / parts)[:, None, None]
     halves = [np.arange(1, n - 1, 2), np.arange(2, n - 1, 2)]
@@ -153,6 +159,6 @@ def smooth(
             step = np.where(allowed[:, None], wanted - here, 0.0)
             band[nodes] = here + step
             moved = max(moved, float(np.abs(step).max()))
-        if moved < 1e-4:
+        if moved < still:
             break
     return band

@@ -8,12 +8,15 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BeforeValidator, Field, model_validator
 
 from kompass.components.base.mask_settings import MaskSettings
-from kompass.components.controller.controllers_id import ELSEWHERE, ControllersID
+from kompass.components.controller.controllers_id import ControllersID
 from kompass.components.controller.follower_settings import (
+    DVZConfig,
     DWAConfig,
     MPPIConfig,
     PurePursuitConfig,
     StanleyConfig,
+    VisionRGBDFollowerConfig,
+    VisionRGBFollowerConfig,
 )
 
 
@@ -32,8 +35,6 @@ def _by_value(kind: type[enum.Enum]) -> Any:
                 if value.lower() in (member.value.lower(), member.name.lower()):
                     return member
             known = ", ".join(member.value for member in kind)
-            if kind is ControllersID and value in (*ELSEWHERE, *ELSEWHERE.values()):
-                raise ValueError(f"{value!r} is not offered here; choose one of {known}")
             raise ValueError(f"{value!r} is none of {known}")
         return value
 
@@ -44,7 +45,6 @@ class ControllerConfig(MaskSettings):
     """How a path becomes commands."""
 
     ignored_settings: ClassVar[Mapping[str, str]] = {
-        **dict.fromkeys(ELSEWHERE.values(), "the algorithm is not offered here"),
         "prediction_horizon": "it is a setting of the algorithm's section",
         "debug": "what the controller does is on its topics and in its log",
     }
@@ -59,18 +59,21 @@ class ControllerConfig(MaskSettings):
     )
     use_direct_sensor: bool = Field(
         default=False,
-        description="DWA and MPPI take obstacles from the scan itself instead of the local map; "
-        "MPPI then tells what moves",
+        description="DWA, DVZ and MPPI take obstacles from the scan itself instead of the local "
+        "map; MPPI then tells what moves",
     )
     sensor_timeout: float = Field(
-        default=0.5, gt=0, le=60, description="s; an older scan or local map stops the robot"
+        default=0.5,
+        gt=0,
+        le=60,
+        description="s; an older scan, local map or detection stops the robot",
     )
     location_timeout: float = Field(default=0.5, gt=0, le=60, description="s; an older pose stops")
     progress_timeout: float = Field(
         default=5.0, gt=0, le=3600, description="s; a robot that gets nowhere for so long is stuck"
     )
     patience: float = Field(
-        default=20.0, gt=0, le=3600, description="s without progress that end a goal of ControlPath"
+        default=20.0, gt=0, le=3600, description="s without progress that end a goal"
     )
     paths_folder: str | None = Field(
         default=None,
@@ -80,9 +83,12 @@ class ControllerConfig(MaskSettings):
     goal_dist_tolerance: float = Field(default=0.03, gt=0, le=10, description="m")
     goal_orientation_tolerance: float = Field(default=0.05, gt=0, le=math.pi, description="rad")
     DWA: DWAConfig = Field(default_factory=DWAConfig)
+    DVZ: DVZConfig = Field(default_factory=DVZConfig)
     MPPI: MPPIConfig = Field(default_factory=MPPIConfig)
     Stanley: StanleyConfig = Field(default_factory=StanleyConfig)
     PurePursuit: PurePursuitConfig = Field(default_factory=PurePursuitConfig)
+    VisionRGBFollower: VisionRGBFollowerConfig = Field(default_factory=VisionRGBFollowerConfig)
+    VisionRGBDFollower: VisionRGBDFollowerConfig = Field(default_factory=VisionRGBDFollowerConfig)
 
     @model_validator(mode="after")
     def _can_be_driven(self) -> "ControllerConfig":

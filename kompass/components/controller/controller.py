@@ -1,11 +1,11 @@
-"""The controller: follows the path, to its very end."""
+"""The controller: follows the path to its very end, or a target that a camera sees."""
 
 from pathlib import Path as FilePath
 from typing import Any, ClassVar
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped, Twist
-from kompass_interfaces.action import ControlPath
+from kompass_interfaces.action import ControlPath, TrackVisionTarget
 from kompass_interfaces.msg import DriveState, TwistArray
 from numpy.typing import NDArray
 from rclpy.action import CancelResponse, GoalResponse
@@ -21,9 +21,10 @@ from kompass.algorithms.mapping.moving import MovingObstacles, seen_from
 from kompass.components.base.actions import component_action
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
-from kompass.components.base.convert import grid_of, path_poses, quaternion_msg
+from kompass.components.base.convert import grid_of, quaternion_msg
 from kompass.components.base.location_source import LocationSource
 from kompass.components.base.main_interfaces import ACTION_HOOK, failed_result
+from kompass.components.base.parameter import ParameterError
 from kompass.components.base.people import People
 from kompass.components.base.seen import (
     MOST_SENSORS,
@@ -39,27 +40,35 @@ from kompass.components.controller.follower_settings import (
     SECTIONS,
     FollowerSettings,
     make_follower,
+    make_tracker,
 )
 from kompass.components.controller.obstacle_source import HANDOVER, ObstacleSource
 from kompass.components.controller.path_goal import (
     FROM_FILE,
-    MOST_POSES,
     NoPath,
     PathGoal,
     TopicPath,
     check_goal,
     check_path,
+    check_reach,
     poses_of_file,
     poses_of_message,
 )
 from kompass.components.controller.progress import Progress
+from kompass.components.controller.vision_mode import (
+    EXAMPLES,
+    NEEDED,
+    VISION_INPUTS,
+    VisionMode,
+)
 from kompass.printable import printable
-from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, QoSConfig, Topic
+from kompass.rclpy_ext.topic import LATCHED, SENSOR, AllowedTopics, QoSConfig, Topic
 from kompass.store.errors import StoreUnwritable
 from kompass.store.paths import robot_folder
 
 STILL = Command()
 SENSORS = ("sensor_data", "local_map")
+NAMES_OF_TRACKERS = tuple(algorithm.value for algorithm in NEEDED)
 EDGES = 5.0  # m up to which followers are shown the edges of zones
 FEEDBACK = 0.2  # s
 LOOK = 0.05  # s between two looks at whether a path has come
@@ -75,10 +84,13 @@ class Controller(Component):
     ended. A path on ``plan`` takes over from it, so that a goal of a person comes first; while one
     of ``plan`` is followed it is refused. As ``ActionServer`` nothing but that action is followed.
 
-    An algorithm that needs obstacles (DWA, MPPI) sees them in ``local_map``, or, with
+    An algorithm that needs obstacles (DWA, DVZ, MPPI) sees them in ``local_map``, or, with
     ``use_direct_sensor``, in ``sensor_data``; only the one in use is subscribed to. For the others
     (Stanley, pure pursuit) neither is. Of several sensors each has to speak; what moves, MPPI
     learns from planar scans.
+
+    VisionRGBFollower and VisionRGBDFollower follow no path but what a detector sees: the target of
+    a goal of ``<node>/track_vision_target``, until that ends. They make it an ``ActionServer``.
     """
 
     config: ControllerConfig
@@ -94,6 +106,9 @@ class Controller(Component):
         "location": AllowedTopics(["Odometry", "PoseStamped", "Pose"]),
         "sensor_data": AllowedTopics(SENSOR_INPUTS, 1, MOST_SENSORS),
         "local_map": AllowedTopics(["OccupancyGrid"]),
+        "vision_detections": AllowedTopics(["Detection2DArray"], 0, 1),
+        "depth_camera_info": AllowedTopics(["CameraInfo"], 0, 1),
+        "depth_image": AllowedTopics(["Image"], 0, 1),
     }
     allowed_outputs: ClassVar = {
         "command": AllowedTopics(["Twist"]),
@@ -111,25 +126,68 @@ class Controller(Component):
         "multi_command": [Topic(name="/control_list", msg_type="TwistArray")],
         "tracked_point": [Topic(name="/tracked_point", msg_type="PoseStamped")],
     }
-    qos: ClassVar = {"plan": LATCHED, "local_map": QoSConfig(queue_size=1)}
+    # What comes from a camera is read as its drivers offer it.
+    qos: ClassVar = {
+        "plan": LATCHED,
+        "local_map": QoSConfig(queue_size=1),
+        "vision_detections": SENSOR,
+        "depth_camera_info": SENSOR,
+    }
 
     def __init__(self, component_name: str = "controller", **kwargs: Any) -> None:
         super().__init__(component_name, **kwargs)
+        self._take_mode()
 
     # -- what a recipe says -------------------------------------------------------------------
 
     @property
     def algorithm(self) -> ControllersID:
-        """The path-following algorithm; a name may be assigned too."""
+        """What follows a path, or a target; a name may be assigned too.
+
+        One that follows a target needs its inputs first, and makes the run type ``ActionServer``
+        for as long as it is chosen.
+        """
         return self.config.algorithm
 
     @algorithm.setter
     def algorithm(self, value: ControllersID | str) -> None:
+        before = self.config.algorithm
         self.config.algorithm = value  # type: ignore[assignment]  # validated and converted
+        problem = self._lacks_sight()
+        if problem:
+            self.config.algorithm = before
+            raise ValueError(problem)
+        self._take_mode()
+
+    @property
+    def _run_type_for_now(self) -> ComponentRunType | None:
+        # A target is that of a goal.
+        return ComponentRunType.ACTION_SERVER if self.config.algorithm.sees_target else None
+
+    def _take_mode(self) -> None:
+        """Have the main action be that of the algorithm."""
+        sees = self.config.algorithm.sees_target
+        self.action_type = TrackVisionTarget if sees else ControlPath
+
+    def _lacks_sight(self) -> str:
+        """What the algorithm needs to see with, and nobody has named; empty when all is there."""
+        for key in NEEDED.get(self.config.algorithm, ()):
+            if self.get_in_topic(key) is None:
+                return (
+                    f"{self.node_name}: algorithm = {self.config.algorithm.value} needs the input "
+                    f"{key}; give it first, as in inputs({key}={EXAMPLES[key]})"
+                )
+        return ""
+
+    def check_declaration(self) -> None:
+        problem = self._lacks_sight()
+        if problem:
+            raise ValueError(problem)
+        super().check_declaration()
 
     @property
     def direct_sensor(self) -> bool:
-        """Whether DWA and MPPI take obstacles from the scan; other algorithms need no sensor."""
+        """Whether DWA, DVZ and MPPI take obstacles from the scan; others need no sensor."""
         return self.config.use_direct_sensor
 
     @direct_sensor.setter
@@ -170,6 +228,8 @@ class Controller(Component):
         self._incoming: PathFollower[Any] | None = None
         self._incoming_since = 0.0
         self._has_path = False
+        # A path of a topic, until it is known where the robot is: not looked at yet.
+        self._unlooked: NDArray[np.float64] | None = None
         self._people = People()
         self._pursued: PathGoal | None = None  # of the action, whose path is followed
         self._progress = Progress()
@@ -178,16 +238,29 @@ class Controller(Component):
         self._obstacles: ObstacleSource | None = None
 
     def wants_input(self, key: str) -> bool:
+        if key in VISION_INPUTS:
+            return self.config.algorithm.sees_target
         return key not in SENSORS
 
     def create_interfaces(self) -> None:
+        name, sees = self.node_name, self.config.algorithm.sees_target
+        path_action = f"{name}/control_path" if sees else self.main_action_name
+        target_action = self.main_action_name if sees else f"{name}/track_vision_target"
+        self._vision = VisionMode(
+            self,
+            (target_action, "track_vision_target"),
+            location=lambda: self._location,
+            locate=self._located,
+            command=self._command,
+            people=lambda: self._people,
+        )
         self.node.create_subscription(
             DriveState, "drive_state", self._on_drive_state, LATCHED.to_ros()
         )
         self._zones = ZonesHeard(self.node)
         self._server = self.node.create_action_server(
             ControlPath,
-            self.main_action_name,
+            path_action,
             self._execute,
             goal_callback=lambda _goal: (
                 GoalResponse.ACCEPT if self.is_active else GoalResponse.REJECT
@@ -205,13 +278,40 @@ class Controller(Component):
             {"sensor_data": self._place_seen, "local_map": self._place_map},
         )
         self._obstacles.want(self._sensor)
+        self._look_for_targets()
 
     def custom_on_deactivate(self) -> None:
         self._end(ControlPath.Result.OUTCOME_ERROR, "The controller was deactivated.")
+        self._vision.end(TrackVisionTarget.Result.OUTCOME_ERROR, "The controller was deactivated.")
         self._halt()
         self._location.close()
 
+    def _look_for_targets(self) -> None:
+        """Follow targets if the algorithm does so, and with the settings that it has now."""
+        sees = self.config.algorithm.sees_target
+        for key in VISION_INPUTS:
+            if self.get_in_topic(key) is not None:
+                source = self.input(key)
+                source.open(self.node) if sees else source.close(self.node)
+        if not sees:
+            text = f"{self.config.algorithm.value} follows a path now."
+            self._vision.end(TrackVisionTarget.Result.OUTCOME_PREEMPTED, text)
+            self._vision.use(None)
+            return
+        text = f"{self.config.algorithm.value} follows a target now."
+        self._end(ControlPath.Result.OUTCOME_PREEMPTED, text)
+        self._drop_path()
+        section = self._section(self.config.algorithm)
+        self._vision.use(make_tracker(section, self.config.described_robot))
+        self._vision.listen()
+
     def on_config_changed(self, names: set[str]) -> None:
+        problem = self._lacks_sight()
+        if problem:
+            raise ParameterError(problem)
+        self._take_mode()
+        if self.is_active and {"algorithm", "robot", *NAMES_OF_TRACKERS} & names:
+            self._look_for_targets()
         self._zones.mask_with(self.config.masks_in_force())
         follower = self._make_follower()
         self._clouds = {}  # which may be read otherwise from now on
@@ -229,8 +329,10 @@ class Controller(Component):
         self._follower, self._incoming = follower, None
 
     def _make_follower(self) -> PathFollower[Any]:
+        chosen = self.config.algorithm
         return make_follower(
-            self._section(self.config.algorithm),
+            # Nothing is followed with it while the algorithm follows targets.
+            self._section(ControllersID.STANLEY if chosen.sees_target else chosen),
             self.config.described_robot,
             goal_tolerance=self.config.goal_dist_tolerance,
             heading_tolerance=self.config.goal_orientation_tolerance,
@@ -239,7 +341,8 @@ class Controller(Component):
     @property
     def _sensor(self) -> str | None:
         """Key of the input that the algorithm sees obstacles in; None when it needs none."""
-        if not self._section(self.config.algorithm).follower.needs_obstacles:
+        chosen = self.config.algorithm
+        if chosen.sees_target or not self._section(chosen).follower.needs_obstacles:
             return None
         return "sensor_data" if self.config.use_direct_sensor else "local_map"
 
@@ -248,29 +351,33 @@ class Controller(Component):
     def _on_plan(self, message: Any) -> None:
         if self.run_type is ComponentRunType.ACTION_SERVER:
             return  # it is there for a goal that asks for it
-        if self._pursued is not None:
-            if len(message.poses) < 2:
-                return  # the planner has none; this path is not the planner's
-            topic = self.input("plan").topic.name
-            self._end(ControlPath.Result.OUTCOME_PREEMPTED, f"A path on /{topic} took over.")
-        if len(message.poses) > MOST_POSES:
-            self._drop_path()
-            self.warn(
-                f"/{self.input('plan').topic.name}: a path of {len(message.poses)} poses is not "
-                f"followed; send one of at most {MOST_POSES}"
-            )
+        topic, pose = self.input("plan").topic.name, self._location.pose()
+        try:
+            poses = poses_of_message(message, self.frames.world)
+            leads = len(poses) >= 2 and bool(np.all(np.isfinite(poses)))
+            if leads and pose is not None:
+                check_reach(poses, pose)
+        except NoPath as error:
+            self._refuse_path(error)
             return
-        poses = path_poses(message)
-        if len(poses) < 2 or not np.all(np.isfinite(poses)):
-            self._drop_path()
+        if not leads:
+            if self._pursued is None:  # else the path is not the planner's, which has none
+                self._drop_path()
             return
+        self._end(ControlPath.Result.OUTCOME_PREEMPTED, f"A path on /{topic} took over.")
         self._set_path(poses)
+        self._unlooked = poses if pose is None else None
+
+    def _refuse_path(self, error: NoPath) -> None:
+        if self._pursued is None:
+            self._drop_path()
+        self.warn(f"/{self.input('plan').topic.name}: a path is not followed: {error}")
 
     def _set_path(self, poses: NDArray[np.float64]) -> None:
         if not self._has_path:
             self._follower.reset()
         self._follower.set_path(poses)
-        self._has_path = True
+        self._has_path, self._unlooked = True, None
 
     def _on_drive_state(self, state: DriveState) -> None:
         # The count tells of a STOP that was released while this process was held.
@@ -365,6 +472,10 @@ class Controller(Component):
             When it may not; says why.
         """
         check_goal(goal)
+        asked = self._people.interruptions
+        if self.config.algorithm.sees_target:
+            chosen = self.config.algorithm.value
+            raise NoPath(f"{chosen} follows no path; choose another one with set_algorithm")
         world = self.frames.world
         if goal.path_source == FROM_FILE:
             poses = poses_of_file(goal, self._paths_folder(), world)
@@ -379,6 +490,8 @@ class Controller(Component):
         refusal = self._people.refusal(self.clock.monotonic())
         if refusal:
             raise NoPath(refusal)
+        if self._people.came_since(asked):
+            raise NoPath("somebody pressed STOP, or took the wheel, since the path was asked for")
         if self._has_path and self._pursued is None:
             topic = self.input("plan").topic.name
             raise NoPath(f"the path of /{topic} is being followed; cancel its goal first")
@@ -426,9 +539,13 @@ class Controller(Component):
         people = self._people
         if people.stopped or not people.driven:
             told = people.stopped or "somebody pressed STOP, or took the wheel"
-            self._end(ControlPath.Result.OUTCOME_STOPPED, f"Stopped: {told}.")
+            text = f"Stopped: {told}."
+            self._end(ControlPath.Result.OUTCOME_STOPPED, text)
+            self._vision.end(TrackVisionTarget.Result.OUTCOME_STOPPED, text)
         else:
-            self._end(ControlPath.Result.OUTCOME_PREEMPTED, f"Driven by hand: {people.driven}.")
+            text = f"Driven by hand: {people.driven}."
+            self._end(ControlPath.Result.OUTCOME_PREEMPTED, text)
+            self._vision.end(TrackVisionTarget.Result.OUTCOME_PREEMPTED, text)
 
     def _judge_pursued(self, pose: Pose2D | None) -> None:
         """Give up a path on which the robot has not got on for long, whatever the reason."""
@@ -462,6 +579,9 @@ class Controller(Component):
     # -- the loop -----------------------------------------------------------------------------
 
     def _execution_step(self) -> None:
+        if self.config.algorithm.sees_target:
+            self._vision.step()
+            return
         self._step()
         self._judge_pursued(self._location.pose())
 
@@ -480,6 +600,12 @@ class Controller(Component):
                 self._follower.reset()
             self._progress.reset()
             return
+        if self._has_path and self._unlooked is not None:
+            path, self._unlooked = self._unlooked, None
+            try:
+                check_reach(path, pose)
+            except NoPath as error:
+                self._refuse_path(error)
         if not self._has_path:
             self._progress.reset()
             self.health.set_healthy()

@@ -1,36 +1,23 @@
-"""Names of the path-following algorithms."""
+"""Names of the algorithms of the controller."""
 
 import enum
 
-# What other releases of the recipes' API offer besides.
-ELSEWHERE = {
-    "DVZ": "DVZ",
-    "VISION_IMG": "VisionRGBFollower",
-    "VISION_DEPTH": "VisionRGBDFollower",
-}
 
-
-class _Named(enum.EnumMeta):
-    def __getattr__(cls, name: str) -> object:
-        if name in ELSEWHERE:
-            raise AttributeError(
-                f"{cls.__name__}.{name} is not offered here; choose "
-                f"{', '.join(f'{cls.__name__}.{known}' for known in cls.__members__)}"
-            )
-        raise AttributeError(f"{cls.__name__} has no '{name}'")
-
-
-class ControllersID(enum.Enum, metaclass=_Named):
-    """Path-following algorithms of the controller."""
+class ControllersID(enum.Enum):
+    """Algorithms of the controller: those that follow a path, and two that follow a target."""
 
     STANLEY = "Stanley"
     PURE_PURSUIT = "PurePursuit"
     DWA = "DWA"
+    DVZ = "DVZ"
     MPPI = "MPPI"
+    VISION_IMG = "VisionRGBFollower"
+    VISION_DEPTH = "VisionRGBDFollower"
 
-    @classmethod
-    def _missing_(cls, value: object) -> "ControllersID | None":
-        if value in ELSEWHERE or value in ELSEWHERE.values():
-            known = ", ".join(member.value for member in cls)
-            raise ValueError(f"the algorithm {value!r} is not offered here; choose {known}")
-        return None
+    @property
+    def sees_target(self) -> bool:
+        """Whether it follows what a camera sees, and no path."""
+        return self in (ControllersID.VISION_IMG, ControllersID.VISION_DEPTH)
+
+
+FOLLOWERS_OF_PATHS = tuple(each for each in ControllersID if not each.sees_target)

@@ -1,4 +1,4 @@
-"""Settings of the path-following algorithms, section by section of the configuration file."""
+"""Settings of the algorithms of the controller, section by section of the configuration file."""
 
 import dataclasses
 import math
@@ -7,12 +7,17 @@ from typing import Any, ClassVar, Self, get_type_hints
 
 from pydantic import Field, create_model, model_validator
 
+from kompass.algorithms.bounded import USUAL_BOUNDS
+from kompass.algorithms.following.dvz import DVZ
 from kompass.algorithms.following.dwa import DWA
-from kompass.algorithms.following.follower import USUAL_BOUNDS, PathFollower
+from kompass.algorithms.following.follower import PathFollower
 from kompass.algorithms.following.mppi import MPPI
 from kompass.algorithms.following.pure_pursuit import PurePursuit
-from kompass.algorithms.following.stanley import Stanley
+from kompass.algorithms.following.stanley import Stanley, StanleyLaw
 from kompass.algorithms.footprint import Footprint
+from kompass.algorithms.tracking.rgb_follower import VisionRGBFollower
+from kompass.algorithms.tracking.rgbd_follower import VisionRGBDFollower
+from kompass.algorithms.tracking.vision_follower import VisionFollower
 from kompass.components.base.robot_limits import motion_model, velocity_limits
 from kompass.components.controller.controllers_id import ControllersID
 from kompass.robot import RobotConfig
@@ -48,7 +53,7 @@ class FollowerSettings(Settings):
         ),
         ELSEWHERE,
     )
-    follower: ClassVar[type[PathFollower[Any]]]
+    follower: ClassVar[type[Any]]
     section: ClassVar[str] = ""
     # Names of other releases for the same thing.
     synonyms: ClassVar[Mapping[str, str]] = {}
@@ -78,7 +83,7 @@ class FollowerSettings(Settings):
 
 def _section(
     algorithm: ControllersID,
-    follower: type[PathFollower[Any]],
+    follower: type[PathFollower[Any]] | type[VisionFollower[Any]],
     *,
     synonyms: Mapping[str, str] | None = None,
     ignored: Mapping[str, str] | None = None,
@@ -87,10 +92,13 @@ def _section(
     """A settings model with the fields of a parameter class, each of which may be left out."""
     params = follower.params_class
     kinds = get_type_hints(params)
-    chosen = {"turn_in_place_angle": TURN_IN_PLACE, **(defaults or {})}
+    chosen = dict(defaults or {})
     # What holds without a setting is told by the reference; two come from the controller's own.
-    left_out = {item.name: item.default for item in dataclasses.fields(params)} | chosen
-    left_out |= {name: f"the controller's {given}" for given, name in COMMON_NAMES.items()}
+    left_out = {item.name: item.default for item in dataclasses.fields(params)}
+    if issubclass(follower, PathFollower):
+        chosen = {"turn_in_place_angle": TURN_IN_PLACE, **chosen}
+        left_out |= {name: f"the controller's {given}" for given, name in COMMON_NAMES.items()}
+    left_out |= chosen
     fields: dict[str, Any] = {
         item.name: (
             kinds[item.name] | None,
@@ -146,17 +154,45 @@ DWAConfig: Any = _section(
     },
     defaults={"clearance": CLEARANCE},
 )
+DVZConfig: Any = _section(
+    ControllersID.DVZ,
+    DVZ,
+    ignored={"min_angular_vel": ELSEWHERE},
+    defaults={"clearance": CLEARANCE},
+)
 MPPIConfig: Any = _section(
     ControllersID.MPPI,
     MPPI,
     # It turns by plans under which obstacles are looked at, and passes gaps that just fit.
     defaults={"clearance": 0.03, "turn_in_place_angle": math.pi},
 )
+_VISION_IGNORED = dict.fromkeys(
+    ("control_time_step", "control_horizon", "prediction_horizon", "buffer_size"), ELSEWHERE
+)
+VisionRGBFollowerConfig: Any = _section(
+    ControllersID.VISION_IMG,
+    VisionRGBFollower,
+    ignored={**_VISION_IGNORED, "target_distance": "an image alone tells no distance"},
+)
+VisionRGBDFollowerConfig: Any = _section(
+    ControllersID.VISION_DEPTH,
+    VisionRGBDFollower,
+    ignored={
+        **_VISION_IGNORED,
+        # Taking these numbers over would say something else than was meant.
+        "error_pose": "it is counted otherwise; give place_deviation",
+        "error_vel": "it is counted otherwise; give target_acceleration",
+        "error_acc": "it is counted otherwise; give target_acceleration",
+    },
+)
 SECTIONS = {
     ControllersID.STANLEY: StanleyConfig,
     ControllersID.PURE_PURSUIT: PurePursuitConfig,
     ControllersID.DWA: DWAConfig,
+    ControllersID.DVZ: DVZConfig,
     ControllersID.MPPI: MPPIConfig,
+    ControllersID.VISION_IMG: VisionRGBFollowerConfig,
+    ControllersID.VISION_DEPTH: VisionRGBDFollowerConfig,
 }
 
 
@@ -171,7 +207,7 @@ def make_follower(
         Parameters for what the section leaves out.
     """
     limits = velocity_limits(robot)
-    if settings.follower is Stanley and robot.turning_radius > 0:
+    if issubclass(settings.follower, StanleyLaw) and robot.turning_radius > 0:
         steer = robot.ctrl_omega_limits.max_steer
         wheel_base = robot.turning_radius * math.tan(steer)
         defaults = {"max_steer": steer, "wheel_base": wheel_base, **defaults}
@@ -185,7 +221,7 @@ def make_follower(
         )
         if getattr(settings, name) is None
     }
-    return settings.follower(
+    follower: PathFollower[Any] = settings.follower(
         dataclasses.replace(params, **crawl),
         footprint=Footprint(robot.footprint),
         max_v=limits.vx.max_vel,
@@ -195,3 +231,21 @@ def make_follower(
         omega_acc=limits.omega.max_acc,
         motion=motion_model(robot),
     )
+    return follower
+
+
+def make_tracker(
+    settings: FollowerSettings, robot: RobotConfig
+) -> VisionRGBFollower | VisionRGBDFollower:
+    """The vision algorithm of a section, set up for a robot."""
+    limits = velocity_limits(robot)
+    tracker: VisionRGBFollower | VisionRGBDFollower = settings.follower(
+        settings.params(),
+        max_v=limits.vx.max_vel,
+        max_omega=limits.omega.max_vel,
+        acc=limits.vx.max_acc,
+        decel=limits.vx.max_decel,
+        omega_acc=limits.omega.max_acc,
+        motion=motion_model(robot),
+    )
+    return tracker

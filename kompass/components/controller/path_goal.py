@@ -135,7 +135,7 @@ def poses_of_file(goal: ControlPath.Goal, folder: FilePath, world: str) -> NDArr
         saved = load_path(folder / goal.path_file_location / goal.path_name)
     except PathFileError as error:
         raise NoPath(str(error)) from None
-    _check_frame(saved.frame, world)
+    check_frame(saved.frame, world)
     return saved.poses
 
 
@@ -143,11 +143,18 @@ def poses_of_message(message: Path, world: str) -> NDArray[np.float64]:
     """The path (N, 3) of a message; raises as :func:`poses_of_file`."""
     if len(message.poses) > MOST_POSES:
         raise NoPath(f"the path has {len(message.poses)} poses; give at most {MOST_POSES}")
-    _check_frame(message.header.frame_id, world)
+    check_frame(message.header.frame_id, world)
     return path_poses(message)
 
 
-def _check_frame(frame: str, world: str) -> None:
+def check_frame(frame: str, world: str) -> None:
+    """Look whether a path is in the frame that it is followed in.
+
+    Raises
+    ------
+    NoPath
+        It is in another one.
+    """
     if frame.removeprefix("/") not in ("", world):
         raise NoPath(f"the path is in frame '{frame}'; give it in '{world}'")
 
@@ -166,10 +173,35 @@ def check_path(poses: NDArray[np.float64], pose: Pose2D, zones: ZonesInForce) ->
     if not np.isfinite(poses).all():
         row = int(np.argmin(np.isfinite(poses).all(axis=1)))
         raise NoPath(f"pose {row} of the path is {poses[row].tolist()}; give finite numbers")
-    with np.errstate(over="ignore"):  # then it is too long
-        steps = np.hypot(*np.diff(poses[:, :2], axis=0).T)
-    if steps.sum() < STRIDE:
-        raise NoPath(f"the path is {steps.sum():.3f} m long; give at least {STRIDE:g} m")
+    length = float(_steps(poses).sum())
+    if length < STRIDE:
+        raise NoPath(f"the path is {length:.3f} m long; give at least {STRIDE:g} m")
+    places = check_reach(poses, pose)
+    if not zones:
+        return
+    for x, y in places:
+        zone = zones.barred(float(x), float(y))
+        if zone is not None:
+            raise NoPath(
+                f"the path leads through the keep-out zone {zone.name!r}, at ({x:.2f}, {y:.2f})"
+            )
+
+
+def check_reach(poses: NDArray[np.float64], pose: Pose2D) -> NDArray[np.float64]:
+    """Look whether a path (N, 3), N ≥ 2, all of it finite, is near the robot, and no longer than
+    can be meant.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Places (M, 2) along it, ``STRIDE`` apart.
+
+    Raises
+    ------
+    NoPath
+        It is not.
+    """
+    steps = _steps(poses)
     if steps.sum() > STRIDE * MOST_POSES:
         raise NoPath(
             f"the path is {steps.sum():.0f} m long; give at most {STRIDE * MOST_POSES:.0f} m"
@@ -180,14 +212,14 @@ def check_path(poses: NDArray[np.float64], pose: Pose2D, zones: ZonesInForce) ->
         raise NoPath(
             f"the robot is {away:.2f} m away from the path; drive to within {FARTHEST:g} m of it"
         )
-    if not zones:
-        return
-    for x, y in places:
-        zone = zones.barred(float(x), float(y))
-        if zone is not None:
-            raise NoPath(
-                f"the path leads through the keep-out zone {zone.name!r}, at ({x:.2f}, {y:.2f})"
-            )
+    return places
+
+
+def _steps(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Lengths (N - 1,) of the steps of a path [m]; infinite where they are too long for numbers."""
+    with np.errstate(over="ignore"):
+        lengths: NDArray[np.float64] = np.hypot(*np.diff(poses[:, :2], axis=0).T)
+    return lengths
 
 
 def _closely(poses: NDArray[np.float64], steps: NDArray[np.float64]) -> NDArray[np.float64]:

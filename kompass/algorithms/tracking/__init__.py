@@ -1,0 +1,1 @@
+"""Followers of what a detector finds in a camera's image."""
