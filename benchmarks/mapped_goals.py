@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.support.virtual_robot import VirtualRobot
 
 RECIPE = Path(__file__).parent / "recipes" / "followed.py"
-EXTENT = {"hexagon": 2.6, "apartment": 6.0, "warehouse": 10.0}  # m from the middle
+EXTENT = {"hexagon": 2.6, "apartment": 6.0, "warehouse": 10.0, "depot": 50.0}  # m from the middle
 FULL_SPEED = 0.22  # m/s
 PATIENCE = 900.0  # s for one goal
 SUCCEEDED = 4

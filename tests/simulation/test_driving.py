@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kompass.simulation.robot import SimulatedRobot
-from kompass.simulation.worlds.registry import world
+from kompass.simulation.worlds.registry import world, world_names
 from kompass.simulation.worlds.shapes import Cylinder
 from kompass.simulation.worlds.world import World
 
@@ -151,7 +151,7 @@ def test_passing_close_is_no_contact() -> None:
 
 
 def test_starts_where_the_world_says_without_touching_anything() -> None:
-    for name in ("hexagon", "apartment", "warehouse"):
+    for name in world_names():
         place = world(name)
         robot = SimulatedRobot(place)
         robot.step(0.5)

@@ -343,8 +343,12 @@ def test_touching_the_wall_is_announced_at_once(observer: Observer) -> None:
             return bool(observer.newest["/simulator/contacts"].data > before)
 
         observer.until(touched, "a contact")
-    # The wall behind the start, where the shell of 0.10 m meets it at y = -0.5 m.
-    assert observer.position[0] == pytest.approx(-2.37, abs=0.03)
+        # The wall behind the start, where the shell of 0.10 m meets it at y = -0.5 m. The odometry
+        # is another topic: on a busy machine it may be read a moment after the contact.
+        observer.until(
+            lambda: observer.position[0] == pytest.approx(-2.37, abs=0.03),
+            "the robot to be where the wall is",
+        )
 
 
 def test_unknown_world_is_one_clear_line() -> None:

@@ -26,7 +26,7 @@ def build(**changes: Any) -> World:
 
 
 def test_unknown_world_is_refused_with_the_names_there_are() -> None:
-    with pytest.raises(ValueError, match=r"'moon'.*hexagon, apartment, warehouse"):
+    with pytest.raises(ValueError, match=r"'moon'.*hexagon, apartment, warehouse, depot"):
         world("moon")
 
 

@@ -20,6 +20,12 @@ MARGINS = (2.5, 5.0, 10.0)
 AT_LEAST = 0.2  # s between two plans
 TRACES = 200  # places of what moves that are kept
 RENEW = 5.0  # s after which what was forgotten is found out
+# On a model of more cells than that, a way is mended in the robot's neighbourhood …
+LARGE = 500_000
+# … which reaches so much further than what is seen [m], …
+BEYOND = 4.0
+# … and looked for on all of it so seldom that it takes some fifth of a core.
+CELLS_PER_SECOND = 200_000
 
 
 class LiveMap:
@@ -48,12 +54,14 @@ class LiveMap:
         self._changed = True  # since the last grid
         self._made = self._tried = -np.inf
         self._freed = self._threatened = False  # since the last plan
+        self._looked_whole = -np.inf  # when a plan on all of it was made, or tried
         self._marked: NDArray[np.float64] = np.empty((0, 2))
 
     def set_map(self, grid: Grid) -> None:
         """Take a map; what was seen stays."""
         self.model.set_map(grid)
         self._changed = self._freed = True
+        self._looked_whole = -np.inf
 
     def wait_with(self, topic: str, message: Any) -> None:
         """Keep a scan or cloud until it is known where the robot was."""
@@ -127,9 +135,26 @@ class LiveMap:
         return (self._threatened or self._freed) and now - self._tried >= AT_LEAST
 
     def planned(self, now: float) -> None:
-        """A plan was made, or tried."""
-        self._tried = now
+        """A plan on all of it was made, or tried."""
+        self._tried = self._looked_whole = now
         self._threatened = self._freed = False
+
+    def mended(self, now: float) -> None:
+        """The way was found to be good, or was mended, in the neighbourhood of the robot."""
+        self._tried = now
+        self._threatened = False
+
+    @property
+    def neighbourhood(self) -> float:
+        """How far from the robot a way is mended [m]; 0 where it is always planned on all of it."""
+        large = math.prod(self.model.shape) > LARGE
+        return self.model.reach + BEYOND if large else 0.0
+
+    def is_worth_all(self, now: float) -> bool:
+        """Whether a way that is good nearby may be bettered by one that leads elsewhere, and so
+        much time has passed that it may be looked for."""
+        pause = math.prod(self.model.shape) / CELLS_PER_SECOND
+        return self._freed and now - self._looked_whole >= pause
 
     def widen(self) -> bool:
         """Look further beside robot and goal from now on; False where there is no further."""

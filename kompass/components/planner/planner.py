@@ -16,12 +16,13 @@ from rclpy.task import Future
 from std_msgs.msg import Bool, String
 
 from kompass.algorithms.footprint import Footprint
-from kompass.algorithms.geometry import Pose2D
+from kompass.algorithms.geometry import Floats, Pose2D
 from kompass.algorithms.grid import Grid
 from kompass.algorithms.planning.car_planner import CarPlanner
 from kompass.algorithms.planning.failure import PlanningFailure, Reason, code_of
 from kompass.algorithms.planning.outline_planner import OutlinePlanner
 from kompass.algorithms.planning.planner import GlobalPlanner, Plan
+from kompass.algorithms.planning.shorten import path_length
 from kompass.algorithms.safety.standstill import Standstill
 from kompass.algorithms.transforms import TransformError
 from kompass.components.base.actions import ActionRefused, component_action
@@ -45,6 +46,7 @@ from kompass.components.planner.goal_progress import (
 from kompass.components.planner.goal_reports import GOAL_REPORTS, REPORTS
 from kompass.components.planner.hindrance import OUT_OF_SIGHT, Hindrance, find
 from kompass.components.planner.live_map import LiveMap
+from kompass.components.planner.neighbourhood import cut
 from kompass.printable import printable
 from kompass.rclpy_ext.topic import LATCHED, AllowedTopics, Topic
 from kompass.timeline.goal import GoalReport, Outcome
@@ -74,6 +76,8 @@ STRAYED = 0.5  # m
 ROOM_TO_STEER = 1.1
 BESIDE = 0.3  # m from the end of its path within which one has driven all of it
 BETTER = 0.1  # share of the way that another path must save to take the place of a good one
+DETOUR = 3.0  # m by which a way round nearby may be longer before one elsewhere is looked for
+BORDER = 0.5  # m by which a way that is mended stays away from the end of what is looked at
 # The algorithm was given all it needs and has no answer. A goal in a wall is not that.
 ALGORITHM_FAILURES: tuple[Reason, ...] = ("start_blocked", "no_path", "unreachable")
 # May come of a model that does not reach far enough.
@@ -588,6 +592,9 @@ class Planner(Component):
         ahead = pursued.ahead(pose)
         if not live.is_worth_a_plan(now) and not pursued.strayed(pose, STRAYED):
             return
+        if self._mend(pursued, live, ahead, now) and not live.is_worth_all(now):
+            return
+        ahead = pursued.ahead(pose)  # which may be another one by now
         planner = None
         try:
             planner, _ = self._ready(pursued.goal)
@@ -607,6 +614,51 @@ class Planner(Component):
             return
         pursued.replanned(plan.poses, pose)
         self._drive(plan)
+
+    def _mend(self, pursued: GoalProgress, live: LiveMap, ahead: Floats, now: float) -> bool:
+        """Judge, and better, the path around the robot, where a map is too large for more.
+
+        What has come or gone is near the robot, which sees no further: the path beyond was looked
+        at before. False where what is near cannot tell.
+        """
+        body = self.config.described_robot
+        if not live.neighbourhood or body.turning_radius > 0:
+            return False
+        try:
+            pose = self._pose()
+            around = live.model.grid_around(pose[:2], live.neighbourhood, now)
+        except (PlanningFailure, ValueError):
+            return False  # nobody knows where the robot is, or it is off the map: told by who plans
+        radius = live.neighbourhood - body.radius - self._wanted_clearance - BORDER
+        parts = cut(ahead, pose, radius)
+        if len(parts.near) < 2:
+            return False
+        planner = self._planner_on(around, self._start_slack)
+        if any(planner.blocked(piece, self._kept / 2) for piece in parts.visits):
+            return False
+        strayed = pursued.strayed(pose, STRAYED)
+        holds = not (strayed or planner.blocked(parts.near, self._kept / 2))
+        x, y, yaw = (float(value) for value in parts.near[-1])
+        there = pursued.tolerance.heading_matters and not len(parts.rest)
+        try:
+            plan = planner.plan(pose, (x, y, yaw if there else None))
+        except PlanningFailure:
+            if holds:
+                live.mended(now)
+            return holds
+        longer = path_length(plan.poses[:, :2]) - path_length(parts.near[:, :2])
+        if not holds and longer > DETOUR:
+            return False
+        live.mended(now)
+        saved = planner.cost(parts.near) - planner.cost(plan.poses)
+        if holds and saved < BETTER * (planner.cost(parts.near) + path_length(parts.rest[:, :2])):
+            return True
+        self.health.set_healthy()
+        pursued.replanned(np.concatenate([plan.poses, parts.rest]), pose)
+        # What was left of the clearance beyond is what it was.
+        self._kept = min(self._kept, max(0.0, plan.room))
+        self.publish("plan", self._path_msg(pursued.path))
+        return True
 
     def _find(self, pursued: GoalProgress, *, narrow: bool = True, most: float = math.inf) -> Plan:
         """A path; of one that would cost more than ``most`` a car's planner need not know."""

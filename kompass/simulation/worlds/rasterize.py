@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from kompass.algorithms.geometry import Floats
 from kompass.algorithms.grid import Grid
 from kompass.simulation.worlds.world import World
 
@@ -40,12 +41,21 @@ def rasterize(world: World, resolution: float = 0.05) -> Grid:
     width = math.ceil((max_x + MARGIN) / resolution) - first_column
     height = math.ceil((max_y + MARGIN) / resolution) - first_row
 
-    columns = (first_column + np.arange(width) + 0.5) * resolution
-    rows = (first_row + np.arange(height) + 0.5) * resolution
-    centers = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+    columns = np.asarray((first_column + np.arange(width) + 0.5) * resolution, dtype=np.float64)
+    rows = np.asarray((first_row + np.arange(height) + 0.5) * resolution, dtype=np.float64)
 
-    cells = np.where(world.on_floor(centers), FREE, UNKNOWN).astype(np.int8)
-    # The tolerance settles centres that lie exactly half a cell away, whatever the rounding.
-    cells[world.distance(centers) <= resolution / 2 + 1e-9] = OCCUPIED
+    def centers(rows: Floats, columns: Floats) -> Floats:
+        return np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+
+    on_floor = world.on_floor(centers(rows, columns)).reshape(height, width)
+    cells = np.where(on_floor, FREE, UNKNOWN).astype(np.int8)
+    for shape in world.solids:
+        far = shape.reach + resolution
+        left, right = np.searchsorted(columns, (shape.center[0] - far, shape.center[0] + far))
+        low, high = np.searchsorted(rows, (shape.center[1] - far, shape.center[1] + far))
+        there = shape.distance(centers(rows[low:high], columns[left:right]))
+        # The tolerance settles centres that lie exactly half a cell away, whatever the rounding.
+        solid = (there <= resolution / 2 + 1e-9).reshape(high - low, right - left)
+        cells[low:high, left:right][solid] = OCCUPIED
     origin = (round(first_column * resolution, 9), round(first_row * resolution, 9), 0.0)
-    return Grid(cells.reshape(height, width), resolution, origin)
+    return Grid(cells, resolution, origin)

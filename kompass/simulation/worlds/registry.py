@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from kompass.simulation.worlds.apartment import APARTMENT
+from kompass.simulation.worlds.depot import DEPOT
 from kompass.simulation.worlds.hexagon import HEXAGON
 from kompass.simulation.worlds.warehouse import WAREHOUSE
 from kompass.simulation.worlds.world import World
 
-_WORLDS = {item.name: item for item in (HEXAGON, APARTMENT, WAREHOUSE)}
+_WORLDS = {item.name: item for item in (HEXAGON, APARTMENT, WAREHOUSE, DEPOT)}
 
 
 def world_names() -> tuple[str, ...]:

@@ -51,6 +51,11 @@ class Box:
         _require_positive("box", self.name, "size[1]", self.size[1])
         _require_positive("box", self.name, "height", self.height)
 
+    @property
+    def reach(self) -> float:
+        """How far its corners are from its middle [m]."""
+        return math.hypot(*self.size) / 2
+
     def distance(self, points: Points) -> NDArray[np.float64]:
         """Signed distance in metres of world ``points`` (N, 2); negative inside. Shape (N,)."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
@@ -87,6 +92,11 @@ class Cylinder:
     def __post_init__(self) -> None:
         _require_positive("cylinder", self.name, "radius", self.radius)
         _require_positive("cylinder", self.name, "height", self.height)
+
+    @property
+    def reach(self) -> float:
+        """How far its side is from its axis [m]."""
+        return self.radius
 
     def distance(self, points: Points) -> NDArray[np.float64]:
         """Signed distance in metres of world ``points`` (N, 2); negative inside. Shape (N,)."""

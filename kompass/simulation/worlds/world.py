@@ -137,9 +137,10 @@ class World:
 
     def distance(self, points: Points) -> NDArray[np.float64]:
         """Distance of world ``points`` (N, 2) to the nearest solid [m]; negative inside it."""
-        return np.asarray(
-            np.min([shape.distance(points) for shape in self.solids], axis=0), dtype=np.float64
-        )
+        nearest = np.full(len(points), np.inf)
+        for shape in self.solids:
+            np.minimum(nearest, shape.distance(points), out=nearest)
+        return nearest
 
     def _overrun(self, arriving: float, leaving: float) -> float:
         turn = math.remainder(leaving - arriving, math.tau)
