@@ -26,5 +26,7 @@ class Invalid(NamedTuple):
 def first_invalid(error: ValidationError) -> Invalid:
     """The first of what is wrong; the others are seen once it has been mended."""
     first = error.errors()[0]
-    where = ".".join(map(str, first["loc"]))
+    # A check that looks at several fields says which of them it means.
+    inner = first.get("ctx", {}).get("field")
+    where = ".".join(map(str, (*first["loc"], *([] if inner is None else [inner]))))
     return Invalid(where, first["input"], first["msg"].removeprefix("Value error, "))

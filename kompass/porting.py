@@ -15,7 +15,7 @@ from typing import Any
 PAGE = "docs/porting.md"
 LIKENESS = 0.8  # of a name to one that is here, for it to be a slip of the same
 
-CAMERA = "nothing here sees with a camera; use DWA, MPPI, Stanley or PurePursuit on a path"
+CAMERA = "a detector of yours publishes vision_msgs/Detection2DArray; see ControllersID.VISION_IMG"
 SETTINGS = "derive from kompass.config.Settings, whose fields are pydantic's"
 BOUNDS = "give bounds with pydantic, x: float = Field(default=1.0, ge=0, le=10)"
 MESSAGES = (
@@ -62,11 +62,7 @@ NAMES: dict[str, dict[str, str]] = {
         "CmdPublishType": "give the name: ControllerConfig(ctrl_publish_type='Parallel')",
     },
     "kompass.components.planner": dict.fromkeys(("Planner", "PlannerConfig"), IN_COMPONENTS),
-    "kompass.control": {
-        "VisionRGBFollowerConfig": CAMERA,
-        "VisionRGBDFollowerConfig": CAMERA,
-        "DVZConfig": "use DWAConfig, which goes round obstacles too",
-    },
+    "kompass.control": {},
     "kompass.robot": {
         "Robot": "use RobotConfig of kompass.robot",
         "RobotState": "a pose is (x, y, yaw); see kompass.algorithms.geometry",
@@ -114,12 +110,13 @@ NAMES: dict[str, dict[str, str]] = {
         "logger": "use kompass.ros.logger",
     },
     "kompass_core.control": {
-        "VisionRGBFollower": CAMERA,
-        "VisionRGBFollowerConfig": CAMERA,
-        "VisionRGBDFollower": CAMERA,
-        "VisionRGBDFollowerConfig": CAMERA,
-        "DVZ": "use DWAConfig, which goes round obstacles too",
-        "DVZConfig": "use DWAConfig, which goes round obstacles too",
+        "VisionRGBFollower": (
+            "its settings are VisionRGBFollowerConfig; ControllersID.VISION_IMG chooses it"
+        ),
+        "VisionRGBDFollower": (
+            "its settings are VisionRGBDFollowerConfig; ControllersID.VISION_DEPTH chooses it"
+        ),
+        "DVZ": "its settings are DVZConfig of kompass.control; ControllersID.DVZ chooses it",
     },
     "kompass_core.models": {
         "Robot": "use RobotConfig of kompass.robot",

@@ -20,6 +20,8 @@ from kompass.settings import Settings, ignored_of
 
 # Wheels that steer by more than this would drive the robot across itself [rad].
 STEEPEST = 1.5
+# Who steers by less cannot be told from who cannot steer: the turn is hundreds of bodies wide.
+SLIGHTEST = 0.01
 # What no robot on the ground has: a slip of units, or of a digit.
 LARGEST = 100.0  # m, any measure of its shape
 FASTEST = 100.0  # m/s, and rad/s
@@ -219,9 +221,13 @@ def _member_of(kind: type[enum.Enum]) -> Any:
 def _own_numbers(value: ArrayLike) -> NDArray[np.float64]:
     """A copy that nobody can write to: what is checked stays as it was checked."""
     try:
-        numbers = np.array(value, dtype=np.float64)
+        given = np.array(value)
+        numbers = given.astype(np.float64)
     except (TypeError, ValueError):
         raise ValueError(f"{value!r} is no list of numbers") from None
+    listed = value if isinstance(value, list | tuple) else ()
+    if given.dtype.kind in "bUSc" or any(isinstance(one, bool | np.bool_) for one in listed):
+        raise ValueError(f"{value!r} is no list of numbers")
     numbers.setflags(write=False)
     return numbers
 
@@ -312,6 +318,11 @@ class RobotConfig(Settings):
         return self
 
     def _check_drive(self) -> None:
+        if self.model_type is RobotType.DIFFERENTIAL_DRIVE and self.ctrl_vy_limits.max_vel > 0:
+            raise ValueError(
+                f"ctrl_vy_limits.max_vel = {self.ctrl_vy_limits.max_vel:g} m/s: a "
+                "DIFFERENTIAL_DRIVE cannot move sideways; leave it out, or say OMNI"
+            )
         if self.model_type is not RobotType.ACKERMANN:
             if self.wheel_base is not None:
                 raise ValueError(
@@ -320,10 +331,16 @@ class RobotConfig(Settings):
                 )
             return
         most = self.ctrl_omega_limits.max_steer
-        if not 0.0 < most <= STEEPEST:
+        if not SLIGHTEST <= most <= STEEPEST:
             raise ValueError(
                 f"ctrl_omega_limits.max_steer = {most:.2f} rad: how tightly an ACKERMANN can turn "
-                f"comes from its largest steering angle; give it, above 0 and at most {STEEPEST:g}"
+                f"comes from its largest steering angle; give it, between {SLIGHTEST:g} and "
+                f"{STEEPEST:g}"
+            )
+        if self.wheel_base is not None and self.wheel_base > self._length:
+            raise ValueError(
+                f"wheel_base = {self.wheel_base:g} m: the body is {self._length:g} m long, and "
+                "its wheels are under it; give what lies between its axles"
             )
         if self.ctrl_vy_limits.max_vel > 0:
             raise ValueError(

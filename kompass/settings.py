@@ -6,7 +6,15 @@ from collections.abc import Mapping
 from types import UnionType
 from typing import TYPE_CHECKING, Any, ClassVar, Self, Union, get_args, get_origin
 
-from pydantic import AliasChoices, BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import (
+    AliasChoices,
+    BaseModel,
+    ConfigDict,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 _OUT_OF_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
@@ -81,6 +89,16 @@ class Settings(BaseModel):
                 )
             return super().__getattr__(name)
 
+    @field_validator("*", mode="before")
+    @classmethod
+    def _truth_is_no_number(cls, value: Any, info: ValidationInfo) -> Any:
+        # Python counts True as 1: nobody who writes it means a metre.
+        if isinstance(value, bool) and info.field_name is not None:
+            kinds = _kinds_of(cls.model_fields[info.field_name].annotation)
+            if kinds & {int, float} and not kinds & {bool, Any, object}:
+                raise PydanticCustomError("truth_for_number", "that is no number; give one")
+        return value
+
     @model_validator(mode="before")
     @classmethod
     def _drop_ignored(cls, given: Any) -> Any:
@@ -151,6 +169,12 @@ def without_ignored(model: type[BaseModel], given: Mapping[str, Any], where: str
         else:
             kept[name] = value
     return kept
+
+
+def _kinds_of(annotation: Any) -> set[Any]:
+    """All types that an annotation names, whatever they are wrapped in."""
+    inner = get_args(annotation)
+    return {annotation} if not inner else {kind for one in inner for kind in _kinds_of(one)}
 
 
 def _tell_ignored(where: str, name: str, why: str) -> None:

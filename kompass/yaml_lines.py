@@ -8,6 +8,7 @@ from typing import Any
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
+_SHORT = 40  # characters of what is quoted in an error
 MOST_NODES = 100_000  # that a text with aliases may come to, each alias written out
 
 
@@ -39,7 +40,7 @@ def read_yaml(text: str) -> tuple[Node | None, Any]:
         or its aliases come to more than :data:`MOST_NODES`.
     """
     try:
-        loader = yaml.SafeLoader(text)
+        loader = _Loader(text)
         try:
             root: Node | None = loader.get_single_node()
             if root is None:
@@ -56,11 +57,30 @@ def read_yaml(text: str) -> tuple[Node | None, Any]:
         raise BadYaml(f"{error.problem or error}; correct it", line) from None
     except BadYaml:
         raise
-    # What a scalar looks like and is not, as the date 2026-13-01, is a ValueError of Python's.
     except RecursionError:
         raise BadYaml("it is nested too deeply to be read; write it with fewer levels") from None
-    except (yaml.YAMLError, ValueError) as error:
+    except yaml.YAMLError as error:
         raise BadYaml(f"{' '.join(str(error).split())}; correct it") from None
+
+
+class _Loader(yaml.SafeLoader):
+    """Says on which line something stands that looks like a value and is none: 2026-13-01."""
+
+    def construct_object(self, node: Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep)
+        except (BadYaml, yaml.YAMLError):
+            raise
+        # What a tag asks for and the text is not, pyyaml finds by running into it.
+        except (ValueError, AttributeError, LookupError, TypeError) as error:
+            kind = node.tag.rpartition(":")[2]
+            why = str(error).partition(";")[0] if type(error) is ValueError else f"it is no {kind}"
+            text = str(node.value)
+            written = text if len(text) <= _SHORT else f"{text[:_SHORT]}…"
+            raise BadYaml(
+                f"{written!r} cannot be read: {why}; correct it, or quote it if it is text",
+                line_of(node),
+            ) from None
 
 
 def child(node: Node | None, step: str) -> Node | None:

@@ -26,6 +26,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
             "share",
             "signing",
             "supervisor",
+            "json_once",
             "yaml_lines",
         ),
         ("channel", "field_types"),

@@ -33,7 +33,11 @@ def test_what_stands_somewhere_has_its_line_or_that_of_the_last_there_is_of_the_
     [
         ("a: 1\nb: 2\na: 3\n", 3, "'a' is given twice; keep one"),
         ("a: [1\n", 2, "expected ',' or ']'"),
-        ("a: 2026-13-01\n", None, "month must be in 1..12; correct it"),
+        ("a: 1\nb: 2026-13-01\n", 2, "'2026-13-01' cannot be read: month must be in 1..12; corr"),
+        (f"a: 1\nb: {'9' * 5000}\n", 2, "value has 5000 digits; correct it"),
+        ("a: 1\nb: !!bool perhaps\n", 2, "'perhaps' cannot be read: it is no bool; correct it"),
+        ("a: 1\nb: !!timestamp soon\n", 2, "'soon' cannot be read: it is no timestamp; correct it"),
+        ("a: 1\nb: !!int ''\n", 2, "'' cannot be read: it is no int; correct it"),
     ],
 )
 def test_what_cannot_be_read_is_said_with_its_line(text: str, line: int | None, said: str) -> None:
@@ -76,5 +80,5 @@ def test_an_alias_is_what_it_stands_for() -> None:
 def test_a_table_with_a_date_that_is_none_is_refused_in_a_sentence(tmp_path: Path) -> None:
     file = tmp_path / "rules.yaml"
     file.write_text("rules: 2026-13-01\n", encoding="utf-8")
-    with pytest.raises(CliError, match=r"rules.yaml: month must be in 1\.\.12; correct it"):
+    with pytest.raises(CliError, match=r"rules.yaml:1: '2026-13-01' cannot be read: month"):
         TableFile(file)

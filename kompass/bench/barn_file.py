@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from kompass.invalid import first_invalid
+from kompass.json_once import GivenTwice, read_json
 from kompass.rules.schema.model import Model
 from kompass.simulation.worlds.shapes import Cylinder
 from kompass.simulation.worlds.world import World
@@ -21,7 +22,9 @@ _FAR = 100.0  # m; no world of BARN is larger
 _BESIDE, _BEHIND = 1.0, 1.5
 _HEIGHT = 1.0  # m, of the cylinders
 
-Metres = Annotated[float, Field(ge=-_FAR, le=_FAR)]
+
+Metres = Annotated[float, Field(strict=True, ge=-_FAR, le=_FAR)]
+Radius = Annotated[float, Field(strict=True, gt=0.0, le=10.0)]
 Point = tuple[Metres, Metres]
 
 
@@ -40,13 +43,13 @@ class BarnWorld(Model):
         Of that way [m].
     """
 
-    index: Annotated[int, Field(ge=0)]
+    index: Annotated[int, Field(strict=True, ge=0)]
     cylinders: Annotated[
-        tuple[tuple[Metres, Metres, Annotated[float, Field(gt=0.0, le=10.0)]], ...],
+        tuple[tuple[Metres, Metres, Radius], ...],
         Field(min_length=1, max_length=5000),
     ]
     path: Annotated[tuple[Point, ...], Field(min_length=2)]
-    optimal_length: Annotated[float, Field(gt=0.0, le=1000.0)]
+    optimal_length: Annotated[float, Field(strict=True, gt=0.0, le=1000.0)]
 
     @property
     def name(self) -> str:
@@ -86,7 +89,7 @@ class BarnFile(Model):
         x, y [m].
     """
 
-    # The file says more: of what the cylinders are, and that there are no boxes.
+    # The file may say more, as where it comes from.
     model_config = ConfigDict(extra="ignore")
 
     start: tuple[Metres, Metres, Annotated[float, Field(ge=-math.tau, le=math.tau)]]
@@ -136,19 +139,23 @@ def read_barn(file: Path) -> BarnFile:
     except UnicodeDecodeError:
         raise BadWorlds(f"{file}: it is no text; give a file of BARN worlds (JSON)") from None
     try:
-        return BarnFile.model_validate(json.loads(text))
+        return BarnFile.model_validate(read_json(text))
     except json.JSONDecodeError as error:
         raise BadWorlds(
             f"{file}:{error.lineno}: it is no JSON ({error.msg}); write it anew"
         ) from None
-    except RecursionError:
-        raise BadWorlds(f"{file}: it is nested too deeply to be read; write it anew") from None
     except ValidationError as error:
         first = first_invalid(error)
         value = json.dumps(first.value, default=str)
         short = value if len(value) <= 60 else f"{value[:60]}…"
         where = f"{first.where} = " if first.where else ""
         raise BadWorlds(f"{file}: {where}{short}: {first.text}") from None
+    except GivenTwice as error:
+        raise BadWorlds(f"{file}: {error}") from None
+    except ValueError as error:  # of a number that has thousands of digits
+        raise BadWorlds(f"{file}: {str(error).partition(';')[0]}; write it anew") from None
+    except RecursionError:
+        raise BadWorlds(f"{file}: it is nested too deeply to be read; write it anew") from None
 
 
 def _down(value: float) -> float:

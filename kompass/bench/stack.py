@@ -28,7 +28,8 @@ LIMITS: dict[str, tuple[LinearCtrlLimits, AngularCtrlLimits]] = {
     ),
     "jackal": (
         LinearCtrlLimits(max_vel=2.0, max_acc=3.0, max_decel=4.0),
-        AngularCtrlLimits(max_vel=4.0, max_acc=8.0, max_decel=8.0),
+        # What its wheels do while it brakes as hard as it can, too.
+        AngularCtrlLimits(max_vel=4.0, max_acc=5.0, max_decel=5.0),
     ),
     "ackermann": (
         LinearCtrlLimits(max_vel=1.0, max_acc=1.5, max_decel=2.5),

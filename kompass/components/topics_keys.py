@@ -11,6 +11,8 @@ class TopicsKeys(enum.StrEnum):
     GLOBAL_MAP = "map"
     ROBOT_LOCATION = "location"
     SPATIAL_SENSOR = "sensor_data"
+    VISION_DETECTIONS = "vision_detections"
+    DEPTH_CAM_INFO = "depth_camera_info"
     INTERMEDIATE_CMD = "command"
     INTERMEDIATE_CMD_LIST = "multi_command"
     LOCAL_MAP = "local_map"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Literal, TypeAlias
 
 from kompass.drills.chance import RARE, in_words, sign_test
@@ -79,8 +80,14 @@ class Comparison(Model):
     changes: tuple[DriveChange, ...] = ()
 
 
-def compare(before: Sequence[DriveResult], after: Sequence[DriveResult]) -> Comparison:
+def compare(
+    before: Sequence[DriveResult],
+    after: Sequence[DriveResult],
+    names: Mapping[str, str] = MappingProxyType({}),
+) -> Comparison:
     """Compare the drives of a proposed table (``after``) with those of another.
+
+    ``names`` are those by which people know rules; one that has none is called by its id.
 
     Raises
     ------
@@ -96,7 +103,7 @@ def compare(before: Sequence[DriveResult], after: Sequence[DriveResult]) -> Comp
         for a, b in pairs
         if a.time_to_goal is not None and b.time_to_goal is not None
     ]
-    changes = [change for pair in pairs if (change := _change(*pair)) is not None]
+    changes = [change for pair in pairs if (change := _change(*pair, names)) is not None]
     found = Comparison(
         verdict="same",
         sentence="",
@@ -156,7 +163,9 @@ def _by_name(drives: Iterable[DriveResult]) -> dict[str, DriveResult]:
     return found
 
 
-def _change(before: DriveResult, after: DriveResult) -> DriveChange | None:
+def _change(
+    before: DriveResult, after: DriveResult, names: Mapping[str, str]
+) -> DriveChange | None:
     """How a pair differs in what matters to people; None when it does not."""
     notes: list[str] = []
     votes: list[int] = [after.grade - before.grade]
@@ -184,7 +193,7 @@ def _change(before: DriveResult, after: DriveResult) -> DriveChange | None:
             )
             votes.append(1 if delay > 0 else -1)
     if _did(before) != _did(after):
-        notes.append(_other_firings(before, after))
+        notes.append(_other_firings(before, after, names))
     if not notes:
         return None
     # The gravest of what differs decides; so a contact is not made good by a faster recovery.
@@ -197,21 +206,27 @@ def _did(drive: DriveResult) -> list[tuple[str, bool | None]]:
     return [(firing.rule_id, firing.ok) for firing in drive.firings if not firing.shadow]
 
 
-def _other_firings(before: DriveResult, after: DriveResult) -> str:
-    def names(firings: Iterable[FiringResult]) -> dict[str, int]:
+def _other_firings(before: DriveResult, after: DriveResult, names: Mapping[str, str]) -> str:
+    def count(firings: Iterable[FiringResult]) -> dict[str, int]:
         counted: dict[str, int] = {}
         for firing in firings:
             if not firing.shadow:
                 counted[firing.rule_id] = counted.get(firing.rule_id, 0) + 1
         return counted
 
-    old, new = names(before.firings), names(after.firings)
+    old, new = count(before.firings), count(after.firings)
     notes = [
-        f"{rule} fired {_times(new.get(rule, 0))} instead of {_times(old.get(rule, 0))}"
+        f"{_called(rule, names)} fired {_times(new.get(rule, 0))} instead of "
+        f"{_times(old.get(rule, 0))}"
         for rule in sorted(old.keys() | new.keys())
         if old.get(rule, 0) != new.get(rule, 0)
     ]
     return ", ".join(notes) or "the same rules fired in another order or with another end"
+
+
+def _called(rule: str, names: Mapping[str, str]) -> str:
+    """A name may be a sentence, so that it stands in quotation marks."""
+    return f"“{names[rule]}”" if names.get(rule) else rule
 
 
 def _verdict(found: Comparison) -> Verdict:

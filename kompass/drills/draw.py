@@ -42,6 +42,8 @@ from kompass.simulation.worlds.world import World
 ALL = "all"
 _FIRST_GOAL = 2.0  # s after the start at which the first goal is sent
 _AHEAD = 1.0  # s before a goal at which somebody begins to answer wrongly
+USUAL_WORLDS = tuple(name for name in world_names() if name != "depot")
+_LONGEST_STEM = 90  # characters of a scenario's name before the number of its drive
 _TRIES = 50  # places looked at for a goal that is far enough
 # Where a fault begins on its way, as shares of the least time that the way can take: the robot has
 # set off, and cannot have arrived.
@@ -120,7 +122,8 @@ class DrawOptions(Model):
     Attributes
     ----------
     worlds
-        Of the embedded robot; each comes up equally often.
+        Of the embedded robot; each comes up equally often. The depot, whose ways take minutes, is
+        drawn from only when it is named.
     faults
         Names, written out (:func:`expand_faults`); each comes up equally often as the first of its
         drive. Empty for drives without faults.
@@ -137,7 +140,7 @@ class DrawOptions(Model):
         Least length of the way to a goal [m], where the world has room for it.
     """
 
-    worlds: Annotated[tuple[str, ...], Field(min_length=1)] = world_names()
+    worlds: Annotated[tuple[str, ...], Field(min_length=1)] = USUAL_WORLDS
     faults: tuple[str, ...] = ()
     faults_per_drive: Annotated[int, Field(ge=1, le=10)] = 1
     goals: Annotated[int, Field(ge=1, le=20)] = 1
@@ -207,6 +210,25 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
         faults=tuple(sorted(broken, key=lambda fault: (fault.at, fault.name))),
         limit=float(limit),
     )
+
+
+def repeated(scenario: Scenario, seed: int, count: int) -> tuple[Scenario, ...]:
+    """A scenario several times, with other noise of sensors and delays of messages in each.
+
+    The first is the scenario itself, with its own seed.
+    """
+    if count == 1:
+        return (scenario,)
+    stem = scenario.name
+    if len(stem) > _LONGEST_STEM:  # what is cut off still tells it from others
+        stem = f"{stem[: _LONGEST_STEM - 9]}-{hashlib.sha256(stem.encode()).hexdigest()[:8]}"
+    found: list[Scenario] = []
+    for number in range(count):
+        digest = hashlib.sha256(f"{seed}/{number}/{scenario.seed}".encode()).digest()
+        chance = int.from_bytes(digest[16:20], "big") >> 1 if number else scenario.seed
+        name = f"{stem}-{number}"
+        found.append(scenario.model_copy(update={"name": name, "seed": chance}))
+    return tuple(found)
 
 
 def fits(fault: str, place: World) -> bool:

@@ -307,6 +307,8 @@ def _again(report: Report) -> str:
     words += ["--worlds", ",".join(options.worlds), "--faults", ",".join(options.faults)]
     if options.faults_per_drive != 1:
         words += ["--faults-per-drive", str(options.faults_per_drive)]
+    if options.lasting:
+        words += ["--lasting", f"{options.lasting:g}"]
     words += ["-o", f"{report.drives[0].scenario.name}.mcap"]
     told = ""
     if report.table.name != "recipe":

@@ -7,7 +7,8 @@ nothing of who ran it where.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, ValidationError, field_validator
@@ -124,8 +125,11 @@ def make_report(
     options: DrawOptions | None = None,
     requirements: Sequence[Requirement] = (),
     notes: Sequence[str] = (),
+    names: Mapping[str, str] = MappingProxyType({}),
 ) -> Report:
     """Sum up a drill; the order in which the drives were finished makes no difference.
+
+    ``names`` are those by which people know the rules of both tables.
 
     Raises
     ------
@@ -140,7 +144,7 @@ def make_report(
         options=options,
         table=table,
         against=against,
-        comparison=None if against is None else compare(drives_against, drives),
+        comparison=None if against is None else compare(drives_against, drives, names),
         summary=summary,
         summary_against=None if against is None else summarize(drives_against),
         requirements=tuple(map(_result, check_requirements(requirements, summary))),

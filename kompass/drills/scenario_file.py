@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import difflib
 import json
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import yaml
 from pydantic import ValidationError
@@ -142,13 +143,16 @@ def parse_scenario(text: str, where: str = "scenario") -> Scenario:
     if not isinstance(data, dict):
         problem = "this is no scenario; give a mapping with name, world and goals"
         raise BadScenario([ScenarioProblem(where, "", "", problem)])
+    for steps, value in _strange(data, ()):
+        node = farthest(root, map(str, steps))
+        problem = f"that is a {type(value).__name__}; put it in quotation marks"
+        raise BadScenario([ScenarioProblem(_at(where, node), _field(steps), _told(value), problem)])
     try:
         return Scenario.model_validate_json(json.dumps(data))
     except (TypeError, ValueError, RecursionError) as error:
         if isinstance(error, ValidationError):
             raise BadScenario(_problems(where, root, error)) from None
-        problem = f"{error}; put dates and the like in quotation marks"
-        raise BadScenario([ScenarioProblem(where, "", "", problem)]) from None
+        raise BadScenario([ScenarioProblem(where, "", "", f"{error}; correct it")]) from None
 
 
 def scenario_text(scenario: Scenario) -> str:
@@ -160,6 +164,21 @@ def scenario_text(scenario: Scenario) -> str:
     data = scenario.model_dump(mode="json", exclude_none=True)
     text: str = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=100)
     return text
+
+
+_Steps: TypeAlias = tuple[str | int, ...]
+
+
+def _strange(data: Any, steps: _Steps) -> Iterator[tuple[_Steps, Any]]:
+    """What YAML reads and JSON does not have, as a date, and where it stands."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from _strange(value, (*steps, str(key)))
+    elif isinstance(data, list):
+        for place, value in enumerate(data):
+            yield from _strange(value, (*steps, place))
+    elif data is not None and not isinstance(data, bool | int | float | str):
+        yield steps, data
 
 
 def _problems(where: str, root: Node | None, error: ValidationError) -> list[ScenarioProblem]:

@@ -1,11 +1,14 @@
 """The launcher of a recipe: components in, a supervised stack out."""
 
+import difflib
 import logging
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from pydantic import TypeAdapter, ValidationError
 
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import NO_ROBOT, ComponentConfig
@@ -32,7 +35,8 @@ from kompass.recipe.ladder import ladder
 from kompass.recipe.table import recipe_rules
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.rulebook.permissions import NOTHING_OPENED, Opened, opened
-from kompass.settings import notice_once
+from kompass.rules.schema.model import TopicName
+from kompass.settings import ignored_of, notice_once
 from kompass.supervisor.liveness import LivenessLimits
 from kompass.zones.mask import Mask
 
@@ -64,6 +68,10 @@ class Launcher:
     ValueError
         When a robot plugin is given, a namespace that ROS does not have, no time for
         ``activation_timeout``, or both spellings of one argument and they differ.
+    TypeError
+        When ``config_file`` is no path.
+    AttributeError
+        When something is set that a launcher does not have.
     """
 
     @named_arguments
@@ -85,21 +93,13 @@ class Launcher:
                 "robot_plugin: plugins of robots are not offered here; connect the robot's own "
                 "topics with launcher.inputs(…) and launcher.outputs(…)"
             )
-        if activation_timeout is not None and not 0 < activation_timeout < math.inf:
-            raise ValueError(
-                f"activation_timeout = {activation_timeout!r}: give seconds above 0, or None"
-            )
-        if namespace and not NAMESPACE.fullmatch(namespace):
-            raise ValueError(
-                f"namespace = {namespace!r} is none in ROS; give words of letters, digits and "
-                "underscores between slashes, e.g. 'fleet/robot1'"
-            )
         self.namespace = namespace
         self.config_file = config_file
         self.enable_monitoring = enable_monitoring
         self.activation_timeout = activation_timeout
-        self.patience = patience or LivenessLimits()
+        self.patience = LivenessLimits() if patience is None else patience
         self._in_processes = _either("Launcher", multi_processing, multiprocessing)
+        _check_truth("activate_all_components_on_start", activate_all_components_on_start)
         self._activates = activate_all_components_on_start
         self._components: list[Component] = []
         self._failure_policies = FailurePolicies()
@@ -112,6 +112,25 @@ class Launcher:
         self._robot: RobotConfig | None = None
         self._frames: RobotFrames | None = None
         self._masks: tuple[Mask, ...] | None = None
+        self._made = True
+
+    if not TYPE_CHECKING:  # whom it would tell that any name may be set
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            if name in _CHECKS:
+                _CHECKS[name](name, value)
+            elif not name.startswith("_") and callable(getattr(type(self), name, None)):
+                raise AttributeError(f"launcher.{name} is to be called, as launcher.{name}(…)")
+            if (
+                "_made" in self.__dict__
+                and name not in self.__dict__
+                and not hasattr(type(self), name)
+            ):
+                known = [one for one in {*dir(self)} if not one.startswith("_")]
+                near = difflib.get_close_matches(name, known, n=1)
+                remedy = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}"
+                raise AttributeError(f"a Launcher has no attribute '{name}'; {remedy}")
+            super().__setattr__(name, value)
 
     @named_arguments
     def kompass(
@@ -158,6 +177,8 @@ class Launcher:
             raise TypeError(
                 f"events_actions = {events_actions!r} is no mapping; give {{event: action}}"
             )
+        if activate_all_components_on_start is not None:
+            _check_truth("activate_all_components_on_start", activate_all_components_on_start)
         in_processes = _either("kompass", multi_processing, multiprocessing)
         if in_processes is None:
             in_processes = self._in_processes
@@ -289,11 +310,19 @@ class Launcher:
         Raises
         ------
         TypeError
-            When a single text is given for a list.
+            When something else is given than a list of texts.
+        ValueError
+            When one of them is no name.
         """
         for key, names in (("topics", topics), ("services", services), ("actions", actions)):
-            if isinstance(names, str):
-                raise TypeError(f"open_to_rules: {key} = {names!r} is a text; give a list of names")
+            if isinstance(names, str) or not isinstance(names, Collection):
+                raise TypeError(f"open_to_rules: {key} = {names!r} is no list; give one of names")
+            for name in names:
+                try:
+                    _NAME.validate_python(name, strict=True)
+                except ValidationError as error:
+                    said = error.errors()[0]["msg"].removeprefix("Value error, ")
+                    raise ValueError(f"open_to_rules: {key} holds {name!r}: {said}") from None
         more = opened(topics, services, actions)
         self._opened = Opened(*(one | other for one, other in zip(self._opened, more, strict=True)))
 
@@ -490,7 +519,12 @@ class Launcher:
     def _judge_files(self) -> None:
         """Say which sections of the configuration files are read by nobody."""
         names = [component.node_name for component in self._components]
-        for text in {t: None for path in self._files for t in sections_of_nobody(path, names)}:
+        known = {"inputs", "outputs"}
+        for one in self._components:
+            kind = type(one.config)
+            known |= {*kind.model_fields, *ignored_of(kind), *one.ignored_settings}
+        found = (sections_of_nobody(path, names, known) for path in self._files)
+        for text in {text: None for told in found for text in told}:
             logging.getLogger("kompass").warning(text)
 
     # -- failures -----------------------------------------------------------------------------
@@ -602,6 +636,46 @@ def _mask(component: Component, masks: tuple[Mask, ...]) -> None:
     """Have a component keep to masks, if it looks at any."""
     if "masks" in type(component.config).model_fields:
         component.config.masks = masks
+
+
+def _check_truth(name: str, value: Any) -> None:
+    if not isinstance(value, bool):
+        raise TypeError(f"{name} = {value!r} is neither True nor False")
+
+
+def _check_namespace(name: str, value: Any) -> None:
+    if value != "" and not (isinstance(value, str) and NAMESPACE.fullmatch(value)):
+        raise ValueError(
+            f"{name} = {value!r} is none in ROS; give words of letters, digits and underscores "
+            "between slashes, e.g. 'fleet/robot1'"
+        )
+
+
+def _check_config_file(name: str, value: Any) -> None:
+    if value is not None and not (isinstance(value, str | Path) and str(value)):
+        raise TypeError(f"{name} = {value!r} is no path; give that of a yaml, toml or json file")
+
+
+def _check_timeout(name: str, value: Any) -> None:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if value is not None and not (number and 0 < value < math.inf):
+        raise ValueError(f"{name} = {value!r}: give seconds above 0, or None")
+
+
+def _check_patience(name: str, value: Any) -> None:
+    if not isinstance(value, LivenessLimits):
+        raise TypeError(f"{name} = {value!r} are no limits; give LivenessLimits(…)")
+
+
+_NAME: TypeAdapter[str] = TypeAdapter(TopicName)
+# Of what is a plain attribute: whoever sets it later is told at once, too.
+_CHECKS: dict[str, Callable[[str, Any], None]] = {
+    "namespace": _check_namespace,
+    "config_file": _check_config_file,
+    "enable_monitoring": _check_truth,
+    "activation_timeout": _check_timeout,
+    "patience": _check_patience,
+}
 
 
 def _check_file(path: str, components: Iterable[Component]) -> None:

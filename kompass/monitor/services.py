@@ -234,7 +234,10 @@ class Services:
         return answer_in_parts(response, history, "revisions")
 
     def _explain(self, request: Any, response: Any) -> Any:
-        view = self._sources.explain(request.rule_id, request.run_id, request.epoch)
+        try:
+            view = self._sources.explain(request.rule_id, request.run_id, request.epoch)
+        except KeyError as error:  # of who asks, and nothing that is wrong here: not for the log
+            return _failed(response, error)
         return _answered(response, view)
 
     def _firings(self, request: Any, response: Any) -> Any:

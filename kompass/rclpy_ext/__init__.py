@@ -18,7 +18,7 @@ No call from another thread that waits for its result      ``main_thread``
 Event handlers of what is destroyed end in SIGSEGV         ``node``             rclpy 1644
 A callback group remembers each subscription that ever was ``node``             rclpy 1356
 The state of a lifecycle node has no public name           ``node``
-Action clients of a node that is destroyed are left alive  ``node``
+Actions of a node that is destroyed are left alive         ``node``
 Its service for transitions cannot be refused              ``node``
 Goals of an action server are kept for good                ``action_server``
 Only an executor can empty a subscription                  ``subscription``

@@ -77,13 +77,14 @@ class NodeOnDDS:
         return ActionClient(self, action_type, action_name)
 
     def destroy_node(self) -> None:
-        """As of :class:`rclpy.node.Node`; its action clients go with it.
+        """As of :class:`rclpy.node.Node`; its action clients and servers go with it.
 
         rclpy's leaves them to the garbage collector (7.1.6), which frees them on whatever thread it
-        runs. Until then they keep the participant alive, with its threads and all that it hears.
+        runs. Until then they keep the participant alive, with its threads and all that it hears,
+        and a goal that is sent to such a server is never answered.
         """
         for waitable in list(self.waitables):  # type: ignore[attr-defined]
-            if isinstance(waitable, ActionClient):
+            if isinstance(waitable, ActionClient | ActionServer):
                 waitable.destroy()
         super().destroy_node()  # type: ignore[misc]
 

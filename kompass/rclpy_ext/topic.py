@@ -5,7 +5,10 @@ import importlib.util
 from typing import Any
 
 from pydantic import Field
+from rclpy.exceptions import NameValidationException
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.validate_full_topic_name import validate_full_topic_name
+from rclpy.validate_topic_name import validate_topic_name
 
 from kompass.expressions import Expression, MessageField, condition_of
 from kompass.named_arguments import named_arguments
@@ -20,6 +23,7 @@ MESSAGE_PACKAGES = (
     "automatika_ros_sugar",
     "kompass_interfaces",
     "tf2_msgs",
+    "vision_msgs",
 )
 
 
@@ -28,6 +32,8 @@ def message_class(msg_type: str | type) -> type[Any]:
 
     Raises
     ------
+    TypeError
+        When it is neither a class nor a name.
     ValueError
         When there is no such message.
     """
@@ -35,6 +41,10 @@ def message_class(msg_type: str | type) -> type[Any]:
         if not hasattr(msg_type, "get_fields_and_field_types"):
             raise ValueError(f"msg_type = {msg_type!r} is not a ROS message class")
         return msg_type
+    if not isinstance(msg_type, str):
+        raise TypeError(
+            f"msg_type = {msg_type!r} is no type; give its class or its name, as 'LaserScan'"
+        )
     parts = msg_type.split("/")
     packages = (parts[0],) if len(parts) > 1 else MESSAGE_PACKAGES
     for package in packages:
@@ -73,6 +83,31 @@ SENSOR = QoSConfig(queue_size=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 DATA_TIMEOUT = 1.0  # s
+LONGEST_NAME = 240  # letters; DDS adds a few of its own to the 255 that it allows
+
+
+def _checked_name(name: str) -> str:
+    """A topic's name without the leading slash; raises as :class:`Topic`."""
+    if not isinstance(name, str):
+        raise TypeError(f"Topic name = {name!r}; give text, as in '/scan'")
+    bare = name.strip().removeprefix("/")
+    if not bare:
+        raise ValueError(f"Topic name = {name!r} is empty")
+    if len(bare) > LONGEST_NAME:
+        raise ValueError(
+            f"Topic name = '{bare[:20]}…' has {len(bare)} letters; give {LONGEST_NAME} at most"
+        )
+    try:
+        if bare.startswith("~"):
+            validate_topic_name(bare)
+        else:
+            validate_full_topic_name(f"/{bare}")
+    except NameValidationException as error:
+        why = str(error).splitlines()[0].partition(": ")[2].removesuffix(":")
+        raise ValueError(
+            f"Topic name = {name!r}: {why}; give letters, digits, '_' and '/', as in '/scan'"
+        ) from None
+    return bare
 
 
 class Topic:
@@ -84,8 +119,11 @@ class Topic:
 
     Raises
     ------
+    TypeError
+        When the name is no text, or the type neither a class nor a name.
     ValueError
-        When the name is empty, the type does not exist, or ``data_timeout`` is not positive.
+        When the name is empty or none that ROS knows, the type does not exist, or
+        ``data_timeout`` is not positive.
     """
 
     @named_arguments
@@ -97,9 +135,7 @@ class Topic:
         qos_profile: QoSConfig | None = None,
         data_timeout: float | None = None,
     ) -> None:
-        self.name = name.strip().removeprefix("/")
-        if not self.name:
-            raise ValueError(f"Topic name = {name!r} is empty")
+        self.name = _checked_name(name)
         self.ros_msg_type = message_class(msg_type)
         if data_timeout is not None and data_timeout <= 0:
             raise ValueError(f"Topic {name!r}: data_timeout = {data_timeout!r} must be above 0 s")

@@ -20,6 +20,7 @@ from kompass.recipe.functions import name_of
 from kompass.rules.schema.conditions import CallableCondition, Changed, Condition
 from kompass.rules.schema.describe import describe
 from kompass.rules.schema.events import Event as RuleEvent
+from kompass.rules.schema.table import Rule
 from kompass.settings import notice_once
 
 # What events of other releases have, and what does it here. An event is read once: what becomes of
@@ -137,10 +138,12 @@ class Event:
         Raises
         ------
         TypeError
-            For a field that neither has.
+            For a field that neither has, or an id that is no text.
         ValueError
             When a value does not fit.
         """
+        if not isinstance(rule_id, str):
+            raise TypeError(f"{self!r}: rule_id = {rule_id!r} is no text; give one, as 'too-near'")
         of_rule = {"name", "note", "severity", "lane", "enabled", "protected", "shadow"}
         of_event = set(RuleEvent.model_fields) - {"condition"}
         unknown = [name for name in fields if name not in of_rule | of_event]
@@ -148,6 +151,7 @@ class Event:
             close = difflib.get_close_matches(unknown[0], of_rule | of_event, n=1)
             remedy = f"did you mean '{close[0]}'?" if close else f"known: {sorted(of_event)}"
             raise TypeError(f"{self!r}: a rule has no field '{unknown[0]}'; {remedy}")
+        _check_rule({name: value for name, value in fields.items() if name in of_rule})
         if fields.get("clear") is not None:
             fields["clear"] = condition_of(fields["clear"])
         stated = {name: value for name, value in fields.items() if name in of_event}
@@ -220,6 +224,15 @@ def _rule_event(**fields: Any) -> RuleEvent:
         where, value, said = first_invalid(error)
         text = f"{where} = {value!r}: {said}" if where else said
         raise ValueError(f"Event({describe(fields['condition'])}): {text}") from None
+
+
+def _check_rule(fields: Mapping[str, Any]) -> None:
+    """Raise where a value is none of a rule; its event and actions are not known yet."""
+    for name, value in fields.items():
+        try:
+            Rule.__pydantic_validator__.validate_assignment(Rule.model_construct(), name, value)
+        except ValidationError as error:
+            raise ValueError(f"as_rule: {name} = {value!r}: {first_invalid(error).text}") from None
 
 
 class _NamedEvent(Event, ABC):

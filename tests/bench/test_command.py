@@ -91,8 +91,12 @@ def test_the_map_is_told_when_it_is_to_be(bench: Bench, tmp_path: Path) -> None:
             "--robot husky: there is no such thing; choose one of turtlebot3, jackal",
         ),
         (
-            ["--follower", "DVZ"],
-            "--follower DVZ: there is no such thing; choose one of Stanley, PurePursuit, DWA",
+            ["--follower", "MPC"],
+            "--follower MPC: there is no such thing; choose one of Stanley, PurePursuit, DWA",
+        ),
+        (
+            ["--follower", "VisionRGBDFollower"],
+            "--follower VisionRGBDFollower: it follows a target .*, and no path; choose one of Sta",
         ),
         (
             ["--real", "--jobs", "2"],
@@ -124,7 +128,9 @@ def test_a_file_that_is_not_there_is_told_in_a_line(bench: Bench, tmp_path: Path
     ("changes", "said"),
     [
         ({"goal": [2.4]}, r"worlds.json: goal.1"),
+        ({"goal": [2.4, True]}, r"goal.1 = true: .*valid number"),
         ({"start": [0.0, 0.0, "east"]}, r'start.2 = "east": .*valid number'),
+        ({"goal": [2.4, "0.1"]}, r'goal.1 = "0.1": .*valid number'),
         ({"worlds": []}, r"worlds = \[\]: .*at least 1 item"),
         ({"boxes": [[0, 0, 1, 1]]}, r"boxes = .*at most 0 items"),
     ],
@@ -136,6 +142,14 @@ def test_a_file_that_is_not_as_it_must_be_is_refused_by_field_and_value(
     with pytest.raises(BadWorlds) as refused:
         read_barn(world_file(tmp_path, **changes))
     assert re.search(said, str(refused.value)), refused.value
+
+
+def test_a_key_that_is_given_twice_is_refused(tmp_path: Path) -> None:
+    file = world_file(tmp_path)
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text[:-1] + ', "goal": [1.0, 0.0]}', encoding="utf-8")
+    with pytest.raises(BadWorlds, match="'goal' is given twice; keep one"):
+        read_barn(file)
 
 
 def test_worlds_that_no_robot_can_start_in_are_refused_before_any_drive(

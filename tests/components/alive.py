@@ -109,7 +109,7 @@ class OnDds(Alive):
         rclpy.init(args=[], context=self.client_context, domain_id=domain)
         self._ended = threading.Event()
         node = component.create_node()
-        executor = EventsExecutor()
+        executor = self._executor = EventsExecutor()
         executor.add_node(node)
         if activate:
             _activate(component, node)
@@ -134,6 +134,9 @@ class OnDds(Alive):
         self._ended.set()
         for thread in self._threads:
             thread.join()
+        # Else it keeps what the node destroys: a server of an action, that answers nobody.
+        for executor in (self._executor, self._client_executor):
+            executor.shutdown()
         self.component.leave()
         self.node.destroy_node()
         rclpy.shutdown()

@@ -8,6 +8,7 @@ import pytest
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel, ValidationError
 
+from kompass.algorithms.following.dvz import DVZParams
 from kompass.algorithms.following.dwa import DWA, DWAParams
 from kompass.algorithms.following.mppi import MPPIParams
 from kompass.algorithms.following.pure_pursuit import PurePursuitParams
@@ -116,7 +117,9 @@ def test_other_settings_are_refused_with_their_names(make: Any, message: str) ->
         make()
 
 
-@pytest.mark.parametrize("kind", [DWAParams, MPPIParams, StanleyParams, PurePursuitParams])
+@pytest.mark.parametrize(
+    "kind", [DVZParams, DWAParams, MPPIParams, StanleyParams, PurePursuitParams]
+)
 def test_the_algorithms_themselves_hold_to_their_bounds(kind: Any) -> None:
     for field in dataclasses.fields(kind):
         for value in (-1.0, 1e9, float("nan")):

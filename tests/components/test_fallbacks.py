@@ -1,5 +1,6 @@
 """What a component does about its own failures is plain data, checked when the recipe is read."""
 
+import math
 from typing import Any
 
 import pytest
@@ -77,8 +78,13 @@ def test_what_cannot_be_a_fallback_is_refused(
     assert driver.fallbacks.on_fail is None
 
 
+NO_NUMBER: Any = math.nan
+
+
 def test_no_tries_at_all_are_refused() -> None:
     driver = DriveManager()
+    with pytest.raises(ValueError, match="max_retries = nan is no whole number"):
+        driver.on_fail(driver.restart, max_retries=NO_NUMBER)
     with pytest.raises(ValueError, match="max_retries = 0 is below 1"):
         driver.on_fail(driver.restart, max_retries=0)
 

@@ -42,8 +42,8 @@ NAMES = {
         "stop_angle_range",
     },
     "controller": {
-        *("DVZ", "prediction_horizon", "debug", "DWA.costs_weights"),
-        *("VisionRGBFollower", "VisionRGBDFollower"),
+        *("prediction_horizon", "debug", "DWA.costs_weights"),
+        *("VisionRGBFollower.target_distance", "VisionRGBDFollower.error_pose"),
     },
     "mapper": {
         *(
@@ -251,6 +251,12 @@ def as_toml(sections: dict[str, Any]) -> str:
 def test_a_section_for_nobody_is_told_with_the_nearest_name(tmp_path: Path) -> None:
     path = tmp_path / "robot.yaml"
     path.write_text("/**: {loop_rate: 1.0}\nplaner: {loop_rate: 2.0}\nplanner: {}\narm: {}\n")
+    common = tmp_path / "common.yaml"
+    common.write_text("/**: {statsu_rate: 5.0, loop_rate: 5.0, }\n", encoding="utf-8")
+    assert sections_of_nobody(str(common), ["planner"], ["status_rate", "loop_rate"]) == [
+        f"{common}: no component has 'statsu_rate' of the section '/**'; "
+        "did you mean 'status_rate'?"
+    ]
     assert sections_of_nobody(str(path), ["planner", "controller"]) == [
         f"{path}: the section 'planer' is for no component; did you mean 'planner'?",
         f"{path}: the section 'arm' is for no component; there are planner, controller",

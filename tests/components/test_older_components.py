@@ -15,6 +15,7 @@ from kompass.config import BaseComponentConfig, ComponentRunType
 from kompass.ros import Topic
 from tests.components.alive import Alive
 from tests.components.goals import Goals
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 
 pytestmark = pytest.mark.ros
@@ -68,10 +69,10 @@ def test_a_timed_one_executes_once_and_again_after_a_restart(run_on_dds: Run) ->
     component.loop_rate = 10.0
     component.run_type = "Timed"
     alive = run_on_dds(component)
-    assert once.wait(5)
+    assert once.wait(patient(5))
     once.clear()
     assert alive.execute("restart").success
-    assert once.wait(5)
+    assert once.wait(patient(5))
 
 
 def test_a_server_whose_type_is_set_afterwards_is_called(run_on_dds: Run) -> None:

@@ -66,6 +66,8 @@ REFUSED = [
     (put("geometry_params", to=[0.1]), "CYLINDER are 2 numbers"),
     (put("geometry_params", to=[[0.1, 0.3]]), "CYLINDER are 2 numbers"),
     (put("geometry_params", to="wide"), "'wide' is no list of numbers"),
+    (put("geometry_params", to=[True, 0.3]), r"\[True, 0\.3\] is no list of numbers"),
+    (put("geometry_params", to=["0.1", "0.3"]), "is no list of numbers"),
     (put("geometry_params", to=None), "geometry_params of a CYLINDER are 2 numbers"),
     (put("geometry_params", to={"radius": 1}), "is no list of numbers"),
     (put("geometry_type", to="BOX"), "BOX are 3 numbers.* make a new RobotConfig"),
@@ -86,6 +88,11 @@ REFUSED = [
     (put("ctrl_omega_limits", "max_steer", to=4.0), "max_steer"),
     (put("model_type", to="ACKERMANN"), "max_steer = 3.14 rad: .* largest steering angle; give it"),
     (put("wheel_base", to=0.3), "wheel_base = 0.3 m: only ACKERMANN has one"),
+    (
+        put("ctrl_vy_limits", to=LinearCtrlLimits(max_vel=0.3)),
+        "ctrl_vy_limits.max_vel = 0.3 m/s: a DIFFERENTIAL_DRIVE cannot move sideways",
+    ),
+    (put("ctrl_vx_limits", "max_vel", to=True), "that is no number"),
     (put("geometry_offset", to=0.2), "geometry_offset = 0.2 m: base_link would lie outside"),
     (put("model_typ", to="OMNI"), "'model_typ' is not a setting .* did you mean 'model_type'"),
     (write, "read-only"),
@@ -154,9 +161,21 @@ def test_a_copy_with_an_update_is_checked() -> None:
 
 
 def test_it_comes_back_from_json_as_it_was() -> None:
-    robot = described_robot(ctrl_vy_limits=LinearCtrlLimits(max_vel=0.1, max_acc=1.0))
+    robot = described_robot(
+        model_type="OMNI", ctrl_vy_limits=LinearCtrlLimits(max_vel=0.1, max_acc=1.0)
+    )
     assert RobotConfig.model_validate_json(robot.model_dump_json()) == robot
     assert RobotConfig.model_validate(robot.model_dump()) == robot
+
+
+def test_wheels_that_no_car_has_are_refused() -> None:
+    steered = {"model_type": "ACKERMANN", "geometry_type": "BOX", "geometry_params": [0.5, 0.3, 1]}
+    limits = AngularCtrlLimits(max_vel=1.0, max_steer=0.5)
+    with pytest.raises(ValueError, match=r"wheel_base = 5 m: the body is 0\.5 m long"):
+        described_robot(**steered, ctrl_omega_limits=limits, wheel_base=5.0)
+    slight = AngularCtrlLimits(max_vel=1.0, max_steer=1e-9)
+    with pytest.raises(ValueError, match=r"give it, between 0\.01 and 1\.5"):
+        described_robot(**steered, ctrl_omega_limits=slight)
 
 
 @pytest.mark.parametrize("given", ["ACKERMANN", "ackermann", "RobotType.ACKERMANN"])

@@ -53,7 +53,7 @@ def test_keys_of_older_files_are_accepted_and_told_once(
     path = tmp_path / "older.yaml"
     path.write_text(
         "drive_manager: {cmd_rate: 10.0, use_gpu: false, closed_loop_span: 3}\n"
-        "controller:\n  DVZ: {K_angular: 1.0}\n"
+        "controller:\n  DVZ: {K_angular: 1.0, min_angular_vel: 0.01}\n"
         "  DWA: {control_horizon: 6, prediction_horizon: 40, octree_resolution: 0.1,\n"
         "        costs_weights: {goal_distance_weight: 1.0}, max_num_threads: 10}\n"
         "planner:\n  algorithm: ompl\n"
@@ -68,7 +68,14 @@ def test_keys_of_older_files_are_accepted_and_told_once(
             planner = Planner(config_file=str(path))
     told = [record.getMessage() for record in caplog.records]
     assert len(told) == len(set(told))
-    for word in ("cmd_rate", "DVZ", "prediction_horizon", "map_layer", "TRRT", "log_level"):
+    for word in (
+        "cmd_rate",
+        "min_angular_vel",
+        "prediction_horizon",
+        "map_layer",
+        "TRRT",
+        "log_level",
+    ):
         assert any(word in text for text in told), (word, told)
     assert planner.config.chosen_timeout == 10.0
 

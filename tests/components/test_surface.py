@@ -41,8 +41,8 @@ OWN = {
     Controller: "algorithm algorithms_config direct_sensor set_algorithm",
     LocalMapper: "",
     DriveManager: (
-        "back_off drive_leg move_backward move_forward move_to_unblock room_for rotate_in_place "
-        "turn_to_room"
+        "back_off drive_leg end_leg move_backward move_forward move_to_unblock room_for "
+        "rotate_in_place turn_to_room"
     ),
     MapServer: "",
     MotionServer: "run_test",

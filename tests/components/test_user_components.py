@@ -31,6 +31,7 @@ from kompass.rules.schema.events import Event
 from kompass.rules.schema.table import Rule, Table
 from tests.components.alive import Alive
 from tests.components.goals import Goals
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 
 pytestmark = pytest.mark.ros
@@ -279,7 +280,7 @@ def test_a_second_goal_is_refused_until_the_first_has_ended(run_on_dds: Run) -> 
     rest = Rest()
     goals = Goals(run_on_dds(rest), IntelligentRest, "/rest/intelligent_rest")
     first = goals.send(period_secs=60.0)
-    assert rest.begun.wait(5)
+    assert rest.begun.wait(patient(5))
     assert not goals.send(period_secs=0.0).accepted
     goals.cancel(first)
     assert goals.result(first).status == CANCELED
@@ -293,10 +294,10 @@ def test_deactivation_ends_the_goal_and_refuses_the_next(run_on_dds: Run) -> Non
     alive = run_on_dds(rest)
     goals = Goals(alive, IntelligentRest, "/rest/intelligent_rest")
     handle = goals.send(period_secs=60.0)
-    assert rest.begun.wait(5)
+    assert rest.begun.wait(patient(5))
     assert alive.execute("stop").success
     assert goals.result(handle).status == ABORTED
-    assert rest.left.wait(5), "the hook sees that its goal is over"
+    assert rest.left.wait(patient(5)), "the hook sees that its goal is over"
     assert not goals.send(period_secs=0.0).accepted
     assert alive.execute("start").success
     status_comes(alive, HEALTHY)

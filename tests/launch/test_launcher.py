@@ -1,5 +1,6 @@
 """The launcher takes what recipes of every generation ask of it."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -231,6 +232,28 @@ def test_recipes_find_all_that_they_may_ask_for_and_nothing_else() -> None:
 
 
 PLUGIN: Any = {"use_plugin": True}
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("namespace", "a b", "namespace = 'a b' is none in ROS"),
+        ("namespace", 5, "namespace = 5 is none in ROS"),
+        ("activation_timeout", "x", "activation_timeout = 'x': give seconds above 0"),
+        ("activation_timeout", True, "activation_timeout = True: give seconds above 0"),
+    ],
+)
+def test_what_is_set_later_is_looked_at_as_what_is_given_first(
+    name: str, value: Any, said: str
+) -> None:
+    launcher = Launcher()
+    with pytest.raises(ValueError, match=said):
+        setattr(launcher, name, value)
+    with pytest.raises(ValueError, match=said):
+        Launcher(**{name: value})
+
+
+NO_PATH: Any = math.nan
 MISTYPED: Any = {"name_space": "robot1"}
 
 
@@ -269,13 +292,29 @@ MISTYPED: Any = {"name_space": "robot1"}
             lambda it: setattr(it, "robot", {"radius": 1}),
             r"launcher\.robot = .* give a RobotConfig",
         ),
+        (
+            lambda it: setattr(it, "robt", {"radius": 1}),
+            "a Launcher has no attribute 'robt'; did you mean 'robot'",
+        ),
+        (lambda _: Launcher(config_file=NO_PATH), "config_file = nan is no path"),
+        (lambda it: setattr(it, "config_file", 5), "config_file = 5 is no path"),
+        (lambda _: Launcher(enable_monitoring=NO_PATH), "enable_monitoring = nan is neither"),
+        (lambda it: setattr(it, "enable_monitoring", "no"), "enable_monitoring = 'no' is neither"),
+        (
+            lambda it: it.kompass([Planner()], activate_all_components_on_start="no"),
+            "activate_all_components_on_start = 'no' is neither",
+        ),
+        (lambda it: setattr(it, "patience", 5), r"patience = 5 are no limits; give Liveness"),
+        (lambda it: setattr(it, "inputs", 5), r"launcher.inputs is to be called"),
         (lambda it: setattr(it, "frames", "map"), r"launcher\.frames = 'map' are no frames"),
         (lambda it: setattr(it, "masks", "stairs.yaml"), r"launcher\.masks = 'stairs.yaml' are no"),
+        (lambda it: it.open_to_rules(topics=5), "topics = 5 is no list; give one of names"),
+        (lambda it: it.open_to_rules(actions="dock"), "actions = 'dock' is no list"),
     ],
 )
 def test_an_argument_of_a_wrong_kind_is_refused(call: Callable[[Any], Any], message: str) -> None:
     launcher = Launcher()
-    with pytest.raises(TypeError, match=message):
+    with pytest.raises((TypeError, AttributeError), match=message):
         call(launcher)
     assert launcher.components == []
 

@@ -60,7 +60,12 @@ def dds_threads() -> set[str]:
     return {each.parent.name for each in threads if each.read_text().startswith("dds.")}
 
 
-def test_nothing_of_a_participant_outlives_a_node_that_had_an_action_client() -> None:
+async def never(goal: object) -> None:
+    """Stands for what carries a goal out."""
+
+
+@pytest.mark.parametrize("side", ["client", "server"])
+def test_nothing_of_a_participant_outlives_a_node_that_had_an_action(side: str) -> None:
     domain = next_domain()
     gc.disable()  # which would free it at some time, on some thread
     try:
@@ -68,7 +73,10 @@ def test_nothing_of_a_participant_outlives_a_node_that_had_an_action_client() ->
         context = rclpy.Context()
         rclpy.init(args=[], context=context, domain_id=domain)
         node = PlainNode("short_lived", context=context)
-        node.create_action_client(PlanPath, "/planner/plan_path")
+        if side == "client":
+            node.create_action_client(PlanPath, "/planner/plan_path")
+        else:
+            node.create_action_server(PlanPath, "/planner/plan_path", never)
         assert dds_threads() - before
         node.destroy_node()
         context.try_shutdown()

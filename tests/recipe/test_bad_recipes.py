@@ -50,6 +50,18 @@ MISTAKES = {
         "Planner(component_name='pl\u00e4nner 2')",
         r"Planner: component_name = 'pl\u00e4nner 2' is no name of a ROS node; give letters",
     ),
+    "a name that is no text": Mistake(
+        "Planner(component_name=5)", r"Planner: component_name = 5 is no name of a ROS node; give"
+    ),
+    "a type that is neither class nor name": Mistake(
+        "Topic(name='/a', msg_type=5)", r"msg_type = 5 is no type; give its class or its name"
+    ),
+    "a configuration that is no path": Mistake(
+        "Planner(config_file=5)", r"config_file = 5 is no path; give that of a yaml, toml or json"
+    ),
+    "what is opened by no name": Mistake(
+        "launcher.open_to_rules(topics=['a b'])", r"topics holds 'a b': topic name 'a b' is not va"
+    ),
     "the monitor's name": Mistake(
         "planner = Planner(component_name='monitor')",
         r"component_name = 'monitor' is the name of the node that runs the rules; choose another",

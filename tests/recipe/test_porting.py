@@ -109,7 +109,8 @@ kompass_core.vision
 THERE = {
     *("BaseComponent", "Event", "Action", "Topic", "AllowedTopics", "BaseComponentConfig"),
     *("ComponentRunType", "QoSConfig", "RobotFrames", "RobotConfig", "RobotGeometryType"),
-    *("component_action", "DWAConfig", "StanleyConfig", "PurePursuitConfig"),
+    *("component_action", "DVZConfig", "DWAConfig", "StanleyConfig", "PurePursuitConfig"),
+    *("VisionRGBFollowerConfig", "VisionRGBDFollowerConfig"),
     "MotionServerConfig",
 }
 
@@ -138,10 +139,10 @@ def test_the_recipe_that_imports_the_original_first_is_answered_too() -> None:
 
 
 def test_a_name_by_attribute_is_answered_too() -> None:
-    control = importlib.import_module("kompass.control")
-    with pytest.raises(ImportError, match=r"DVZConfig is not here: use DWAConfig"):
-        _ = control.DVZConfig
-    assert not hasattr(control, "Nonsense")
+    robot = importlib.import_module("kompass.robot")
+    with pytest.raises(ImportError, match=r"RobotState is not here: a pose is \(x, y, yaw\)"):
+        _ = robot.RobotState
+    assert not hasattr(robot, "Nonsense")
 
 
 @pytest.mark.parametrize(

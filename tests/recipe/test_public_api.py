@@ -87,12 +87,15 @@ PUBLIC: dict[str, list[str]] = {
     ],
     "kompass.control": [
         "ControllersID",
+        "DVZConfig",
         "DWAConfig",
         "MPPIConfig",
         "MapConfig",
         "PurePursuitConfig",
         "ScanModelConfig",
         "StanleyConfig",
+        "VisionRGBDFollowerConfig",
+        "VisionRGBFollowerConfig",
     ],
     "kompass.launcher": [
         "Launcher",
@@ -127,9 +130,12 @@ PUBLIC: dict[str, list[str]] = {
     ],
     "kompass_core.control": [
         "ControllersID",
+        "DVZConfig",
         "DWAConfig",
         "PurePursuitConfig",
         "StanleyConfig",
+        "VisionRGBDFollowerConfig",
+        "VisionRGBFollowerConfig",
     ],
     "ros_sugar": [
         "Launcher",

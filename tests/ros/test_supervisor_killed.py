@@ -16,6 +16,7 @@ from geometry_msgs.msg import Twist
 from kompass.components.drive.halt import HALT_NODE
 from tests.support.domains import give_back, next_domain
 from tests.support.driver import Driver
+from tests.support.patience import patient
 from tests.support.processes import children, end_with_parent, wait_until
 from tests.support.stack import Stack
 
@@ -52,7 +53,7 @@ def driven_from_outside(**environment: str) -> Iterator[tuple[Stack, Driver]]:
             stack.close()
     finally:
         base.terminate()
-        base.wait(10)
+        base.wait(patient(10))
         give_back(domain)
 
 

@@ -18,6 +18,7 @@ from nav_msgs.msg import OccupancyGrid
 from nav_msgs.msg import Path as PathMessage
 from std_msgs.msg import String
 
+from kompass.components import Controller
 from kompass.components.base.convert import grid_of
 from kompass.places.map_identity import identify
 from kompass.zones.change import SaveZone
@@ -290,3 +291,60 @@ def test_what_was_asked_for_before_a_stop_that_nobody_heard_is_not_begun(
     ended = robot.result(handle)
     assert ended.result.outcome == Outcome.OUTCOME_REFUSED
     assert "ask again if it is wanted" in ended.result.message
+
+
+def test_a_path_that_comes_after_a_stop_and_its_release_is_not_followed(
+    robot: FollowingRobot,
+) -> None:
+    publisher = robot.node.create_publisher(PathMessage, "/taught", LATCHED)
+    robot.wait_until(
+        lambda: robot.node.get_publishers_info_by_topic("/taught"), 5, "a known publisher"
+    )
+    handle = robot.follow(path_source=TOPIC, path_name="/taught")
+    robot.wait_for_listeners("/taught", "controller")
+    assert robot.stop().success
+    robot.rest(0.3)
+    assert robot.release().success
+    robot.rest(0.3)
+    message = PathMessage()
+    message.header.frame_id = "map"
+    message.poses = [PoseStamped(pose=pose(x, -0.5, 0.0)) for x in (-2.0, -1.5, -1.3)]
+    publisher.publish(message)
+    ended = robot.result(handle)
+    assert ended.status == ABORTED
+    assert "pressed STOP" in ended.result.message
+    assert math.dist(robot.truth[:2], START) < 0.01
+
+
+@pytest.mark.parametrize(
+    ("frame", "poses", "said"),
+    [
+        ("mars", [(-2.0, -0.5), (0.5, -0.5)], "give it in 'map'"),
+        ("map", [(100.0, 0.0), (110.0, 0.0)], "m away from the path"),
+        ("map", [(-1e4, 0.0), (1e4, 0.0)], "the path is 20000 m long"),
+    ],
+)
+def test_a_path_on_the_plans_topic_that_cannot_be_meant_is_not_followed(
+    frame: str, poses: list[tuple[float, float]], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(Controller, "warn", lambda _self, text: told.append(text))
+    with closing(FollowingRobot()) as robot:
+        publisher = robot.node.create_publisher(PathMessage, "/plan", LATCHED)
+        robot.wait_for_listeners("/plan", "controller")
+        message = PathMessage(poses=[PoseStamped(pose=pose(x, y, 0.0)) for x, y in poses])
+        message.header.frame_id = frame
+        publisher.publish(message)
+        robot.wait_until(lambda: any(said in line for line in told), 5, "why it is not followed")
+        robot.rest(3.0)
+        assert math.dist(robot.truth[:2], START) < 0.01
+
+
+def test_a_path_that_cannot_be_meant_does_not_end_a_goal(robot: FollowingRobot) -> None:
+    handle = robot.follow_loop()
+    robot.is_under_way()
+    publisher = robot.node.create_publisher(PathMessage, "/plan", LATCHED)
+    message = PathMessage(poses=[PoseStamped(pose=pose(x, 0.0, 0.0)) for x in (100.0, 110.0)])
+    message.header.frame_id = "map"
+    publisher.publish(message)
+    assert robot.result(handle).status == SUCCEEDED

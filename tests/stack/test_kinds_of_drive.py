@@ -60,7 +60,9 @@ def outside_of_a_car(told: list[tuple[float, float, float]]) -> list[tuple[float
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("follower", "goals"), [("MPPI", 2), ("PurePursuit", 1), ("Stanley", 1)])
+@pytest.mark.parametrize(
+    ("follower", "goals"), [("MPPI", 2), ("PurePursuit", 1), ("Stanley", 1), ("DVZ", 1)]
+)
 def test_a_car_arrives_and_is_never_told_what_its_wheels_cannot_do(
     follower: str, goals: int
 ) -> None:

@@ -14,6 +14,8 @@ import pytest
 from automatika_ros_sugar.msg import ComponentStatus
 from automatika_ros_sugar.srv import ExecuteMethod
 from kompass_interfaces.action import MotionRecording
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from std_msgs.msg import Bool, Empty, String
 
 from kompass.rules.schema.actions import Action, CallService, Method
@@ -237,6 +239,16 @@ def test_the_death_of_the_motion_server_ends_its_test(made: Make) -> None:
     robot.is_moved_by_the_test()
     robot.stack.kill("motion_server")
     robot.wait_until(lambda: robot.newest["/drive_state"].manoeuvre == "", 1.5, "the end of a leg")
+    robot.wait_until(lambda: robot.speed < 0.01, 1.0, "a robot that stands")
+
+
+def test_a_motion_server_that_is_deactivated_ends_its_test_at_once(made: Make) -> None:
+    robot = made()
+    robot.begins(step=True, circle=False)
+    robot.is_moved_by_the_test()
+    request = ChangeState.Request(transition=Transition(id=Transition.TRANSITION_DEACTIVATE))
+    assert robot.call(ChangeState, "/motion_server/change_state", request).success
+    robot.wait_until(lambda: robot.newest["/drive_state"].manoeuvre == "", 0.5, "the end of a leg")
     robot.wait_until(lambda: robot.speed < 0.01, 1.0, "a robot that stands")
 
 

@@ -30,7 +30,7 @@ def test_a_goal_with_a_heading_is_reached_around_the_pillars(robot: VirtualRobot
     assert robot.contacts == 0
 
 
-@pytest.mark.parametrize("follower", ["DWA", "MPPI", "PurePursuit", "Stanley"])
+@pytest.mark.parametrize("follower", ["DVZ", "DWA", "MPPI", "PurePursuit", "Stanley"])
 def test_every_follower_ends_at_the_goal_with_its_heading(follower: str) -> None:
     with closing(VirtualRobot(FOLLOWED, FOLLOWER=follower)) as robot:
         robot.ready()

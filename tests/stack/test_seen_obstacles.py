@@ -8,6 +8,7 @@ import pytest
 from automatika_ros_sugar.srv import ChangeParameter
 from nav_msgs.msg import Path as PathMsg
 
+from kompass.components.planner import live_map
 from tests.support.stack import RECIPE
 from tests.support.virtual_robot import VirtualRobot
 
@@ -79,3 +80,42 @@ def test_a_path_that_holds_is_kept(robot: VirtualRobot) -> None:
     assert 2 <= len(plans) <= 5
     assert all(plans[:-1])
     assert not plans[-1]
+
+
+def test_where_a_way_is_mended_a_wall_in_it_is_driven_around_too(
+    seeing: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live_map, "LARGE", 0)
+    with closing(VirtualRobot(seeing)) as robot:
+        robot.ready()
+        handle = robot.send_goal(-0.5, -0.55)
+        block_the_way(robot)
+        ended = robot.result(handle, timeout=60)
+        assert ended.status == SUCCEEDED, ended.result.message
+        assert robot.distance_to(-0.5, -0.55) < 0.10
+        assert robot.contacts == 0
+
+
+def test_in_a_large_hall_the_way_is_mended_near_the_robot_and_stays_beyond(seeing: Path) -> None:
+    with closing(VirtualRobot(seeing, place="depot")) as robot:
+        robot.ready()
+        paths: list[list[tuple[float, float]]] = []
+        heard = robot.node.create_subscription(
+            PathMsg,
+            "/plan",
+            lambda message: paths.append(
+                [(pose.pose.position.x, pose.pose.position.y) for pose in message.poses]
+            ),
+            10,
+        )
+        assert heard is not None
+        handle = robot.send_goal(24.0, 3.5)
+        block_the_way(robot)
+        ended = robot.result(handle, timeout=200)
+        assert ended.status == SUCCEEDED, ended.result.message
+        assert robot.distance_to(24.0, 3.5) < 0.10
+        assert robot.contacts == 0
+    first, *mended = [path for path in paths if path]
+    assert mended, "the wall has changed the way"
+    assert mended[0] != first
+    assert mended[0][-60:] == first[-60:], "the last 6 m are as they were"

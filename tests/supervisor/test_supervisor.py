@@ -163,7 +163,7 @@ class Program:
     def close(self) -> int:
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
-        code = self.process.wait(10)
+        code = self.process.wait(patient(10))
         self._file.close()
         return code
 
@@ -264,7 +264,7 @@ def test_what_dies_again_and_again_is_given_up(tmp_path: Path, programs: list[Pr
 def test_what_cannot_start_at_all_ends_the_stack(tmp_path: Path, programs: list[Program]) -> None:
     program = Program(tmp_path, "specs = [ProcessSpec('b', waits), ProcessSpec('a', never)]")
     programs.append(program)
-    assert program.process.wait(10) == 1
+    assert program.process.wait(patient(10)) == 1
     assert "a: ValueError: cannot start" in program.text()
     assert "startup: a could not start" in program.text()
     assert not Path(f"/proc/{program.pid_of('b')}").exists()
@@ -363,7 +363,7 @@ def test_a_terminal_that_is_closed_ends_all_in_their_order(
     # As the kernel sends it: to everybody at once.
     for pid in (program.pid_of("b"), gate, program.process.pid):
         os.kill(pid, signal.SIGHUP)
-    assert program.process.wait(10) == 0
+    assert program.process.wait(patient(10)) == 0
     assert program.said.read_text().splitlines()[0] == f"{gate} ended"
 
 
@@ -549,5 +549,5 @@ def test_who_is_not_active_in_time_ends_the_stack(tmp_path: Path, programs: list
         options="dict(activation_timeout=0.5)",
     )
     programs.append(program)
-    assert program.process.wait(10) == 1
+    assert program.process.wait(patient(10)) == 1
     assert "a did not become active within 0.5 s" in program.text()

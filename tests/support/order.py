@@ -24,6 +24,8 @@ LONGEST = (
     "security/test_neighbour.py",
     "ros/test_rules_live.py",
     "browser/test_drills.py",
+    "browser/test_own_drills.py",
+    "browser/test_drilled_cooldown.py",
     "bench/test_command.py",
     "ros/test_recorder.py",
     "browser/test_control.py",

@@ -13,6 +13,7 @@ from kompass_interfaces.action import PlanPath
 from kompass_interfaces.msg import DriveState
 from kompass_interfaces.srv import CheckGoal, ReleaseStop, SetFault, StopRobot
 from nav_msgs.msg import Odometry
+from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import UInt32
 
 from kompass.components.base.health import HEALTHY_TEXT
@@ -101,6 +102,22 @@ class Tester(Client):
             return set(nodes) <= {info.node_name for info in infos}
 
         self.wait_until(known, 20, f"{', '.join(nodes)} to listen to {topic}")
+
+    def wait_for_reliable_listener(self, topic: str, node: str) -> None:
+        """Wait until a node reads a topic as reliably as it is published.
+
+        It does so once it knows the publisher: before, what is published once may pass it by.
+        """
+
+        def reliable() -> bool:
+            infos = self.node.get_subscriptions_info_by_topic(topic)
+            return any(
+                info.node_name == node
+                and info.qos_profile.reliability == ReliabilityPolicy.RELIABLE
+                for info in infos
+            )
+
+        self.wait_until(reliable, 20, f"{node} to read {topic} reliably")
 
     def click(self, x: float, y: float, taker: str) -> None:
         """Publish Point, as RViz does, once the node that makes a goal of it is there to hear it:

@@ -139,7 +139,7 @@ class Component:
         name = component_name or node_name
         if not name:
             raise ValueError(f"{type(self).__name__}: component_name is missing")
-        if not _NODE_NAME.fullmatch(name):
+        if not (isinstance(name, str) and _NODE_NAME.fullmatch(name)):
             raise ValueError(
                 f"{type(self).__name__}: component_name = {name!r} is no name of a ROS node; give "
                 "letters (a to z), digits and _, at most 200, not beginning with a digit"
@@ -249,7 +249,7 @@ class Component:
     @property
     def run_type(self) -> ComponentRunType:
         """What makes the component work."""
-        return self._run_type
+        return self._run_type_for_now or self._run_type
 
     @run_type.setter
     def run_type(self, value: str | ComponentRunType) -> None:
@@ -260,7 +260,18 @@ class Component:
                 f"{self.node_name}: run_type = {run_type.value} is not possible for a "
                 f"{type(self).__name__}; possible are {names}"
             )
+        only = self._run_type_for_now
+        if only is not None and run_type is not only:
+            raise ValueError(
+                f"{self.node_name}: run_type = {run_type.value} is not possible as a "
+                f"{type(self).__name__} is set here; it is {only.value}"
+            )
         self._run_type = run_type
+
+    @property
+    def _run_type_for_now(self) -> ComponentRunType | None:
+        """The only one that the settings allow, whatever was chosen; None when they allow all."""
+        return None
 
     @property
     def robot(self) -> RobotConfig | None:

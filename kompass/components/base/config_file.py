@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from kompass.json_once import GivenTwice, read_json
 from kompass.rclpy_ext.topic import AllowedTopics, Topic
 from kompass.settings import Settings, explain, notice_once, without_ignored
 from kompass.yaml_lines import BadYaml, read_yaml
@@ -31,12 +32,18 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
     ------
     ConfigFileError
         When the file is missing, of another kind, or not well formed.
+    TypeError
+        When ``path`` is none.
     """
+    if not isinstance(path, str | Path):
+        raise TypeError(
+            f"config_file = {path!r} is no path; give that of a yaml, toml or json file"
+        )
     path = Path(path)
     readers: dict[str, Callable[[str], Any]] = {
         ".yaml": _yaml,
         ".yml": _yaml,
-        ".json": _json,
+        ".json": read_json,
         ".toml": tomllib.loads,
     }
     reader = readers.get(path.suffix)
@@ -54,45 +61,45 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
         raise ConfigFileError(
             f"{path}: it is nested too deeply to be read; write it with fewer levels"
         ) from None
-    except (_TwiceInJson, json.JSONDecodeError, tomllib.TOMLDecodeError) as error:
+    except (GivenTwice, json.JSONDecodeError, tomllib.TOMLDecodeError) as error:
         detail = " ".join(str(error).split())
         raise ConfigFileError(f"{path}: not well formed: {detail}") from error
     if not isinstance(content, dict):
         raise ConfigFileError(f"{path}: expected sections by node name, found {content!r}")
+    for section in content:
+        if not isinstance(section, str):
+            raise ConfigFileError(
+                f"{path}: the section {section!r} is no name of a node; write '{COMMON}' for all, "
+                "or a component's name"
+            )
     return content
-
-
-class _TwiceInJson(ValueError):
-    """A key of an object is given twice."""
 
 
 def _yaml(text: str) -> Any:
     return read_yaml(text)[1]
 
 
-def _json(text: str) -> Any:
-    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        found = dict(pairs)
-        if len(found) < len(pairs):
-            keys = [key for key, _ in pairs]
-            twice = next(key for key in keys if keys.count(key) > 1)
-            raise _TwiceInJson(f"'{twice}' is given twice; keep one")
-        return found
-
-    return json.loads(text, object_pairs_hook=once)
-
-
-def sections_of_nobody(path: str, names: Collection[str]) -> list[str]:
+def sections_of_nobody(
+    path: str, names: Collection[str], settings: Collection[str] = ()
+) -> list[str]:
     """A sentence for each section of a file that is for none of the nodes ``names``.
+
+    Of what stands in the section for all there is one for each key that is none of ``settings``,
+    those of any of the nodes; without any, nobody is asked.
 
     Raises
     ------
     ConfigFileError
         When the file cannot be used.
     """
-    told = []
-    for section in read_config_file(path):
-        if section != COMMON and section not in names:
+    told: list[str] = []
+    for section, values in read_config_file(path).items():
+        if section == COMMON and settings and isinstance(values, dict):
+            for key in (key for key in values if key not in settings):
+                close = difflib.get_close_matches(str(key), settings, n=1)
+                hint = f"; did you mean '{close[0]}'?" if close else ""
+                told.append(f"{path}: no component has '{key}' of the section '{COMMON}'{hint}")
+        elif section != COMMON and section not in names:
             close = difflib.get_close_matches(section, names, n=1)
             remedy = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(names)}"
             told.append(f"{path}: the section '{section}' is for no component; {remedy}")

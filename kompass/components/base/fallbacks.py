@@ -43,13 +43,19 @@ def make_fallback(owner: Any, action: Any, max_retries: int | None) -> Fallback:
     Raises
     ------
     ValueError
-        When there is no action, or ``max_retries`` is below 1.
+        When there is no action, or ``max_retries`` is no number, or below 1.
     TypeError
         When an action is none, or belongs to another component.
     """
     actions = tuple(action) if isinstance(action, list | tuple) else (action,)
     if not actions or any(one is None for one in actions):
         raise ValueError(f"{owner.node_name}: a fallback needs an action, e.g. Action(x.restart)")
+    counts = isinstance(max_retries, int) and not isinstance(max_retries, bool)
+    if max_retries is not None and not counts:
+        raise ValueError(
+            f"{owner.node_name}: max_retries = {max_retries!r} is no whole number; give one, or "
+            "None for no limit"
+        )
     if max_retries is not None and max_retries < 1:
         raise ValueError(
             f"{owner.node_name}: max_retries = {max_retries} is below 1; None means no limit"

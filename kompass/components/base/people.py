@@ -50,6 +50,13 @@ class People:
         """Whether what comes now may be from before something that people did unnoticed."""
         return now - self._missed < HELD_OVER
 
+    def came_since(self, interruptions: int | None) -> bool:
+        """Whether people pressed STOP or took the wheel since there were so many interruptions.
+
+        Where that was not known then, any that there have been may have come since.
+        """
+        return (self.interruptions or 0) != (interruptions or 0)
+
     def refusal(self, now: float) -> str:
         """Why nothing that was asked for may begin, in a sentence; empty when it may."""
         if self.stopped:

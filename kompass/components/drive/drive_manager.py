@@ -950,6 +950,14 @@ class DriveManager(Component):
             await self._rest()
             return True
 
+    @component_action(active=True, recipe_only=True)
+    def end_leg(self) -> str:
+        """End the leg that :meth:`drive_leg` drives, and stand."""
+        if not isinstance(self._manoeuvre, Leg):
+            return "no leg is driven"
+        self._finish("it was called off")
+        return "called off"
+
     def _read_legs(self, name: str, legs: list[list[float]]) -> list[Leg]:
         try:
             return read_legs(legs, velocity_limits(self.config.described_robot))

@@ -42,6 +42,7 @@ SILENCE = 0.5  # s without odometry, or from a command to what is known of it, t
 STAND = 0.5  # s that are recorded before and after a test
 LONGEST_RECORDING = 1e3  # s
 FEEDBACK = 0.2  # s
+TEST = "a test"  # what a recording is for
 ANSWER = 10.0  # s beyond a leg's time
 
 
@@ -142,7 +143,15 @@ class MotionServer(Component):
         self.input("run_tests").on_message = self._on_run_tests
 
     def custom_on_deactivate(self) -> None:
+        if self._asked_for == TEST:
+            self.node.executor.create_task(self._call_off)
         self._recording, self._asked_for = None, ""
+
+    async def _call_off(self) -> None:
+        assert self._gate is not None
+        ended = await self._gate.call("end_leg", ANSWER)
+        if not ended.success:
+            self.warn(f"the leg of the test is driven to its end: {ended.text}")
 
     # -- inputs -------------------------------------------------------------------------------
 
@@ -228,7 +237,7 @@ class MotionServer(Component):
         if problem:
             return self.fails(problem)
         name = self._own_name()
-        self._asked_for, self._interrupted = "a test", False
+        self._asked_for, self._interrupted = TEST, False
         try:
             problem = await self._drive(legs)
             recording, self._recording = self._recording, None

@@ -272,9 +272,7 @@ class _Stretch:
             )
         goals = [goal for _, goal in sent] + inferred
         if not goals:
-            raise NoScenario(
-                "no goal was sent in that stretch; choose one with --from and --to in which one was"
-            )
+            raise NoScenario("no goal was sent in that stretch; choose one in which one was")
         return sorted(goals, key=lambda goal: goal.at or 0.0)
 
     def _goal_under_way(self) -> list[tuple[float, Goal]]:
@@ -340,7 +338,7 @@ class _Stretch:
     def _left_out_by_hand(self, by: str, begin: float, end: float) -> None:
         self._remarks.append(
             f"left out: {by} drove by hand from {self._at(begin):g} s to {self._at(end):g} s; what "
-            "comes after that may begin elsewhere. Choose a stretch without it with --from and --to"
+            "comes after that may begin elsewhere. Choose a stretch without it"
         )
 
     # -- what broke ---------------------------------------------------------------------------
