@@ -66,7 +66,7 @@ def bench_nav(
     from kompass.bench.score import THERE
     from kompass.bench.stack import LIMITS
     from kompass.components.controller.config import ControllerConfig
-    from kompass.components.controller.controllers_id import ControllersID
+    from kompass.components.controller.controllers_id import FOLLOWERS_OF_PATHS, ControllersID
     from kompass.drills.runner.worker import DriveFailed
 
     file = _read(worlds)
@@ -76,13 +76,20 @@ def bench_nav(
             one.place(file.start, file.goal)
         except ValueError as error:
             raise CliError(BAD_INPUT, f"--worlds: {worlds}: {error}") from None
-    known = {one.value.lower(): one.value for one in ControllersID}
-    known |= {one.name.lower(): one.value for one in ControllersID}
+    known = {one.value.lower(): one.value for one in FOLLOWERS_OF_PATHS}
+    known |= {one.name.lower(): one.value for one in FOLLOWERS_OF_PATHS}
     default = str(ControllerConfig().algorithm.value)
     _check("--robot", robot, tuple(LIMITS))
     _check("--map", map_, get_args(MapKnown))
     if follower is not None and follower.lower() not in known:
-        _check("--follower", follower, [one.value for one in ControllersID])
+        names = [one.value for one in FOLLOWERS_OF_PATHS]
+        if any(follower.lower() in (one.value.lower(), one.name.lower()) for one in ControllersID):
+            raise CliError(
+                BAD_INPUT,
+                f"--follower {follower}: it follows a target in a camera's image, and no path; "
+                f"choose one of {', '.join(names)}",
+            )
+        _check("--follower", follower, names)
     for option, each in (("--json", json_file), ("--report", report_file)):
         if each is not None and not each.absolute().parent.is_dir():
             raise CliError(

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from kompass.rules.schema.table import Table
 
 BAD_INPUT, FAILED, NOT_REPEATABLE = 2, 1, 4
+DRIVES = 20  # that are drawn where nobody says how many
 EXIT_CODES = """
 Exit codes: 0 the drill was made and all that --require asks for is met, 1 something of that is
 not met, 2 something in the command is wrong, 3 a drive could not be made, 4 the recipe is not the
@@ -38,6 +39,7 @@ app = typer.Typer(
 
 @app.command("run", epilog=EXIT_CODES)
 def run(
+    context: typer.Context,
     recipe: Annotated[Path, typer.Argument(help="A Python file that calls launcher.bringup().")],
     rules: Annotated[
         Path | None,
@@ -56,8 +58,16 @@ def run(
     faults_per_drive: Annotated[
         int, typer.Option(min=1, max=10, help="How many of them strike in each drive.")
     ] = 1,
+    lasting: Annotated[
+        float, typer.Option(min=0.0, max=1.0, help="Share of the faults that never end.")
+    ] = 0.0,
     seed: Annotated[int, typer.Option(min=0, help="What all chance comes from.")] = 1,
-    seeds: Annotated[int, typer.Option(min=1, max=100_000, help="How many drives.")] = 20,
+    seeds: Annotated[
+        int | None,
+        typer.Option(
+            min=1, max=100_000, help="How many drives: 20, or with --scenarios 1 of each."
+        ),
+    ] = None,
     scenarios: Annotated[
         Path | None,
         typer.Option(help="A file or folder of scenarios (YAML) instead of drawn ones."),
@@ -91,12 +101,14 @@ def run(
     for option, file in (("--json", json_file), ("--report", report_file)):
         if file is not None and not file.absolute().parent.is_dir():
             raise CliError(BAD_INPUT, f"{option} {file}: there is no folder {file.parent}")
+    if scenarios is not None:
+        _refuse_what_is_drawn(context, "worlds", "faults", "faults_per_drive", "lasting")
     proposed = _table("--rules", rules)
     other = _table("--against", against)
     try:
         looked = look_at(recipe, proposed)
         chosen, options = _scenarios(
-            looked, scenarios, worlds, faults, faults_per_drive, seed, seeds
+            looked, scenarios, worlds, faults, faults_per_drive, lasting, seed, seeds
         )
         if other is not None:
             look_at(recipe, other)
@@ -119,6 +131,9 @@ def run(
         options=options,
         requirements=requirements,
         notes=notes,
+        names={
+            rule.id: rule.name for table in (other or own, proposed or own) for rule in table.rules
+        },
     )
     if json_file is not None:
         json_file.write_text(report_json(report), encoding="utf-8")
@@ -144,6 +159,7 @@ def replay(
     worlds: Annotated[str, typer.Option(help="As the drill had it.")] = "hexagon",
     faults: Annotated[str, typer.Option(help="As the drill had it.")] = "all",
     faults_per_drive: Annotated[int, typer.Option(min=1, max=10, help="As the drill had it.")] = 1,
+    lasting: Annotated[float, typer.Option(min=0.0, max=1.0, help="As the drill had it.")] = 0.0,
     seed: Annotated[int, typer.Option(min=0, help="As the drill had it.")] = 1,
 ) -> None:
     """Make one drive again, and write it as the flight recorder writes a robot's."""
@@ -158,7 +174,9 @@ def replay(
     made = output.with_name(f".{output.name}.{os.getpid()}.partial")
     try:
         looked = look_at(recipe, proposed)
-        scenario = _scenario(looked, drive, scenarios, worlds, faults, faults_per_drive, seed)
+        scenario = _scenario(
+            looked, drive, scenarios, worlds, faults, faults_per_drive, lasting, seed
+        )
         order = Order(recipe, scenario, proposed, made.absolute())
         (((_, text)),) = make_drives([order], os.cpu_count() or 1, said.append)
         made.rename(output)
@@ -215,6 +233,17 @@ def scenario(
         typer.echo(f"  {remark}")
 
 
+def _refuse_what_is_drawn(context: typer.Context, *options: str) -> None:
+    """What only drawn drives have, where scenarios of files say it themselves."""
+    for name in options:
+        source = context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE":
+            option = f"--{name.replace('_', '-')}"
+            raise CliError(
+                BAD_INPUT, f"{option}: the scenarios of --scenarios say it themselves; leave it out"
+            )
+
+
 def _check_new(option: str, file: Path) -> None:
     if file.exists():
         raise CliError(BAD_INPUT, f"{option} {file}: there is such a file; give another name")
@@ -229,12 +258,21 @@ def _scenario(
     worlds: str,
     faults: str,
     faults_per_drive: int,
+    lasting: float,
     seed: int,
 ) -> Scenario:
     """The scenario of one drive, by its name or its number."""
+    from kompass.drills.draw import repeated
+
     if files is not None:
-        chosen, _ = _scenarios(looked, files, worlds, faults, faults_per_drive, seed, 1)
+        chosen, _ = _scenarios(looked, files, worlds, faults, faults_per_drive, lasting, seed, 1)
         found = [each for each in chosen if each.name == drive]
+        _, _, number = drive.rpartition("-")
+        if number.isdecimal() and len(number) < 6 and not found:
+            # One of several drives of a scenario, with other noise; of one alone none is numbered.
+            count = max(int(number) + 1, 2)
+            several = (one for each in chosen for one in repeated(each, seed, count))
+            found = [one for one in several if one.name == drive]
         if not found:
             known = ", ".join(each.name for each in chosen)
             raise CliError(BAD_INPUT, f"{drive}: {files} has no such scenario; it has {known}")
@@ -246,7 +284,9 @@ def _scenario(
             f"{drive}: no drive of seed {seed} is called so; give a number, or {seed}-NUMBER, or "
             "the --scenario that it was read from",
         )
-    chosen, _ = _scenarios(looked, None, worlds, faults, faults_per_drive, seed, int(number) + 1)
+    chosen, _ = _scenarios(
+        looked, None, worlds, faults, faults_per_drive, lasting, seed, int(number) + 1
+    )
     return chosen[-1]
 
 
@@ -273,13 +313,14 @@ def _scenarios(
     worlds: str,
     faults: str,
     faults_per_drive: int,
+    lasting: float,
     seed: int,
-    count: int,
+    count: int | None,
 ) -> tuple[list[Scenario], DrawOptions | None]:
     """Those of files, or drawn ones with what they were drawn from."""
     from pydantic import ValidationError
 
-    from kompass.drills.draw import DrawOptions, check_targets, draw
+    from kompass.drills.draw import DrawOptions, check_targets, draw, repeated
     from kompass.drills.scenario_file import BadScenario, read_scenarios
     from kompass.simulation.faults.fault_names import UnknownFault
 
@@ -293,19 +334,20 @@ def _scenarios(
                 check_targets([fault.name for fault in one.faults], looked.targets)
             except UnknownFault as error:
                 raise CliError(BAD_INPUT, f"--scenarios: scenario {one.name}: {error}") from None
-        return read, None
+        return [drive for one in read for drive in repeated(one, seed, count or 1)], None
     try:
         options = DrawOptions(
             worlds=tuple(_parts(worlds)),
             faults=looked.faults(_parts(faults)),
             faults_per_drive=faults_per_drive,
+            lasting=lasting,
         )
     except UnknownFault as error:
         raise CliError(BAD_INPUT, f"--faults: {error}") from None
     except ValidationError as error:
         text = error.errors()[0]["msg"].removeprefix("Value error, ")
         raise CliError(BAD_INPUT, f"--worlds: {text}") from None
-    return [draw(seed, number, options) for number in range(count)], options
+    return [draw(seed, number, options) for number in range(count or DRIVES)], options
 
 
 def _parts(text: str) -> list[str]:

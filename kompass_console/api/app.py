@@ -12,6 +12,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.responses import Response
 
 from kompass_console import __version__
@@ -155,6 +156,7 @@ def create_app(console: Console | None) -> FastAPI:
     app.add_exception_handler(ConsoleError, _console_error)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http_error)
+    app.add_exception_handler(ClientDisconnect, _gone)
     return app
 
 
@@ -211,3 +213,9 @@ async def _invalid(_: Request, error: Exception) -> Response:
 async def _http_error(_: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     return _answer(error.status_code, f"{error.detail}.", "Reload the page and try again.")
+
+
+async def _gone(_: Request, error: Exception) -> Response:
+    """Who left before the request was whole hears no answer; it is no failure of the console."""
+    assert isinstance(error, ClientDisconnect)
+    return Response(status_code=400)

@@ -19,6 +19,7 @@ from kompass_console.web.errors import ConsoleError
 
 router = APIRouter(prefix="/api/audit", tags=["audit"])
 
+SETTLED = 1.0  # s that a slow disk is given
 _COMMON = ("seq", "time", "who", "role", "session", "what", "outcome")
 
 
@@ -35,6 +36,8 @@ async def audit_log(
     if log.folder is None:
         return AuditPage(lines=[], more=False, problem=log.problem)
     try:
+        # Whoever looks sees what was done before, their own last press included.
+        await asyncio.to_thread(log.settle, SETTLED)
         found, more = await asyncio.to_thread(
             newest, log.folder, before=before, count=count, text=text
         )

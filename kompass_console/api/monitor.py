@@ -104,18 +104,22 @@ def body_of(model: type[BaseModel]) -> dict[str, Any]:
     }
 
 
-async def read_table(request: Request, rest: type[_Envelope]) -> tuple[str, _Envelope]:
+async def read_table(
+    request: Request, rest: type[_Envelope], remedy: str = "Reload the page and try again."
+) -> tuple[str, _Envelope]:
     """The table of a request as JSON text, and what else its body says.
+
+    ``remedy`` is told of what else it says, where that is wrong.
 
     Raises
     ------
     ConsoleError
         422 for a body that is no JSON object with a table.
     """
-    return await asyncio.to_thread(_split, await request.body(), rest)
+    return await asyncio.to_thread(_split, await request.body(), rest, remedy)
 
 
-def _split(raw: bytes, rest: type[_Envelope]) -> tuple[str, _Envelope]:
+def _split(raw: bytes, rest: type[_Envelope], remedy: str) -> tuple[str, _Envelope]:
     try:
         body = json.loads(raw)
     except (ValueError, RecursionError) as error:
@@ -127,7 +131,8 @@ def _split(raw: bytes, rest: type[_Envelope]) -> tuple[str, _Envelope]:
         checked = rest.model_validate(body)
     except ValidationError as error:
         invalid = first_invalid(error)
-        raise _unreadable(f"{invalid.where}: {invalid.text}") from None
+        why = f"{invalid.where}: {invalid.text}" if invalid.where else invalid.text
+        raise ConsoleError(422, f"The request cannot be read: {why}.", remedy) from None
     return json.dumps(table), checked
 
 

@@ -33,7 +33,7 @@ _BATCH = 200
 _RETRY = 2.0  # s
 _HANGING = 2.0  # s that a write may take before people are told
 _CLOSING = 1.0  # s that the last lines may take when the console ends
-_LOCK = "audit.lock"
+LOCK = "audit.lock"
 
 CONSOLE = "console"  # who writes the lines about the log itself
 ITSELF = "audit log"  # what these lines are about
@@ -97,7 +97,15 @@ class AuditLog:
                 self._lost += 1
                 return
             self._queue.append(entry)
-            self._change.notify()
+            self._change.notify_all()
+
+    def settle(self, longest: float) -> None:
+        """Wait until what was appended so far is written, or cannot be, ``longest`` [s] at most.
+
+        Any thread but the writer's.
+        """
+        with self._change:
+            self._change.wait_for(lambda: not self._queue or bool(self._failure), longest)
 
     @property
     def problem(self) -> str:
@@ -122,7 +130,7 @@ class AuditLog:
             return
         with self._change:
             self._closing = True
-            self._change.notify()
+            self._change.notify_all()
         thread.join(_CLOSING)
         left = len(self._queue) + self._lost
         if left:
@@ -165,7 +173,9 @@ class AuditLog:
         why = f"{error.strerror or error} ({error.filename or self.folder})"
         if why != self._failure:
             _logger.error("the audit log is not written: %s; it is tried again", why)
-        self._failure = why
+        with self._change:
+            self._failure = why
+            self._change.notify_all()
         self._size = -1  # whatever was written of it: look again
 
     def _worked(self, count: int, lost: int) -> None:
@@ -173,6 +183,7 @@ class AuditLog:
             for _ in range(count):
                 self._queue.popleft()
             self._lost -= lost
+            self._change.notify_all()
         if self._failure:
             _logger.warning("the audit log is written again; %d lines were lost", lost)
         self._failure = ""
@@ -253,7 +264,7 @@ def _append(file: Path, text: bytes, size: int) -> None:
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[None]:
     """One console at a time; whoever dies lets go."""
-    descriptor = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, FILE_MODE)
+    descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, FILE_MODE)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield

@@ -175,9 +175,11 @@ class Drills:
             proposed_name="proposed",
             in_force=in_force,
             in_force_name=f"revision {revision}",
+            scenario=options.scenario,
             worlds=(options.world or self.own_world or world_names()[0],),
             faults=tuple(options.faults),
             faults_per_drive=options.faults_per_drive,
+            lasting=options.lasting,
             seed=options.seed,
             drives=options.drives,
             jobs=max(1, len(os.sched_getaffinity(0)) - 1),
@@ -220,7 +222,7 @@ class Drills:
         for proposed, in_force in zip(report.drives, report.drives_against, strict=True):
             if proposed.scenario.name == scenario:
                 return DrillPair(
-                    place=_place(proposed.scenario.world), proposed=proposed, in_force=in_force
+                    place=place_of(proposed.scenario.world), proposed=proposed, in_force=in_force
                 )
         return None
 
@@ -291,7 +293,7 @@ def _summary(report: Report) -> DrillSummary:
             DrillDrive(
                 name=drive.scenario.name,
                 world=drive.scenario.world,
-                faults=[fault.name for fault in drive.scenario.faults],
+                faults=list(drive.scenario.faults),
                 change="same" if found is None else found.change,
                 text=drive.why if found is None else found.text,
                 why=drive.why,
@@ -304,14 +306,23 @@ def _summary(report: Report) -> DrillSummary:
     )
 
 
-def _place(name: str) -> DrillPlace:
+def place_of(name: str) -> DrillPlace:
+    """A world from above.
+
+    Raises
+    ------
+    ValueError
+        There is no such world.
+    """
     place = world(name)
     return DrillPlace(
         name=name,
         title=place.title,
         bounds=place.bounds,
+        start=place.start,
         floor=list(place.floor),
         walls=[_wall(solid) for solid in place.solids],
+        doorways=[door.name for door in place.doorways],
     )
 
 

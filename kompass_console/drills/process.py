@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 from collections.abc import Callable
 
@@ -70,12 +71,19 @@ class DrillProcess:
 
     def _follow(self) -> Failed | Finished:
         """Start the program and hear it to its end; what came of it."""
-        with subprocess.Popen(
-            [sys.executable, "-m", "kompass.drills.runner.program"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            start_new_session=True,
-        ) as program:
+        # Who is killed tidies nothing up: what drives leave goes with this folder.
+        with (
+            tempfile.TemporaryDirectory(
+                prefix="kompass-drills-", ignore_cleanup_errors=True
+            ) as folder,
+            subprocess.Popen(
+                [sys.executable, "-m", "kompass.drills.runner.program"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                env={**os.environ, "TMPDIR": folder},
+                process_group=0,  # to be ended whole; in the robot's session, to which it gives way
+            ) as program,
+        ):
             with self._lock:
                 self._group = program.pid
                 if self._why:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from kompass.drills.compare import Verdict
 from kompass.drills.drive import DriveResult, Outcome
+from kompass.drills.scenario import Scenario, ScheduledFault
 from kompass.rules.schema.table import Table
 from kompass_console.schema.models import In
 
@@ -21,16 +23,39 @@ class DrillOptions(In):
     `faults` are names as after `--faults`: `all`, a kind such as `kill` for each of the recipe's
     components, or one with its parameter. `world` null is the one in which the embedded robot
     drives now, else the first there is. `drives` are made under each of the two tables, and
-    `faults_per_drive` of the faults break in each.
+    `faults_per_drive` of the faults break in each; a share `lasting` of them never ends.
+
+    `scenario` is one of the person's own instead, as in a file of scenarios: it is driven so many
+    times, with other noise each time, and says itself what breaks where.
     """
 
     faults: list[Annotated[str, Field(min_length=1, max_length=100)]] = Field(
         default_factory=lambda: ["all"], min_length=1, max_length=100
     )
     world: Annotated[str, Field(max_length=100)] | None = None
-    faults_per_drive: Annotated[int, Field(ge=1, le=3)] = 1
-    drives: Annotated[int, Field(ge=1, le=MOST_DRIVES)] = 20
-    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 1
+    faults_per_drive: Annotated[int, Field(strict=True, ge=1, le=3)] = 1
+    lasting: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.0
+    scenario: Scenario | None = None
+    drives: Annotated[int, Field(strict=True, ge=1, le=MOST_DRIVES)] = 20
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = 1
+
+    @model_validator(mode="after")
+    def _drawn_or_own(self) -> Self:
+        given = self.model_fields_set & {"faults", "world", "faults_per_drive", "lasting"}
+        if self.scenario is not None and given:
+            raise PydanticCustomError(
+                "drawn_and_own",
+                "{given} is of drawn drives, and scenario says it itself; leave one of them out",
+                {"given": min(given)},
+            )
+        # Its drives are asked for by name, in addresses, where these two mean another place.
+        if self.scenario is not None and self.scenario.name in (".", ".."):
+            raise PydanticCustomError(
+                "scenario_address",
+                "scenario.name: {name} is no name of a drive; give letters and digits",
+                {"name": self.scenario.name},
+            )
+        return self
 
 
 class DrillRequest(DrillOptions):
@@ -46,10 +71,19 @@ class DrillStarted(BaseModel):
 
 
 class DrillFault(BaseModel):
-    """A kind of fault, and what it does."""
+    """A kind of fault, and what it does.
+
+    `parameter` is what has to stand behind a colon, in capitals, as `NAME` of a process; empty for
+    a fault that takes none. `example` is one that can be read, `choices` are all that can, where
+    neither recipe nor world decides. What is `at_once` is over as it begins.
+    """
 
     name: str
     text: str
+    parameter: str
+    example: str
+    choices: list[str]
+    at_once: bool
 
 
 class DrillWorld(BaseModel):
@@ -69,7 +103,7 @@ class DrillDrive(BaseModel):
 
     name: str
     world: str
-    faults: list[str]
+    faults: list[ScheduledFault]
     change: Literal["worse", "better", "other", "same"]
     text: str
     why: str
@@ -142,16 +176,26 @@ class DrillWall(BaseModel):
 
 
 class DrillPlace(BaseModel):
-    """A world from above: corners of its floor, and all that is solid.
+    """A world from above: corners of its floor, all that is solid, and its doorways by name.
 
-    `bounds` are min x, min y, max x, max y (m).
+    `bounds` are min x, min y, max x, max y (m), `start` is where its robot starts: x, y, yaw.
     """
 
     name: str
     title: str
     bounds: tuple[float, float, float, float]
+    start: tuple[float, float, float]
     floor: list[tuple[float, float]]
     walls: list[DrillWall]
+    doorways: list[str]
+
+
+class RecordedScenario(BaseModel):
+    """A scenario made of a recording, what is in it in words, and what was not carried over."""
+
+    scenario: Scenario
+    sentence: str
+    remarks: list[str]
 
 
 class DrillPair(BaseModel):

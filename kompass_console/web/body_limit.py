@@ -10,7 +10,7 @@ from kompass_console.web.errors import ConsoleError
 LARGEST_TABLE = 2_000_000  # bytes; a rule is about 1 kB. The monitor takes no more either.
 
 _LARGEST = 64_000  # bytes of any other request
-_WITH_TABLE = ("/api/rules/check", "/api/rules/apply", "/api/backtests")
+_WITH_TABLE = ("/api/rules/check", "/api/rules/apply", "/api/backtests", "/api/drills")
 
 
 class BodyLimit:

@@ -63,6 +63,10 @@ class RulesPage:
         assert found
         return int(found[1])
 
+    def answers(self) -> bool:
+        """Whether the robot answers for its rules."""
+        return bool(self.page.page.context.request.get(f"{self.page.origin}/api/rules").ok)
+
     @property
     def view(self) -> Any:
         """What the robot itself answers for its rules."""

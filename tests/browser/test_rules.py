@@ -308,6 +308,8 @@ def test_page_and_robot_agree_after_console_and_monitor_died_in_the_middle_of_an
     for process in ("monitor", "console"):
         _kill(stack, process)
         expect(rules.get("cooldown")).to_have_value(re.compile(r"^33( s)?$"))
+        # The page may not have seen yet that somebody died; the robot answers for itself.
+        wait_until(rules.answers, 20, f"the robot's rules after the death of the {process}")
         expect(rules.get("rules-stale")).to_be_hidden(timeout=20_000)
     assert rules.in_force(STUCK)["event"]["cooldown"] == before
     expect(rules.get("draft-state")).to_contain_text("1 unsaved change")

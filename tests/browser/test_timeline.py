@@ -12,7 +12,6 @@ from std_msgs.msg import Int32
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import UNCOVERED, ConsolePage
 from tests.browser.test_places import opened
-from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.rules import compare, rule
 
@@ -54,7 +53,7 @@ def test_what_happened_is_on_one_axis_with_filter_zoom_and_ways_to_more(
     page.release_stop()
     robot.wait_for_listeners("/door", "monitor")
     publisher = robot.node.create_publisher(Int32, "/door", 10)
-    wait_until(lambda: publisher.get_subscription_count() > 0, 10, "a listener")
+    robot.wait_for_reliable_listener("/door", "monitor")
     publisher.publish(Int32(data=1))
     expect(page.get("alarm-band")).to_contain_text("Somebody is at the door.")
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import re
 import shutil
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import httpx
@@ -17,7 +19,7 @@ from websockets.typing import Origin
 
 from kompass_console.api.app import create_app
 from kompass_console.api.audited import LOOKS_ONLY
-from kompass_console.audit.log import AuditLog
+from kompass_console.audit.log import LOCK, AuditLog
 from kompass_console.audit.read import lines_after
 from kompass_console.audit.verify import verify
 from kompass_console.schema.roles import Role
@@ -180,6 +182,31 @@ def test_engineers_read_it_and_take_it_along_whole(recorded: Served, tmp_path: P
         with recorded.client(role) as client:
             for path in ("/api/audit", "/api/audit/export"):
                 assert client.get(path).status_code == 403
+
+
+def test_whoever_looks_sees_what_was_done_just_before_however_busy_the_disk(
+    recorded: Served,
+) -> None:
+    with recorded.client(Role.ENGINEER, user="ada") as client, ThreadPoolExecutor(1) as other:
+        client.post("/api/stop", json={"reason": ""})
+        recorded.audited()
+        with (recorded.audit_folder / LOCK).open("w") as held:
+            fcntl.flock(held, fcntl.LOCK_EX)
+            client.post("/api/stop", json={"reason": "a child on the stairs"})
+            looked = other.submit(client.get, "/api/audit", params={"text": "on the stairs"})
+            with pytest.raises(TimeoutError):
+                looked.result(0.1)
+        assert [line["what"] for line in looked.result(10).json()["lines"]] == ["stop"]
+
+
+def test_whoever_looks_is_not_kept_waiting_by_a_disk_that_hangs(recorded: Served) -> None:
+    with recorded.client(Role.ENGINEER, user="ada") as client:
+        client.post("/api/stop", json={"reason": ""})
+        recorded.audited()
+        with (recorded.audit_folder / LOCK).open("w") as held:
+            fcntl.flock(held, fcntl.LOCK_EX)
+            client.post("/api/stop", json={"reason": "a child on the stairs"})
+            assert client.get("/api/audit").json()["lines"]
 
 
 SESSION = LoginSession("ava", Role.OPERATOR, "0123456789abcdef", 0.0)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import logging
 import signal
+import socket
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +18,7 @@ from hypothesis import strategies as st
 
 from kompass_console.schema.roles import Role
 from kompass_console.web.body_limit import LARGEST_TABLE
-from tests.console.conftest import Served, serving
+from tests.console.conftest import Served, cookie_of, serving
 from tests.console.fake_monitor import DISK_FULL
 from tests.console.rules_client import Json, await_monitor, running_monitor, table
 from tests.support.domains import next_domain
@@ -259,6 +261,34 @@ def test_what_is_too_large_is_refused_before_it_is_read(operator: httpx.Client) 
     for answer in (whole, pieces, elsewhere):
         assert answer.status_code == 413
         assert "too large" in answer.json()["detail"]["title"]
+
+
+@pytest.mark.parametrize("path", ["rules/check", "rules/apply", "backtests", "drills"])
+def test_a_table_of_a_hundred_rules_is_not_too_large(operator: httpx.Client, path: str) -> None:
+    answer = operator.post(f"/api/{path}", json={"table": {"rules": [], "name": "x" * 100_000}})
+    assert answer.status_code != 413, answer.text
+
+
+def test_who_leaves_before_a_request_is_whole_leaves_no_error_behind(
+    monitored: Served, operator: httpx.Client, caplog: pytest.LogCaptureFixture
+) -> None:
+    log = logging.getLogger("uvicorn.error")
+    log.addHandler(caplog.handler)
+    try:
+        with socket.create_connection(("127.0.0.1", monitored.port)) as leaving:
+            head = (
+                f"POST /api/rules/apply HTTP/1.1\r\nHost: 127.0.0.1:{monitored.port}\r\n"
+                f"Origin: {monitored.origin}\r\nCookie: {cookie_of(operator)}\r\n"
+                "Content-Length: 500\r\n\r\n"
+            )
+            leaving.sendall(head.encode() + b'{"table":')
+            leaving.shutdown(socket.SHUT_WR)
+            while leaving.recv(4096):
+                pass
+        assert operator.get("/api/rules").status_code == 200  # by then it has been noticed
+        assert [record for record in caplog.records if record.levelno >= logging.ERROR] == []
+    finally:
+        log.removeHandler(caplog.handler)
 
 
 @pytest.mark.parametrize(

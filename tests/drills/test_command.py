@@ -92,7 +92,34 @@ def test_a_table_is_compared_with_another_drive_by_drive(drill: Drill, tmp_path:
         *("--against", "recipe"),
     )
     assert done.returncode == 0, done.stderr
-    assert "mapper: stuck-unblock fired never instead of once" in done.stdout
+    assert "mapper: “Controller stuck → unblock” fired never instead of once" in done.stdout
+
+
+def test_a_scenario_is_driven_several_times_with_other_noise_and_replayed_by_name(
+    drill: Drill, tmp_path: Path
+) -> None:
+    (tmp_path / "one.yaml").write_text(SCENARIO, encoding="utf-8")
+    found, again = tmp_path / "drill.json", tmp_path / "again.mcap"
+    made = drill(GUARDED, "--scenarios", tmp_path, "--seeds", "2", "--json", found)
+    assert made.returncode == 0, made.stderr
+    first, second = read_report(found.read_text(encoding="utf-8")).drives
+    assert first.scenario.name == "mapper-0"
+    assert first.scenario.seed != second.scenario.seed
+    done = drill("replay", "mapper-1", "--recipe", GUARDED, "--scenario", tmp_path, "-o", again)
+    assert done.returncode == 0, done.stderr
+    assert f"mapper-1: {second.why}" in done.stdout
+
+
+def test_faults_that_never_end_are_drawn_and_the_report_says_how(
+    drill: Drill, tmp_path: Path
+) -> None:
+    found, page = tmp_path / "drill.json", tmp_path / "drill.html"
+    options = ("--faults", "person_ahead", "--seeds", "1", "--lasting", "1")
+    made = drill(GUARDED, *options, "--json", found, "--report", page)
+    assert made.returncode == 0, made.stderr
+    (drive,) = read_report(found.read_text(encoding="utf-8")).drives
+    assert [fault.duration for fault in drive.scenario.faults] == [0.0]
+    assert "--lasting 1" in page.read_text(encoding="utf-8")
 
 
 def test_several_faults_strike_in_one_drive_and_it_is_made_again_with_them(
@@ -128,6 +155,11 @@ def test_several_faults_strike_in_one_drive_and_it_is_made_again_with_them(
         ([GUARDED, "--require", "speed > 1"], "--require: "),
         ([GUARDED, "--json", "no/where.json"], "--json no/where.json: there is no folder no"),
         ([GUARDED, "--scenarios", "no"], "--scenarios: "),
+        (
+            [GUARDED, "--scenarios", ".", "--lasting", "0.5"],
+            "--lasting: the scenarios of --scenarios say it themselves; leave it out",
+        ),
+        ([GUARDED, "--scenarios", ".", "--faults", "kill"], "--faults: the scenarios of"),
     ],
 )
 def test_what_is_wrong_is_told_before_anything_drives(

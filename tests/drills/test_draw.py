@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from kompass.algorithms.planning.planner import GlobalPlanner
-from kompass.drills.draw import DrawOptions, check_targets, draw, expand_faults
+from kompass.drills.draw import DrawOptions, check_targets, draw, expand_faults, repeated
 from kompass.drills.scenario_file import parse_scenario, scenario_text
 from kompass.simulation.faults.fault_names import FAULTS, NEEDS_CAMERA, UnknownFault
 from kompass.simulation.worlds.rasterize import rasterize
-from kompass.simulation.worlds.registry import world, world_names
+from kompass.simulation.worlds.registry import world
 
 NODES = ("planner", "controller", "mapper", "drive_manager")
 ALL = DrawOptions(faults=expand_faults(["all"], NODES))
@@ -72,7 +72,7 @@ limit: 209.0
 def planners() -> dict[str, GlobalPlanner]:
     return {
         name: GlobalPlanner(rasterize(world(name)), robot_radius=0.10, clearance=0.10)
-        for name in world_names()
+        for name in ALL.worlds
     }
 
 
@@ -105,15 +105,15 @@ def test_the_robot_can_get_to_every_goal_and_a_fault_begins_on_the_way(
 
 
 def test_every_fault_and_every_world_comes_up_equally_often() -> None:
-    number = len(ALL.faults) * len(world_names())
+    number = len(ALL.faults) * len(ALL.worlds)
     found = [draw(1, index, ALL) for index in range(number)]
     faults = Counter(one.faults[0].name for one in found)
     assert set(faults) == set(ALL.faults)
     # Where a world has no such door, another fault takes the turn of its closing.
     doors = {name for name in faults if name.startswith("door_closed:")}
     assert all(faults[name] in (1, 2) for name in doors)
-    assert all(faults[name] >= len(world_names()) for name in set(faults) - doors)
-    assert max(faults.values()) <= len(world_names()) + len(doors)
+    assert all(faults[name] >= len(ALL.worlds) for name in set(faults) - doors)
+    assert max(faults.values()) <= len(ALL.worlds) + len(doors)
     assert len(set(Counter(one.world for one in found).values())) == 1
 
 
@@ -174,3 +174,16 @@ def test_what_cannot_be_drawn_is_refused() -> None:
         draw(1, 0, ALL.model_copy(update={"goals": 20, "speed": 0.01}))
     with pytest.raises(ValueError, match="give a smaller radius"):
         draw(1, 0, DrawOptions(radius=1.0, clearance=1.0))
+
+
+def test_drives_of_two_scenarios_with_long_names_are_told_apart() -> None:
+    beginning = (
+        "yesterday evening in the hall behind the second gate, when both lights had failed and "
+    )
+    scenarios = [
+        draw(1, 1, ALL).model_copy(update={"name": f"{beginning}it was {what}"})
+        for what in ("raining", "snowing")
+    ]
+    names = [drive.name for each in scenarios for drive in repeated(each, 1, 3)]
+    assert len(set(names)) == 6
+    assert all(name.startswith(beginning[:81]) and len(name) <= 100 for name in names)

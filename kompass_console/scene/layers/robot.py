@@ -19,6 +19,10 @@ from kompass_console.schema.world import Pose
 _DEFAULT_RADIUS = 0.11  # m, until the footprint is known
 _OUTLINE_HEIGHT = 0.02
 _SHADOW = (0, 0, 0)
+# A robot in a hall of 80 m is smaller than this on the screen: then a dot shows where it is. Nearer
+# by, the body stands over it.
+_DOT = 11.0  # pixels
+_POINT = np.array([[[-0.001, 0.0, 0.01], [0.001, 0.0, 0.01]]], dtype=np.float32)
 
 
 def outline(footprint: npt.NDArray[np.float64] | None) -> npt.NDArray[np.float64]:
@@ -72,6 +76,13 @@ class RobotNodes:
             closed_segments(drawn, _OUTLINE_HEIGHT),
             colours.footprint,
             thickness=2.0,
+            thickness_units="screen",
+        )
+        self._scene.add_line_segments(
+            f"{self._name}/dot",
+            _POINT,
+            colours.footprint,
+            thickness=_DOT,
             thickness_units="screen",
         )
 

@@ -42,6 +42,6 @@ export function asApiError(error: unknown): ApiError {
   return error instanceof ApiError ? error : noAnswer();
 }
 
-function isRecord(value: unknown): value is Record<string, unknown> {
+export function isRecord(value: unknown): value is Record<string, unknown> {
   return typeof value === "object" && value !== null;
 }

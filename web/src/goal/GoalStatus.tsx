@@ -30,7 +30,7 @@ export function GoalStatus() {
   const ended = goal?.ended == null ? null : goal.ended + elapsed;
   const before = ended === null ? 0 : ended - (performance.now() - opened) / 1000;
   if (goal === null || goal.id === dismissed || before > OLD_NEWS_S) return null;
-  if (tellsGoal(state?.missions.run ?? null, isUnderWay(goal))) return null;
+  if (tellsGoal(state?.missions.run ?? null, goal.sent_by)) return null;
 
   const line = goalLine(goal, drive, cause);
   const limit = isUnderWay(goal) ? limitText(drive) : null;

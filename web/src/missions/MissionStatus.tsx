@@ -47,7 +47,7 @@ export function MissionStatus({ brief = false }: { brief?: boolean }) {
         {its?.phase === "driving" && <span>{remaining(its)}</span>}
         {limit !== null && <span className={goal.limit}>▲ {limit}</span>}
         {brief && <span className={goal.detail}>{run.name}</span>}
-        {!brief && line.more !== "" && (
+        {(!brief || run.phase === "paused") && line.more !== "" && (
           <span className={goal.detail} lang={run.ask === "" ? langOf(run.reason) : undefined}>
             {line.more}
           </span>

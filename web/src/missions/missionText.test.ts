@@ -35,10 +35,12 @@ test("a mission says what it does, for how long, and what a person is to do", ()
   });
   expect(runLine(run({ phase: "paused", reason: "ava pressed STOP", decided_by: "" }), 0)).toEqual({
     tone: "problem",
-    text: "Paused",
+    text: "Paused, next is Dock",
     more: "Ava pressed STOP.",
   });
-  expect(runLine(run({ phase: "paused", decided_by: "ben" }), 0).text).toBe("Paused by ben");
+  expect(runLine(run({ phase: "paused", decided_by: "ben" }), 0).text).toBe(
+    "Paused by ben, next is Dock",
+  );
   expect(runLine(run({ phase: "done", skipped: ["Gate: A wall."] }), 0).more).toBe(
     "Left out: Gate: A wall.",
   );
@@ -52,11 +54,12 @@ test("how far it is counts places, and rounds where there are several", () => {
 });
 
 test("the goal of a mission is told of with it, and that of somebody else apart", () => {
-  expect(tellsGoal(null, true)).toBe(false);
-  expect(tellsGoal(run(), true)).toBe(true);
-  expect(tellsGoal(run({ phase: "paused" }), true)).toBe(false);
-  expect(tellsGoal(run({ phase: "paused" }), false)).toBe(true);
-  expect(tellsGoal(run({ phase: "done" }), false)).toBe(false);
+  const its = "mission Round";
+  expect(tellsGoal(null, its)).toBe(false);
+  expect(tellsGoal(run(), its)).toBe(true);
+  expect(tellsGoal(run({ phase: "paused" }), its)).toBe(true);
+  expect(tellsGoal(run({ phase: "paused" }), "ava")).toBe(false);
+  expect(tellsGoal(run({ phase: "done" }), its)).toBe(false);
 });
 
 test("a mission in the list says how much it is and when it begins", () => {

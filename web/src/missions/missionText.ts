@@ -16,9 +16,14 @@ export interface RunLine {
 
 const OVER = new Set(["done", "failed", "canceled"]);
 
-/** Whether the goal that is followed is that of the mission, and told of with it. */
-export function tellsGoal(run: MissionRun | null, goalUnderWay: boolean): boolean {
-  return run !== null && !isOver(run) && (run.phase === "driving" || !goalUnderWay);
+/** As the console names a mission that has sent a goal. */
+const SENT_BY_MISSION = "mission ";
+
+/** Whether a goal, under way or ended, is that of the mission, and told of with it. */
+export function tellsGoal(run: MissionRun | null, sentBy: string): boolean {
+  return (
+    run !== null && !isOver(run) && (run.phase === "driving" || sentBy.startsWith(SENT_BY_MISSION))
+  );
 }
 
 export const isOver = (run: MissionRun) => OVER.has(run.phase);
@@ -55,7 +60,10 @@ export function runLine(run: MissionRun, elapsed: number): RunLine {
     case "paused":
       return {
         tone: "problem",
-        text: run.decided_by === "" ? t("Paused") : t("Paused by {by}", { by: run.decided_by }),
+        text:
+          run.decided_by === ""
+            ? t("Paused, next is {place}", { place })
+            : t("Paused by {by}, next is {place}", { by: run.decided_by, place }),
         more: asSentence(told(run.reason)),
       };
     case "done":

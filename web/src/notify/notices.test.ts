@@ -75,7 +75,7 @@ describe("who does not look at the page is told", () => {
     expect(titles({ goal: GOAL }, { goal: failed })).toEqual(["The way is blocked."]);
     expect(titles({ goal: failed }, { goal: failed })).toEqual([]);
     const paused = { ...mission({ phase: "paused", step: 2, reason: "blocked" }), goal: failed };
-    expect(titles({ ...mission({}), goal: GOAL }, paused)).toEqual(["Round: paused"]);
+    expect(titles({ ...mission({}), goal: GOAL }, paused)).toEqual(["Round: paused, next is Gate"]);
   });
 
   it("that a mission waits for a person, has paused, failed or is done", () => {

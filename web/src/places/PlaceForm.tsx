@@ -3,6 +3,7 @@ import { type FormEvent, useState } from "react";
 import type { ApiError } from "../api/errors";
 import { t } from "../texts/text";
 import { Problem } from "../ui/Problem";
+import page from "../ui/page.module.css";
 import classes from "./Places.module.css";
 import { nameProblem, noteProblem } from "./placeText";
 
@@ -11,6 +12,8 @@ interface Props {
   title: string;
   name?: string;
   note?: string;
+  /** What to know before it is saved; it can be saved all the same. */
+  warning?: string;
   busy: boolean;
   error: ApiError | null;
   onSave: (name: string, note: string) => void;
@@ -57,6 +60,11 @@ export function PlaceForm(props: Props) {
         onKeyDown={leave}
         data-testid="place-note"
       />
+      {props.warning !== undefined && props.warning !== "" && (
+        <p className={page.note} role="status" data-testid="place-warning">
+          {props.warning}
+        </p>
+      )}
       <Problem error={error} testId="place-problem" />
       <div className={classes.buttons}>
         <Button type="submit" size="compact-md" loading={busy} data-testid="place-save">

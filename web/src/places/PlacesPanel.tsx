@@ -117,7 +117,7 @@ const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps)
       )}
       {list.map === null && <Note>{t("The robot has no map, and places are of a map.")}</Note>}
       {list.map !== null && all.length === 0 && list.available && (
-        <Note>{t("None on this map yet.")}</Note>
+        <Note>{t("None on this map yet: a place has a name, and is two presses away.")}</Note>
       )}
       {searches && found.length === 0 && <Note>{t("No place has that in its name or note.")}</Note>}
       <ul className={classes.list} aria-label={t("Places of this map")}>

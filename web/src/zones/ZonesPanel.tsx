@@ -78,7 +78,11 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
         <p className={places.empty}>{t("The robot has no map, and zones are of a map.")}</p>
       ) : (
         here.length === 0 &&
-        list.available && <p className={places.empty}>{t("None on this map yet.")}</p>
+        list.available && (
+          <p className={places.empty}>
+            {t("None on this map yet: a zone keeps the robot out, or slow.")}
+          </p>
+        )
       )}
       <ul className={places.list} aria-label={t("Zones of this map")}>
         {rows(here)}

@@ -1,17 +1,29 @@
 import { useQueryClient } from "@tanstack/react-query";
-import { createContext, type ReactNode, useCallback, useContext, useMemo, useState } from "react";
+import {
+  createContext,
+  type Dispatch,
+  type ReactNode,
+  type SetStateAction,
+  useCallback,
+  useContext,
+  useEffect,
+  useMemo,
+  useState,
+} from "react";
 import type { ApiError } from "../../api/errors";
 import { useAsked } from "../../api/queries";
 import { getGraph, getRules } from "../../api/rulesClient";
 import type { Graph, Table, TableView } from "../../api/ruleTypes";
 import { useSession } from "../../session/SessionContext";
+import { type DrillWish, keepWish, keptWish } from "../drill/wish";
 import { type Check, useCheck } from "./useCheck";
 import { type DraftHandle, useDraft } from "./useDraft";
 import { type LiveRules, useLiveRules } from "./useLiveRules";
 
 interface Drilled {
   id: string;
-  of: Table;
+  /** Null where somebody else began it. */
+  of: Table | null;
 }
 
 export interface Rules {
@@ -21,9 +33,12 @@ export interface Rules {
   error: ApiError | null;
   draft: DraftHandle;
   check: Check;
-  /** The drill that was last begun on this page, and of which table. */
+  /** The drill that was last begun, here or by somebody else, and of which table. */
   drilled: Drilled | null;
-  setDrilled: (drilled: Drilled) => void;
+  setDrilled: Dispatch<SetStateAction<Drilled | null>>;
+  /** What a person wants to be drilled on this page; it stays while they look elsewhere. */
+  wish: DrillWish;
+  setWish: Dispatch<SetStateAction<DrillWish>>;
   mayEdit: boolean;
   mayProtect: boolean;
   reload: () => void;
@@ -65,6 +80,8 @@ export function RulesProvider({ children }: { children: ReactNode }) {
 
   const draft = useDraft(view);
   const [drilled, setDrilled] = useState<Drilled | null>(null);
+  const [wish, setWish] = useState(keptWish);
+  useEffect(() => keepWish(wish), [wish]);
   const check = useCheck(draft.draft, view);
   const value = useMemo<Rules>(
     () => ({
@@ -75,12 +92,14 @@ export function RulesProvider({ children }: { children: ReactNode }) {
       check,
       drilled,
       setDrilled,
+      wish,
+      setWish,
       mayEdit: session.role !== "viewer",
       mayProtect: session.role === "engineer",
       reload,
       reloadGraph,
     }),
-    [view, graph, error, draft, check, drilled, session.role, reload, reloadGraph],
+    [view, graph, error, draft, check, drilled, wish, session.role, reload, reloadGraph],
   );
   return (
     <RulesContext value={value}>

@@ -1,9 +1,10 @@
-import { Button, MultiSelect, Progress } from "@mantine/core";
+import { Button, MultiSelect, Progress, SegmentedControl } from "@mantine/core";
 import { useState } from "react";
 import { drillReportAddress } from "../../api/drillsClient";
-import type { Drill, DrillRoom, DrillSummary } from "../../api/drillTypes";
+import type { Drill, DrillRoom, DrillSummary, Scenario } from "../../api/drillTypes";
 import { reportOf } from "../../api/rulesClient";
 import type { Table } from "../../api/ruleTypes";
+import { useRobot } from "../../state/RobotContext";
 import { Choice } from "../../ui/controls/Choice";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
@@ -12,13 +13,21 @@ import { FindingList } from "../parts/FindingList";
 import classes from "./Drill.module.css";
 import { DriveList } from "./DriveList";
 import { faultText, progressText, subjectText, tallyText } from "./drillText";
+import { ScenarioEditor } from "./ScenarioEditor";
+import { inWords, missing, newScenario } from "./scenario";
 import { useDrill } from "./useDrill";
 
-const COUNTS = [4, 10, 20, 50, 100, 200];
+const COUNTS = [1, 4, 10, 20, 50, 100, 200];
 const AT_ONCE = [
   { value: "1", label: "one in each drive" },
   { value: "2", label: "two in each drive" },
   { value: "3", label: "three in each drive" },
+];
+
+const LASTINGS = [
+  { value: "0", label: "3 to 20 s" },
+  { value: "0.25", label: "one in four to the end" },
+  { value: "1", label: "to the end" },
 ];
 
 interface Props {
@@ -29,12 +38,18 @@ interface Props {
 
 /** Does it recover better? The proposed rules and those in force, through the same faulted drives. */
 export function DrillPanel({ table, ready }: Props) {
-  const { room, drill, fresh, starting, error, start, cancel } = useDrill(table);
+  const { room, drill, fresh, others, starting, error, start, cancel } = useDrill(table);
+  const { wish, setWish } = useRules();
+  const { count } = wish;
+  const setScenario = (next: Scenario) => setWish((was) => ({ ...was, scenario: next }));
   const [faults, setFaults] = useState<string[]>([]);
+  const [lasting, setLasting] = useState("0");
   const [each, setEach] = useState("1");
-  const [count, setCount] = useState("20");
   const [chosen, setChosen] = useState<string | null>(null);
-  const world = chosen ?? room?.own_world ?? room?.worlds[0]?.name ?? "";
+  const drawnIn = chosen ?? room?.own_world ?? room?.worlds[0]?.name ?? "";
+  const scenario = wish.own ? (wish.scenario ?? newScenario(drawnIn)) : null;
+  const world = scenario?.world ?? drawnIn;
+  const lacks = scenario === null ? "" : missing(scenario);
   const running = drill?.state === "running";
   const refused = reportOf(error)?.findings.filter(({ level }) => level === "error") ?? [];
   return (
@@ -48,18 +63,50 @@ export function DrillPanel({ table, ready }: Props) {
         ) : (
           <>
             <p className={page.muted}>{subjectText(room.recipe, world, room.own_world)}</p>
-            <Options
-              room={room}
-              faults={faults}
-              each={each}
-              count={count}
-              world={world}
-              locked={running}
-              onFaults={setFaults}
-              onEach={setEach}
-              onCount={setCount}
-              onWorld={setChosen}
+            <SegmentedControl
+              size="sm"
+              aria-label="Which drives"
+              data={[
+                { value: "drawn", label: "Drives drawn by chance" },
+                { value: "own", label: "One of my own" },
+              ]}
+              value={scenario === null ? "drawn" : "own"}
+              disabled={running}
+              data-testid="drill-which"
+              onChange={(which) => setWish((was) => ({ ...was, own: which === "own" }))}
             />
+            {scenario === null ? (
+              <Options
+                room={room}
+                faults={faults}
+                each={each}
+                lasting={lasting}
+                world={drawnIn}
+                locked={running}
+                onFaults={setFaults}
+                onEach={setEach}
+                onLasting={setLasting}
+                onWorld={setChosen}
+              />
+            ) : (
+              <ScenarioEditor
+                room={room}
+                scenario={scenario}
+                locked={running}
+                onChange={setScenario}
+              />
+            )}
+            <Choice
+              label={scenario === null ? "Drives under each" : "How often, with other noise"}
+              data={COUNTS.filter(
+                (most) => most <= room.most_drives && (most > 1 || scenario !== null),
+              ).map(String)}
+              value={count}
+              disabled={running}
+              data-testid="drill-count"
+              onChange={(often) => setWish((was) => ({ ...was, count: often }))}
+            />
+            {lacks !== "" && <p className={page.muted}>{lacks}</p>}
             <div className={page.line}>
               {running ? (
                 <Button variant="default" onClick={cancel} data-testid="drill-cancel">
@@ -68,16 +115,21 @@ export function DrillPanel({ table, ready }: Props) {
               ) : (
                 <Button
                   variant="default"
-                  disabled={!ready}
+                  disabled={!ready || lacks !== ""}
                   loading={starting}
                   data-testid="drill-start"
                   onClick={() =>
-                    start({
-                      faults: faults.length === 0 ? ["all"] : faults,
-                      faults_per_drive: Number(each),
-                      world,
-                      drives: Number(count),
-                    })
+                    start(
+                      scenario === null
+                        ? {
+                            faults: faults.length === 0 ? ["all"] : faults,
+                            faults_per_drive: Number(each),
+                            lasting: Number(lasting),
+                            world: drawnIn,
+                            drives: Number(count),
+                          }
+                        : { scenario, drives: Number(count) },
+                    )
                   }
                 >
                   {drill === null ? "Drill" : "Drill again"}
@@ -86,9 +138,22 @@ export function DrillPanel({ table, ready }: Props) {
             </div>
           </>
         ))}
-      <Problem error={error} testId="drill-problem" />
+      <Problem
+        error={error && { title: inWords(error.title), remedy: error.remedy }}
+        testId="drill-problem"
+      />
       <FindingList findings={refused} />
-      {drill !== null && <Outcome drill={drill} fresh={fresh} />}
+      {drill !== null && error === null && (
+        <>
+          {others && (
+            <p className={page.note} data-testid="drill-others">
+              {drill.by} began this drill
+              {drill.report === null ? "." : `, of ${drill.report.recipe}.`}
+            </p>
+          )}
+          <Outcome drill={drill} fresh={fresh} />
+        </>
+      )}
     </section>
   );
 }
@@ -97,17 +162,24 @@ interface OptionsProps {
   room: DrillRoom;
   faults: string[];
   each: string;
-  count: string;
+  lasting: string;
   world: string;
   locked: boolean;
   onFaults: (faults: string[]) => void;
   onEach: (each: string) => void;
-  onCount: (count: string) => void;
+  onLasting: (lasting: string) => void;
   onWorld: (world: string) => void;
 }
 
 function Options(props: OptionsProps) {
-  const { room, faults, each, count, world, locked } = props;
+  const { room, faults, each, lasting, world, locked } = props;
+  const { state } = useRobot();
+  const components = state?.components.map(({ name }) => name) ?? [];
+  const kinds = room.faults.map(({ name }) => ({ value: name, label: faultText(name) }));
+  const named = room.faults
+    .filter(({ parameter }) => parameter === "NAME")
+    .flatMap(({ name }) => components.map((component) => `${name}:${component}`))
+    .map((name) => ({ value: name, label: faultText(name) }));
   return (
     <div className={classes.options}>
       <MultiSelect
@@ -115,7 +187,15 @@ function Options(props: OptionsProps) {
         size="sm"
         label="What breaks"
         placeholder={faults.length === 0 ? "Any fault" : ""}
-        data={room.faults.map(({ name }) => ({ value: name, label: faultText(name) }))}
+        searchable
+        data={
+          named.length === 0
+            ? kinds
+            : [
+                { group: "Whichever it strikes", items: kinds },
+                { group: "One component", items: named },
+              ]
+        }
         value={faults}
         disabled={locked}
         clearable
@@ -131,12 +211,12 @@ function Options(props: OptionsProps) {
         onChange={props.onEach}
       />
       <Choice
-        label="Drives under each"
-        data={COUNTS.filter((most) => most <= room.most_drives).map(String)}
-        value={count}
+        label="For how long"
+        data={LASTINGS}
+        value={lasting}
         disabled={locked}
-        data-testid="drill-count"
-        onChange={props.onCount}
+        data-testid="drill-lasting"
+        onChange={props.onLasting}
       />
       <Choice
         label="Where"

@@ -1,6 +1,7 @@
 import { UnstyledButton } from "@mantine/core";
 import { IconChevronDown, IconChevronRight } from "@tabler/icons-react";
 import { useState } from "react";
+import { scenarioAddress } from "../../api/drillsClient";
 import type { DrillDrive } from "../../api/drillTypes";
 import page from "../../ui/page.module.css";
 import classes from "./Drill.module.css";
@@ -45,7 +46,19 @@ export function DriveList({ drill, drives }: Props) {
                 <IconChevronRight size={18} aria-hidden />
               )}
             </UnstyledButton>
-            {open === drive.name && <DrivePlayer drill={drill} scenario={drive.name} />}
+            {open === drive.name && (
+              <>
+                <DrivePlayer drill={drill} scenario={drive.name} />
+                <a
+                  className={page.link}
+                  href={scenarioAddress(drill, drive.name)}
+                  download
+                  data-testid="drive-file"
+                >
+                  Keep this drive as a scenario file
+                </a>
+              </>
+            )}
           </li>
         ))}
       </ul>

@@ -1,9 +1,9 @@
 import { useMemo } from "react";
-import type { DrillPair, DrillPlace } from "../../api/drillTypes";
+import type { DrillPair } from "../../api/drillTypes";
+import { arrow, Floor, MARGIN } from "./Floor";
 import classes from "./Player.module.css";
 import { type Mark, marksOnMap, Way } from "./playback";
 
-const MARGIN = 0.15;
 const DEGREES = 180 / Math.PI;
 
 interface Props {
@@ -67,38 +67,6 @@ export function DriveMap({ pair, time }: Props) {
   );
 }
 
-function Floor({ place }: { place: DrillPlace }) {
-  return (
-    <>
-      <polygon
-        className={classes.floor}
-        points={place.floor.map(([x = 0, y = 0]) => `${x},${-y}`).join(" ")}
-      />
-      {place.walls.map((wall) =>
-        wall.round ? (
-          <circle
-            key={`${wall.x} ${wall.y}`}
-            className={classes.wall}
-            cx={wall.x}
-            cy={-wall.y}
-            r={wall.length / 2}
-          />
-        ) : (
-          <rect
-            key={`${wall.x} ${wall.y}`}
-            className={classes.wall}
-            x={-wall.length / 2}
-            y={-wall.width / 2}
-            width={wall.length}
-            height={wall.width}
-            transform={`translate(${wall.x} ${-wall.y}) rotate(${-wall.yaw * DEGREES})`}
-          />
-        ),
-      )}
-    </>
-  );
-}
-
 function MapMark({ mark, r }: { mark: Mark; r: number }) {
   const shapes: Record<Mark["kind"], string> = {
     fault: `M 0 ${-r} L ${0.95 * r} ${0.75 * r} L ${-0.95 * r} ${0.75 * r} Z`,
@@ -117,9 +85,6 @@ function MapMark({ mark, r }: { mark: Mark; r: number }) {
     </path>
   );
 }
-
-const arrow = (unit: number) =>
-  `M ${unit} 0 L ${-0.6 * unit} ${0.7 * unit} L ${-0.6 * unit} ${-0.7 * unit} Z`;
 
 const line = (points: readonly { x: number; y: number }[]) =>
   points.map(({ x, y }) => `${x.toFixed(3)},${(-y).toFixed(3)}`).join(" ");

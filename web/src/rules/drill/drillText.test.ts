@@ -39,7 +39,11 @@ test("an estimate is told in round numbers, and never as none", () => {
 });
 
 test("a drive is told by what broke in it, as one says it", () => {
-  expect(faultsText(["way_blocked", "kill:controller"])).toBe("way blocked, kill:controller");
+  const broken = [
+    { name: "way_blocked", at: 12.34, duration: 8 },
+    { name: "kill:controller", at: 3, duration: 0 },
+  ];
+  expect(faultsText(broken)).toBe("way blocked at 12.3 s for 8.0 s, kill controller at 3.0 s");
   expect(faultsText([])).toBe("no fault");
 });
 

@@ -1,5 +1,5 @@
 /** A drill in words. */
-import type { Drill, DrillDrive } from "../../api/drillTypes";
+import type { Drill, DrillDrive, ScheduledFault } from "../../api/drillTypes";
 import { durationText } from "../../format";
 
 /** `12 of 40 drives, about 2 min left`: nothing is promised before the first drive is over. */
@@ -40,12 +40,18 @@ export function tallyText(drives: readonly DrillDrive[]): string {
     .join(", ");
 }
 
-/** `way_blocked` as it is said. */
-export const faultText = (name: string) => name.replaceAll("_", " ");
+/** `way_blocked` and `kill:mapper` as they are said. */
+export const faultText = (name: string) => name.replaceAll("_", " ").replace(":", " ");
 
-/** What broke in a drive. */
-export function faultsText(faults: readonly string[]): string {
-  return faults.length === 0 ? "no fault" : faults.map(faultText).join(", ");
+/** What broke in a drive, when and for how long: by it drives are told apart. */
+export function faultsText(faults: readonly ScheduledFault[]): string {
+  if (faults.length === 0) return "no fault";
+  return faults
+    .map(({ name, at, duration }) => {
+      const length = duration === 0 ? "" : ` for ${duration.toFixed(1)} s`;
+      return `${faultText(name)} at ${at.toFixed(1)} s${length}`;
+    })
+    .join(", ");
 }
 
 /** Which robot, where, and that it may not be the one at hand. */

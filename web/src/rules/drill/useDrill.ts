@@ -1,4 +1,5 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useEffect } from "react";
 import {
   cancelDrill,
   type DrillOptions,
@@ -13,6 +14,8 @@ import type { Table } from "../../api/ruleTypes";
 import { useRules } from "../context/RulesContext";
 
 const POLL_MS = 500;
+/** Somebody else, or a script, may begin one. */
+const ROOM_MS = 3000;
 const ROOM = ["drills"];
 
 export interface DrillHandle {
@@ -22,6 +25,8 @@ export interface DrillHandle {
   drill: Drill | null;
   /** Whether it is of the table that is proposed now. */
   fresh: boolean;
+  /** Whether somebody else began it, or a script, or this page before it was loaded again. */
+  others: boolean;
   /** Whether it is being asked for. */
   starting: boolean;
   /** Why nothing was begun, or nothing is heard of it. */
@@ -34,16 +39,25 @@ export interface DrillHandle {
 export function useDrill(table: Table): DrillHandle {
   const { drilled, setDrilled } = useRules();
   const client = useQueryClient();
-  const { data: room, error: unknown } = useAsked({ key: ROOM, ask: getDrillRoom });
+  const { data: room, error: unknown } = useAsked({
+    key: ROOM,
+    ask: getDrillRoom,
+    again: ROOM_MS,
+  });
   const begin = useMutation({
     mutationFn: (options: DrillOptions) => startDrill(table, options),
     onSuccess: ({ id }) => setDrilled({ id, of: table }),
     // Perhaps another's runs: then that is shown.
-    onError: () => void client.invalidateQueries({ queryKey: ROOM }),
+    onSettled: () => void client.invalidateQueries({ queryKey: ROOM }),
   });
   const found = room?.newest;
   const worthIt = found?.state === "running" || found?.state === "done";
   const id = drilled?.id ?? (worthIt ? found?.id : undefined);
+  // One that begins is shown whoever began it: there is only one at a time.
+  const begun = found?.state === "running" ? found.id : null;
+  useEffect(() => {
+    if (begun !== null) setDrilled((was) => (was?.id === begun ? was : { id: begun, of: null }));
+  }, [begun, setDrilled]);
   const { data: drill, error: lost } = useAsked({
     key: ["drill", id],
     enabled: id !== undefined,
@@ -51,6 +65,7 @@ export function useDrill(table: Table): DrillHandle {
     again: (newest, failure) =>
       failure !== null || (newest !== undefined && newest.state !== "running") ? false : POLL_MS,
   });
+  const others = (drilled?.of ?? null) === null;
   const cancel = useMutation({
     mutationFn: cancelDrill,
     onSettled: () => void client.invalidateQueries({ queryKey: ["drill", id] }),
@@ -58,7 +73,9 @@ export function useDrill(table: Table): DrillHandle {
   return {
     room,
     drill,
-    fresh: drilled?.id === id && drilled?.of === table,
+    // Of a drill that somebody else began the table is not known here.
+    fresh: others || drilled?.of === table,
+    others,
     starting: begin.isPending,
     error: begin.error ?? cancel.error ?? lost ?? unknown,
     start: (options) => {

@@ -52,6 +52,14 @@ export function presets(graph: Graph | null): Preset[] {
       const failure = Object.entries(status?.constants ?? {}).find(([constant]) =>
         constant.includes("ALGORITHM"),
       );
+      // Whatever the reason: it fails, or its process is dead, hung or gone.
+      add(`unwell:${topic.component}`, "Health", `${title(topic.component)} is not well`, () => ({
+        kind: "compare",
+        signal: signal(topic, ["status"]),
+        operator: "!=",
+        value: status?.constants.STATUS_HEALTHY ?? 0,
+        tolerance: 0,
+      }));
       add(
         `status:${topic.component}`,
         "Health",

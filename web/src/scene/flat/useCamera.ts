@@ -1,4 +1,11 @@
-import { type PointerEvent, useCallback, useEffect, useRef, useState } from "react";
+import {
+  type PointerEvent,
+  useCallback,
+  useEffect,
+  useLayoutEffect,
+  useRef,
+  useState,
+} from "react";
 import {
   type Bounds,
   type Camera,
@@ -28,20 +35,29 @@ interface Wishes {
 export function useCamera({ size, bounds, followed, onMoved }: Wishes) {
   const [chosen, setChosen] = useState<Camera | null>(null);
   const fitted = whole(bounds, size);
-  const camera: Camera =
+  const from = (chosen: Camera | null): Camera =>
     followed === null
       ? (chosen ?? fitted)
       : { x: followed[0], y: followed[1], scale: (chosen ?? fitted).scale };
-  const latest = useRef({ camera, size });
-  useEffect(() => {
-    latest.current = { camera, size };
+  const drawn = useRef({ from, size });
+  useLayoutEffect(() => {
+    drawn.current = { from, size };
   });
   const fingers = useRef(new Map<number, Point>());
+  /** Dragged already, by this finger: it follows no more, though that may not be known yet. */
+  const taken = useRef(false);
 
-  const zoom = useCallback((factor: number, at?: Point) => {
-    const { camera, size } = latest.current;
-    setChosen(zoomed(camera, size, at ?? [size.width / 2, size.height / 2], factor));
+  // From what is chosen by then, not from what is drawn: the hand may be quicker than the screen.
+  const move = useCallback((next: (camera: Camera, size: Size) => Camera) => {
+    const { from, size } = drawn.current;
+    const own = taken.current;
+    setChosen((chosen) => next(own && chosen !== null ? chosen : from(chosen), size));
   }, []);
+  const zoom = useCallback(
+    (factor: number, at?: Point) =>
+      move((camera, size) => zoomed(camera, size, at ?? [size.width / 2, size.height / 2], factor)),
+    [move],
+  );
 
   // React listens to the wheel passively, and the page would scroll with it.
   const root = useRef<HTMLDivElement>(null);
@@ -70,24 +86,24 @@ export function useCamera({ size, bounds, followed, onMoved }: Wishes) {
     const before = [...held.values()];
     held.set(event.pointerId, now);
     const after = [...held.values()];
-    const { camera, size } = latest.current;
     const [a, b] = before;
     const [c, d] = after;
-    const next =
+    move((camera, size) =>
       a !== undefined && b !== undefined && c !== undefined && d !== undefined
         ? pinched(camera, size, [a, b], [c, d])
-        : dragged(camera, was, now);
-    // A second event may come before the next picture.
-    latest.current = { camera: next, size };
-    setChosen(next);
-    if (held.size === 1) onMoved();
+        : dragged(camera, was, now),
+    );
+    if (held.size > 1) return;
+    taken.current = true;
+    onMoved();
   };
   const onPointerEnd = (event: PointerEvent<HTMLElement>) => {
     fingers.current.delete(event.pointerId);
+    if (fingers.current.size === 0) taken.current = false;
   };
 
   return {
-    camera,
+    camera: from(chosen),
     root,
     zoom,
     showWhole: useCallback(() => setChosen(null), []),

@@ -169,10 +169,10 @@ export const FRAME = {
 
   // Widgets
   "{several} and {last}": "{several} und {last}",
-  "It stays {duration}.": "Es bleibt bei {duration}.",
+  "It stays {value}.": "Es bleibt bei {value}.",
   "Write it as 2.5 s, 5 min or 1 h.": "Schreiben Sie es als 2.5 s, 5 min oder 1 h.",
-  "At least {duration}.": "Mindestens {duration}.",
-  "At most {duration}.": "Höchstens {duration}.",
+  "At least {value}.": "Mindestens {value}.",
+  "At most {value}.": "Höchstens {value}.",
   "Fewer messages": "Weniger Meldungen",
   "{more, plural, one {One more message} other {# more messages}}":
     "{more, plural, one {Eine weitere Meldung} other {# weitere Meldungen}}",

@@ -10,7 +10,10 @@ export const LISTS = {
   "Change {name}": "{name} ändern",
   "More for {name}": "Mehr zu {name}",
   "Deleted {name}.": "{name} gelöscht.",
-  "None on this map yet.": "Auf dieser Karte noch keine.",
+  "None on this map yet: a place has a name, and is two presses away.":
+    "Auf dieser Karte noch keine: Ein Ort hat einen Namen und ist zwei Klicks entfernt.",
+  "None on this map yet: a zone keeps the robot out, or slow.":
+    "Auf dieser Karte noch keine: Eine Zone hält den Roboter fern oder langsam.",
   "Of a map of {label}": "Von einer Karte von {label}",
   "Take along to this map": "Auf diese Karte mitnehmen",
   "Use at most {most} characters, not {length}.": "Höchstens {most} Zeichen, nicht {length}.",
@@ -38,6 +41,10 @@ export const LISTS = {
   "Places of this map": "Orte dieser Karte",
   "Moved {name}.": "{name} versetzt.",
   "Save where the robot stands": "Standort speichern",
+  "The robot could not be sent here now:":
+    "Hierher könnte der Roboter jetzt nicht geschickt werden:",
+  "The nearest point that it can get to is ({x}, {y}).":
+    "Der nächste Punkt, den er erreicht, ist ({x}, {y}).",
   "{n, plural, one {# place} other {# places}} of other maps":
     "{n, plural, one {# Ort} other {# Orte}} anderer Karten",
   "Places of other maps": "Orte anderer Karten",
@@ -114,8 +121,8 @@ export const LISTS = {
   "Waits for a person at {place}": "Wartet an {place} auf jemanden",
   "Press Go on when it may.": "Drücken Sie Weiter, wenn er darf.",
   "At {place}: {task}": "An {place}: {task}",
-  Paused: "Pausiert",
-  "Paused by {by}": "Pausiert von {by}",
+  "Paused, next is {place}": "Pausiert, als Nächstes {place}",
+  "Paused by {by}, next is {place}": "Pausiert von {by}, als Nächstes {place}",
   "Mission done": "Auftrag erledigt",
   "Mission failed": "Auftrag gescheitert",
   "Mission cancelled": "Auftrag abgebrochen",

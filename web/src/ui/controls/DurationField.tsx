@@ -19,7 +19,7 @@ export function DurationField({ value, onChange, min = 0, max, inline, testId, .
   const [shown, setShown] = useState(() => durationFieldText(value));
   const seconds = secondsOf(shown);
   const fits = seconds !== null && seconds >= min && (max === undefined || seconds <= max);
-  const stays = t("It stays {duration}.", { duration: durationFieldText(value) });
+  const stays = t("It stays {value}.", { value: durationFieldText(value) });
   useEffect(() => {
     setShown((was) => (secondsOf(was) === value ? was : durationFieldText(value)));
   }, [value]);
@@ -38,8 +38,8 @@ export function DurationField({ value, onChange, min = 0, max, inline, testId, .
           : seconds === null
             ? `${t("Write it as 2.5 s, 5 min or 1 h.")} ${stays}`
             : seconds < min
-              ? `${t("At least {duration}.", { duration: durationFieldText(min) })} ${stays}`
-              : `${t("At most {duration}.", { duration: durationFieldText(max ?? seconds) })} ${stays}`
+              ? `${t("At least {value}.", { value: durationFieldText(min) })} ${stays}`
+              : `${t("At most {value}.", { value: durationFieldText(max ?? seconds) })} ${stays}`
       }
       onChange={(event) => {
         const text = event.currentTarget.value;

@@ -1,0 +1,20 @@
+import { beforeEach, expect, test } from "vitest";
+import { newScenario } from "./scenario";
+import { keepWish, keptWish } from "./wish";
+
+beforeEach(() => sessionStorage.clear());
+
+test("what was made up is there when the page is loaded again", () => {
+  const wish = { own: true, count: "4", scenario: newScenario("hexagon") };
+  keepWish(wish);
+  expect(keptWish()).toEqual(wish);
+});
+
+test("nothing is wished at first, and what another release has kept is no wish", () => {
+  const nothing = { own: false, count: "20", scenario: null };
+  expect(keptWish()).toEqual(nothing);
+  for (const kept of [{ own: true }, { own: true, count: "4", scenario: { goals: 3 } }, 5]) {
+    sessionStorage.setItem("kompass.drill", JSON.stringify(kept));
+    expect(keptWish()).toEqual(nothing);
+  }
+});
