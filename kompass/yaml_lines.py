@@ -55,8 +55,6 @@ def read_yaml(text: str) -> tuple[Node | None, Any]:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else None
         raise BadYaml(f"{error.problem or error}; correct it", line) from None
-    except BadYaml:
-        raise
     except RecursionError:
         raise BadYaml("it is nested too deeply to be read; write it with fewer levels") from None
     except yaml.YAMLError as error:

@@ -12,10 +12,11 @@ from pydantic import TypeAdapter, ValidationError
 
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import NO_ROBOT, ComponentConfig
-from kompass.components.base.config_file import sections_of_nobody
+from kompass.components.base.config_file import check_path, sections_of_nobody
 from kompass.components.base.parameter import with_values
 from kompass.components.drive.drive_manager import DriveManager
 from kompass.components.planner.planner import Planner
+from kompass.invalid import first_invalid
 from kompass.launch.companions import (
     add_companion,
     function_process,
@@ -321,8 +322,9 @@ class Launcher:
                 try:
                     _NAME.validate_python(name, strict=True)
                 except ValidationError as error:
-                    said = error.errors()[0]["msg"].removeprefix("Value error, ")
-                    raise ValueError(f"open_to_rules: {key} holds {name!r}: {said}") from None
+                    raise ValueError(
+                        f"open_to_rules: {key} holds {name!r}: {first_invalid(error).text}"
+                    ) from None
         more = opened(topics, services, actions)
         self._opened = Opened(*(one | other for one, other in zip(self._opened, more, strict=True)))
 
@@ -652,8 +654,8 @@ def _check_namespace(name: str, value: Any) -> None:
 
 
 def _check_config_file(name: str, value: Any) -> None:
-    if value is not None and not (isinstance(value, str | Path) and str(value)):
-        raise TypeError(f"{name} = {value!r} is no path; give that of a yaml, toml or json file")
+    if value is not None:
+        check_path(name, value)
 
 
 def _check_timeout(name: str, value: Any) -> None:

@@ -17,6 +17,7 @@ from kompass.named_arguments import named_arguments
 from kompass.rclpy_ext.topic import Topic
 from kompass.recipe.condition_function import ConditionFunction, condition_function
 from kompass.recipe.functions import name_of
+from kompass.rules.schema.actions import RaiseAlarm
 from kompass.rules.schema.conditions import CallableCondition, Changed, Condition
 from kompass.rules.schema.describe import describe
 from kompass.rules.schema.events import Event as RuleEvent
@@ -151,7 +152,7 @@ class Event:
             close = difflib.get_close_matches(unknown[0], of_rule | of_event, n=1)
             remedy = f"did you mean '{close[0]}'?" if close else f"known: {sorted(of_event)}"
             raise TypeError(f"{self!r}: a rule has no field '{unknown[0]}'; {remedy}")
-        _check_rule({name: value for name, value in fields.items() if name in of_rule})
+        _check_rule(self.rule_event, {name: fields[name] for name in fields if name in of_rule})
         if fields.get("clear") is not None:
             fields["clear"] = condition_of(fields["clear"])
         stated = {name: value for name, value in fields.items() if name in of_event}
@@ -226,13 +227,14 @@ def _rule_event(**fields: Any) -> RuleEvent:
         raise ValueError(f"Event({describe(fields['condition'])}): {text}") from None
 
 
-def _check_rule(fields: Mapping[str, Any]) -> None:
-    """Raise where a value is none of a rule; its event and actions are not known yet."""
-    for name, value in fields.items():
-        try:
-            Rule.__pydantic_validator__.validate_assignment(Rule.model_construct(), name, value)
-        except ValidationError as error:
-            raise ValueError(f"as_rule: {name} = {value!r}: {first_invalid(error).text}") from None
+def _check_rule(event: RuleEvent, fields: Mapping[str, Any]) -> None:
+    """Raise where a value is none of a rule; its actions are not known yet."""
+    action = RaiseAlarm(alarm="as_rule")
+    try:
+        Rule.model_validate({"id": "as_rule", "event": event, "actions": [action], **fields})
+    except ValidationError as error:
+        where, value, said = first_invalid(error)
+        raise ValueError(f"as_rule: {where} = {value!r}: {said}") from None
 
 
 class _NamedEvent(Event, ABC):

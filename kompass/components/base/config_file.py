@@ -25,6 +25,18 @@ class ConfigFileError(ValueError):
     """The file cannot be used; the message names the file and the remedy."""
 
 
+def check_path(name: str, value: object) -> None:
+    """Raise what is wrong with a value that is to be the path of a file.
+
+    Raises
+    ------
+    TypeError
+        When it is none.
+    """
+    if not isinstance(value, str | Path) or not str(value):
+        raise TypeError(f"{name} = {value!r} is no path; give that of a yaml, toml or json file")
+
+
 def read_config_file(path: str | Path) -> dict[str, Any]:
     """All sections of a file.
 
@@ -35,10 +47,7 @@ def read_config_file(path: str | Path) -> dict[str, Any]:
     TypeError
         When ``path`` is none.
     """
-    if not isinstance(path, str | Path):
-        raise TypeError(
-            f"config_file = {path!r} is no path; give that of a yaml, toml or json file"
-        )
+    check_path("config_file", path)
     path = Path(path)
     readers: dict[str, Callable[[str], Any]] = {
         ".yaml": _yaml,

@@ -1,7 +1,7 @@
 import { Button, FileButton, SegmentedControl, Select } from "@mantine/core";
 import { IconX } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
-import { useState } from "react";
+import { Fragment, useState } from "react";
 import {
   getDrillWorld,
   readScenarioFile,
@@ -39,6 +39,7 @@ import {
 } from "./scenario";
 
 const WORDS = { stop: "presses", release: "releases" } as const;
+const EDGES = { begin: "Begin of the stretch", end: "End of the stretch" } as const;
 
 interface Props {
   room: DrillRoom;
@@ -60,6 +61,7 @@ export function ScenarioEditor({ room, scenario, locked, onChange }: Props) {
     ask: (signal) => getDrillWorld(scenario.world, signal),
   });
   const [before, setBefore] = useState<Before | null>(null);
+  const [takenBack, setTakenBack] = useState(0);
   const change = (next: Scenario) => {
     setBefore(null);
     onChange(next);
@@ -72,7 +74,7 @@ export function ScenarioEditor({ room, scenario, locked, onChange }: Props) {
   };
   return (
     <div className={classes.scenario} data-testid="scenario">
-      <Sources locked={locked} onTaken={replace} />
+      <Sources key={takenBack} locked={locked} onTaken={replace} />
       {before !== null && (
         <div className={page.line} data-testid="scenario-replaced">
           <span>{before.by} took the place of what was here.</span>
@@ -80,7 +82,10 @@ export function ScenarioEditor({ room, scenario, locked, onChange }: Props) {
             type="button"
             className={page.more}
             disabled={locked}
-            onClick={() => change(before.scenario)}
+            onClick={() => {
+              setTakenBack(takenBack + 1);
+              change(before.scenario);
+            }}
           >
             Take that back
           </button>
@@ -211,25 +216,20 @@ function Sources({ locked, onTaken }: SourcesProps) {
       {stretch !== null && length > 0 && (
         <div className={classes.spot} data-testid="scenario-stretch">
           <span>Of {stretch.recording}, from</span>
-          <DurationField
-            aria-label="Begin of the stretch"
-            className={classes.time}
-            value={stretch.begin}
-            max={length}
-            disabled={busy}
-            testId="stretch-begin"
-            onChange={(begin) => setStretch({ ...stretch, begin })}
-          />
-          <span>to</span>
-          <DurationField
-            aria-label="End of the stretch"
-            className={classes.time}
-            value={stretch.end}
-            max={length}
-            disabled={busy}
-            testId="stretch-end"
-            onChange={(end) => setStretch({ ...stretch, end })}
-          />
+          {(["begin", "end"] as const).map((edge) => (
+            <Fragment key={edge}>
+              {edge === "end" && <span>to</span>}
+              <DurationField
+                aria-label={EDGES[edge]}
+                className={classes.time}
+                value={stretch[edge]}
+                max={length}
+                disabled={busy}
+                testId={`stretch-${edge}`}
+                onChange={(at) => setStretch({ ...stretch, [edge]: at })}
+              />
+            </Fragment>
+          ))}
           <Button
             size="sm"
             variant="default"

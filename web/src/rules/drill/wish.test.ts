@@ -13,8 +13,9 @@ test("what was made up is there when the page is loaded again", () => {
 test("nothing is wished at first, and what another release has kept is no wish", () => {
   const nothing = { own: false, count: "20", scenario: null };
   expect(keptWish()).toEqual(nothing);
-  for (const kept of [{ own: true }, { own: true, count: "4", scenario: { goals: 3 } }, 5]) {
-    sessionStorage.setItem("kompass.drill", JSON.stringify(kept));
+  const others = [{ own: true }, { own: true, count: "4", scenario: { goals: 3 } }, 5];
+  for (const kept of [...others.map((each) => JSON.stringify(each)), "{half"]) {
+    sessionStorage.setItem("kompass.drill", kept);
     expect(keptWish()).toEqual(nothing);
   }
 });

@@ -17,7 +17,12 @@ export const keepWish = (wish: DrillWish): void =>
 
 /** What was wished before the page was loaded again; a page of another release may have kept it. */
 export function keptWish(): DrillWish {
-  const kept: unknown = JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
+  let kept: unknown;
+  try {
+    kept = JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
+  } catch {
+    return NOTHING;
+  }
   return isWish(kept) ? kept : NOTHING;
 }
 
@@ -25,9 +30,7 @@ const isWish = (kept: unknown): kept is DrillWish =>
   isRecord(kept) &&
   typeof kept.own === "boolean" &&
   typeof kept.count === "string" &&
-  (kept.scenario === null ||
-    (isRecord(kept.scenario) &&
-      ["goals", "faults", "operators"].every((each) => isList(kept.scenario, each))));
+  (kept.scenario === null || isScenario(kept.scenario));
 
-const isList = (scenario: unknown, each: string) =>
-  isRecord(scenario) && Array.isArray(scenario[each]);
+const isScenario = (kept: unknown): kept is Scenario =>
+  isRecord(kept) && ["goals", "faults", "operators"].every((each) => Array.isArray(kept[each]));
