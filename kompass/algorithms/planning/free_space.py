@@ -15,6 +15,7 @@ from kompass.algorithms.geometry import Floats
 # Right, up and the two diagonals; the opposite directions are the same edges.
 _DIRECTIONS = ((0, 1), (1, 0), (1, 1), (1, -1))
 _NEIGHBOURS = tuple((dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if dy or dx)
+_FIRST = 24  # of the nearest cells, which are looked at before all others
 
 
 class FreeSpace:
@@ -97,10 +98,11 @@ class FreeSpace:
         order = order[away[order] <= reach]
         here = self.field.at_xy(*point)
         for level in (min(here, self.required), minimum):
-            starts = np.broadcast_to(point, (len(order), 2))
-            clear = self.field.segments_clear(starts, centres[order], level)
-            if clear.any():
-                return int(ids[order[int(np.argmax(clear))]])
+            for some in np.split(order, [_FIRST]):
+                starts = np.broadcast_to(point, (len(some), 2))
+                clear = self.field.segments_clear(starts, centres[some], level)
+                if clear.any():
+                    return int(ids[some[int(np.argmax(clear))]])
         return None
 
     def nearest(self, cell: int, point: tuple[float, float]) -> tuple[float, float]:
