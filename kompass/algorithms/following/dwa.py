@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,8 @@ MOST_PLACES = 2_000_000
 MOST_CELLS = 2000
 # How much free way makes a direction worth turning to [m].
 _OPEN_AHEAD = 0.3
+
+_Reals: TypeAlias = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,12 +162,13 @@ class DWA(PathFollower[DWAParams]):
         shape = (len(omega) * len(v), len(self._times))
         # Exact positions on the arc of a constant twist; sinc keeps straight ones finite. What
         # depends on the turning rate alone is worked out once for all velocities.
+        # Places are float32: there are thousands of them, and half as much memory is half the time.
         half_turn = 0.5 * omega[:, None] * self._times
-        sinc = np.sinc(half_turn / math.pi)
-        along = (v[:, None] * self._times)[None]
+        sinc = np.sinc(half_turn / math.pi).astype(np.float32)
+        along = (v[:, None] * self._times)[None].astype(np.float32)
         chord = along * sinc[:, None]
-        x = (chord * np.cos(half_turn)[:, None]).reshape(shape)
-        y = (chord * np.sin(half_turn)[:, None]).reshape(shape)
+        x = (chord * np.cos(half_turn).astype(np.float32)[:, None]).reshape(shape)
+        y = (chord * np.sin(half_turn).astype(np.float32)[:, None]).reshape(shape)
 
         obstacles, path = self._fields(situation)
         if self._body.is_round:
@@ -179,7 +182,7 @@ class DWA(PathFollower[DWAParams]):
         # As in the original, what counts is that the robot can stop before it hits something: a
         # rollout is checked as far as its braking distance and a little, not to its end.
         braking = stopping_distance(1.0, self._linear.max_decel, 0.0) * v * v + v * situation.dt
-        counts = travelled <= (braking + _BEYOND_BRAKING)[:, None]
+        counts = travelled <= (braking + _BEYOND_BRAKING).astype(np.float32)[:, None]
         counts[:, 0] = True
         admissible = self._admissible(obstacles, distance, travelled, counts)
         self._gives_way = not admissible.any() or (self._gives_way and situation.off_course)
@@ -202,7 +205,7 @@ class DWA(PathFollower[DWAParams]):
         return float(v[best]), 0.0, float(omega[best])
 
     def _admissible(
-        self, obstacles: Floats, distance: Floats, travelled: Floats, counts: NDArray[np.bool_]
+        self, obstacles: _Reals, distance: _Reals, travelled: _Reals, counts: NDArray[np.bool_]
     ) -> NDArray[np.bool_]:
         """Which rollouts (N, T) keep their distance; for a robot too close, which ones leave."""
         required = self.robot_radius + self.config.clearance
@@ -215,7 +218,7 @@ class DWA(PathFollower[DWAParams]):
         leaves: NDArray[np.bool_] = np.all(outward | ~counts, axis=1)
         return leaves
 
-    def _turn_to_open(self, obstacles: Floats, situation: Situation) -> float:
+    def _turn_to_open(self, obstacles: _Reals, situation: Situation) -> float:
         """The turning rate towards the open direction that is nearest to the way to the aim."""
         aim = self._aim(situation)
         directions = np.linspace(-math.pi, math.pi, 48, endpoint=False)
@@ -243,7 +246,7 @@ class DWA(PathFollower[DWAParams]):
         rate = min(self._angular.max_vel, max(rate, self.config.min_turn_rate))
         return math.copysign(rate, turn)
 
-    def _beside(self, obstacles: Floats, x: Floats, y: Floats, yaw: Floats) -> Floats:
+    def _beside(self, obstacles: _Reals, x: _Reals, y: _Reals, yaw: _Reals) -> _Reals:
         """Distance of obstacles from the body at poses of any shape, and its radius on top [m].
 
         So much that of a round body it is the distance from its centre.
@@ -259,23 +262,35 @@ class DWA(PathFollower[DWAParams]):
             np.minimum(nearest, away, out=nearest)
         return nearest + (self.robot_radius - radius)
 
-    def _look_up(self, fields: Sequence[Floats], x: Floats, y: Floats) -> list[Floats]:
+    def _look_up(self, fields: Sequence[_Reals], x: _Reals, y: _Reals) -> list[_Reals]:
         """Each field's values at base-frame places of any shape, interpolated between cells."""
         last = 2 * self._half - 1
-        u = np.clip(x / self.config.resolution + self._half, 0.0, last + 1.0)
-        v = np.clip(y / self.config.resolution + self._half, 0.0, last + 1.0)
-        col = np.minimum(u.astype(np.int64), last)
-        row = np.minimum(v.astype(np.int64), last)
-        u, v = u - col, v - row
-        rest_u, rest_v = 1.0 - u, 1.0 - v
+        per_metre = np.float32(1.0 / self.config.resolution)
+        u = np.clip(x * per_metre + np.float32(self._half), 0.0, last + 1.0)
+        v = np.clip(y * per_metre + np.float32(self._half), 0.0, last + 1.0)
+        col = np.minimum(np.floor(u), np.float32(last))
+        row = np.minimum(np.floor(v), np.float32(last))
+        u -= col
+        v -= row
         stride = 2 * self._half + 1
-        i = row * stride + col
-        corners = (i, i + 1, i + stride, i + stride + 1)
+        i = row.astype(np.int64)
+        i *= stride
+        i += col.astype(np.int64)
         out = []
         for values in fields:
             flat = values.ravel()
-            a, b, c, d = (flat.take(at) for at in corners)
-            out.append((a * rest_u + b * u) * rest_v + (c * rest_u + d * u) * v)
+            # The same places in parts of the field that begin later: no index is added up anew.
+            a, b, c, d = (flat[by:].take(i) for by in (0, 1, stride, stride + 1))
+            b -= a
+            b *= u
+            a += b
+            d -= c
+            d *= u
+            c += d
+            c -= a
+            c *= v
+            a += c
+            out.append(a)
         return out
 
     def _window(self, situation: Situation) -> tuple[Floats, Floats]:
@@ -303,7 +318,7 @@ class DWA(PathFollower[DWAParams]):
         x, y = transform_points(inverse((situation.x, situation.y, situation.yaw)), [target])[0]
         return float(x), float(y)
 
-    def _fields(self, situation: Situation) -> tuple[Floats, Floats]:
+    def _fields(self, situation: Situation) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Distances from obstacles and from the path ahead [m], (n, n) around the robot."""
         config = self.config
         tracker = situation.tracker
@@ -313,7 +328,7 @@ class DWA(PathFollower[DWAParams]):
         path = transform_points(inverse((situation.x, situation.y, situation.yaw)), path)
         return self._distances(situation.obstacles), self._distances(path)
 
-    def _distances(self, points: Floats) -> Floats:
+    def _distances(self, points: Floats) -> NDArray[np.float32]:
         """Distances [m] of the grid's nodes (n, n) from points (N, 2) in the base frame.
 
         Each node looks at one point only, but at where that is and not at the middle of its cell:
@@ -322,7 +337,7 @@ class DWA(PathFollower[DWAParams]):
         resolution, n = self.config.resolution, 2 * self._half + 1
         near = points[(np.abs(points) < self._half * resolution).all(axis=1)]
         if not len(near):
-            return np.full((n, n), n * resolution)
+            return np.full((n, n), n * resolution, dtype=np.float32)
         # Of several in one cell the nearest to the robot counts, which is written last.
         near = near[np.argsort(-(near[:, 0] ** 2 + near[:, 1] ** 2), kind="stable")]
         col, row = (np.rint(near / resolution).astype(np.int64) + self._half).T
@@ -332,5 +347,5 @@ class DWA(PathFollower[DWAParams]):
         points_of[:, row, col] = near.T
         row, col = distance_transform_edt(empty, return_distances=False, return_indices=True)
         x, y = points_of[:, row, col]
-        out: Floats = np.hypot(x - self._nodes, y - self._nodes[:, None])
-        return out
+        away: Floats = np.hypot(x - self._nodes, y - self._nodes[:, None])
+        return away.astype(np.float32)
