@@ -175,7 +175,7 @@ class DWA(PathFollower[DWAParams]):
             distance, from_path = self._look_up((obstacles, path), x, y)
         else:
             (from_path,) = self._look_up((path,), x, y)
-            yaw = np.repeat(omega[:, None] * self._times, len(v), axis=0)
+            yaw = np.repeat((2.0 * half_turn).astype(np.float32), len(v), axis=0)
             distance = self._beside(obstacles, x, y, yaw)
         travelled = np.broadcast_to(along, (len(omega), *along.shape[1:])).reshape(shape)
         v, omega = np.tile(v, len(omega)), np.repeat(omega, len(v))
@@ -256,7 +256,7 @@ class DWA(PathFollower[DWAParams]):
             return distance
         centres, radius = self._body.discs
         cos, sin = np.cos(yaw), np.sin(yaw)
-        nearest = np.full(x.shape, np.inf)
+        nearest = np.full(x.shape, np.inf, dtype=np.float32)
         for px, py in centres.tolist():
             (away,) = self._look_up((obstacles,), x + px * cos - py * sin, y + px * sin + py * cos)
             np.minimum(nearest, away, out=nearest)

@@ -91,16 +91,18 @@ def _shortest_chain(
     visible[i, j] = one_leg = places[j] <= ends[i]
     i, j = i[~one_leg], j[~one_leg]
     visible[i, j] = field.segments_clear(candidates[i], candidates[j], required)
+    # From each place, in its row, back to those before it.
     apart = np.hypot(
         candidates[:, None, 0] - candidates[None, :, 0],
         candidates[:, None, 1] - candidates[None, :, 1],
     )
+    apart[~visible.T] = math.inf
     cost = np.full(n, math.inf)
     cost[0] = 0.0
     previous = np.zeros(n, dtype=np.int64)
     straight = np.ones(n, dtype=bool)
     for k in range(1, n):
-        through = np.where(visible[:k, k], cost[:k] + apart[:k, k], math.inf)
+        through = cost[:k] + apart[k, :k]
         best = int(np.argmin(through))
         # Along the old path one can always go on to the next place.
         onward = cost[k - 1] + float(places[k] - places[k - 1])
