@@ -211,6 +211,6 @@ def test_space_stops_the_robot_while_the_focus_is_in_the_scene(
     assert page.page.evaluate("() => document.activeElement.tagName") == "IFRAME"
     page.page.keyboard.press("Space")
     expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped")
-    assert robot.newest["/drive_state"].stopped
+    robot.has_stopped()
     assert robot.speed < 0.01
     page.release_stop()

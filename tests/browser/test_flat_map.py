@@ -115,7 +115,7 @@ def test_without_webgl_a_robot_is_driven_and_stopped_on_a_flat_map(
     page.page.keyboard.press("Escape")
     page.get("stop-button").click()
     expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped")
-    assert robot.newest["/drive_state"].stopped
+    robot.has_stopped()
     page.release_stop()
 
 

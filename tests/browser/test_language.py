@@ -85,7 +85,7 @@ def test_a_german_browser_sends_the_robot_stops_and_releases_it_in_german(
     page.page.keyboard.down("Enter")
     expect(page.get("stop-band")).to_be_hidden()
     page.page.keyboard.up("Enter")
-    assert not robot.newest["/drive_state"].stopped
+    robot.has_stopped(False)
     if phone:
         for tab in ("places", "health", "data"):
             page.get(f"tab-{tab}").click()

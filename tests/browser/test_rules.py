@@ -127,7 +127,7 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
     rules.get("rules-tab-firings").click()
     firing = rules.get("firing-too-near-stop").first
     expect(firing).to_contain_text("ok", timeout=30_000)
-    assert robot.newest["/drive_state"].stopped
+    robot.has_stopped()
     firing.click()
     expect(rules.get("firing-details")).to_contain_text(f"revision {revision}")
     leaf = rules.get("firing-details").get_by_test_id("leaf")
@@ -180,7 +180,7 @@ def test_a_rule_that_is_true_already_says_so_before_it_stops_the_robot(
     rules.apply("to see it")
     rules.get("rules-tab-firings").click()
     expect(rules.get("firing-walls-stop").first).to_contain_text("ok", timeout=10_000)
-    assert robot.newest["/drive_state"].stopped
+    robot.has_stopped()
     rules.get("firing-walls-stop").first.click()
     rules.get("firing-rollback").click()
     rules.get("rules-tab-table").click()
@@ -518,7 +518,7 @@ def test_the_space_bar_stops_wherever_it_is_no_text(rules: RulesPage, robot: Rob
     rules.get("add-action").click()
     stops_by("Control+Space")
     expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped")
-    assert robot.newest["/drive_state"].stopped
+    robot.has_stopped()
     robot.release()
 
 

@@ -90,7 +90,7 @@ def test_a_viewer_watches_and_may_stop_but_neither_drive_nor_release(
 
     page.get("stop-button").click()
     expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped")
-    assert robot.newest["/drive_state"].stopped
+    robot.has_stopped()
     expect(page.get("stop-band")).to_contain_text("An operator can release it")
     assert page.get("release-button").count() == 0
     for path, body in (

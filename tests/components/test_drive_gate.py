@@ -160,6 +160,20 @@ def test_after_a_halt_of_somebody_else_the_robot_sets_out_from_rest() -> None:
     assert gate.judge(known(), 2.0).twist == pytest.approx((0.05, 0.0, 0.0))
 
 
+@pytest.mark.parametrize("wanted", [None, AHEAD])
+def test_a_gate_that_was_held_up_does_not_set_the_robot_in_motion_again(
+    wanted: Twist2D | None,
+) -> None:
+    gate = DriveGate(limits(velocity=SLUGGISH))
+    after(gate, known())
+    last = 19 * PERIOD
+    late = gate.judge(known(wanted), last + 0.2).twist
+    assert late is not None
+    assert late[0] > 0.1  # a turn that came late is a turn
+    held_up = gate.judge(known(wanted), last + 0.2 + 0.3).twist
+    assert held_up == (pytest.approx((0.05, 0.0, 0.0)) if wanted else STILL)
+
+
 def test_without_a_safety_stop_obstacles_do_not_count() -> None:
     gate = DriveGate(limits(safety_stop=False))
     for obstacles in (WALL, None):

@@ -139,6 +139,14 @@ class Tester(Client):
         request = ReleaseStop.Request(operator_name="tester")
         return self.call(ReleaseStop, "/drive_manager/release_stop", request)
 
+    def has_stopped(self, stopped: bool = True) -> None:
+        """Wait until the robot says that STOP is pressed, or that it is not.
+
+        Whoever pressed it may have the answer before the robot's word is here.
+        """
+        what = "STOP" if stopped else "no STOP"
+        self.wait_until(lambda: self.newest["/drive_state"].stopped == stopped, 5, what)
+
     # -- where it is --------------------------------------------------------------------------
 
     @property

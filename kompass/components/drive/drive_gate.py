@@ -22,6 +22,9 @@ TURNING = 0.1  # rad/s from which a command counts as a turn too
 KEEP_OUT, SPEED = "keep-out zone", "speed zone"  # what limits
 STEERED = "steered wheels"  # turn only while they drive
 SETTLE = 0.5  # s of zero commands after the last motion
+# s, and turns, after which a gate that was held up takes the robot to be at rest: somebody else has
+# halted it by then, or its base has.
+HELD_UP, TURNS_HELD_UP = 0.25, 3
 # m by which a car comes nearer than it is told to, until its wheels have turned to another curve.
 ROOM_TO_STEER = 0.05
 _NO_EDGES: NDArray[np.float64] = np.empty((0, 2))
@@ -135,6 +138,7 @@ class DriveGate:
 
     def __init__(self, limits: GateLimits) -> None:
         self._sent: Twist2D = STILL
+        self._judged = -math.inf
         self._moved = -math.inf
         self._direction: float | None = None  # of the last motion, in the robot's frame [rad]
         self.set_limits(limits)
@@ -165,6 +169,10 @@ class DriveGate:
         ValueError
             The wanted twist is not finite.
         """
+        if now - self._judged > max(HELD_UP, TURNS_HELD_UP * self._limits.period):
+            # What was sent last would be slowed down from, and set the robot in motion again.
+            self.halted()
+        self._judged = now
         given = self._steered(given)
         wanted = given.wanted
         factor, limited_by = self._allowed(given)

@@ -608,6 +608,7 @@ class DriveManager(Component):
             raise
 
     def _turn(self, now: float) -> None:
+        self._look_at_hand()  # who was held up may come here first
         wanted = self._wanted(now)
         seen = [(sensor, sensor.points(now, self.warn)) for sensor in self._sensors]
         blind = [sensor for sensor, points in seen if points is None]
