@@ -11,6 +11,7 @@ import pytest
 from kompass.components.drive.wheel import DEAD_MAN
 from tests.support.driver import Driver
 from tests.support.hand_page import HandPage
+from tests.support.hosts import two_hosts
 from tests.support.processes import held, wait_until
 from tests.support.stack import Stack
 
@@ -31,11 +32,16 @@ def robot(stack: Stack) -> Iterator[Driver]:
 def page(stack: Stack, robot: Driver) -> Iterator[HandPage]:
     """A page at the wheel of a robot that turns on the spot, where there is always room."""
     with HandPage(stack.url) as opened:
-        wait_until(lambda: is_free(robot), 15, "a free wheel")
-        opened.take()
-        opened.hold(omega=0.8)
-        wait_until(lambda: turning(robot) > 0.3, 10, "motion")
+        turn(opened, robot)
         yield opened
+
+
+def turn(page: HandPage, robot: Driver) -> None:
+    """The robot turns, by hand."""
+    wait_until(lambda: is_free(robot), 15, "a free wheel")
+    page.take()
+    page.hold(omega=0.8)
+    wait_until(lambda: turning(robot) > 0.3, 10, "motion")
 
 
 def is_free(robot: Driver) -> bool:
@@ -94,3 +100,19 @@ def test_it_stands_when_the_console_is_killed_and_nobody_has_the_wheel_then(
     os.kill(stack.pid_of("console"), signal.SIGKILL)
     stands_after_the_cut(robot)
     wait_until(lambda: is_free(robot), 15, "a free wheel")
+
+
+def test_it_stands_when_the_cable_is_pulled_out_and_does_not_catch_up_when_it_is_in_again() -> None:
+    with two_hosts() as (near, far), near.inside():
+        stack = Stack.simulated("--host", near.address)
+        with closing(stack), closing(Driver(stack.domain)) as robot:
+            robot.ready()
+            with far.inside():
+                opened = HandPage(stack.url)
+            with opened as page:
+                turn(page, robot)
+                far.plug(False)
+                stands_after_the_cut(robot)
+                page.fall_silent()
+                far.plug(True)
+                stands(robot)

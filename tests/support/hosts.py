@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import json
 import os
 import subprocess
 from collections.abc import Iterator
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
@@ -20,6 +22,24 @@ class Host(NamedTuple):
 
     namespace: str
     address: str
+
+    @contextlib.contextmanager
+    def inside(self) -> Iterator[None]:
+        """This thread is on this host, and so is what it starts meanwhile."""
+        libc = ctypes.CDLL(None, use_errno=True)
+        with (
+            Path("/proc/thread-self/ns/net").open() as here,
+            Path("/run/netns", self.namespace).open() as there,
+        ):
+            _enter(libc, there.fileno())
+            try:
+                yield
+            finally:
+                _enter(libc, here.fileno())
+
+    def plug(self, plugged: bool) -> None:
+        """Put the cable in, or pull it out."""
+        _ip("-n", self.namespace, "link", "set", "cable", "up" if plugged else "down")
 
     @property
     def enter(self) -> list[str]:
@@ -57,6 +77,12 @@ def two_hosts() -> Iterator[tuple[Host, Host]]:
         yield hosts
     finally:
         _remove(hosts)
+
+
+def _enter(libc: ctypes.CDLL, namespace: int) -> None:
+    if libc.setns(namespace, 0):
+        number = ctypes.get_errno()
+        raise OSError(number, os.strerror(number))
 
 
 def _ip(*arguments: str) -> str:
