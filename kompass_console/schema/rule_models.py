@@ -87,10 +87,10 @@ class ConflictAnswer(ErrorAnswer):
 class RefusedAnswer(ErrorAnswer):
     """The table has errors, or a guard rail forbids the change; nothing was applied.
 
-    `report` is null when the table could not be read at all.
+    `report` is null, or absent, where it is not the table that is wrong, or it could not be read.
     """
 
-    report: CheckReport | None
+    report: CheckReport | None = None
 
 
 class BacktestOptions(In):
