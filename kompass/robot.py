@@ -16,7 +16,7 @@ from pydantic import (
 )
 
 from kompass.porting import absent_names
-from kompass.settings import Settings, ignored_of
+from kompass.settings import Settings, ignored_of, notice_once
 
 # Wheels that steer by more than this would drive the robot across itself [rad].
 STEEPEST = 1.5
@@ -26,6 +26,9 @@ SLIGHTEST = 0.01
 LARGEST = 100.0  # m, any measure of its shape
 FASTEST = 100.0  # m/s, and rad/s
 HARDEST = 1e4  # m/s², and rad/s²
+# What hardly one has: it is told, for it is most likely a slip of units.
+UNLIKELY_RADIUS = 5.0  # m
+UNLIKELY_TURN = 6 * math.pi  # rad/s
 
 
 class RobotType(enum.StrEnum):
@@ -315,7 +318,21 @@ class RobotConfig(Settings):
                 f"body; give less than half of its length, {half:g} m"
             )
         self._check_drive()
+        self._judge_units()
         return self
+
+    def _judge_units(self) -> None:
+        if self.radius > UNLIKELY_RADIUS:
+            notice_once(
+                f"geometry_params = {self.geometry_params.tolist()}: the robot's radius is "
+                f"{self.radius:g} m; they are metres"
+            )
+        turn = self.ctrl_omega_limits.max_vel
+        if turn > UNLIKELY_TURN:
+            notice_once(
+                f"ctrl_omega_limits.max_vel = {turn:g} rad/s: that is {turn / math.tau:.0f} turns "
+                "in a second; it is in radians"
+            )
 
     def _check_drive(self) -> None:
         if self.model_type is RobotType.DIFFERENTIAL_DRIVE and self.ctrl_vy_limits.max_vel > 0:

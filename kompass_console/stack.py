@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import ipaddress
 import logging
 import os
@@ -24,6 +25,8 @@ from pydantic import ValidationError
 
 from kompass.launch.companions import add_companion
 from kompass.launch.environment import EnvironmentProblem
+from kompass.launch.processes import run_processes
+from kompass.launch.stack import Stack, stacks_go_to
 from kompass.printable import log_to_terminal
 from kompass.settings import value_text
 from kompass.supervisor.instance_lock import AlreadyRunning
@@ -342,14 +345,23 @@ def run_recipe(
     console.announce()
     sys.argv = [str(recipe)]
     sys.path.insert(0, str(recipe.resolve().parent))
+    brought_up: list[Stack] = []
+
+    def run(stack: Stack) -> None:
+        brought_up.append(stack)
+        run_processes(stack)
+
     try:
-        runpy.run_path(str(recipe), run_name="__main__")
+        with stacks_go_to(run):
+            runpy.run_path(str(recipe), run_name="__main__")
     except (AlreadyRunning, EnvironmentProblem, StartupError) as error:
         raise CliError(1, str(error)) from None
     except Exception as error:  # noqa: BLE001 - whatever a recipe raises is told in one line
         raise CliError(3, _where(recipe, error)) from None
     finally:
         console.socket.close()
+    if not brought_up:
+        raise CliError(3, f"{recipe}: it ended without a stack; call launcher.bringup() at its end")
 
 
 def _where(recipe: Path, error: Exception) -> str:
@@ -359,7 +371,7 @@ def _where(recipe: Path, error: Exception) -> str:
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if Path(frame.filename).resolve() == recipe.resolve()]
     line = f":{own[-1].lineno}" if own else ""
-    text = str(error)
+    text = f"{error}{_meant(error)}"
     if isinstance(error, ValidationError):
         text = "; ".join(
             f"{'.'.join(map(str, item['loc'])) or error.title}{value_text(item['input'])}: "
@@ -367,6 +379,15 @@ def _where(recipe: Path, error: Exception) -> str:
             for item in error.errors()
         )
     return f"{recipe}{line}: {type(error).__name__}: {' '.join(text.split())}"
+
+
+def _meant(error: Exception) -> str:
+    """The name that somebody meant who wrote one that an object, or a module, does not have."""
+    if not isinstance(error, AttributeError) or "did you mean" in str(error):
+        return ""
+    names = [name for name in dir(error.obj) if not name.startswith("_")]
+    close = difflib.get_close_matches(error.name or "", names, n=1)
+    return f"; did you mean '{close[0]}'?" if close else ""
 
 
 def _add_robot(world_name: str, faults: Sequence[str], robot: str | None) -> None:

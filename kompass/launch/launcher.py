@@ -4,7 +4,7 @@ import difflib
 import logging
 import math
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from kompass.components.base.component import Component
 from kompass.components.base.component_config import NO_ROBOT, ComponentConfig
 from kompass.components.base.config_file import check_path, sections_of_nobody
 from kompass.components.base.parameter import with_values
+from kompass.components.controller.controller import Controller
 from kompass.components.drive.drive_manager import DriveManager
 from kompass.components.planner.planner import Planner
 from kompass.invalid import first_invalid
@@ -41,6 +42,7 @@ from kompass.settings import ignored_of, notice_once
 from kompass.supervisor.liveness import LivenessLimits
 from kompass.zones.mask import Mask
 
+COMMAND_TOPIC = "control"  # of a controller to whom nobody said another one
 NAMESPACE = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*/?", re.ASCII)
 
 
@@ -482,10 +484,12 @@ class Launcher:
                 )
         for component in self._components:
             component.check_declaration()
+        self._check_topics()
         self._failure_policies.apply(self._components)
         log_to_terminal("kompass")
         stack = self._stack()
         self._judge_robot()
+        self._judge_commands()
         self._judge_files()
         taker(run_processes)(stack)
 
@@ -507,6 +511,32 @@ class Launcher:
         catalog = RecipeCatalog(self._components, rules)
         check_recipe(rules.table, catalog)
         return Monitored(rules, catalog)
+
+    def _check_topics(self) -> None:
+        """Raise where two components, or one, mean messages of different types by one topic."""
+        meant: dict[str, tuple[str, Topic]] = {}
+        for component in self._components:
+            for key, topic in _topics_of(component):
+                where, other = meant.setdefault(
+                    topic.name, (f"{component.node_name}: {key}", topic)
+                )
+                if other.ros_msg_type is not topic.ros_msg_type:
+                    raise ValueError(
+                        f"/{topic.name} is a {other.msg_type} for {where}, and a {topic.msg_type} "
+                        f"for {component.node_name}: {key}; give one of them another topic"
+                    )
+
+    def _judge_commands(self) -> None:
+        """Say that nobody takes the controllers' commands to the wheels."""
+        if any(isinstance(one, DriveManager) for one in self._components):
+            return
+        for one in self._components:
+            if isinstance(one, Controller) and (one.out_topic_name("command") == COMMAND_TOPIC):
+                logging.getLogger("kompass").warning(
+                    f"{one.node_name} publishes commands on /{COMMAND_TOPIC}, and the recipe has "
+                    "no DriveManager that takes them to the wheels; add one, unless another "
+                    "program does that"
+                )
 
     def _judge_robot(self) -> None:
         """Say which components will not become active, for want of a robot."""
@@ -638,6 +668,20 @@ def _mask(component: Component, masks: tuple[Mask, ...]) -> None:
     """Have a component keep to masks, if it looks at any."""
     if "masks" in type(component.config).model_fields:
         component.config.masks = masks
+
+
+def _topics_of(component: Component) -> Iterator[tuple[str, Topic]]:
+    """Keys and topics, of both directions."""
+    for keys, topic_of in (
+        (component.inputs_keys, component.get_in_topic),
+        (component.outputs_keys, component.get_out_topic),
+    ):
+        for key in keys:
+            found = topic_of(key)
+            if isinstance(found, Topic):
+                yield key, found
+            elif found is not None:
+                yield from ((key, topic) for topic in found)
 
 
 def _check_truth(name: str, value: Any) -> None:

@@ -311,3 +311,13 @@ def test_stanley_steers_the_bicycle_that_the_robot_is() -> None:
     assert make_follower(StanleyConfig(), car()).config.wheel_base == pytest.approx(0.6)
     assert make_follower(StanleyConfig(max_steer=0.3), car()).config.max_steer == 0.3
     assert make_follower(StanleyConfig(), described_robot()).config.wheel_base == 0.16
+
+
+def test_what_is_most_likely_a_slip_of_units_is_told(caplog: pytest.LogCaptureFixture) -> None:
+    described_robot()
+    assert not caplog.text
+    robot = described_robot()
+    robot.geometry_params = np.array([10.0, 30.0])
+    assert "the robot's radius is 10 m; they are metres" in caplog.text
+    robot.ctrl_omega_limits = AngularCtrlLimits(max_vel=90.0)
+    assert "90 rad/s: that is 14 turns in a second; it is in radians" in caplog.text

@@ -445,3 +445,20 @@ def test_waiting_for_who_can_never_become_active_is_refused() -> None:
     launcher.kompass([Planner(), LocalMapper()])
     with pytest.raises(ValueError, match=r"activation_timeout = 5: planner cannot become active"):
         launcher.bringup()
+
+
+def test_who_has_no_drive_manager_is_told_that_nobody_takes_the_commands(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    def told(*others: Any, **outputs: Any) -> bool:
+        caplog.clear()
+        controller = Controller()
+        controller.outputs(**outputs)
+        launcher = Launcher()
+        launcher.kompass([controller, *others])
+        stack_of(launcher)
+        return "the recipe has no DriveManager" in caplog.text
+
+    assert told()
+    assert not told(DriveManager())
+    assert not told(command=Topic(name="/cmd_vel", msg_type="Twist"))  # straight to the base

@@ -46,6 +46,15 @@ MISTAKES = {
         "planner.status_topic.msg.statuss == 1",
         r"ComponentStatus has no field 'statuss'; did you mean 'status'\?",
     ),
+    "a method that a launcher does not have": Mistake(
+        "launcher.bring_up()", r"object has no attribute 'bring_up'; did you mean 'bringup'\?"
+    ),
+    "one topic of two types": Mistake(
+        "planner.inputs(goal_point=[Topic(name='/to', msg_type='PoseStamped'), "
+        "Topic(name='/to', msg_type='PointStamped')])",
+        r"/to is a PoseStamped for planner: goal_point, and a PointStamped for planner: goal_point",
+        BRINGUP,
+    ),
     "a name that ROS does not take": Mistake(
         "Planner(component_name='pl\u00e4nner 2')",
         r"Planner: component_name = 'pl\u00e4nner 2' is no name of a ROS node; give letters",
@@ -179,6 +188,20 @@ for recipe in sys.argv[1:]:
 """
 
 
+def run(*recipes: Path) -> tuple[list[int], list[str]]:
+    """Exit codes and words of recipes."""
+    ran = subprocess.run(
+        [sys.executable, "-c", FORKER, *map(str, recipes)],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=True,
+    )
+    return [int(code) for code in ran.stdout.split()], [
+        Path(f"{recipe}.said").read_text() for recipe in recipes
+    ]
+
+
 @pytest.fixture(scope="module")
 def refused(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str]]:
     """The exit code and the words of each bad recipe."""
@@ -187,16 +210,7 @@ def refused(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, st
     for number, mistake in enumerate(MISTAKES.values()):
         recipes.append(folder / f"bad_{number}.py")
         recipes[-1].write_text(GOOD.replace("MISTAKE", mistake.text))
-    ran = subprocess.run(
-        [sys.executable, "-c", FORKER, *map(str, recipes)],
-        capture_output=True,
-        text=True,
-        timeout=100,
-        check=True,
-    )
-    codes = map(int, ran.stdout.split())
-    said = [Path(f"{recipe}.said").read_text() for recipe in recipes]
-    return dict(zip(MISTAKES, zip(codes, said, strict=True), strict=True))
+    return dict(zip(MISTAKES, zip(*run(*recipes), strict=True), strict=True))
 
 
 @pytest.mark.parametrize("name", MISTAKES)
@@ -208,3 +222,11 @@ def test_a_mistake_is_told_in_one_line(refused: dict[str, tuple[int, str]], name
     assert len(said) == 1, output
     assert re.search(rf"bad_\d+\.py:{mistake.line}: \w+: ", said[0]), said[0]
     assert re.search(mistake.said, said[0]), said[0]
+
+
+def test_a_recipe_that_brings_nothing_up_does_not_end_as_if_all_were_well(tmp_path: Path) -> None:
+    recipe = tmp_path / "no_bringup.py"
+    recipe.write_text(GOOD.replace("MISTAKE", "").replace("launcher.bringup()", ""))
+    (code,), (said,) = run(recipe)
+    assert code == 3, said
+    assert "no_bringup.py: it ended without a stack; call launcher.bringup() at its end" in said
