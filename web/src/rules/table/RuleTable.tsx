@@ -132,7 +132,7 @@ export function RuleTable() {
       {shown.length === 0 && removed.length === 0 && (
         <p className={page.empty}>
           {table.rules.length === 0
-            ? "There are no rules yet."
+            ? "There are no rules yet. A rule says what is done when something happens; Add rule begins with what people often want."
             : "No rule is like that. Clear the search, or look at all."}
         </p>
       )}
