@@ -42,7 +42,6 @@ from kompass.settings import ignored_of, notice_once
 from kompass.supervisor.liveness import LivenessLimits
 from kompass.zones.mask import Mask
 
-COMMAND_TOPIC = "control"  # of a controller to whom nobody said another one
 NAMESPACE = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*/?", re.ASCII)
 
 
@@ -530,10 +529,11 @@ class Launcher:
         """Say that nobody takes the controllers' commands to the wheels."""
         if any(isinstance(one, DriveManager) for one in self._components):
             return
+        (unsaid,) = Controller.default_outputs["command"]
         for one in self._components:
-            if isinstance(one, Controller) and (one.out_topic_name("command") == COMMAND_TOPIC):
+            if isinstance(one, Controller) and one.out_topic_name("command") == unsaid.name:
                 logging.getLogger("kompass").warning(
-                    f"{one.node_name} publishes commands on /{COMMAND_TOPIC}, and the recipe has "
+                    f"{one.node_name} publishes commands on /{unsaid.name}, and the recipe has "
                     "no DriveManager that takes them to the wheels; add one, unless another "
                     "program does that"
                 )
