@@ -73,8 +73,10 @@ class HandPage:
         elif request.type == "ask":
             self._ask()
         elif request.type == "give":
-            await self._give("given up")
+            hold = self._let_go("given up")
+            # Before the drive manager answers: who has asked may see a free wheel by then.
             self._console.control.gave_wheel(self._session)
+            await self._free(hold)
         else:
             await self._take(over=request.type == "take over")
 
@@ -156,12 +158,21 @@ class HandPage:
         self._tell()
 
     async def _give(self, why: str, message: str = "") -> None:
+        await self._free(self._let_go(why, message))
+
+    def _let_go(self, why: str, message: str = "") -> Hold | None:
+        """The page has the wheel no more; what the drive manager is to be told of, if it had."""
         hold = self._drop()
+        if hold is not None:
+            hold.drive(0.0, 0.0, 0.0)
+            self._console.audit.record(self._session, "give up the wheel", why)
+            self._tell(message)
+        return hold
+
+    async def _free(self, hold: Hold | None) -> None:
+        """Have the drive manager give the wheel to whoever comes next."""
         if hold is None:
             return
-        hold.drive(0.0, 0.0, 0.0)
-        self._console.audit.record(self._session, "give up the wheel", why)
-        self._tell(message)
         try:
             await self._console.link.wheel.give(hold, self._session.user)
         except NoAnswer as error:

@@ -34,14 +34,14 @@ def test_somebody_who_looks_elsewhere_is_told_that_the_robot_was_stopped(
     message = page.page.get_by_label("With a message, while I look elsewhere")
     message.click()
     expect(message).to_be_checked()  # once the browser has answered
-    page.page.wait_for_function("told.length === 1")  # how it will be
+    page.page.wait_for_function("() => told.length === 1")  # how it will be
     page.page.keyboard.press("Escape")
     page.page.reload()
 
     expect(page.get("pose")).to_contain_text("m/s")
     page.page.evaluate("() => { window.away = true; }")
     robot.stop()
-    page.page.wait_for_function("told.some((title) => title.includes('Stopped by tester'))")
+    page.page.wait_for_function("() => told.some((title) => title.includes('Stopped by tester'))")
     robot.release()
     expect(page.get("stop-band")).to_be_hidden()
 

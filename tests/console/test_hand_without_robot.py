@@ -9,7 +9,7 @@ import pytest
 from tests.console.conftest import Served, running_stack
 from tests.console.rules_client import until
 from tests.console.test_by_hand import Page, page
-from tests.support.processes import wait_until
+from tests.support.processes import held, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -27,6 +27,22 @@ def test_a_drive_manager_that_goes_takes_the_wheel_with_it_and_the_page_is_told(
         ava.answer(yours=False)
     outcomes = [line["outcome"] for line in console.audited() if line["what"] == "lose the wheel"]
     assert outcomes == ["the drive manager has gone"]
+
+
+def test_who_asked_for_the_wheel_has_control_before_the_drive_manager_has_answered(
+    console: Served,
+) -> None:
+    with running_stack() as stack, page(console, "ava") as ava, page(console, "ben") as ben:
+        until(ava.states, lambda m: m["type"] == "state" and m["drive"] and m["pose"], 20.0)
+        ava.take()
+        ben.say("ask")
+        assert ben.answer(message="ava has been asked.")
+        with held(stack.pid):
+            ava.say("give")
+            ava.answer(yours=False, message="")
+            ben.say("take")
+            told = ben.answer(yours=False)["message"]
+    assert told.startswith("You do not have the wheel: ")  # and not that ava has control
 
 
 def _lost(page: Page) -> bool:
