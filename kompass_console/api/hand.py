@@ -150,6 +150,13 @@ class HandPage:
             self._console.audit.record(self._session, deed, why, before=before)
             self._tell(f"You do not have the wheel: {why}.")
             return
+        try:
+            # Somebody may have taken control while the drive manager was asked.
+            self._console.control.require(self._session, deed, {"before": before})
+        except ConsoleError as error:
+            self._tell(f"{error.title} {error.remedy}")
+            await self._free(hold)
+            return
         self._console.audit.record(self._session, deed, "taken", before=before)
         self._hold, self._confirmed, self._moves = hold, False, False
         self._taken = self._heard = time.monotonic()

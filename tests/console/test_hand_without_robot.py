@@ -6,8 +6,9 @@ import json
 
 import pytest
 
+from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, running_stack
-from tests.console.rules_client import until
+from tests.console.rules_client import opened, until
 from tests.console.test_by_hand import Page, page
 from tests.support.processes import held, wait_until
 
@@ -33,8 +34,7 @@ def test_who_asked_for_the_wheel_has_control_before_the_drive_manager_has_answer
     console: Served,
 ) -> None:
     with running_stack() as stack, page(console, "ava") as ava, page(console, "ben") as ben:
-        until(ava.states, lambda m: m["type"] == "state" and m["drive"] and m["pose"], 20.0)
-        ava.take()
+        ava.take_when_free()  # of this drive manager, not of the one before
         ben.say("ask")
         assert ben.answer(message="ava has been asked.")
         with held(stack.pid):
@@ -43,6 +43,33 @@ def test_who_asked_for_the_wheel_has_control_before_the_drive_manager_has_answer
             ben.say("take")
             told = ben.answer(yours=False)["message"]
     assert told.startswith("You do not have the wheel: ")  # and not that ava has control
+
+
+def test_who_loses_control_while_the_drive_manager_is_asked_does_not_get_the_wheel(
+    console: Served,
+) -> None:
+    with (
+        running_stack() as stack,
+        page(console, "ava") as ava,
+        console.client(Role.ENGINEER, user="eve") as eve,
+        opened(console, "/api/state", eve),
+    ):
+        ava.take_when_free()
+        ava.say("give")
+        ava.robot(driver="")
+        for what in ("take", "give"):
+            assert eve.post(f"/api/control/{what}", json={"reason": "a look"}).status_code == 204
+        until(ava.states, lambda m: m["type"] == "state" and not m["control"]["holder"])
+        with held(stack.pid):
+            ava.say("take")
+            until(ava.states, lambda m: m["type"] == "state" and m["control"]["holder"] == "ava")
+            taken = eve.post("/api/control/take", json={"reason": "somebody stands there"})
+            assert taken.status_code == 204
+        answer = until(ava.socket, lambda m: m["yours"] or m["message"])
+        assert not answer["yours"]
+        assert "eve has control" in answer["message"]
+        ava.robot(driver="")
+        eve.post("/api/logout")
 
 
 def _lost(page: Page) -> bool:
