@@ -5,7 +5,6 @@ import { giveControl, keepControl } from "../api/controlClient";
 import { t } from "../texts/text";
 import { told } from "../texts/told";
 import { Band } from "../ui/Band";
-import { sentence } from "./controlText";
 import { TakeForm } from "./TakeForm";
 import { useControl } from "./useControl";
 
@@ -38,7 +37,7 @@ export function ControlBand() {
         <Band
           tone="notice"
           testId="control-lost"
-          title={t("{name} has taken control from you.", { name: sentence(lost.by) })}
+          title={t("{name} has taken control from you.", { name: lost.by })}
           action={
             <Button variant="default" size="md" onClick={() => setSeen(loss)}>
               {t("I know")}
@@ -61,7 +60,7 @@ function Asked({ by }: { by: string }) {
     <Band
       tone="notice"
       testId="control-asked"
-      title={t("{name} asks you for control.", { name: sentence(by) })}
+      title={t("{name} asks you for control.", { name: by })}
       action={
         <>
           <Button

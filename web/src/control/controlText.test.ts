@@ -48,6 +48,6 @@ describe("control of the robot", () => {
     const there = control({ holder: "ava", holder_key: "a2" });
     expect(controlView(there, AVA, 0).text).toBe("Another page (ava) has control");
     const asked = control({ holder: "ava", holder_key: "a1", asked_by: "ava", asked_key: "a2" });
-    expect(controlView(asked, AVA, 0).askedBy).toBe("another page (ava)");
+    expect(controlView(asked, AVA, 0).askedBy).toBe("Another page (ava)");
   });
 });

@@ -27,9 +27,7 @@ export function controlView(control: Control, session: Session, elapsed: number)
   const other = named(holder, session);
   return {
     whose: holder === "" ? "nobody" : mine ? "mine" : "other",
-    text: mine
-      ? t("You have control")
-      : t("{name} has control", { name: sentence(named(holder, session)) }),
+    text: mine ? t("You have control") : t("{name} has control", { name: other }),
     askedBy: mine && asked_by !== "" ? named(asked_by, session) : "",
     waits: asks && holder !== "" ? Math.max(0, ANSWER_S - asked - elapsed) : null,
     lost: lost ? { by: other, reason } : null,
@@ -40,10 +38,7 @@ export function controlView(control: Control, session: Session, elapsed: number)
 const own = (control: Control, session: Session) =>
   session.account && control.holder === session.user && control.holder_key !== session.key;
 
-/** Who that is. Where people log in with tokens, all of a role may have one name. */
+/** Who that is, as a sentence begins. Where people log in with tokens, all of a role may have one
+ * name. */
 const named = (name: string, session: Session) =>
-  name === session.user ? `${t("another page")} (${name})` : name;
-
-/** As a sentence begins; a person's name stays as it is written. */
-export const sentence = (name: string) =>
-  name.startsWith(t("another page")) ? name.charAt(0).toUpperCase() + name.slice(1) : name;
+  name === session.user ? t("Another page ({name})", { name }) : name;

@@ -210,7 +210,7 @@ export const DRIVE = {
   // Control
   "You have control": "Sie haben die Kontrolle",
   "{name} has control": "{name} hat die Kontrolle",
-  "another page": "eine andere Seite",
+  "Another page ({name})": "Eine andere Seite ({name})",
   "You drive this robot. Others look on, may ask you for it, and can always press STOP.":
     "Sie fahren diesen Roboter. Andere sehen zu, können Sie darum bitten und jederzeit STOPP drücken.",
   "Give control up": "Kontrolle abgeben",
