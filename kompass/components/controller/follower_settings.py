@@ -206,7 +206,6 @@ def make_follower(
     defaults
         Parameters for what the section leaves out.
     """
-    limits = velocity_limits(robot)
     if issubclass(settings.follower, StanleyLaw) and robot.turning_radius > 0:
         steer = robot.ctrl_omega_limits.max_steer
         wheel_base = robot.turning_radius * math.tan(steer)
@@ -224,12 +223,7 @@ def make_follower(
     follower: PathFollower[Any] = settings.follower(
         dataclasses.replace(params, **crawl),
         footprint=Footprint(robot.footprint),
-        max_v=limits.vx.max_vel,
-        max_omega=limits.omega.max_vel,
-        acc=limits.vx.max_acc,
-        decel=limits.vx.max_decel,
-        omega_acc=limits.omega.max_acc,
-        motion=motion_model(robot),
+        **_limits(robot),
     )
     return follower
 
@@ -238,14 +232,21 @@ def make_tracker(
     settings: FollowerSettings, robot: RobotConfig
 ) -> VisionRGBFollower | VisionRGBDFollower:
     """The vision algorithm of a section, set up for a robot."""
-    limits = velocity_limits(robot)
     tracker: VisionRGBFollower | VisionRGBDFollower = settings.follower(
         settings.params(),
-        max_v=limits.vx.max_vel,
-        max_omega=limits.omega.max_vel,
-        acc=limits.vx.max_acc,
-        decel=limits.vx.max_decel,
-        omega_acc=limits.omega.max_acc,
-        motion=motion_model(robot),
+        **_limits(robot),
     )
     return tracker
+
+
+def _limits(robot: RobotConfig) -> dict[str, Any]:
+    """What the robot's axes can do and how it moves, as followers take it."""
+    limits = velocity_limits(robot)
+    return {
+        "max_v": limits.vx.max_vel,
+        "max_omega": limits.omega.max_vel,
+        "acc": limits.vx.max_acc,
+        "decel": limits.vx.max_decel,
+        "omega_acc": limits.omega.max_acc,
+        "motion": motion_model(robot),
+    }
