@@ -109,10 +109,16 @@ class Control:
 
     def gave_wheel(self, session: LoginSession) -> None:
         """Whoever gave the wheel up gives control to who asks for it."""
-        with self._lock:
-            lease = self._looked_at(self._now())
-        if lease.ask is not None and is_mine(lease, _person(session)):
-            self.give(session)
+
+        def give(lease: Lease, person: Person, now: float) -> Lease:
+            asked_for = lease.ask is not None and is_mine(lease, person)
+            return given(lease, person) if asked_for else lease
+
+        before, after = self._change(session, give)
+        if after.holder != before.holder:
+            self._audit.record(
+                session, "give control", "done", before=_holder(before), after=_holder(after)
+            )
 
     def left(self, session: LoginSession) -> None:
         """A log-in has ended."""
