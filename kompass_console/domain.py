@@ -152,6 +152,8 @@ def where() -> str:
     from kompass.rclpy_ext.middleware import PEERS, PROFILES, RANGE, SUBNET_PROFILE, is_ours, peers
 
     domain = f"ROS domain {os.environ.get('ROS_DOMAIN_ID') or '0'}"
+    if on_this_machine_only():
+        return f"{domain}, on this machine only"
     profiles = os.environ.get(PROFILES, "")
     reach = os.environ.get(RANGE, "").upper()
     if profiles and not is_ours(profiles):
@@ -161,9 +163,18 @@ def where() -> str:
             return f"{domain}, on no network ({RANGE}=OFF)"
         more = f" and {PEERS}={os.environ[PEERS]}" if peers() else ""
         return f"{domain}, on the whole subnet{more}"
-    if named := peers():
-        return f"{domain}, on this machine and {', '.join(named)}"
-    return f"{domain}, on this machine only"
+    return f"{domain}, on this machine and {', '.join(peers())}"
+
+
+def on_this_machine_only() -> bool:
+    """Whether this process meets nobody of another machine over ROS."""
+    from kompass.rclpy_ext.middleware import PROFILES, RANGE, SUBNET_PROFILE, is_ours, peers
+
+    profiles = os.environ.get(PROFILES, "")
+    if (profiles and not is_ours(profiles)) or peers():
+        return False
+    reach = os.environ.get(RANGE, "").upper()
+    return reach == "LOCALHOST" or profiles not in {"", str(SUBNET_PROFILE)}
 
 
 def look_elsewhere() -> str:

@@ -35,8 +35,12 @@ from kompass.simulation.faults.fault_names import FaultOrder
 from kompass.simulation.physics.robot_model import TURTLEBOT3, RobotModel
 from kompass.simulation.simulator import Simulator
 from kompass.simulation.worlds.world import World as Place
-from kompass.store import MissionStore, PlaceStore, RuleStore, TimelineStore, ZoneStore
+from kompass.store.mission_store import MissionStore
+from kompass.store.place_store import PlaceStore
 from kompass.store.robot_key import robot_key
+from kompass.store.store import RuleStore
+from kompass.store.timeline_store import TimelineStore
+from kompass.store.zone_store import ZoneStore
 from kompass.supervisor.desired_state import DesiredState
 from kompass.supervisor.news import ProcessNews
 from kompass.supervisor.oversight import Life, Oversight

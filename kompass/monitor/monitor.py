@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Future
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from builtin_interfaces.msg import Time
 
@@ -23,6 +24,7 @@ from kompass.monitor.inputs.rule_inputs import RuleInputs
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.introspection.graph import Graph
 from kompass.monitor.live_engine import LiveEngine
+from kompass.monitor.local_socket import LocalAnswer
 from kompass.monitor.missions.missions import Missions
 from kompass.monitor.places import Places
 from kompass.monitor.recording import FlightRecording
@@ -51,7 +53,11 @@ from kompass.recipe.table import RecipeRules
 from kompass.rulebook.permissions import Permissions
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Table, table_hash
-from kompass.store import MissionStore, PlaceStore, RuleStore, TimelineStore, ZoneStore
+from kompass.store.mission_store import MissionStore
+from kompass.store.place_store import PlaceStore
+from kompass.store.store import RuleStore
+from kompass.store.timeline_store import TimelineStore
+from kompass.store.zone_store import ZoneStore
 from kompass.supervisor.news import ProcessNews
 from kompass.timeline.entry import RevisionLink
 from kompass.timeline.happening import Happened
@@ -62,6 +68,7 @@ RATE_PERIOD = 2.0  # s between two measurements of how fast messages come
 JOURNAL_PERIOD = 1.0  # s between looks at whether firings can be written down
 SUPERVISOR_PERIOD = 0.5  # s between looks at whether the supervisor shows life
 STORE_PERIOD = 5.0  # s between tries to write on a disk that was full at the start
+STATE_LIMIT = 5.0  # s for the states of all rules to be made
 PROBATION_PERIOD = 0.2  # s between looks at the end of a probation
 
 
@@ -190,7 +197,7 @@ class Monitor:
             changed=lambda gone: main.post(partial(in_force_changed, gone)),
             clock=node.clock.monotonic,
         )
-        state = RulesStatePublisher(node, loop, engine.extras, active, stamp, timers)
+        self._state = state = RulesStatePublisher(node, loop, engine.extras, active, stamp, timers)
 
         def in_force_changed(gone: frozenset[str]) -> None:
             alarms.end_those_of(gone)
@@ -276,6 +283,25 @@ class Monitor:
         link = RevisionLink(number=revision)
         now = self._clock.wall()
         self._timeline.add(Happened(now, "edit", title, reason, who=by, link=link))
+
+    def look(self, service: str, fields: Mapping[str, Any]) -> LocalAnswer:
+        """Answer who asks on this machine, not over ROS; on a thread of the caller's.
+
+        Parameters
+        ----------
+        service, fields
+            A service that only looks, and its request; or ``rules_state``, which is a topic.
+
+        Raises
+        ------
+        Exception
+            What cannot be answered, as a sentence.
+        """
+        if service != "rules_state":
+            return self._services.look(service, fields)
+        told: Future[str] = Future()
+        self._main.call(partial(self._state.told_next, told))
+        return LocalAnswer(True, "", told.result(timeout=STATE_LIMIT))
 
     def component_answered(self, packet: bytes) -> None:
         """Take what a component sent over its channel."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import socket
 import sys
@@ -20,6 +21,7 @@ from kompass.channel.life import own_life
 from kompass.channel.packet import send_packet
 from kompass.monitor.incoming import incoming
 from kompass.monitor.introspection.catalog import RecipeCatalog
+from kompass.monitor.local_socket import LocalSocket
 from kompass.monitor.monitor import Memory, Monitor
 from kompass.monitor.recording import FlightRecording
 from kompass.monitor.settings import MonitorSettings
@@ -27,7 +29,12 @@ from kompass.monitor.start import start_from_store
 from kompass.rclpy_ext.executor import MIDDLEWARE_ERRORS, TaskExecutor
 from kompass.rclpy_ext.node import PlainNode
 from kompass.recipe.table import RecipeRules
-from kompass.store import MissionStore, PlaceStore, TimelineStore, ZoneStore, robot_folder
+from kompass.store.errors import StoreError
+from kompass.store.mission_store import MissionStore
+from kompass.store.paths import robot_folder
+from kompass.store.place_store import PlaceStore
+from kompass.store.timeline_store import TimelineStore
+from kompass.store.zone_store import ZoneStore
 from kompass.supervisor.heartbeat import send_heartbeat
 from kompass.supervisor.process import Report
 from kompass.supervisor.usage import UsageMeter
@@ -105,6 +112,7 @@ def run_monitor(
     # What is there now stays; the collector need not look through it while messages come.
     gc.collect()
     gc.freeze()
+    local = _local_socket(node, monitor)
     report(f"active {NAME}")
     try:
         while not ended.is_set():
@@ -115,10 +123,23 @@ def run_monitor(
             store.end_session()
     finally:
         monitor.close()
+        if local is not None:
+            local.close()
         if store is not None:
             store.close()
         node.destroy_node()
         rclpy.shutdown()
+
+
+def _local_socket(node: Node, monitor: Monitor) -> LocalSocket | None:
+    """Where the command line may ask; None where there can be none, and it asks over ROS."""
+    domain = int(os.environ.get("ROS_DOMAIN_ID") or 0)
+    name = f"{node.get_namespace().rstrip('/')}/{NAME}"
+    try:
+        return LocalSocket(domain, name, monitor.look)
+    except (OSError, StoreError) as error:
+        node.get_logger().warning(f"the command line has to ask over ROS, which is slower: {error}")
+        return None
 
 
 def _spin_once(node: Node, executor: TaskExecutor) -> None:

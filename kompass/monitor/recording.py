@@ -7,7 +7,7 @@ from typing import Any, Protocol
 from kompass.access.gatekeeper import Gatekeeper
 from kompass.bus.node import Executor, Node
 from kompass.rulebook.schema.journal import FiringRecord
-from kompass.store import RuleStore
+from kompass.store.store import RuleStore
 
 
 class EventLog(Protocol):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Future
 
 from builtin_interfaces.msg import Time
 from kompass_interfaces.msg import RulesState
@@ -59,6 +60,7 @@ class RulesStatePublisher:
         self._again = False
         self._timers = timers
         self._busy = False
+        self._wanted: list[Future[str]] = []  # by who asked for the states of now
         timers.every(PERIOD, self._look)
 
     def changed(self) -> None:
@@ -69,6 +71,16 @@ class RulesStatePublisher:
         self._busy = True
         self._made, self._revision = [], self._loop.revision
         self._timers.after(SOON, self._go_on)
+
+    def told_next(self, future: Future[str]) -> None:
+        """Give a future the states (a JSON list) as soon as they are made anew, beginning now."""
+        self._wanted.append(future)
+        if self._busy:
+            self._again = True
+            return
+        self._busy = True
+        self._made, self._revision = [], self._loop.revision
+        self._go_on()
 
     def _look(self) -> None:
         if not self._busy and self._publisher.get_subscription_count():
@@ -98,6 +110,10 @@ class RulesStatePublisher:
 
     def _publish(self) -> None:
         now = self._active.in_force
+        rules = f"[{','.join(self._made)}]"
+        for future in self._wanted:
+            future.set_result(rules)
+        self._wanted = []
         self._publisher.publish(
             RulesState(
                 stamp=self._stamp(),
@@ -105,6 +121,6 @@ class RulesStatePublisher:
                 confirmed=now.confirmed,
                 probation_left=self._active.probation_left,
                 notice=now.notice,
-                rules=f"[{','.join(self._made)}]",
+                rules=rules,
             )
         )

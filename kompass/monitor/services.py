@@ -22,6 +22,7 @@ from kompass_interfaces.srv import (
 
 from kompass.access.gatekeeper import Gatekeeper, NotAdmitted
 from kompass.bus.node import Node
+from kompass.monitor.local_socket import LocalAnswer
 from kompass.monitor.tables.table_manager import TableManager
 from kompass.monitor.tables.types import ChangeAnswer, Who
 from kompass.monitor.worker_thread import WorkerThread
@@ -109,6 +110,13 @@ class Services:
         self._gatekeeper = gatekeeper
         self._tables, self._hear, self._sources = tables, hear, sources
         self._lookups = WorkerThread(node, "lookups")
+        # What may be asked without ROS, for it only looks; see `look`.
+        self._looks: dict[str, tuple[Any, Callable[..., Any], WorkerThread]] = {
+            "get_rules": (GetRules, self._get, worker),
+            "get_history": (GetHistory, self._history, worker),
+            "explain_rule": (ExplainRule, self._explain, self._lookups),
+            "get_firings": (GetFirings, self._firings, self._lookups),
+        }
         offers: list[tuple[Any, str, Callable[..., Any], WorkerThread]] = [
             (GetRules, "get_rules", self._get, worker),
             (ApplyRules, "apply_rules", self._apply, worker),
@@ -129,6 +137,21 @@ class Services:
         service = f"{node.get_name()}/check_rules"
         checked = self._checked(service, main, worker)
         create_deferred_service(node, CheckRules, service, checked, _failed)
+
+    def look(self, service: str, fields: Mapping[str, Any]) -> LocalAnswer:
+        """Answer who asks on this machine, not over ROS; any thread but those that answer.
+
+        Raises
+        ------
+        Exception
+            What cannot be answered, as a sentence.
+        """
+        if service not in self._looks:
+            raise ValueError(f"{service} is not answered here, but over ROS only")
+        kind, answer, by = self._looks[service]
+        request = kind.Request(**fields)
+        response = by.submit(partial(answer, request, kind.Response())).result()
+        return LocalAnswer(response.success, response.message, response.answer)
 
     def close(self) -> None:
         """Look nothing up any more; what is under way ends first."""

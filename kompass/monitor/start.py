@@ -14,7 +14,9 @@ from kompass.rulebook.guard import forbidden
 from kompass.rulebook.permissions import Permissions
 from kompass.rulebook.schema.table_view import Merge
 from kompass.rules.schema.table import Table, rule_hash
-from kompass.store import RuleStore, StoreError, robot_folder
+from kompass.store.errors import StoreError
+from kompass.store.paths import robot_folder
+from kompass.store.store import RuleStore
 
 log = logging.getLogger("kompass.monitor")
 

@@ -15,7 +15,6 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.responses import Response
 
-from kompass_console import __version__
 from kompass_console.api import (
     audit,
     backtests,
@@ -58,6 +57,7 @@ from kompass_console.schema.rule_models import (
     ProbeRequest,
     RulesLive,
 )
+from kompass_console.version import VERSION
 from kompass_console.web.body_limit import BodyLimit
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
@@ -102,7 +102,7 @@ def create_app(console: Console | None) -> FastAPI:
 
     app = FastAPI(
         title="Kompass Console",
-        version=__version__,
+        version=VERSION,
         docs_url=None,
         redoc_url=None,
         openapi_url=None,

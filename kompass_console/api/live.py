@@ -5,10 +5,10 @@ from __future__ import annotations
 from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
 
-from kompass_console import __version__
 from kompass_console.api.access import console_of, info_of
 from kompass_console.api.sockets import Pace, admitted, telling, texts
 from kompass_console.schema.models import Hello, Ping, Pong
+from kompass_console.version import VERSION
 from kompass_console.web.rules_feed import RulesListener
 from kompass_console.web.state_feed import StateListener
 
@@ -25,7 +25,7 @@ async def state(websocket: WebSocket) -> None:
         if session is None:
             return
         await websocket.accept()
-        hello = Hello(session=info_of(session), version=__version__)
+        hello = Hello(session=info_of(session), version=VERSION)
         with console_of(websocket).feed.listen() as listener:
             async with telling(_push_state(websocket, hello, listener)):
                 async for text in texts(websocket, Pace(*_PINGS)):

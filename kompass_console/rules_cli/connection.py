@@ -18,32 +18,21 @@ from kompass.rclpy_ext.node import PlainNode
 from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass_console.cli_error import CliError
 from kompass_console.domain import look_elsewhere, where
+from kompass_console.rules_cli.robot_refused import REFUSED, RobotRefused
 
 # The client brings all that can be said of rules: it is imported while the monitor is looked for,
 # which takes as long.
 if TYPE_CHECKING:
     from kompass.backtest.report import BacktestReport
     from kompass.monitor.client import Json, TableState
-    from kompass.rulebook.schema.report import CheckReport, Conflict
     from kompass.rulebook.schema.status import RuleStatus
 
 SEARCH = 5.0  # s for a monitor to be found
 SETTLE = 0.3  # s for a second one to be found too
 SPIN = 0.02  # s
-REFUSED = 1  # exit codes, as the help tells them
-CONFLICT = 4
+CONFLICT = 4  # exit code, as the help tells it
 
 T = TypeVar("T")
-
-
-class RobotRefused(CliError):
-    """The robot did not do it; ``body`` says why in full."""
-
-    def __init__(
-        self, text: str, body: CheckReport | Conflict | None = None, code: int = REFUSED
-    ) -> None:
-        super().__init__(code, text)
-        self.body = body
 
 
 class MonitorConnection:

@@ -123,7 +123,7 @@ def edit(
 
 def _kept(problem: CliError, path: Path) -> tuple[Any, ...]:
     """Arguments of the same problem that also says where the text is: nothing typed is lost."""
-    from kompass_console.rules_cli.connection import RobotRefused
+    from kompass_console.rules_cli.robot_refused import RobotRefused
 
     text = f"{problem}; what you wrote is in {path}"
     if isinstance(problem, RobotRefused):

@@ -65,7 +65,7 @@ def hand_in(
         When nobody agreed.
     """
     from kompass_console.rules_cli import printing
-    from kompass_console.rules_cli.connection import RobotRefused
+    from kompass_console.rules_cli.robot_refused import RobotRefused
 
     text = table.model_dump_json()
     report = client.get(client.monitor.check(text, ROLE))
@@ -111,7 +111,7 @@ def or_say_why_not(
         When it was not made.
     """
     from kompass_console.rules_cli import printing
-    from kompass_console.rules_cli.connection import RobotRefused
+    from kompass_console.rules_cli.robot_refused import RobotRefused
 
     try:
         return client.wait(change()).report.parsed()

@@ -15,7 +15,7 @@ from kompass_console.rules_cli.options import ROLE, RobotOptions, command
 # ROS is imported when a command runs: help answers at once.
 if TYPE_CHECKING:
     from kompass.rulebook.schema.explanation import ExplanationView
-    from kompass_console.rules_cli.connection import MonitorConnection
+    from kompass_console.rules_cli.looking import Looking
 
 FOLLOW_PERIOD = 0.5  # s between two looks at the journal
 PAGE = 200  # entries that a look goes back
@@ -40,12 +40,12 @@ def add_to(app: typer.Typer) -> None:
 
 def show(robot: RobotOptions, revision: RevisionOption = 0) -> None:
     """Show the rules, and how each is doing."""
+    with robot.look() as robot_says:
+        view = robot_says.table(revision)
+        current = view.revision == view.active
+        statuses = robot_says.statuses(view.revision) if current and not robot.json else {}
     from kompass_console.rules_cli import printing
 
-    with robot.connect() as client:
-        view = client.get(client.monitor.table(revision))
-        current = view.revision == view.active
-        statuses = client.statuses(view.revision) if current and not robot.json else {}
     robot.tell(view, lambda: printing.show_table(view, statuses))
 
 
@@ -55,7 +55,7 @@ def check(
 ) -> None:
     """Say what is wrong with a table, and what applying it would do; changes nothing."""
     from kompass_console.rules_cli import printing
-    from kompass_console.rules_cli.connection import RobotRefused
+    from kompass_console.rules_cli.robot_refused import RobotRefused
     from kompass_console.rules_cli.table_file import TableFile
 
     source = TableFile(file)
@@ -81,8 +81,8 @@ def history(
     """List the revisions, newest first: who, when, why, and what changed."""
     from kompass_console.rules_cli import printing
 
-    with robot.connect() as client:
-        answer = client.get(client.monitor.history(before, count))
+    with robot.look() as robot_says:
+        answer = robot_says.history(before, count)
     robot.tell(answer, lambda: printing.show_history(answer))
 
 
@@ -96,9 +96,8 @@ def diff(
     """Show what differs between two revisions."""
     from kompass_console.rules_cli import printing
 
-    with robot.connect() as client:
-        after = after or client.get(client.monitor.table()).active
-        answer = client.get(client.monitor.diff(before, after))
+    with robot.look() as robot_says:
+        answer = robot_says.diff(before, after)
     title = f"from revision {answer.before} to {answer.after}"
     robot.tell(answer, lambda: printing.show_diff(answer, title=title))
 
@@ -130,8 +129,8 @@ def explain(
         return
     if at is not None:
         raise CliError(2, f"--at {at:g}: the past is in a --recording; give one")
-    with robot.connect() as client:
-        answer = client.get(client.monitor.explain(rule, run, epoch))
+    with robot.look() as robot_says:
+        answer = robot_says.explain(rule, run, epoch)
     robot.tell(answer, lambda: printing.show_explanation(answer))
 
 
@@ -160,21 +159,21 @@ def firings(
     """List what fired, newest first, and what came of it."""
     from kompass_console.rules_cli import printing
 
-    with robot.connect() as client:
+    with robot.look() as robot_says:
         if follow:
-            _follow(robot, client, rule, count)
-        answer = client.get(client.monitor.firings(before, count, rule))
+            _follow(robot, robot_says, rule, count)
+        answer = robot_says.firings(before, count, rule)
     robot.tell(answer, lambda: printing.show_firings(answer))
 
 
-def _follow(robot: RobotOptions, client: MonitorConnection, rule: str, count: int) -> NoReturn:
+def _follow(robot: RobotOptions, robot_says: Looking, rule: str, count: int) -> NoReturn:
     """Print entries as they come, oldest first, and once more when their actions have ended."""
     from kompass_console.rules_cli import printing
 
     told: dict[int, float | None] = {}
     while True:
         wanted = max(count, PAGE) if told else count
-        journal = client.get(client.monitor.firings(0, wanted, rule))
+        journal = robot_says.firings(0, wanted, rule)
         for entry in reversed(journal.firings):
             if entry.number in told and told[entry.number] == entry.ended:
                 continue
@@ -202,8 +201,8 @@ def export(
     """Write the rules as JSON or YAML to edit and apply, or as Python for a recipe."""
     from kompass.recipe.export import export as as_text
 
-    with robot.connect() as client:
-        view = client.get(client.monitor.table(revision))
+    with robot.look() as robot_says:
+        view = robot_says.table(revision)
     if merge and view.merge is None:
         raise CliError(1, "no edits wait to be merged")
     table = view.merge.table if merge and view.merge is not None else view.table

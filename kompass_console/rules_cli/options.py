@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import getpass
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -17,6 +18,7 @@ from kompass_console.domain import Network, RobotKey, choose_domain, choose_key
 if TYPE_CHECKING:
     from kompass.rules.schema.model import Model
     from kompass_console.rules_cli.connection import MonitorConnection
+    from kompass_console.rules_cli.looking import Looking
 
 ROLE = "engineer"  # whoever has the robot's key is one
 DomainId = Annotated[
@@ -66,6 +68,26 @@ class RobotOptions(NamedTuple):
         from kompass_console.rules_cli.connection import MonitorConnection
 
         return MonitorConnection(self.namespace, self.timeout)
+
+    @contextmanager
+    def look(self) -> Iterator[Looking]:
+        """Find its monitor, to ask what changes nothing: on this machine without ROS.
+
+        Raises
+        ------
+        CliError
+            When there is none.
+        """
+        from kompass_console.rules_cli.looking import LookingHere, LookingOverRos, monitor_here
+
+        choose_domain(self.domain_id, self.network)
+        choose_key(self.robot_key)
+        here = monitor_here(self.namespace)
+        if here is not None:
+            yield LookingHere(here, self.timeout)
+            return
+        with self.connect() as connection:
+            yield LookingOverRos(connection)
 
     def tell(self, answer: Model, show: Callable[[], None]) -> None:
         """Print an answer as JSON, or as ``show`` does."""

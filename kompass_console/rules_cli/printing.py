@@ -45,10 +45,13 @@ _MARKS = {"same": ("●", "dim"), "new": ("+", "green"), "gone": ("−", "red")}
 
 
 def console(*, error: bool = False) -> Console:
-    """Where to print; colours only on a terminal, and wide enough for whoever reads a pipe."""
+    """Where to print; colours only on a terminal, and wide enough for whoever reads a pipe.
+
+    What is printed is printed as it is: people write brackets and colons in reasons and names.
+    """
     stream = sys.stderr if error else sys.stdout
     width = None if stream.isatty() else PIPE_WIDTH
-    return Console(file=stream, width=width, highlight=False)
+    return Console(file=stream, width=width, highlight=False, markup=False, emoji=False)
 
 
 def show_table(view: TableView, statuses: Mapping[str, RuleStatus]) -> None:
@@ -56,12 +59,10 @@ def show_table(view: TableView, statuses: Mapping[str, RuleStatus]) -> None:
     out = console()
     out.print(_headline(view))
     for line in view.notice.splitlines():
-        out.print(f"[yellow]▲[/] {line}")
+        out.print(_marked("▲", "yellow", line))
     if view.merge is not None:
-        out.print(
-            f"[yellow]▲[/] edits of revision {view.merge.revision} wait to be merged "
-            "(rules export --merge)"
-        )
+        waiting = f"edits of revision {view.merge.revision} wait to be merged"
+        out.print(_marked("▲", "yellow", f"{waiting} (rules export --merge)"))
         for line in view.merge.conflicts:
             out.print(f"    {line}")
     grid = TextTable(box=None, pad_edge=False, header_style="bold")
@@ -163,18 +164,17 @@ def show_effect(effect: Effect, *, done: bool) -> None:
 def show_applied(report: ApplyReport) -> None:
     """A table went into force, and how to keep it or to go back."""
     out = console()
-    out.print(
-        f"[green]●[/] revision {report.revision} is in force (before: {report.previous}); "
+    said = (
+        f"revision {report.revision} is in force (before: {report.previous}); "
         f"the engine paused for {report.pause * 1e3:.2f} ms"
     )
+    out.print(_marked("●", "green", said))
     show_effect(report.effect, done=True)
     if report.probation:
-        out.print(
-            f"[yellow]▲[/] it is taken back in {seconds(report.probation)} unless it is "
-            "confirmed:\n"
-            f"  keep it:      kompass-console rules confirm {report.revision}\n"
-            "  take it back: kompass-console rules rollback"
-        )
+        left = f"it is taken back in {seconds(report.probation)} unless it is confirmed:"
+        out.print(_marked("▲", "yellow", left))
+        out.print(f"  keep it:      kompass-console rules confirm {report.revision}")
+        out.print("  take it back: kompass-console rules rollback")
     else:
         out.print("  it stays; to go back: kompass-console rules rollback")
 
@@ -182,11 +182,12 @@ def show_applied(report: ApplyReport) -> None:
 def show_conflict(conflict: Conflict) -> None:
     """Somebody else was faster."""
     out = console()
-    out.print(
-        f"[red]■[/] revision {conflict.revision} ({conflict.author}, {moment(conflict.time)}: "
+    said = (
+        f"revision {conflict.revision} ({conflict.author}, {moment(conflict.time)}: "
         f"{conflict.reason or 'no reason given'}) is in force; yours began from "
         f"{conflict.expected}. Nothing was applied."
     )
+    out.print(_marked("■", "red", said))
     show_diff(conflict.theirs, title="what they changed")
     show_diff(conflict.yours, title="what you changed")
     if conflict.both:
@@ -198,7 +199,7 @@ def show_explanation(view: ExplanationView, *, was: bool = False) -> None:
     """Why a rule fires, or not; ``was`` when that is not now."""
     out = console()
     when = f"at {moment(view.time)}" if view.firing or was else "now"
-    out.print(f"[bold]{view.rule_id}[/] {when} (revision {view.revision})")
+    out.print(Text.assemble((view.rule_id, "bold"), f" {when} (revision {view.revision})"))
     out.print(Text(f"  {view.text}"))
     out.print(Text(f"  condition: {view.condition}"))
     _leaves(out, view.leaves, "was" if view.firing or was else "now")
@@ -258,10 +259,9 @@ def show_backtest(report: BacktestReport) -> None:
         f"{report.messages} messages over {seconds(length)}, {moment(report.start)} to "
         f"{moment(report.end)}, replayed in {seconds(report.seconds)}"
     )
-    out.print(
-        f"[dim]●[/] {report.same} firings the same   [green]+[/] {report.new} new   "
-        f"[red]−[/] {report.gone} gone"
-    )
+    counts = (("same", f"{report.same} firings the same"), ("new", f"{report.new} new"))
+    marked = [_marked(*_MARKS[verdict], f"{text}   ") for verdict, text in counts]
+    out.print(Text.assemble(*marked, _marked(*_MARKS["gone"], f"{report.gone} gone")))
     for topic in report.missing_topics:
         out.print(Text(f"▲ the recording does not hold {topic}: not judged", "yellow"))
     for firing in report.firings:
@@ -286,17 +286,23 @@ def moment(time_: float) -> str:
 # -- pieces ---------------------------------------------------------------------------------------
 
 
-def _headline(view: TableView) -> str:
+def _marked(shape: str, colour: str, text: str) -> Text:
+    """A line that begins with a coloured shape."""
+    return Text.assemble((shape, colour), f" {text}")
+
+
+def _headline(view: TableView) -> Text:
+    robot = (view.robot, "bold")
     if view.revision != view.active:
-        return f"[bold]{view.robot}[/] revision {view.revision} (in force: {view.active})"
+        return Text.assemble(robot, f" revision {view.revision} (in force: {view.active})")
     if view.probation_left:
-        state = f"[yellow]▲ on probation, {seconds(view.probation_left)} left[/]"
+        state = (f"▲ on probation, {seconds(view.probation_left)} left", "yellow")
     elif view.revision == view.confirmed:
-        state = "[green]✓ confirmed[/]"
+        state = ("✓ confirmed", "green")
     else:
-        state = "not confirmed"
-    safe = "  [yellow]▲ safe mode[/]" if view.safe_mode else ""
-    return f"[bold]{view.robot}[/] revision {view.revision}  {state}{safe}"
+        state = ("not confirmed", "default")
+    said = Text.assemble(robot, f" revision {view.revision}  ", state)
+    return said.append("  ▲ safe mode", "yellow") if view.safe_mode else said
 
 
 def _state(status: RuleStatus) -> str:

@@ -11,7 +11,7 @@ import time
 
 import h11
 
-from kompass_console import __version__
+from kompass_console.version import VERSION
 from kompass_console.webhooks.settings import Webhook, may_be_told
 
 TIMEOUT = 10.0  # s for all of it: the name, the connection, TLS, the answer
@@ -80,7 +80,7 @@ async def _ask(hook: Webhook, body: bytes) -> int:
         timestamp = str(int(time.time()))
         headers = [
             ("Host", parts.netloc),
-            ("User-Agent", f"kompass-console/{__version__}"),
+            ("User-Agent", f"kompass-console/{VERSION}"),
             ("Content-Type", "application/json"),
             ("Content-Length", str(len(body))),
             ("Connection", "close"),

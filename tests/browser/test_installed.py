@@ -117,7 +117,7 @@ def test_a_page_that_outlives_its_console_says_that_there_is_another_one(
         page.goto(f"{own.origin}/#token={TOKENS[Role.OPERATOR]}")
         expect(page.get_by_test_id("scene-frame")).to_be_visible()
         expect(page.get_by_test_id("update-band")).to_be_hidden()
-    monkeypatch.setattr(live, "__version__", "99.0")
+    monkeypatch.setattr(live, "VERSION", "99.0")
     with serving(tmp_path / "audit", domain, port=port):
         band = page.get_by_test_id("update-band")
         expect(band).to_contain_text("The console is 99.0 now", timeout=30_000)

@@ -37,14 +37,12 @@ from kompass.rules.schema.conditions import Absent, Compare
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.signals import Signal
 from kompass.rules.schema.table import Rule, Table
-from kompass.store import (
-    MissionStore,
-    PlaceStore,
-    RuleStore,
-    StoreUnwritable,
-    TimelineStore,
-    ZoneStore,
-)
+from kompass.store.errors import StoreUnwritable
+from kompass.store.mission_store import MissionStore
+from kompass.store.place_store import PlaceStore
+from kompass.store.store import RuleStore
+from kompass.store.timeline_store import TimelineStore
+from kompass.store.zone_store import ZoneStore
 
 NEAR = Rule(
     id="near",

@@ -46,8 +46,8 @@ import sys
 from kompass_console import cli
 from kompass_console.rules_cli.options import RobotOptions
 class Looking(Exception): pass
-def connect(robot): raise Looking
-RobotOptions.connect = connect
+def look(robot): raise Looking
+RobotOptions.connect = RobotOptions.look = look
 sys.argv = {["kompass-console", *words]!r}
 try:
     cli.main()
@@ -66,6 +66,12 @@ def test_showing_rules_brings_neither_server_nor_scene_nor_physics() -> None:
 @pytest.mark.parametrize("unneeded", [OF_ROS, OF_OTHERS], ids=["ROS", "what other commands need"])
 def test_a_command_is_understood_without_what_it_does_not_need(unneeded: set[str]) -> None:
     assert loaded(run("rules", "firings")) & unneeded == set()
+
+
+def test_rules_of_this_machine_are_shown_without_ros_and_numbers() -> None:
+    shown = f"{run('rules', 'show')}\nimport kompass_console.rules_cli.looking"
+    everything = f"{shown}\nimport kompass_console.rules_cli.printing"
+    assert loaded(everything) & (HEAVY | OF_ROS | {"numpy"}) == set()
 
 
 def test_the_search_for_the_robot_begins_before_rules_are_known() -> None:

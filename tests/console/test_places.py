@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from nav_msgs.msg import OccupancyGrid
 
-from kompass.store import PlaceStore
+from kompass.store.place_store import PlaceStore
 from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, running, running_stack, serving
 from tests.console.fake_stack import ORIGIN, RESOLUTION, world_map

@@ -188,6 +188,81 @@ def test_an_edit_goes_all_the_way(run: Run, stack: Stack, edited: Path, folder: 
     assert (folder / "data").is_dir()
 
 
+@pytest.fixture
+def robot_key_of_the_tests() -> str:
+    return os.environ["KOMPASS_ROBOT_KEY"]
+
+
+@pytest.fixture
+def here(
+    stack: Stack, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Run:
+    """Run a command as the robot's owner on the robot's machine; ROS is not asked."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(stack.domain))
+    monkeypatch.setenv("KOMPASS_DATA_DIR", str(folder / "data"))
+    monkeypatch.delenv("KOMPASS_ROBOT_KEY", raising=False)
+
+    def connect(_: RobotOptions) -> None:
+        raise AssertionError("ROS was asked")
+
+    monkeypatch.setattr(RobotOptions, "connect", connect)
+    return lambda *arguments: in_this_process(capsys, *arguments)
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("show", "--json"),
+        ("history", "--json"),
+        ("diff", "1"),
+        ("firings", "--json"),
+        ("export",),
+        ("export", "--revision", "1"),
+        ("diff", "1", "77"),
+        ("show", "--revision", "77"),
+        ("explain", "bright"),
+    ],
+    ids=" ".join,
+)
+def test_on_its_own_machine_a_robot_answers_without_ros_as_it_does_over_ros(
+    stack: Stack, folder: Path, command: tuple[str, ...], request: pytest.FixtureRequest
+) -> None:
+    over_ros = request.getfixturevalue("run")(*command)
+    assert request.getfixturevalue("here")(*command) == over_ros
+
+
+@pytest.mark.ros
+def test_states_and_reasons_are_told_without_ros_too(here: Run) -> None:
+    shown = here("show").out
+    assert "desk lamp revision" in shown
+    assert any(state in shown for state in ("● ", "◌ ", "○ "))
+    assert "dark.data" in here("explain", "dark").out
+
+
+@pytest.mark.ros
+def test_who_names_a_key_or_another_robot_is_answered_over_ros(
+    robot_key_of_the_tests: str, here: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(AssertionError, match="ROS was asked"):
+        here("show", "--namespace", "elsewhere")
+    with monkeypatch.context() as patch:
+        patch.setenv("KOMPASS_ROBOT_KEY", robot_key_of_the_tests)
+        with pytest.raises(AssertionError, match="ROS was asked"):
+            here("show")
+
+
+@pytest.mark.ros
+def test_brackets_and_colons_of_people_are_printed_as_they_wrote_them(run: Run) -> None:
+    reason = "as [bold]Ava[/] said :warning: [/nowhere]"
+    off = ("--yes", "--probation", "off")
+    assert run("disable", "dark", "-m", reason, "--author", "[red]Bo", *off).code == 0
+    told = run("history").out
+    assert reason in told
+    assert "[red]Bo (engineer)" in told
+    assert run("enable", "dark", *off).code == 0
+
+
 @pytest.mark.ros
 def test_a_rule_is_switched_off_and_changed_without_a_file(run: Run) -> None:
     off = ("--yes", "--probation", "off")

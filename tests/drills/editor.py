@@ -21,8 +21,8 @@ from kompass.access.signer import Signer
 from kompass.rclpy_ext.qos import LATCHED_PROFILE
 from kompass.rclpy_ext.reply import Reply
 from kompass.rules.schema.table import Table
-from kompass.store import RuleStore
 from kompass.store.robot_key import known_keys
+from kompass.store.store import RuleStore
 from kompass.virtual.node import VirtualNode
 from tests.drills.probes import BEAT, HELD
 

@@ -49,7 +49,7 @@ from kompass.simulation.faults.fault_names import FAULTS, NEEDS_CAMERA
 from kompass.simulation.faults.fault_parameters import PARAMETERS
 from kompass.simulation.faults.fault_service import SERVICE as SET_FAULT
 from kompass.simulation.worlds.registry import world
-from kompass.store import RuleStore
+from kompass.store.store import RuleStore
 from kompass.supervisor.news import ProcessNews
 from kompass.virtual.executor import VirtualExecutor
 from kompass.virtual.network import Conditions

@@ -25,7 +25,8 @@ from kompass.rules.engine.migration import plan_migration, swap
 from kompass.rules.engine.step import initial_state
 from kompass.rules.schema.table import Table, table_hash
 from kompass.rules.schema.values import Verdict
-from kompass.store import RuleStore, StoreUnwritable
+from kompass.store.errors import StoreUnwritable
+from kompass.store.store import RuleStore
 from tests.support.disk import Databases
 from tests.support.rules import compare, rule
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from kompass.store import StoreUnwritable
+from kompass.store.errors import StoreUnwritable
 from tests.store.tables import BY, Robot, edited
 
 folder, ended = Path(sys.argv[1]), sys.argv[2]

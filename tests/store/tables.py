@@ -8,7 +8,8 @@ import pytest
 from kompass.rulebook.schema.journal import FiringRecord
 from kompass.rules.schema.actions import Log
 from kompass.rules.schema.table import Table
-from kompass.store import Boot, RuleStore
+from kompass.store.boot import Boot
+from kompass.store.store import RuleStore
 from tests.rules.building import received, rule
 
 RECIPE = Table(rules=(rule(received("click"), "click", source="recipe"),))

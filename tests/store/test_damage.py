@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from kompass.rules.schema.table import Table
-from kompass.store import RuleStore, StoreBusy, StoreCorrupt, StoreTooNew, StoreUnwritable
 from kompass.store.backup import read_backup
+from kompass.store.errors import StoreBusy, StoreCorrupt, StoreTooNew, StoreUnwritable
+from kompass.store.store import RuleStore
 from tests.rules.building import received, rule
 from tests.store.tables import BY, RECIPE, Robot, edited, entry
 from tests.support.disk import Databases

@@ -7,9 +7,9 @@ from contextlib import closing
 import pytest
 
 from kompass.rulebook.schema.journal import ActionRecord
-from kompass.store import JournalBounds, RuleStore
 from kompass.store import store as rule_store
-from kompass.store.journal import LARGEST
+from kompass.store.journal import LARGEST, JournalBounds
+from kompass.store.store import RuleStore
 from tests.store.tables import Robot, entry
 from tests.support.disk import Databases
 from tests.support.patience import patient

@@ -10,15 +10,9 @@ import pytest
 from kompass.missions.change import DeleteMission, EditMission, RestoreMission, SaveMission
 from kompass.missions.mission import MOST_MISSIONS, Wait
 from kompass.missions.queue import MissionState, Queued
-from kompass.store import (
-    EntryRefused,
-    MissionStore,
-    NoSuchEntry,
-    StaleEntry,
-    StoreBusy,
-    StoreCorrupt,
-    mission_store,
-)
+from kompass.store import mission_store
+from kompass.store.errors import EntryRefused, NoSuchEntry, StaleEntry, StoreBusy, StoreCorrupt
+from kompass.store.mission_store import MissionStore
 from tests.missions.missions import fresh, plan
 
 

@@ -17,17 +17,11 @@ import pytest
 
 from kompass.places.change import DeletePlace, EditPlace, RestorePlace, SavePlace
 from kompass.places.place import MOST_PLACES, MapIdentity, Place, PlacePose
-from kompass.store import (
-    EntryRefused,
-    NoSuchEntry,
-    PlaceStore,
-    RuleStore,
-    StaleEntry,
-    StoreBusy,
-    StoreError,
-)
 from kompass.store import place_store as module
+from kompass.store.errors import EntryRefused, NoSuchEntry, StaleEntry, StoreBusy, StoreError
+from kompass.store.place_store import PlaceStore
 from kompass.store.schema import PLACES, PLACES_ID
+from kompass.store.store import RuleStore
 from tests.support.properties import few_or_many
 
 HERE = MapIdentity(id="0" * 32, label="4.0 × 3.0 m")

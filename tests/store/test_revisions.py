@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from kompass.rules.schema.table import Table
-from kompass.store import NoSuchRevision, RuleStore, StaleRevision, StoreClosed
+from kompass.store.errors import NoSuchRevision, StaleRevision, StoreClosed
+from kompass.store.store import RuleStore
 from tests.rules.building import received, rule
 from tests.store.tables import BY, RECIPE, Robot, edited
 
@@ -139,7 +140,7 @@ def test_a_closed_store_says_so(tmp_path: Path) -> None:
 
 
 def test_names_of_robots_make_folders_that_differ() -> None:
-    from kompass.store import safe_name
+    from kompass.store.paths import safe_name
 
     assert safe_name("tb3-hexagon") == "tb3-hexagon"
     names = [
@@ -172,6 +173,6 @@ def test_names_of_robots_make_folders_that_differ() -> None:
     ],
 )
 def test_the_folder_of_a_robot(environment: dict[str, str], folder: str) -> None:
-    from kompass.store import robot_folder
+    from kompass.store.paths import robot_folder
 
     assert robot_folder({**environment, "KOMPASS_ROBOT_NAME": "r2"}) == Path(folder)

@@ -17,7 +17,7 @@ from hypothesis.stateful import (
 )
 
 from kompass.rules.schema.table import Table
-from kompass.store import StaleRevision
+from kompass.store.errors import StaleRevision
 from tests.rules.strategies import tables
 from tests.store.tables import BY, RECIPE, Robot
 from tests.support.properties import few_or_many

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from kompass.invalid import first_invalid
-from kompass.store import EntryRefused, NoSuchEntry, StaleEntry, ZoneStore
+from kompass.store.errors import EntryRefused, NoSuchEntry, StaleEntry
+from kompass.store.zone_store import ZoneStore
 from kompass.zones.change import DeleteZone, EditZone, RestoreZone, SaveZone
 from kompass.zones.zone import ZonePlan, area
 from tests.zones.zones import MAP, SQUARE, plan

@@ -21,7 +21,7 @@ from kompass.recorder.replay.explain import BEGAN, DRIVE
 from kompass.recorder.streams import EVENTS, Stream, event_json, message_stream
 from kompass.recorder.topics import SampledTopic
 from kompass.rulebook.schema.journal import FiringRecord
-from kompass.store import RuleStore
+from kompass.store.store import RuleStore
 from kompass.virtual.network import Writer
 from kompass.virtual.scheduler import Scheduler
 from kompass.virtual.wire import Packet

@@ -10,7 +10,8 @@ from kompass.rulebook.schema.explanation import ExplanationView
 from kompass.rulebook.schema.journal import FiringRecord, Journal
 from kompass.rulebook.views.views import Extras, explanation_view, firing_view
 from kompass.rules.schema.table import Rule, Table
-from kompass.store import RuleStore, StoreError
+from kompass.store.errors import StoreError
+from kompass.store.store import RuleStore
 
 NEAR_MISSES = 10
 

@@ -17,7 +17,7 @@ from kompass.monitor.reporting.entries import ActionOutcome, RunEntry
 from kompass.rclpy_ext.topic import QoSConfig
 from kompass.rulebook.schema.journal import ActionRecord, FiringRecord
 from kompass.rules.schema.table import Rule
-from kompass.store import RuleStore
+from kompass.store.store import RuleStore
 from kompass.timeline.entry import FiringLink, Level
 from kompass.timeline.happening import Happened, Happening
 

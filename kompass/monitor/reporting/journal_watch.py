@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from kompass.monitor.reporting.alarms import Alarms
-from kompass.store import RuleStore
+from kompass.store.store import RuleStore
 
 ALARM = "journal-not-kept"
 

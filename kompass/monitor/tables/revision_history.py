@@ -10,7 +10,8 @@ from kompass.rulebook.schema.diff_models import TableDiff
 from kompass.rulebook.schema.report import Conflict
 from kompass.rulebook.schema.revision import Revision
 from kompass.rules.schema.table import Table
-from kompass.store import NoSuchRevision, RuleStore, StoreError
+from kompass.store.errors import NoSuchRevision, StoreError
+from kompass.store.store import RuleStore
 
 
 class RevisionHistory:

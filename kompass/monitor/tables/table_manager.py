@@ -22,7 +22,8 @@ from kompass.rulebook.views.views import effect_of
 from kompass.rules.checks.catalog import Catalog
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Table
-from kompass.store import NoSuchRevision, RuleStore, StoreError
+from kompass.store.errors import NoSuchRevision, StoreError
+from kompass.store.store import RuleStore
 
 LONGEST_PROBATION = 86_400.0  # s
 

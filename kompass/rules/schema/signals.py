@@ -2,13 +2,16 @@
 
 from collections.abc import Callable
 from operator import attrgetter, itemgetter
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field
 
 from kompass.rules.schema.model import Model, PositiveSeconds, TopicName, TypeName
 from kompass.rules.schema.values import MISSING, finite_numbers, of_field
+
+# Imported where messages are read: the command line, which only shows rules, is to begin at once.
+if TYPE_CHECKING:
+    import numpy as np
 
 Aggregate = Literal["min", "max", "mean", "len", "any", "all"]
 FieldName = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")]
@@ -101,6 +104,8 @@ def _finite(value: Any) -> "np.ndarray[Any, np.dtype[np.float64]] | None":
     """Return the finite values of an array-like, or None if it is not one."""
     if isinstance(value, (str, int, float)) or not hasattr(value, "__len__"):
         return None
+    import numpy as np
+
     if type(value) is list:
         value = of_field(value)  # of bytes, which NumPy would take for digits
     try:
