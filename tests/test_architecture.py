@@ -62,7 +62,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("controller", "drive", "mapping", "motion", "planner"),
     ),
     "kompass_console": (
-        ("control",),
+        ("control", "version"),
         ("audit", "cli_error", "private_file", "progress", "recordings", "schema"),
         ("accounts", "domain", "drills", "webhooks"),
         ("settings",),
