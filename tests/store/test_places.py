@@ -31,7 +31,7 @@ WRITER = """
 import sys
 from pathlib import Path
 from tests.store.test_places import save
-from kompass.store import PlaceStore
+from kompass.store.place_store import PlaceStore
 with PlaceStore.open(Path(sys.argv[1])) as store:
     for number in range(int(sys.argv[2]), 10_000):
         print(save(f"place {number}").name, end="", flush=False)
