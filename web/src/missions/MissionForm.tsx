@@ -1,10 +1,11 @@
 import { Button, Chip, TextInput } from "@mantine/core";
 import { IconArrowDown, IconArrowUp, IconTrash } from "@tabler/icons-react";
-import { type FormEvent, useId, useState } from "react";
+import { type FormEvent, useEffect, useId, useRef, useState } from "react";
 import type { ApiError } from "../api/errors";
 import type { Mission, MissionSave, Place, Waypoint } from "../api/types";
 import { weekdayText } from "../texts/dates";
 import { type Phrase, t } from "../texts/text";
+import { broughtIntoView } from "../ui/broughtIntoView";
 import { Choice } from "../ui/controls/Choice";
 import { IconButton } from "../ui/controls/IconButton";
 import { NumberField } from "../ui/controls/NumberField";
@@ -39,6 +40,12 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
   const [asked, setAsked] = useState(false);
   const [again, setAgain] = useState(draft.rounds !== 1);
   const atId = useId();
+  const next = useRef<HTMLDivElement>(null);
+  const count = draft.waypoints.length;
+  // A place that is added pushes it down; where one goes on is to stay in sight.
+  useEffect(() => {
+    if (count > 0) broughtIntoView(next.current);
+  }, [count]);
   const change = (part: Partial<MissionSave>) => setDraft({ ...draft, ...part });
   const wrong = missionProblem(draft, places);
   const { waypoints, schedule } = draft;
@@ -59,6 +66,7 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
   };
   return (
     <form
+      ref={broughtIntoView}
       className={classes.form}
       onSubmit={submit}
       aria-label={mission === null ? t("New mission") : t("Change {name}", { name: mission.name })}
@@ -120,14 +128,16 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
           </li>
         ))}
       </ol>
-      <Picker
-        aria-label={t("Add a place")}
-        placeholder={waypoints.length === 0 ? t("Choose the first place") : t("And then to …")}
-        data={options}
-        nothingFoundMessage={t("No place is called like that")}
-        onPick={(id) => change({ waypoints: [...waypoints, { place: Number(id), tasks: [] }] })}
-        data-testid="add-waypoint"
-      />
+      <div ref={next}>
+        <Picker
+          aria-label={t("Add a place")}
+          placeholder={waypoints.length === 0 ? t("Choose the first place") : t("And then to …")}
+          data={options}
+          nothingFoundMessage={t("No place is called like that")}
+          onPick={(id) => change({ waypoints: [...waypoints, { place: Number(id), tasks: [] }] })}
+          data-testid="add-waypoint"
+        />
+      </div>
       <Toggle
         on={again}
         label={t("Again and again")}

@@ -2,6 +2,7 @@ import { Button, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
 import type { ApiError } from "../api/errors";
 import { t } from "../texts/text";
+import { broughtIntoView } from "../ui/broughtIntoView";
 import { Problem } from "../ui/Problem";
 import page from "../ui/page.module.css";
 import classes from "./Places.module.css";
@@ -39,7 +40,13 @@ export function PlaceForm(props: Props) {
     onCancel();
   };
   return (
-    <form className={classes.form} onSubmit={submit} aria-label={title} noValidate>
+    <form
+      ref={broughtIntoView}
+      className={classes.form}
+      onSubmit={submit}
+      aria-label={title}
+      noValidate
+    >
       <TextInput
         label={t("Name")}
         value={name}

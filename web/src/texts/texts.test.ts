@@ -119,7 +119,11 @@ test("what the robot says is put into words where the page knows them, and else 
   const known = "The goal (1.20, -0.50) is inside an obstacle.";
   expect([told(known), langOf(known)]).toEqual([known, undefined]);
   language.choose("de");
-  expect(told(known)).toBe("Das Ziel (1.20, -0.50) liegt in einem Hindernis.");
+  expect(told(known)).toBe("Das Ziel (1,20 | −0,50) liegt in einem Hindernis.");
+  expect(told("No path from (1.20, -0.50) to (3.00, 4.00) was found.")).toBe(
+    "Kein Weg von (1,20 | −0,50) nach (3,00 | 4,00) gefunden.",
+  );
+  expect(told("Place saved: 2.5")).toBe("Ort gespeichert: 2.5");
   expect(langOf(known)).toBeUndefined();
   expect(told("Place saved: Mission")).toBe("Ort gespeichert: Mission");
   expect(told("Mission saved: Round")).toBe("Auftrag gespeichert: Round");

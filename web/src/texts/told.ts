@@ -25,11 +25,21 @@ function matcher(text: string): RegExp {
   return new RegExp(`^${parts.join("")}$`, "s");
 }
 
-/** What somebody called something stays as it is called; what is said inside of it is said in German. */
+/** Parts that people give names to: they stay as they are, also where one is "2.5". */
+const GIVEN = new Set(["name", "place", "reason", "topic", "frame", "scene", "parts"]);
+/** A figure, or a point on the floor. */
+const FIGURES = /^-?\d+(\.\d+)?(, -?\d+(\.\d+)?)?$/;
+
+/**
+ * What somebody called something stays as it is called; what is said inside of it is said in German,
+ * and figures are written as there.
+ */
 function filled(german: string, found: Record<string, string>): string {
   return german.replace(/\{(\w+)\}/g, (_, name) => {
     const part = found[name] ?? "";
-    return name === "what" || name === "why" ? (germanOf(part) ?? part) : part;
+    if (name === "what" || name === "why") return germanOf(part) ?? part;
+    if (GIVEN.has(name) || !FIGURES.test(part)) return part;
+    return part.replace(", ", " | ").replaceAll(".", ",").replaceAll("-", "−");
   });
 }
 

@@ -7,6 +7,7 @@ import { nameProblem } from "../places/placeText";
 import { t } from "../texts/text";
 import { told } from "../texts/told";
 import { fieldText, speedUnit, typed as typedIn, units } from "../texts/units";
+import { broughtIntoView } from "../ui/broughtIntoView";
 import { Problem } from "../ui/Problem";
 import type { ZoneTool } from "./useZoneTool";
 import classes from "./Zones.module.css";
@@ -138,6 +139,7 @@ function ZoneForm({ tool, typing, onDraw }: FormProps) {
   };
   return (
     <form
+      ref={broughtIntoView}
       className={classes.card}
       onSubmit={submit}
       aria-label={zone === null ? t("New zone") : t("Change {name}", { name: zone.name })}

@@ -44,7 +44,7 @@ export const LISTS = {
   "The robot could not be sent here now:":
     "Hierher könnte der Roboter jetzt nicht geschickt werden:",
   "The nearest point that it can get to is ({x}, {y}).":
-    "Der nächste Punkt, den er erreicht, ist ({x}, {y}).",
+    "Der nächste Punkt, den er erreicht, ist ({x} | {y}).",
   "{n, plural, one {# place} other {# places}} of other maps":
     "{n, plural, one {# Ort} other {# Orte}} anderer Karten",
   "Places of other maps": "Orte anderer Karten",

@@ -94,11 +94,11 @@ export const SAID: Readonly<Record<string, string>> = {
     "Kein Planer antwortet. Prüfen Sie, ob das Programm des Roboters läuft.",
   "Nobody listens for goals. Check that the robot's program is running.":
     "Niemand nimmt Ziele an. Prüfen Sie, ob das Programm des Roboters läuft.",
-  "The goal ({x}, {y}) is outside the map.": "Das Ziel ({x}, {y}) liegt außerhalb der Karte.",
-  "The goal ({x}, {y}) is inside an obstacle.": "Das Ziel ({x}, {y}) liegt in einem Hindernis.",
-  "The goal ({x}, {y}) is in unexplored space.": "Das Ziel ({x}, {y}) liegt im Unerkundeten.",
+  "The goal ({x}, {y}) is outside the map.": "Das Ziel ({x} | {y}) liegt außerhalb der Karte.",
+  "The goal ({x}, {y}) is inside an obstacle.": "Das Ziel ({x} | {y}) liegt in einem Hindernis.",
+  "The goal ({x}, {y}) is in unexplored space.": "Das Ziel ({x} | {y}) liegt im Unerkundeten.",
   "The goal ({x}, {y}) is {clearance} m from an obstacle; the robot needs {required} m.":
-    "Das Ziel ({x}, {y}) ist {clearance} m von einem Hindernis entfernt; der Roboter braucht {required} m.",
+    "Das Ziel ({x} | {y}) ist {clearance} m von einem Hindernis entfernt; der Roboter braucht {required} m.",
   "No way leads from ({from}) to the goal ({to}) for a robot that needs {required} m on every side.":
     "Kein Weg führt von ({from}) zum Ziel ({to}) für einen Roboter, der auf jeder Seite {required} m braucht.",
   "The robot at ({at}) is outside the map.": "Der Roboter bei ({at}) ist außerhalb der Karte.",
@@ -217,7 +217,7 @@ export const SAID: Readonly<Record<string, string>> = {
   "Mission {name} waits for a person": "Auftrag {name} wartet auf jemanden",
   "Mission {name} paused": "Auftrag {name} pausiert",
   "Mission {name}": "Auftrag {name}",
-  "Goal {x}, {y}": "Ziel {x}, {y}",
+  "Goal {x}, {y}": "Ziel {x} | {y}",
   "Revision {number} confirmed": "Revision {number} bestätigt",
   "Revision {number} in force": "Revision {number} in Kraft",
   Place: "Ort",
