@@ -104,7 +104,10 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
 ) -> None:
     before = rules.revision
     rules.get("rule-add").click()
-    rules.get("rule-name").fill("Too near: stop")
+    # Typed at once, it is its name, and no letter of it a shortcut of the page.
+    expect(rules.get("rule-name")).to_be_focused()
+    rules.page.page.keyboard.type("Too near: stop")
+    expect(rules.get("rule-name")).to_have_value("Too near: stop")
     condition = rules.get("event.condition")
     rules.choose(condition.get_by_test_id("add-condition"), re.compile("Nearest obstacle"))
     condition.get_by_test_id("literal").fill("0.3")

@@ -97,7 +97,8 @@ function Form({ rule, readOnly }: { rule: Rule; readOnly: boolean }) {
               placeholder="What it is for, in a few words"
               size="sm"
               value={rule.name}
-              data-autofocus
+              // What is typed next is its name, and no shortcuts of the page.
+              autoFocus={isNew && rule.name === ""}
               data-testid="rule-name"
               onChange={(event) => put({ ...rule, name: event.currentTarget.value })}
               onBlur={named}
