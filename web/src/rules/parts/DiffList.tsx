@@ -1,7 +1,11 @@
 import { useState } from "react";
-import type { RuleChange } from "../../api/ruleTypes";
+import type { Rule, RuleChange } from "../../api/ruleTypes";
 import page from "../../ui/page.module.css";
+import { ruleLines } from "../model/ruleLines";
+import { useNames } from "../model/useNames";
+import { secondsText } from "../model/words";
 import classes from "./DiffList.module.css";
+import { InWords } from "./InWords";
 
 const KIND_WORDS: Record<RuleChange["kind"], string> = {
   added: "new",
@@ -10,19 +14,29 @@ const KIND_WORDS: Record<RuleChange["kind"], string> = {
   moved: "moved",
 };
 
+interface Props {
+  changes: readonly RuleChange[];
+  /** The rules of both tables, where they are at hand: new and deleted ones are then told in full. */
+  rules?: readonly Rule[];
+}
+
 /** What differs, rule by rule; each opens to its fields. */
-export function DiffList({ changes }: { changes: readonly RuleChange[] }) {
+export function DiffList({ changes, rules = [] }: Props) {
   if (changes.length === 0) return <p className={page.muted}>No difference.</p>;
   return (
     <ul className={classes.diff} data-testid="diff">
       {changes.map((change) => (
-        <Change key={`${change.rule_id} ${change.kind}`} change={change} />
+        <Change
+          key={`${change.rule_id} ${change.kind}`}
+          change={change}
+          rule={rules.find(({ id }) => id === change.rule_id)}
+        />
       ))}
     </ul>
   );
 }
 
-function Change({ change }: { change: RuleChange }) {
+function Change({ change, rule }: { change: RuleChange; rule: Rule | undefined }) {
   const [open, setOpen] = useState(false);
   return (
     <li>
@@ -33,7 +47,9 @@ function Change({ change }: { change: RuleChange }) {
         <strong>{change.name || change.rule_id}</strong>
         {!change.semantic && <span className={page.muted}>does the same as before</span>}
       </div>
-      <p className={classes.summary}>{change.summary}</p>
+      <p className={classes.summary}>
+        <Summary change={change} rule={rule} />
+      </p>
       {change.fields.length > 0 && (
         <>
           <button
@@ -68,6 +84,17 @@ function Change({ change }: { change: RuleChange }) {
       )}
     </li>
   );
+}
+
+function Summary({ change, rule }: { change: RuleChange; rule: Rule | undefined }) {
+  const names = useNames();
+  const isWhole = change.kind === "added" || change.kind === "removed";
+  if (!isWhole || rule === undefined) return change.summary;
+  const { plain: told } = ruleLines(rule, names);
+  const hold = rule.event.hold > 0 ? ` for ${secondsText(rule.event.hold)}` : "";
+  // The robot begins with "new:", which stands before it already.
+  const expert = change.summary.replace(/^\w+: /, "");
+  return <InWords plain={`when ${told.when}${hold}, then ${told.does}`} expert={expert} />;
 }
 
 function plain(value: unknown): string {

@@ -39,7 +39,7 @@ export function Applied({ report }: { report: ApplyReport }) {
         {(report.pause * 1000).toFixed(2)} ms. {prospect(now)}
       </p>
       <EffectView effect={report.effect} names={names} done />
-      <DiffList changes={report.diff.changes} />
+      <DiffList changes={report.diff.changes} rules={view?.table.rules ?? []} />
       <div className={page.line}>
         <Button
           variant="default"

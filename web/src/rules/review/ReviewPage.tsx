@@ -100,7 +100,10 @@ function Review({ draft, onApplied }: Props) {
     <>
       {report !== null && <TrueNow report={report} />}
       <section className={page.section} aria-label="Changes">
-        <DiffList changes={report?.diff.changes ?? handle.changes} />
+        <DiffList
+          changes={report?.diff.changes ?? handle.changes}
+          rules={[...draft.table.rules, ...draft.baseTable.rules]}
+        />
         {report !== null && <EffectView effect={report.effect} names={names} />}
         {report === null && check.error === null && errors.length === 0 && (
           <p className={page.muted}>Asking the robot what it makes of it…</p>
