@@ -143,7 +143,8 @@ export function DrillPanel({ table, ready }: Props) {
         testId="drill-problem"
       />
       <FindingList findings={refused} />
-      {drill !== null && error === null && (
+      {/* What the one before has shown is not to be taken for an answer to what is asked now. */}
+      {drill !== null && error === null && !starting && (
         <>
           {others && (
             <p className={page.note} data-testid="drill-others">
