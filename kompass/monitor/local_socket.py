@@ -21,6 +21,7 @@ from kompass.store.paths import data_dir, robot_folder
 
 PATIENCE = 1.0  # s for whoever asks to write
 READING = 5.0  # s for whoever asks to read: it may be loading what it prints with
+ENDING = 0.5  # s for the answer under way: a robot that goes down waits for nobody who reads slowly
 MOST = 64_000  # characters of a question
 _NAME = re.compile(r"monitor\.(\d+)\.([\w.]+)\.sock")
 
@@ -88,10 +89,10 @@ class LocalSocket:
         self._thread.start()
 
     def close(self) -> None:
-        """Answer nobody any more; the answer under way ends first."""
+        """Answer nobody any more; the answer under way has a moment to end."""
         self._path.unlink(missing_ok=True)
         self._socket.shutdown(socket.SHUT_RD)
-        self._thread.join()
+        self._thread.join(ENDING)
         self._socket.close()
 
     def _serve(self) -> None:

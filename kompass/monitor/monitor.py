@@ -301,7 +301,11 @@ class Monitor:
             return self._services.look(service, fields)
         told: Future[str] = Future()
         self._main.call(partial(self._state.told_next, told))
-        return LocalAnswer(True, "", told.result(timeout=STATE_LIMIT))
+        try:
+            return LocalAnswer(True, "", told.result(timeout=STATE_LIMIT))
+        except TimeoutError:
+            late = f"the monitor did not look at all of its rules within {STATE_LIMIT:g} s"
+            raise TimeoutError(f"{late}; it is busy: try again") from None
 
     def component_answered(self, packet: bytes) -> None:
         """Take what a component sent over its channel."""

@@ -45,6 +45,8 @@ MOST = 1_000
 # Characters of an answer that can be asked for in parts. The middleware keeps the last ten of each
 # service for good: without a bound, a look at a long history costs the monitor its memory tenfold.
 LARGEST = 1_000_000
+# What only looks, and may be asked without ROS, too.
+LOOKS = {"get_rules", "get_history", "explain_rule", "get_firings"}
 _OUTCOMES = {
     "applied": ApplyRules.Request.APPLIED,
     "conflict": ApplyRules.Request.CONFLICT,
@@ -110,13 +112,6 @@ class Services:
         self._gatekeeper = gatekeeper
         self._tables, self._hear, self._sources = tables, hear, sources
         self._lookups = WorkerThread(node, "lookups")
-        # What may be asked without ROS, for it only looks; see `look`.
-        self._looks: dict[str, tuple[Any, Callable[..., Any], WorkerThread]] = {
-            "get_rules": (GetRules, self._get, worker),
-            "get_history": (GetHistory, self._history, worker),
-            "explain_rule": (ExplainRule, self._explain, self._lookups),
-            "get_firings": (GetFirings, self._firings, self._lookups),
-        }
         offers: list[tuple[Any, str, Callable[..., Any], WorkerThread]] = [
             (GetRules, "get_rules", self._get, worker),
             (ApplyRules, "apply_rules", self._apply, worker),
@@ -129,6 +124,9 @@ class Services:
             (DescribeGraph, "describe_graph", self._graph, self._lookups),
             (SaveRecording, "save_recording", self._save, self._lookups),
         ]
+        self._looks = {
+            name: (kind, answer, by) for kind, name, answer, by in offers if name in LOOKS
+        }
         for kind, name, answer, by in offers:
             failed = partial(_changed_nothing, tables) if _has_outcome(kind) else _failed
             service = f"{node.get_name()}/{name}"

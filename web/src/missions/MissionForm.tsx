@@ -42,9 +42,11 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
   const atId = useId();
   const next = useRef<HTMLDivElement>(null);
   const count = draft.waypoints.length;
+  const before = useRef(count);
   // A place that is added pushes it down; where one goes on is to stay in sight.
   useEffect(() => {
-    if (count > 0) broughtIntoView(next.current);
+    if (count > before.current) broughtIntoView(next.current);
+    before.current = count;
   }, [count]);
   const change = (part: Partial<MissionSave>) => setDraft({ ...draft, ...part });
   const wrong = missionProblem(draft, places);

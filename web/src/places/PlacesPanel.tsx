@@ -8,6 +8,7 @@ import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { t } from "../texts/text";
 import { told } from "../texts/told";
+import { broughtIntoView } from "../ui/broughtIntoView";
 import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
 import { PlaceRow } from "./PlaceRow";
@@ -35,7 +36,7 @@ export function PlacesPanel({ onGo, asked }: Props) {
   useEffect(() => {
     if (!ready || asked === answered.current) return;
     answered.current = asked;
-    root.current?.scrollIntoView({ block: "nearest" });
+    broughtIntoView(root.current);
     root.current?.querySelector<HTMLElement>("input, button")?.focus();
   }, [asked, ready]);
   const empty = list === null && error === null ? t("Asking the robot for its places…") : null;

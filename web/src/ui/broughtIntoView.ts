@@ -1,6 +1,6 @@
 /**
- * For the `ref` of a form that opens inside a list: all of it is seen, with the buttons at its end,
- * and not only the field that has the focus.
+ * Has all of an element seen, and not only the field in it that has the focus. Also for the `ref` of
+ * a form that opens inside a list, whose buttons are at its end.
  */
-export const broughtIntoView = (form: HTMLElement | null): void =>
-  form?.scrollIntoView({ block: "nearest" });
+export const broughtIntoView = (element: HTMLElement | null): void =>
+  element?.scrollIntoView({ block: "nearest" });

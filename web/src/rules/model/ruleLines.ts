@@ -55,3 +55,13 @@ export function ruleLines(rule: Rule, called: Names): RuleLines {
     timing,
   };
 }
+
+/** A whole rule in one sentence, as people say it and as the robot words it. */
+export function wholeRule(rule: Rule, called: Names): { plain: string; expert: string } {
+  const { when, does, plain } = ruleLines(rule, called);
+  const hold = rule.event.hold > 0 ? ` for ${secondsText(rule.event.hold)}` : "";
+  return {
+    plain: `when ${plain.when}${hold}, then ${plain.does}`,
+    expert: `when ${when}${hold}, then ${does}`,
+  };
+}

@@ -1,9 +1,8 @@
 import { useState } from "react";
 import type { Rule, RuleChange } from "../../api/ruleTypes";
 import page from "../../ui/page.module.css";
-import { ruleLines } from "../model/ruleLines";
+import { wholeRule } from "../model/ruleLines";
 import { useNames } from "../model/useNames";
-import { secondsText } from "../model/words";
 import classes from "./DiffList.module.css";
 import { InWords } from "./InWords";
 
@@ -90,11 +89,7 @@ function Summary({ change, rule }: { change: RuleChange; rule: Rule | undefined 
   const names = useNames();
   const isWhole = change.kind === "added" || change.kind === "removed";
   if (!isWhole || rule === undefined) return change.summary;
-  const { plain: told } = ruleLines(rule, names);
-  const hold = rule.event.hold > 0 ? ` for ${secondsText(rule.event.hold)}` : "";
-  // The robot begins with "new:", which stands before it already.
-  const expert = change.summary.replace(/^\w+: /, "");
-  return <InWords plain={`when ${told.when}${hold}, then ${told.does}`} expert={expert} />;
+  return <InWords {...wholeRule(rule, names)} />;
 }
 
 function plain(value: unknown): string {

@@ -7,6 +7,7 @@ import type { Recording } from "../../api/ruleTypes";
 import { bytesText, durationText } from "../../format";
 import { useSession } from "../../session/SessionContext";
 import { useNow } from "../../state/RobotContext";
+import { broughtIntoView } from "../../ui/broughtIntoView";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { whenText } from "../model/words";
@@ -25,7 +26,7 @@ export function RecordingRow({ recording, wanted, onDeleted }: Props) {
   const now = useNow();
   const row = useRef<HTMLLIElement>(null);
   useEffect(() => {
-    if (wanted) row.current?.scrollIntoView({ block: "nearest" });
+    if (wanted) broughtIntoView(row.current);
   }, [wanted]);
   const { name, saved, begin, end, size, messages, of_firing, problem } = recording;
   return (
