@@ -192,9 +192,11 @@ def test_a_rule_that_holds_a_parked_robot_for_good_is_found_before_it_is_applied
     )
     sentence = rules.get("drill-sentence")
     rules.get("drill-start").click()
-    expect(rules.get("drill-start")).to_have_attribute("data-loading", "true")
-    expect(sentence).to_be_hidden()
-    held.pop().continue_()
+    try:
+        expect(rules.get("drill-start")).to_have_attribute("data-loading", "true")
+        expect(sentence).to_be_hidden()
+    finally:
+        held.pop().continue_()
     expect(sentence).to_be_visible(timeout=patient(60) * 1000)
     expect(sentence).to_have_attribute("data-verdict", re.compile("worse|may be chance"))
     drive = rules.get("drive-my own")
