@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
@@ -57,6 +58,12 @@ class Waypoint(Model):
     tasks: Annotated[tuple[Task, ...], Field(max_length=MOST_TASKS)] = ()
 
 
+def _time_of_day(text: str) -> str:
+    if re.fullmatch(r"([01]\d|2[0-3]):[0-5]\d", text) is None:
+        raise ValueError("it is no time of the day: write HH:MM, from 00:00 to 23:59")
+    return text
+
+
 def _days(days: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(sorted(set(days)))
 
@@ -72,7 +79,7 @@ class Schedule(Model):
         Of the week, from 0 for Monday; at least one.
     """
 
-    at: Annotated[str, Field(pattern=r"^([01]\d|2[0-3]):[0-5]\d$")]
+    at: Annotated[str, AfterValidator(_time_of_day)]
     days: Annotated[
         tuple[Annotated[int, Field(ge=0, le=6)], ...], Field(min_length=1), AfterValidator(_days)
     ] = (0, 1, 2, 3, 4, 5, 6)

@@ -48,7 +48,7 @@ from kompass_console.schema.drill_models import DrillRequest
 from kompass_console.schema.hand_models import HandAnswer, HandRequest
 from kompass_console.schema.look_models import CameraNews
 from kompass_console.schema.map_models import FlatNews
-from kompass_console.schema.models import ErrorAnswer, ErrorDetail, Ping, StateMessage
+from kompass_console.schema.models import ErrorAnswer, ErrorDetail, Ping, StateMessage, StopRequest
 from kompass_console.schema.rule_models import (
     ApplyRequest,
     BacktestRequest,
@@ -61,6 +61,7 @@ from kompass_console.version import VERSION
 from kompass_console.web.body_limit import BodyLimit
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
+from kompass_console.web.invalid_request import told_invalid
 from kompass_console.web.web_guard import WebGuard
 
 _BESIDE_ROUTES: tuple[type[BaseModel], ...] = (
@@ -77,6 +78,7 @@ _BESIDE_ROUTES: tuple[type[BaseModel], ...] = (
     ApplyRequest,
     BacktestRequest,
     DrillRequest,
+    StopRequest,
 )
 
 
@@ -201,13 +203,7 @@ async def _console_error(_: Request, error: Exception) -> Response:
 
 async def _invalid(_: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    first = error.errors()[0]
-    field = ".".join(str(part) for part in first["loc"] if part != "body") or "body"
-    return _answer(
-        422,
-        f"The request's {field} is not valid: {first['msg']}.",
-        "Reload the page and try again.",
-    )
+    return _answer(422, *told_invalid(error.errors()))
 
 
 async def _http_error(_: Request, error: Exception) -> Response:

@@ -14,8 +14,14 @@ from kompass.places.change import DeletePlace, EditPlace, PlaceChange, RestorePl
 from kompass.places.place import MOST_PLACES, MapIdentity, Place, PlacePose
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
 from kompass_console.api.monitor import kept, sentence
-from kompass_console.link.goal_check import cell_at
-from kompass_console.schema.place_models import PlaceEdit, PlaceInfo, PlaceList, PlaceSave
+from kompass_console.link.goal_check import MESSAGES, cell_at, look_at_map
+from kompass_console.schema.place_models import (
+    PlaceEdit,
+    PlaceInfo,
+    PlaceKept,
+    PlaceList,
+    PlaceSave,
+)
 from kompass_console.web.auth import LoginSession
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
@@ -45,7 +51,7 @@ async def places(_: LoggedIn, console: CurrentConsole) -> PlaceList:
 
 
 @router.post("", status_code=201)
-async def save_place(body: PlaceSave, session: Operator, console: CurrentConsole) -> PlaceInfo:
+async def save_place(body: PlaceSave, session: Operator, console: CurrentConsole) -> PlaceKept:
     """Keep a place of the map that the robot has now; on the robot's disk when this is answered."""
 
     async def begin() -> PlaceChange:
@@ -54,13 +60,14 @@ async def save_place(body: PlaceSave, session: Operator, console: CurrentConsole
         _check_on_map(console, pose)
         return _made(SavePlace, name=body.name, note=body.note, pose=pose, map=here)
 
-    return await _carry_out(console, session, "save place", begin, body.model_dump())
+    kept = await _carry_out(console, session, "save place", begin, body.model_dump())
+    return _with_warning(console, kept)
 
 
 @router.patch("/{place_id}")
 async def edit_place(
     place_id: PlaceNumber, body: PlaceEdit, session: Operator, console: CurrentConsole
-) -> PlaceInfo:
+) -> PlaceKept:
     """Rename a place, move it, write a note on it, or take it along to the map of now."""
 
     async def begin() -> PlaceChange:
@@ -82,7 +89,7 @@ async def edit_place(
         )
 
     what = {"place": place_id, **body.model_dump(exclude_none=True)}
-    return await _carry_out(console, session, "change place", begin, what)
+    return _with_warning(console, await _carry_out(console, session, "change place", begin, what))
 
 
 @router.delete("/{place_id}")
@@ -209,6 +216,12 @@ def _check_on_map(console: Console, pose: PlacePose) -> None:
             f"The point x {pose.x:.2f}, y {pose.y:.2f} m is outside the map.",
             "Choose a point of the map.",
         )
+
+
+def _with_warning(console: Console, place: PlaceInfo) -> PlaceKept:
+    why = look_at_map(console.world, place.pose.x, place.pose.y) if place.here else ""
+    warning = f"The robot could not be sent here now: {MESSAGES[why]}" if why else ""
+    return PlaceKept(**place.model_dump(), warning=warning)
 
 
 def _known(console: Console, place_id: int) -> Place:

@@ -10,11 +10,18 @@ import functools
 from collections.abc import Awaitable, Callable
 
 from fastapi import APIRouter, Request
+from pydantic import ValidationError
 
 from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator, session_cookie
 from kompass_console.link.drive import STOP_ASKED_AGAIN, DriveAnswer
-from kompass_console.schema.models import OpenStop, StopAnswer, StopRequest, StopSeen
+from kompass_console.schema.models import (
+    OpenStop,
+    StopAnswer,
+    StopRequest,
+    StopSeen,
+    cut_reason,
+)
 from kompass_console.web.audit import OPEN_STOP
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
@@ -27,12 +34,22 @@ _BY_HAND = (
 )
 
 
-@router.post("")
-async def stop(
-    session: LoggedIn, console: CurrentConsole, body: StopRequest | None = None
-) -> StopAnswer:
-    """Latch STOP in the drive manager. That the robot stands still is told by the state."""
-    reason = body.reason if body is not None else ""
+_REASON = {"$ref": f"#/components/schemas/{StopRequest.__name__}"}
+
+
+@router.post(
+    "",
+    openapi_extra={
+        "requestBody": {"required": False, "content": {"application/json": {"schema": _REASON}}}
+    },
+)
+async def stop(request: Request, session: LoggedIn, console: CurrentConsole) -> StopAnswer:
+    """Latch STOP in the drive manager. That the robot stands still is told by the state.
+
+    Nothing that the body holds keeps it from that: one that cannot be read is the reason, as it
+    came.
+    """
+    reason = _reason(await request.body())
     written = functools.partial(
         console.audit.record, session, "stop", reason=reason, before=_stopped(console)
     )
@@ -85,6 +102,15 @@ async def stop_without_login(request: Request, console: CurrentConsole) -> StopA
     who = f"somebody at {address}" if session is None else session.user
     pressed = console.open_stop.ask(lambda: console.link.drive.stop(who, "", _late(written)))
     return await _answered(pressed, written)
+
+
+def _reason(body: bytes) -> str:
+    if not body:
+        return ""
+    try:
+        return StopRequest.model_validate_json(body).reason
+    except ValidationError:
+        return cut_reason(body.decode(errors="replace"))
 
 
 async def _answered(pressed: Awaitable[DriveAnswer], written: Callable[[str], None]) -> StopAnswer:

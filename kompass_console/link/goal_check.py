@@ -22,7 +22,7 @@ STOPPED = "The robot is stopped: release STOP before it can drive there."
 MAP_ONLY = "No planner checks goals here: only the map was looked at."
 
 
-_MESSAGES: dict[GoalReason, str] = {
+MESSAGES: dict[GoalReason, str] = {
     "": "The robot can go there.",
     "no_map": "There is no map yet, so no way can be planned.",
     "outside_map": "This point is outside the map.",
@@ -124,7 +124,7 @@ async def check_goal(
             y=y,
             yaw=yaw,
             reason="" if answer.reachable else reason or "no_path",
-            message=answer.message or _MESSAGES["" if answer.reachable else reason or "no_path"],
+            message=answer.message or MESSAGES["" if answer.reachable else reason or "no_path"],
             nearest=_point(answer.nearest),
             length=answer.length if answer.reachable else None,
             duration=answer.duration if answer.reachable else None,
@@ -135,9 +135,7 @@ async def check_goal(
         check = _refusal("no_planner", x, y, yaw)
     else:
         reason = look_at_map(world, x, y)
-        check = GoalCheck(
-            ok=not reason, x=x, y=y, yaw=yaw, reason=reason, message=_MESSAGES[reason]
-        )
+        check = GoalCheck(ok=not reason, x=x, y=y, yaw=yaw, reason=reason, message=MESSAGES[reason])
     if check.ok and topic is None:
         check = _refusal("nobody_listens", x, y, yaw)
     check.heading_used = heading_used and check.ok
@@ -176,7 +174,7 @@ def _note(link: RosLink, check: GoalCheck, yaw: float | None, topic: GoalTopic |
 
 
 def _refusal(reason: GoalReason, x: float, y: float, yaw: float | None) -> GoalCheck:
-    return GoalCheck(ok=False, x=x, y=y, yaw=yaw, reason=reason, message=_MESSAGES[reason])
+    return GoalCheck(ok=False, x=x, y=y, yaw=yaw, reason=reason, message=MESSAGES[reason])
 
 
 def _way(points: npt.NDArray[np.float64]) -> list[float]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from kompass.algorithms.geometry import Floats
+from kompass.algorithms.geometry import Floats, compose, inverse
 from kompass.algorithms.grid import Grid
 from kompass.algorithms.mapping.scan_match import ScanMatcher
 from kompass.algorithms.mapping.scan_points import read_rays, scan_fault
@@ -132,7 +132,8 @@ class Localisation:
         here = Fit(pose, sensor, scan, matcher.agreement(points, sensor))
         if not search:
             return here, None
-        best = Pose(*matcher.fit(points, sensor))
+        body = Pose(*compose(inverse(sensor), pose).tolist())
+        best = Pose(*matcher.fit(points, sensor, body))
         robot = world.robot_at(best, scan)
         return here, Fit(robot, best, scan, matcher.agreement(points, best))
 

@@ -16,6 +16,7 @@ from kompass_console.schema.roles import Role
 Theme = Literal["light", "dark"]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Metres = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
+_LONGEST_REASON = 200  # characters
 Radians = Annotated[float, Field(allow_inf_nan=False, ge=-100.0, le=100.0)]
 
 
@@ -240,10 +241,15 @@ class LocateCheck(BaseModel):
     note: str = ""
 
 
+def cut_reason(text: str) -> str:
+    """A reason for STOP, cut where it is too long: that is none not to stop."""
+    return plain(text, _LONGEST_REASON)
+
+
 class StopRequest(In):
     """Why STOP was pressed; may be empty."""
 
-    reason: Annotated[str, AfterValidator(plain)] = Field(default="", max_length=200)
+    reason: Annotated[str, AfterValidator(cut_reason)] = ""
 
 
 class StopAnswer(BaseModel):

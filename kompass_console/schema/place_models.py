@@ -61,6 +61,14 @@ class PlaceInfo(BaseModel):
     time: float
 
 
+class PlaceKept(PlaceInfo):
+    """A place as it is kept now. `warning` says why the robot could not be sent there, as far as
+    the map alone tells; empty where it tells nothing. Kept it is all the same: what stands there
+    may be taken away."""
+
+    warning: str
+
+
 class PlaceList(BaseModel):
     """All places, in the order in which they were saved.
 

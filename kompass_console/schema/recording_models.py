@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, Field
+from pydantic import AfterValidator, BaseModel, Field
 
 from kompass_console.schema.models import In
+
+
+def _visible(name: str) -> str:
+    # Past the console a NUL would end the name, and the rest be lost without a word.
+    if not name.isprintable():
+        raise ValueError("it holds a character that cannot be seen")
+    return name
 
 
 class RecordingRequest(In):
     """Keep the last `seconds` of the flight recorder (0: all it has) under a name."""
 
     seconds: Annotated[float, Field(ge=0.0, le=1e7, allow_inf_nan=False)] = 0.0
-    name: Annotated[str, Field(max_length=200)] = ""
+    name: Annotated[str, Field(max_length=200), AfterValidator(_visible)] = ""
 
 
 class RecordingSaved(BaseModel):

@@ -89,12 +89,18 @@ class Control:
 
     def ask(self, session: LoginSession) -> None:
         """Ask for control."""
-        self._told(session, "ask for control", asked)
+
+        def ask(lease: Lease, person: Person, now: float) -> Lease:
+            self._check_here(session, now)
+            return asked(lease, person, now)
+
+        self._told(session, "ask for control", ask)
 
     def take(self, session: LoginSession, reason: str) -> None:
         """Take control."""
 
         def take(lease: Lease, person: Person, now: float) -> Lease:
+            self._check_here(session, now)
             return taken(lease, person, reason, now)
 
         self._told(session, "take control", take, {"reason": reason})
@@ -145,6 +151,15 @@ class Control:
         )
 
     # -- pieces -------------------------------------------------------------------------------
+
+    def _check_here(self, session: LoginSession, now: float) -> None:
+        """Control is lost by who has no page open: nobody gets it who would lose it at once."""
+        if now - self._sockets.last_seen(session.id) > AWAY:
+            raise NotInControl(
+                "You have no page of this console open, and only who has one keeps control.",
+                "Open the page, and try again there; a program needs no control to send a goal "
+                "while nobody has it.",
+            )
 
     def _told(
         self,

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kompass.algorithms.geometry import Floats, Pose2D, compose, inverse, transform_points
-from kompass.algorithms.grid import Grid
-from kompass.algorithms.mapping.scan_match import FEWEST_RAYS, REACH, ScanMatcher
+from kompass.algorithms.grid import OCCUPIED_FROM, Grid
+from kompass.algorithms.mapping.scan_match import FEWEST_RAYS, REACH, TURN, ScanMatcher
 from tests.algorithms.worlds import empty, hexagon
 
 REACHES = 3.5  # m, of the lidar
@@ -83,10 +83,29 @@ def test_it_is_the_same_wherever_the_map_lies_in_the_world(pose: Pose2D, moved: 
     assert math.dist(back[:2], pose[:2]) < 0.08
 
 
-def test_more_than_its_reach_away_the_best_fit_stays_within_its_reach() -> None:
+@given(poses, poses)
+@settings(max_examples=25, deadline=None)
+def test_the_best_fit_stays_within_its_reach_and_out_of_obstacles(
+    pose: Pose2D, pressed: Pose2D
+) -> None:
+    """Both are told to people: so far from their hand, and a place that the robot can be at."""
+    body = (-0.3, 0.1, 0.5)
+    x, y, yaw = found = MATCHER.fit(scan(ROOM, pose), pressed, body)
+    assert math.dist((x, y), pressed[:2]) <= REACH + 1e-6
+    assert abs(math.remainder(yaw - pressed[2], math.tau)) <= TURN + 1e-6
+    [[col, row]] = ROOM.world_to_cell(compose(found, body)[None, :2])
+    stood = ROOM.cells[row, col]
+    assert stood < OCCUPIED_FROM or found == pytest.approx(pressed), "unless all around is occupied"
+
+
+def test_what_fits_best_from_within_a_pillar_is_not_the_best_fit() -> None:
     points = scan(ROOM, (0.5, 0.5, 0.0))
-    x, y, _ = MATCHER.fit(points, (-1.0, -0.5, 0.0))
-    assert max(abs(x + 1.0), abs(y + 0.5)) <= REACH + 0.06
+    cells = ROOM.cells.copy()
+    [[col, row]] = ROOM.world_to_cell(np.array([[0.5, 0.5]]))
+    cells[row - 2 : row + 3, col - 2 : col + 3] = 100
+    found = ScanMatcher(Grid(cells, ROOM.resolution, ROOM.origin)).fit(points, (0.6, 0.65, 0.0))
+    [[col, row]] = ROOM.world_to_cell(np.array([found[:2]]))
+    assert cells[row, col] < OCCUPIED_FROM
 
 
 def test_along_a_corridor_the_best_fit_is_the_nearest() -> None:

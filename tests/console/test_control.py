@@ -68,6 +68,38 @@ def refused(answer: httpx.Response, title: str) -> str:
     return str(detail["remedy"])
 
 
+def test_a_program_without_a_page_is_told_that_it_cannot_hold_control(robot: Served) -> None:
+    with robot.client(Role.ENGINEER, "script") as script:
+        for what, body in (("take", {"reason": "a look"}), ("ask", {})):
+            answer = script.post(f"/api/control/{what}", json=body)
+            assert "Open the page" in refused(answer, "You have no page of this console open")
+        driven(script.post("/api/goals", json=POSE))  # nobody has it
+        with page(robot, "ava") as ava:
+            ava.control(holder="")
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        (b'{"reason": "%s"}' % (b"x" * 5000), "x" * 199 + "\N{HORIZONTAL ELLIPSIS}"),
+        (b'{"reason": 5}', '{"reason": 5}'),
+        (b'{"foo": 1}', '{"foo": 1}'),
+        (b"\xff nonsense", "\N{REPLACEMENT CHARACTER} nonsense"),
+        (b"", ""),
+    ],
+    ids=["long", "number", "unknown", "no json", "empty"],
+)
+def test_nothing_in_its_body_keeps_stop_from_stopping(
+    robot: Served, body: bytes, reason: str
+) -> None:
+    with page(robot, "ava") as ava:
+        assert ava.client.post("/api/stop", content=body).json()["accepted"]
+        assert ava.client.post("/api/stop/release").json()["accepted"]
+    pressed = [line for line in robot.audited() if line["what"] == "stop"][-1]
+    assert (pressed["who"], pressed["outcome"]) == ("ava", "accepted")
+    assert pressed.get("reason", "") == reason
+
+
 def test_who_drives_first_has_control_and_gives_it_to_who_asks(robot: Served) -> None:
     with page(robot, "ava") as ava, page(robot, "ben") as ben, page(robot, "cleo") as cleo:
         driven(ava.drives())

@@ -230,6 +230,16 @@ def test_what_cannot_be_a_place_is_refused_in_a_sentence(
     assert names(ava) == []
 
 
+def test_who_saves_a_place_in_an_obstacle_is_warned(ava: httpx.Client) -> None:
+    assert save(ava)["warning"] == ""
+    pillar = {**DOCK, "name": "pillar", "pose": {"x": 0.0, "y": 0.0, "yaw": 0.0}}
+    kept = ava.post("/api/places", json=pillar)
+    assert kept.status_code == 201
+    assert kept.json()["warning"].endswith("now: This point is inside an obstacle.")
+    moved = edit(ava, kept.json(), pose=DOCK["pose"])
+    assert moved.json()["warning"] == ""
+
+
 def test_a_place_that_is_gone_is_said_to_be(ava: httpx.Client) -> None:
     place = save(ava)
     assert remove(ava, place).status_code == 200

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kompass.algorithms.distance_field import DistanceField
 from kompass.algorithms.geometry import Floats, Pose2D, transform_points, wrap_angle
-from kompass.algorithms.grid import Grid
+from kompass.algorithms.grid import OCCUPIED_FROM, Grid
 
 DEVIATION = 0.1  # m; of a ray's end from what the map shows, when all is well
 FEWEST_RAYS = 20  # fewer say nothing
@@ -26,6 +26,7 @@ TURN = np.radians(20.0)  # and its heading, rad
 
 _NEAR = 0.2  # m; so near to itself a robot sees nothing, whatever the map says of that place
 _BEFORE_END = 3.0 * DEVIATION  # a wall so near to a ray's end may be where it has ended, m
+_ALL_OF_IT = 1.0 + 1e-6  # of the square of a reach; sums of steps are not exact
 _THROUGH = 0.2  # cells; a ray that passes a cell so closely goes through it
 
 
@@ -63,6 +64,7 @@ class ScanMatcher:
         self._grid = grid
         self._field = DistanceField(grid, unknown_is_obstacle=False)
         self._unknown = grid.cells < 0
+        self._occupied = grid.cells >= OCCUPIED_FROM
         self._size = np.array([grid.width, grid.height]) * grid.resolution
 
     def agreement(self, points: ArrayLike, sensor: Pose2D) -> float | None:
@@ -84,10 +86,11 @@ class ScanMatcher:
         likely = self._likelihood(ends) * (known & ~through)
         return float(likely.sum() / judged.sum())
 
-    def fit(self, points: ArrayLike, sensor: Pose2D) -> Pose2D:
+    def fit(self, points: ArrayLike, sensor: Pose2D, robot: Pose2D = (0.0, 0.0, 0.0)) -> Pose2D:
         """The pose within ``REACH`` and ``TURN`` of a pose from which a scan fits best.
 
-        Of poses that fit as well, as along a corridor, the nearest one.
+        Of poses that fit as well, as along a corridor, the nearest one; none with the robot in an
+        obstacle of the map.
 
         Parameters
         ----------
@@ -95,6 +98,8 @@ class ScanMatcher:
             As for :meth:`agreement`.
         sensor
             Where to look around.
+        robot
+            (x, y, yaw) in the sensor's frame.
         """
         best, given = sensor, np.array(sensor)
         for search in _SEARCHES:
@@ -107,9 +112,14 @@ class ScanMatcher:
             away = np.sum((places - given[:2]) ** 2, axis=1) / REACH**2
             found, most = best, -np.inf
             for yaw in (best[2] + offsets * search.turn).tolist():
-                ends = transform_points((0.0, 0.0, yaw), some)
                 turned = (wrap_angle(yaw - given[2]) / TURN) ** 2
+                stands = transform_points((0.0, 0.0, yaw), [robot[:2]]) + places
+                allowed = (away <= _ALL_OF_IT) & ~self._in_obstacle(stands)
+                if turned > _ALL_OF_IT or not allowed.any():
+                    continue
+                ends = transform_points((0.0, 0.0, yaw), some)
                 fits = self._fits(ends, places, search.deviation) - search.leash * (away + turned)
+                fits[~allowed] = -np.inf
                 index = int(fits.argmax())
                 if fits[index] > most:
                     most = float(fits[index])
@@ -130,6 +140,13 @@ class ScanMatcher:
         likely = np.exp(-0.5 * (distance / deviation) ** 2) * inside
         fits: Floats = likely.mean(axis=1)
         return fits
+
+    def _in_obstacle(self, places: Floats) -> NDArray[np.bool_]:
+        """Which of places (M, 2) lie in an occupied cell; (M,)."""
+        col, row = self._grid.world_to_cell(places).T
+        inside = self._grid.contains(places)
+        occupied: NDArray[np.bool_] = inside & self._occupied[row * inside, col * inside]
+        return occupied
 
     def _likelihood(self, ends: Floats) -> Floats:
         likely: Floats = np.exp(-0.5 * (self._field.at(ends) / DEVIATION) ** 2)

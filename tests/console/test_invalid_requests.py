@@ -1,0 +1,68 @@
+"""What a request has wrong is said in a sentence: the field that was sent, its value, the remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+
+from kompass_console.schema.roles import Role
+from tests.console.conftest import serving
+from tests.console.rules_client import Json
+
+pytestmark = pytest.mark.ros
+SCHEDULE = {"name": "night", "waypoints": [{"place": 1}]}
+
+
+@pytest.fixture(scope="module")
+def ava(tmp_path_factory: pytest.TempPathFactory, domain: int) -> Iterator[httpx.Client]:
+    with (
+        serving(tmp_path_factory.mktemp("console") / "audit", domain) as served,
+        served.client(Role.ENGINEER, "ava") as client,
+    ):
+        yield client
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "title", "remedy"),
+    [
+        ("goals/check", {"x": 1e7, "y": 1}, "x cannot be 10000000.0: it should be less", "Correct"),
+        ("goals/check", {"y": 1}, "The request lacks x.", "Add it"),
+        ("goals/check", {"x": 1, "y": 1, "yaw": 101}, "yaw cannot be 101", "Correct"),
+        ("goals/check", {"place": 0, "version": 1}, "place cannot be 0: it should be", "Correct"),
+        ("goals/check", {"view": "v", "start": [0.5, 7]}, "start.1 cannot be 7", "Correct"),
+        ("goals", {}, "lacks x and y, or place and version.", "Add what is missing."),
+        ("goals", {"x": 1, "y": 1, "Y": 1}, "has a field Y, and there is none", "Leave it out"),
+        ("localisation/check", {"x": 1, "y": "here"}, 'y cannot be "here"', "Correct"),
+        ("zones", {"name": "z"}, "The request lacks kind.", "Add it"),
+        ("missions", {**SCHEDULE, "waypoints": []}, "too few: at least 1", "Correct"),
+        ("recordings", {"name": "x\0"}, "a character that cannot be seen", "Correct"),
+        ("recordings", {"name": "x" * 999}, "too long: at most 200 characters", "Correct"),
+        (
+            "missions",
+            {**SCHEDULE, "schedule": {"at": "24:00"}},
+            'schedule.at cannot be "24:00": it is no time of the day: write HH:MM',
+            "Correct",
+        ),
+    ],
+    ids=lambda one: str(one)[:40],
+)
+def test_it_names_what_was_sent_and_what_to_do(
+    ava: httpx.Client, path: str, body: Json, title: str, remedy: str
+) -> None:
+    answer = ava.post(f"/api/{path}", json=body)
+    assert answer.status_code == 422, answer.text
+    detail = answer.json()["detail"]
+    assert title in detail["title"]
+    assert detail["remedy"].startswith(remedy)
+
+
+@pytest.mark.parametrize("body", [b"", b"{", b"[1, "])
+def test_a_body_that_is_none_is_said_to_be(ava: httpx.Client, body: bytes) -> None:
+    headers = {"Content-Type": "application/json"}
+    answer = ava.post("/api/goals/check", content=body, headers=headers)
+    assert answer.status_code == 422, answer.text
+    title = answer.json()["detail"]["title"]
+    assert title.startswith("The request's body is no JSON" if body else "The request has no body")
