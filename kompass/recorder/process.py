@@ -5,6 +5,7 @@ One thread looks ten times a second at what has gathered.
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import logging
 import os
@@ -134,10 +135,14 @@ def _record(
     node: Node,
     ended: threading.Event,
 ) -> None:
-    sampler = TopicSampler(node, topics)
-    recorder = Recorder(queue, recordings, node.resolve_topic_name, sampler.leave_out)
-    sampler.leave_out(recorder.engine_topics)
-    try:
+    # One that cannot bring its last to disk lets go of all the same: the next one goes on there.
+    with contextlib.ExitStack() as ends:
+        sampler = TopicSampler(node, topics)
+        ends.callback(sampler.close)
+        recorder = Recorder(queue, recordings, node.resolve_topic_name, sampler.leave_out)
+        ends.callback(recorder.close)
+        ends.callback(sampler.drain, recorder.take)
+        sampler.leave_out(recorder.engine_topics)
         looks = 0
         while not ended.wait(PERIOD):
             send_heartbeat(NAME)
@@ -146,10 +151,6 @@ def _record(
             looks += 1
             if looks % FIT_EVERY == 0:
                 sampler.fit()
-    finally:
-        sampler.drain(recorder.take)
-        sampler.close()
-        recorder.close()
 
 
 def _idle(seconds: float, ended: threading.Event) -> None:

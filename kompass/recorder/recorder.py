@@ -51,7 +51,7 @@ class Recorder:
 
     Raises
     ------
-    RingInUse
+    RecordingInUse
         When another recorder writes there.
     OSError
         When it cannot be written.
@@ -78,7 +78,11 @@ class Recorder:
         self._flushed = time.monotonic()
         self._shift = 0
         self._compare_clocks()
-        self._pick_up(folder)
+        try:
+            self._pick_up(folder)
+        except BaseException:
+            self._recording.close()
+            raise
 
     @property
     def engine_topics(self) -> set[str]:

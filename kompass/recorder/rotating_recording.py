@@ -89,7 +89,11 @@ class RotatingRecording:
         self._channels: dict[Stream, int] = {}
         self._began = 0
         self._latest: dict[str, tuple[Stream, bytes, int]] = {}
-        self._mend()
+        try:
+            self._mend()
+        except BaseException:
+            self._lock.close()
+            raise
 
     # -- writing ------------------------------------------------------------------------------
 

@@ -43,6 +43,15 @@ def test_leaving_the_tolerance_starts_the_settling_anew() -> None:
     assert not made.arrived((2.0, 0.0, 0.0), standing=False, now=3.1)
 
 
+def test_without_a_path_no_more_is_looked_at_than_can_be_seen_however_far_the_goal_is() -> None:
+    far = GoalProgress((1e6, 0.0, 0.0), Tolerance(0.05, 0.2), patience=10.0)
+    ahead = far.ahead((1.0, 0.0, 0.0))
+    assert len(ahead) <= 1000
+    assert ahead[0] == pytest.approx((1.0, 0.0, 0.0))
+    near = GoalProgress((2.0, 1.0, 0.5), Tolerance(0.05, 0.2), patience=10.0)
+    assert near.ahead((1.0, 1.0, 0.0))[-1] == pytest.approx((2.0, 1.0, 0.5))
+
+
 def test_distance_left_is_the_length_of_the_path_ahead() -> None:
     assert progress().distance_left((0.5, 0.3, 0.0)) == pytest.approx(1.5)
     assert progress().distance_left((2.0, 0.0, 0.0)) == 0.0

@@ -102,6 +102,20 @@ def test_patience_with_an_occupied_start_ends(run: Run) -> None:
     stage.alive.wait_until(lambda: stage.level() == 0, 5, "the end of the goal")
 
 
+@pytest.mark.parametrize(
+    ("x", "said"), [(1e30, "x = 1e+30 m is no place"), (900.0, "outside the map")]
+)
+def test_a_goal_far_away_is_refused_although_the_robot_could_not_start(
+    run: Run, x: float, said: str
+) -> None:
+    stage = Stage(run, patience=60.0)
+    stage.map((1.0, 1.0))
+    stage.alive.wait_until(lambda: stage.level() == 0, 5, "a map and a pose")
+    goals = Goals(stage.alive, PlanPath, "planner/plan_path")
+    ended = goals.result(goals.send(goal=Pose(position=Point(x=x, y=1.0))))
+    assert said in ended.result.message
+
+
 def test_without_its_action_the_planner_says_so(run: Run) -> None:
     stage = Stage(run, run_type="Timed")
     answer = stage.send(3.0, 3.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import contextlib
 import math
 from dataclasses import dataclass
 
@@ -192,9 +193,11 @@ class GlobalPlanner:
         grid, field = self.grid, self.field
         if not (math.isfinite(gx) and math.isfinite(gy) and grid.contains([(gx, gy)])[0]):
             nearest = None
-            first = self._start_cell(sx, sy)
-            if math.isfinite(gx) and math.isfinite(gy):
-                nearest = self._free.nearest(first, (gx, gy))
+            # Wherever the robot stands: that it may come free is no reason to wait for such a goal.
+            with contextlib.suppress(PlanningFailure):
+                first = self._start_cell(sx, sy)
+                if math.isfinite(gx) and math.isfinite(gy):
+                    nearest = self._free.nearest(first, (gx, gy))
             raise PlanningFailure(
                 "outside_map", f"The goal ({gx:.2f}, {gy:.2f}) is outside the map.", nearest
             )

@@ -7,6 +7,8 @@ from kompass_interfaces.action import PlanPath
 
 from kompass.components.base.convert import pose_of
 
+FARTHEST = 1e6  # m from the origin of the map; nobody means what is further away
+
 
 def pose_fault(pose: Pose) -> str:
     """Why nobody can be sent to a pose; empty when its place and heading are numbers."""
@@ -14,6 +16,9 @@ def pose_fault(pose: Pose) -> str:
     for name, value in (("x", x), ("y", y)):
         if not math.isfinite(value):
             return f"The goal's {name} = {value} is no place; give finite metres."
+        if abs(value) > FARTHEST:
+            limit = f"{FARTHEST / 1000:.0f} km"
+            return f"The goal's {name} = {value:g} m is no place; give one within {limit}."
     if not math.isfinite(yaw):
         q = pose.orientation
         given = f"({q.x}, {q.y}, {q.z}, {q.w})"

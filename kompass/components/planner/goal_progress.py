@@ -76,6 +76,7 @@ class GoalProgress:
     AHEAD = 0.35  # m along the path, to where it has to face
     HINDERED = 0.1  # share of the patience that is used up when something hinders the robot
     SAME_PLACE = 0.5  # m
+    LOOKED_AT = 50.0  # m ahead; further away nobody looks for what hinders it
     ROUNDS = 3  # times that something may hinder it at one place although it was helped
 
     def planned(self, path: NDArray[np.float64], now: float) -> None:
@@ -134,12 +135,15 @@ class GoalProgress:
     def ahead(self, pose: Pose2D) -> NDArray[np.float64]:
         """What is left of the last path (M, 3) from the place nearest to ``pose``.
 
-        Without one, the straight line to the goal.
+        Without one, the straight line to the goal, as far as anybody looks.
         """
         route = self.route
         if route is None:
-            steps = max(2, math.ceil(10 * self.errors(pose)[0]))
-            return np.linspace((*pose[:2], pose[2]), self.goal, steps)
+            distance = self.errors(pose)[0]
+            far = min(distance, self.LOOKED_AT)
+            start, goal = np.array(pose), np.array(self.goal)
+            end = start + (goal - start) * (far / distance if distance > far else 1.0)
+            return np.linspace(start, end, max(2, math.ceil(10 * far)))
         away = np.hypot(route[:, 0] - pose[0], route[:, 1] - pose[1])
         return route[int(np.argmin(away)) :]
 
