@@ -65,7 +65,7 @@ def goals_end_with_a_reason(course: Course) -> Iterator[tuple[float, str]]:
     ``PATIENCE`` or more.
     """
     for sent, ended in course.attempts:
-        place = f"the goal ({sent.x:.2f}, {sent.y:.2f})"
+        place = f"the goal ({sent.x:z.2f}, {sent.y:z.2f})"
         if ended is None:
             stood = course.end - max(sent.at, course.stood_since())
             if stood >= PATIENCE:

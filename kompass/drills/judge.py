@@ -279,7 +279,7 @@ def _told(fact: Fact) -> tuple[MomentKind, str] | None:
     match fact:
         case GoalSent():
             by = "" if fact.given else " by the stack itself"
-            return "goal", f"Goal ({fact.x:.2f}, {fact.y:.2f}) sent{by}"
+            return "goal", f"Goal ({fact.x:z.2f}, {fact.y:z.2f}) sent{by}"
         case GoalEnded():
             return "goal end", f"Goal ended: {fact.outcome}. {fact.message}".strip()
         case FaultBegan():

@@ -131,7 +131,7 @@ def _goal(x: float, y: float, number: int, unit: float) -> str:
     return (
         f'<g class="goal"><circle {where} r="{_n(1.2 * unit)}"/>'
         f'<circle class="dot" {where} r="{_n(0.4 * unit)}"/>'
-        f"<title>Goal {number} ({x:.2f}, {y:.2f})</title></g>"
+        f"<title>Goal {number} ({x:z.2f}, {y:z.2f})</title></g>"
     )
 
 

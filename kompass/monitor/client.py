@@ -619,7 +619,7 @@ def _applied(answer: Any) -> Applied:
 def _backtest(answer: Any) -> BacktestEnd:
     result = answer.result
     if answer.status == GoalStatus.STATUS_CANCELED:
-        raise BacktestCanceled("it was canceled")
+        raise BacktestCanceled("it was cancelled")
     if not result.success:
         raise Refused(str(result.message))
     return BacktestEnd(str(result.message), Json(str(result.answer), BacktestReport))

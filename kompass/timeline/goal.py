@@ -64,7 +64,7 @@ class GoalObserver:
         if before not in (None, key):
             found.append(Over(report.time, before or ""))
         self._open[report.planner] = key
-        title = f"Goal {report.x:.2f}, {report.y:.2f}"
+        title = f"Goal {report.x:z.2f}, {report.y:z.2f}"
         found.append(Began(report.time, "goal", key, title, source=report.planner))
         return found
 

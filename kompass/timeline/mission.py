@@ -27,12 +27,13 @@ class MissionObserver:
         self._told = run.number, run.step, run.phase
         key, name = f"mission {run.number}", run.mission.name
         why = f": {run.reason}" if run.reason else ""
-        by = f" by {run.decided_by}" if run.decided_by else ""
         if run.over:
             word, level = _ENDED[run.phase]
             if run.phase == "done" and run.skipped:
                 level, why = "warning", f", {len(run.skipped)} places left out"
-            return [Over(now, key, f"{word}{by}{why}", level)]
+            if run.decided_by:
+                word = f"Cancelled by {run.decided_by}"  # nothing else of it is a person's to end
+            return [Over(now, key, f"{word}{why}", level)]
         found: list[Happening] = []
         if first:
             found.append(Began(run.started, "mission", key, f"Mission {name}", who=run.by))

@@ -41,7 +41,9 @@ class ProcessObserver:
         self.lost.difference_update(news.nodes)
         if news.name in self._failed:
             self._failed.discard(news.name)
-            return [Over(now, key, "Started again.")]
+            # One that hung, or was held, may come round before anybody ends it.
+            again = news.restarts > before
+            return [Over(now, key, "Started again." if again else "Goes on without a new start.")]
         # It was away while nobody listened: the monitor itself, say.
         if news.restarts > before:
             text = "It had died, or was asked to start anew."

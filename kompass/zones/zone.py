@@ -71,7 +71,7 @@ def _between(a: Corner, b: Corner, c: Corner) -> bool:
 
 
 def _told(corner: Corner) -> str:
-    return f"({corner[0]:.2f}, {corner[1]:.2f})"
+    return f"({corner[0]:z.2f}, {corner[1]:z.2f})"
 
 
 class ZonePlan(Model):

@@ -84,7 +84,7 @@ async def sketch_zone(body: ZoneSketch, session: Operator, console: CurrentConso
     here = await map_of_now(console)
     outside = next((each for each in corners if not _is_on_map(console, *each)), None)
     if outside is not None:
-        problem = f"The corner ({outside[0]:.2f}, {outside[1]:.2f}) is outside the map."
+        problem = f"The corner ({outside[0]:z.2f}, {outside[1]:z.2f}) is outside the map."
     elif len(corners) < 3:
         problem = _FEW
     else:

@@ -88,7 +88,7 @@ class Converter:
     def remember(self) -> None:
         """Note where the robot is; all there is to do while nobody watches."""
         motion = self._world.motion.get()
-        if motion is not None and self._trail.add(motion.value.pose):
+        if motion is not None and self._trail.add(motion.value.pose, motion.received):
             self._trail_changed = True
 
     def convert(self) -> None:

@@ -14,22 +14,27 @@ def note_of(deed: AuditEntry) -> str:
     match deed.what, deed.outcome:
         case "send goal", "sent":
             place = details.get("place")
-            return f"Sent the robot to {place or _point(deed)}"
+            if place:
+                return f"Sent the robot to {place}"
+            return f"Sent the robot to ({_point(deed)})"
         case "cancel goal", "asked":
             return "Cancelled the goal"
         case "locate robot", "told":
-            return f"Set the robot's place to {_point(deed)}"
+            return f"Set the robot's place to ({_point(deed)})"
         case "release stop", "accepted":
             return "Released STOP"
         case "take control", "done":
             reason = details.get("reason")
             return f"Took control: {reason}" if reason else "Took control"
-        case ("skip mission" | "confirm mission" | "resume mission") as what, "done":
-            verb = {"skip": "Skipped a step of", "confirm": "Confirmed", "resume": "Resumed"}
-            return f"{verb[what.partition(' ')[0]]} the mission"
+        case "skip mission", "done":
+            return "Skipped a step of the mission"
+        case "confirm mission", "done":
+            return "Confirmed the mission"
+        case "resume mission", "done":
+            return "Resumed the mission"
         case _:
             return ""
 
 
 def _point(deed: AuditEntry) -> str:
-    return f"{float(deed.details['x']):.2f}, {float(deed.details['y']):.2f}"
+    return f"{float(deed.details['x']):z.2f}, {float(deed.details['y']):z.2f}"

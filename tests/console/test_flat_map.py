@@ -110,7 +110,7 @@ def test_a_page_is_told_everything_once_and_then_what_has_changed() -> None:
 def test_a_short_trail_is_the_points_that_were_driven() -> None:
     trail = Trail()
     for x in (0.0, 0.1, 0.2):
-        trail.add(Pose(x, 0.0, 0.0))
+        trail.add(Pose(x, 0.0, 0.0), x)
     drawings = Drawings(trail=trail.segments())
     assert FlatMap(drawings, lambda: None).news().trail == [0.0, 0.0, 0.1, 0.0, 0.2, 0.0]
 

@@ -1,9 +1,8 @@
-"""What a request has wrong is said in a sentence: the field that was sent, its value, the remedy."""
+"""What a request has wrong is said in a sentence: the field, its value and the remedy."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import httpx
 import pytest

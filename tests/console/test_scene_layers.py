@@ -120,8 +120,19 @@ def test_a_path_of_any_length_is_a_bounded_line() -> None:
 def test_the_trail_is_bounded_and_forgets_a_jump() -> None:
     trail = Trail()
     for i in range(2000):
-        trail.add(Pose(i * 0.1, 0.0, 0.0))
+        trail.add(Pose(i * 0.1, 0.0, 0.0), 0.1 * i)
     assert len(trail.segments()) < 300
-    trail.add(Pose(0.0, 50.0, 0.0))
-    trail.add(Pose(0.1, 50.0, 0.0))
+    trail.add(Pose(0.0, 50.0, 0.0), 200.0)
+    trail.add(Pose(0.1, 50.0, 0.0), 200.1)
     assert trail.segments()[:, :, 1].min() == 50.0
+
+
+def test_the_trail_does_not_lead_to_where_the_robot_was_only_told_to_be() -> None:
+    trail = Trail()
+    trail.add(Pose(0.0, 0.0, 0.0), 0.0)
+    trail.add(Pose(0.1, 0.0, 0.0), 0.1)
+    trail.add(Pose(0.1, 0.0, 0.0), 60.0)  # it stands for a minute
+    trail.add(Pose(0.8, 0.0, 0.0), 60.1)
+    assert len(trail.segments()) == 0
+    trail.add(Pose(2.4, 0.0, 0.0), 60.7)  # fast, and not heard of for half a second
+    assert trail.segments()[-1, 1, 0] == pytest.approx(2.4)

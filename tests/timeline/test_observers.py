@@ -45,6 +45,20 @@ def test_of_a_component_whose_process_is_lost_the_process_is_told_and_nothing_el
     assert not processes.lost
 
 
+def test_a_process_that_hung_and_comes_round_was_not_started_again() -> None:
+    processes = ProcessObserver()
+    held = ProcessNews("planner", ["planner"], "stuck", reason="stopped by a signal")
+    (began,) = processes.told(held, 1.0)
+    assert isinstance(began, Began)
+    (over,) = processes.told(ProcessNews("planner", ["planner"], "active"), 2.0)
+    assert isinstance(over, Over)
+    assert over.text == "Goes on without a new start."
+    processes.told(held, 3.0)
+    (again,) = processes.told(ProcessNews("planner", ["planner"], "active", restarts=1), 4.0)
+    assert isinstance(again, Over)
+    assert again.text == "Started again."
+
+
 def test_a_restart_while_nobody_listened_is_told_and_a_first_start_is_not() -> None:
     processes = ProcessObserver()
     assert told(processes.told(ProcessNews("mapper", state="active"), 0.0)) == []

@@ -173,9 +173,9 @@ class CarPlanner(OutlinePlanner):
         if found is None:
             raise PlanningFailure(
                 "no_path",
-                f"No path from ({x:.2f}, {y:.2f}) to ({end[0]:.2f}, {end[1]:.2f}) was found that "
-                f"the robot fits through and can be steered along: its tightest turn has a radius "
-                f"of {self.turning_radius:.2f} m.",
+                f"No path from ({x:z.2f}, {y:z.2f}) to ({end[0]:z.2f}, {end[1]:z.2f}) was found "
+                f"that the robot fits through and can be steered along: its tightest turn has a "
+                f"radius of {self.turning_radius:.2f} m.",
             )
         poses = self._spaced(self._shortened(found))
         return self._judged(poses, float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum()))

@@ -115,8 +115,8 @@ class OutlinePlanner(GlobalPlanner):
             space.avoid(bad, 2 * self.grid.resolution)
         raise PlanningFailure(
             "no_path",
-            f"No path from ({x:.2f}, {y:.2f}) to ({end[0]:.2f}, {end[1]:.2f}) was found that the "
-            "robot fits through.",
+            f"No path from ({x:z.2f}, {y:z.2f}) to ({end[0]:z.2f}, {end[1]:z.2f}) was found that "
+            "the robot fits through.",
         )
 
     def with_clearance(self, clearance: float) -> OutlinePlanner:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 import contextlib
+import copy
 import math
 from dataclasses import dataclass
 
@@ -199,7 +199,7 @@ class GlobalPlanner:
                 if math.isfinite(gx) and math.isfinite(gy):
                     nearest = self._free.nearest(first, (gx, gy))
             raise PlanningFailure(
-                "outside_map", f"The goal ({gx:.2f}, {gy:.2f}) is outside the map.", nearest
+                "outside_map", f"The goal ({gx:z.2f}, {gy:z.2f}) is outside the map.", nearest
             )
         first = self._start_cell(sx, sy)
         clearance = field.at_xy(gx, gy)
@@ -210,8 +210,8 @@ class GlobalPlanner:
         if last is None or self._free.labels[last] != self._free.labels[first]:
             raise PlanningFailure(
                 "unreachable",
-                f"No way leads from ({sx:.2f}, {sy:.2f}) to the goal ({gx:.2f}, {gy:.2f}) for a "
-                f"robot that needs {self.required:.2f} m on every side.",
+                f"No way leads from ({sx:z.2f}, {sy:z.2f}) to the goal ({gx:z.2f}, {gy:z.2f}) for "
+                f"a robot that needs {self.required:.2f} m on every side.",
                 self._free.nearest(first, (gx, gy)),
             )
         return first, last
@@ -219,20 +219,20 @@ class GlobalPlanner:
     def _start_cell(self, x: float, y: float) -> int:
         if not (math.isfinite(x) and math.isfinite(y) and self.grid.contains([(x, y)])[0]):
             raise PlanningFailure(
-                "start_blocked", f"The robot at ({x:.2f}, {y:.2f}) is outside the map."
+                "start_blocked", f"The robot at ({x:z.2f}, {y:z.2f}) is outside the map."
             )
         clearance = self.field.at_xy(x, y)
         if clearance <= max(0.0, self.robot_radius - self._start_slack):
             raise PlanningFailure(
                 "start_blocked",
-                f"The robot at ({x:.2f}, {y:.2f}) is {clearance:.2f} m from an obstacle on the "
+                f"The robot at ({x:z.2f}, {y:z.2f}) is {clearance:.2f} m from an obstacle on the "
                 f"map, less than its radius of {self.robot_radius:.2f} m.",
             )
         cell = self._free.entry((x, y), max(_ESCAPE, 3 * self.grid.resolution), self.robot_radius)
         if cell is None:
             raise PlanningFailure(
                 "start_blocked",
-                f"The robot at ({x:.2f}, {y:.2f}) finds no place within {_ESCAPE:.0f} m that has "
+                f"The robot at ({x:z.2f}, {y:z.2f}) finds no place within {_ESCAPE:.0f} m that has "
                 f"{self.required:.2f} m on every side.",
             )
         return cell
@@ -244,15 +244,15 @@ class GlobalPlanner:
         value = int(self.grid.cells[row, col])
         if self.grid.occupied()[row, col]:
             return PlanningFailure(
-                "occupied", f"The goal ({x:.2f}, {y:.2f}) is inside an obstacle.", nearest
+                "occupied", f"The goal ({x:z.2f}, {y:z.2f}) is inside an obstacle.", nearest
             )
         if value < 0 and self.field.unknown_is_obstacle:
             return PlanningFailure(
-                "occupied", f"The goal ({x:.2f}, {y:.2f}) is in unexplored space.", nearest
+                "occupied", f"The goal ({x:z.2f}, {y:z.2f}) is in unexplored space.", nearest
             )
         return PlanningFailure(
             "too_close",
-            f"The goal ({x:.2f}, {y:.2f}) is {clearance:.2f} m from an obstacle; the robot needs "
+            f"The goal ({x:z.2f}, {y:z.2f}) is {clearance:.2f} m from an obstacle; the robot needs "
             f"{self.required:.2f} m.",
             nearest,
         )
@@ -288,8 +288,8 @@ class GlobalPlanner:
         if best is None:
             raise PlanningFailure(
                 "no_path",
-                f"No path from ({start[0]:.2f}, {start[1]:.2f}) to ({goal[0]:.2f}, {goal[1]:.2f}) "
-                "was found.",
+                f"No path from ({start[0]:z.2f}, {start[1]:z.2f}) to "
+                f"({goal[0]:z.2f}, {goal[1]:z.2f}) was found.",
             )
         return best
 

@@ -450,7 +450,7 @@ class Controller(Component):
         while not ended.done():
             await self.sleep(FEEDBACK)
             if handle.is_cancel_requested and self._pursued is pursued:
-                self._end(ControlPath.Result.OUTCOME_CANCELED, "Canceled.")
+                self._end(ControlPath.Result.OUTCOME_CANCELED, "Cancelled.")
         outcome, text, (distance, turn) = ended.result()
         result = _ended(outcome, text)
         result.destination_error.lateral_distance_error = distance

@@ -183,7 +183,7 @@ def check_path(poses: NDArray[np.float64], pose: Pose2D, zones: ZonesInForce) ->
         zone = zones.barred(float(x), float(y))
         if zone is not None:
             raise NoPath(
-                f"the path leads through the keep-out zone {zone.name!r}, at ({x:.2f}, {y:.2f})"
+                f"the path leads through the keep-out zone {zone.name!r}, at ({x:z.2f}, {y:z.2f})"
             )
 
 

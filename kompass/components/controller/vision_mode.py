@@ -154,7 +154,7 @@ class VisionMode:
         while not ended.done():
             await self._controller.sleep(FEEDBACK)
             if handle.is_cancel_requested and self._goal is goal:
-                self.end(Outcome.OUTCOME_CANCELED, "Canceled.")
+                self.end(Outcome.OUTCOME_CANCELED, "Cancelled.")
         outcome, text = ended.result()
         result = _ended(outcome, text, goal.tracked)
         if result.success:

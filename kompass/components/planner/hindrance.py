@@ -71,11 +71,11 @@ class Hindrance:
         """A sentence for people: what, where, and since when."""
         x, y = self.place
         if self.kind == "unknown":
-            return f"Nothing is known to be in the way at ({x:.2f}, {y:.2f}): {self.what}."
+            return f"Nothing is known to be in the way at ({x:z.2f}, {y:z.2f}): {self.what}."
         where = direction_in_words(self.direction(pose))
         lasted = f", for {now - self.since:.0f} s" if now - self.since >= 1.0 else ""
         away = self.distance(pose, radius)
-        return f"In the way: {self.what} at ({x:.2f}, {y:.2f}), {away:.2f} m {where}{lasted}."
+        return f"In the way: {self.what} at ({x:z.2f}, {y:z.2f}), {away:.2f} m {where}{lasted}."
 
 
 def direction_in_words(angle: float) -> str:

@@ -697,7 +697,7 @@ class Planner(Component):
         """Raise a failure anew, with the keep-out zone's name, where that is why."""
         pose = self._location.pose()
         if failure.reason in ("occupied", "too_close"):
-            place, what, remedy = goal, f"The goal ({goal[0]:.2f}, {goal[1]:.2f})", ""
+            place, what, remedy = goal, f"The goal ({goal[0]:z.2f}, {goal[1]:z.2f})", ""
         elif failure.reason == "start_blocked" and pose is not None:
             place, what, remedy = pose, "The robot", "; drive it away by hand"
         else:
@@ -804,7 +804,7 @@ class Planner(Component):
         if pursued is None:
             return
         if self._handle is not None and self._handle.is_cancel_requested:
-            self._end(GoalOutcome.CANCELED, "Canceled.")
+            self._end(GoalOutcome.CANCELED, "Cancelled.")
             return
         pose, now = self._location.pose(), self.clock.monotonic()
         if pose is None:

@@ -67,6 +67,7 @@ PARSING = 10.0  # s in which a parser must have made its argument
 _UNSIGNABLE = frozenset(
     {ChangeParameter, ChangeParameters, ConfigureFromFile, ExecuteMethod, ReplaceTopic, ChangeState}
 )
+OF_NO_RULE = 0  # run of what a mission does at a place
 LONGEST_ALARM = 400  # characters of a text that is taken from a message
 THREADS = 64  # functions of the recipe at a time, in each lane
 
@@ -347,7 +348,8 @@ class ActionRunner:
                 taken = arguments(kinds.arguments_of(action))
                 text = printable(str(taken["text"]), LONGEST_ALARM) if taken else action.text
                 self._alarms.raise_alarm(
-                    action.alarm, text, firing.rule_id, firing.severity.name.lower()
+                    *(action.alarm, text, firing.rule_id, firing.severity.name.lower()),
+                    until_seen=firing.run_id == OF_NO_RULE,
                 )
                 return text or "raised"
             case kinds.StartMission():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from kompass.missions.mission import Act, Editor, Halt, MissionPlan
+from kompass.monitor.execution.action_runner import OF_NO_RULE
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.tables.recipe_check import faults_of
 from kompass.rulebook.permissions import Permissions
@@ -64,7 +65,7 @@ def firing_of(plan: MissionPlan, role: Editor, task: Act | Halt, gate: str, at: 
     rule = _rule(plan.name, action, role)
     return Firing(
         rule_id=rule.id,
-        run_id=0,
+        run_id=OF_NO_RULE,
         at=at,
         triggered_at=at,
         revision_hash="",

@@ -42,10 +42,13 @@ class Alarms:
         self._publish()
         timers.every(LOOK, self._end_shelves)
 
-    def raise_alarm(self, name: str, text: str, rule_id: str, severity: str) -> None:
+    def raise_alarm(
+        self, name: str, text: str, rule_id: str, severity: str, *, until_seen: bool = False
+    ) -> None:
         """Show an alarm until it is cleared; raised again, it counts up and keeps its beginning.
 
-        Whoever has acknowledged it has seen it as bad as it was then, and not worse.
+        Whoever has acknowledged it has seen it as bad as it was then, and not worse. One of no rule
+        stands until then only (``until_seen``): nobody would clear it.
         """
         now, known = self._clock.wall(), self._alarms.get(name)
         shelf = self._shelves.get(name)
@@ -57,6 +60,7 @@ class Alarms:
             severity=severity,
             since=known.since if known else now,
             count=known.count + 1 if known else 1,
+            until_seen=until_seen,
             acknowledged_by=known.acknowledged_by if known and as_bad else "",
             shelved_until=shelf.until if shelf else 0.0,
             shelved_by=shelf.author if shelf else "",
@@ -95,6 +99,8 @@ class Alarms:
         self._alarms[name] = known.model_copy(update={"acknowledged_by": by})
         self._publish()
         self._tell(Happened(self._clock.wall(), "alarm", f"Acknowledged: {name}", who=by))
+        if known.until_seen:
+            self.clear(name)
 
     def shelve(self, shelf: Shelf) -> None:
         """Put an alarm away until a time, whether it stands or comes; one that is over ends it."""

@@ -341,8 +341,10 @@ class TableManager:
             diff=diff.model_copy(update={"after": made.number}),
             findings=self._validator.found(table, swap.verdicts),
         )
-        back = "" if restores is None else f", the rules of revision {restores}"
-        self._edited(f"Revision {made.number} in force{back}", made.number, who.name, reason)
+        title = f"Revision {made.number} in force"
+        if restores is not None:
+            title = f"Revision {made.number} in force, the rules of revision {restores}"
+        self._edited(title, made.number, who.name, reason)
         wait = f"; confirm it within {probation:g} s, or it is taken back" if probation else ""
         return ChangeAnswer(
             "applied", f"revision {made.number} is in force{wait}", made.number, body

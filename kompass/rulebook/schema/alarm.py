@@ -14,6 +14,8 @@ class Alarm(Model):
         What the actions that raise and clear it call it.
     since
         Seconds since the epoch at which it was first raised; ``count`` how often since then.
+    until_seen
+        Whether it ends when somebody acknowledges it: no rule would clear it.
     acknowledged_by
         Who has seen it; empty for nobody.
     shelved_until, shelved_by
@@ -26,6 +28,7 @@ class Alarm(Model):
     severity: str = "warning"
     since: float
     count: int = Field(default=1, ge=1)
+    until_seen: bool = False
     acknowledged_by: str = ""
     shelved_until: float = Field(default=0.0, ge=0.0)
     shelved_by: str = ""

@@ -42,7 +42,7 @@ _OTHER = "another program"
 _REPORTS = 20  # of planners that are kept
 _MESSAGES: dict[GoalPhase, str] = {
     "arrived": "The robot has arrived.",
-    "canceled": "The goal was canceled.",
+    "canceled": "The goal was cancelled.",
     "failed": "The planner gave the goal up without saying why.",
 }
 

@@ -139,7 +139,7 @@ def _end(run: _Run, done: Future[BacktestEnd]) -> None:
         end = done.result()
         report = end.report.parsed()
     except BacktestCanceled:
-        run.update(state="canceled", error="It was canceled.")
+        run.update(state="canceled", error="It was cancelled.")
     except Refused as error:
         run.update(state="failed", error=str(error) or "It failed.")
     except ValidationError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 
 import numpy as np
@@ -15,7 +16,10 @@ from kompass_console.schema.world import Pose
 
 _STEP = 0.05  # m between two points
 _LENGTH = 240  # points: the last 12 m
-_JUMP = 1.0  # m; further than this in one step is a relocalisation, not a drive
+# Further than so many metres, and so many in each second, from one pose to the next is no drive: it
+# was told, or has found, that it is elsewhere.
+_JUMP = 0.2
+_FASTEST = 3.0
 _HEIGHT = 0.008
 
 
@@ -24,16 +28,15 @@ class Trail:
 
     def __init__(self) -> None:
         self._points: deque[tuple[float, float]] = deque(maxlen=_LENGTH)
+        self._seen: tuple[Pose, float] | None = None
 
-    def add(self, pose: Pose) -> bool:
-        """Add a pose; True when the trail has changed."""
-        if self._points:
-            last_x, last_y = self._points[-1]
-            moved = float(np.hypot(pose.x - last_x, pose.y - last_y))
-            if moved < _STEP:
-                return False
-            if moved > _JUMP:
-                self._points.clear()
+    def add(self, pose: Pose, at: float) -> bool:
+        """Add a pose that was heard at a time [s]; True when the trail has changed."""
+        before, self._seen = self._seen, (pose, at)
+        if before is not None and _between(before[0], pose) > _JUMP + _FASTEST * (at - before[1]):
+            self._points.clear()
+        elif self._points and math.dist(self._points[-1], (pose.x, pose.y)) < _STEP:
+            return False
         self._points.append((pose.x, pose.y))
         return True
 
@@ -45,6 +48,10 @@ class Trail:
         points = np.array(self._points)
         padding = np.repeat(points[:1], _LENGTH - len(points), axis=0)
         return open_segments(np.concatenate([padding, points]), _HEIGHT)
+
+
+def _between(one: Pose, other: Pose) -> float:
+    return math.hypot(one.x - other.x, one.y - other.y)
 
 
 def fading(theme: Theme) -> npt.NDArray[np.uint8]:

@@ -35,7 +35,7 @@ export function MeasureCard({ tool }: { tool: MeasureTool }) {
           onClick={() => set([])}
           data-testid="measure-clear"
         >
-          {t("Clear")}
+          {t("Clear points")}
         </Button>
       )}
       <Button

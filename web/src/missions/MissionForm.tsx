@@ -125,6 +125,7 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
             <TaskList
               tasks={waypoint.tasks ?? []}
               where={`place ${index + 1}`}
+              asked={asked}
               onChange={(tasks) => put(index, { ...waypoint, tasks })}
             />
           </li>

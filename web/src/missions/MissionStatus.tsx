@@ -78,6 +78,14 @@ function Controls({ run }: { run: MissionRun }) {
   const steer = useMutation({
     mutationFn: (verb: RunVerb) => steerMission(run, verb),
   });
+  // What kept it from going on is over, or another: what was said of it is true no more.
+  const { drive } = useStop();
+  const now = `${run.phase} ${drive?.stopped} ${drive?.driven_by}`;
+  const [asked, setAsked] = useState(now);
+  if (asked !== now && !steer.isPending) {
+    setAsked(now);
+    if (steer.isError) steer.reset();
+  }
   const button = (verb: RunVerb, label: string, primary = false) => (
     <Button
       size="md"

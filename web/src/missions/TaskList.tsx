@@ -15,11 +15,14 @@ import { DurationField } from "../ui/controls/DurationField";
 import { IconButton } from "../ui/controls/IconButton";
 import { Picker } from "../ui/controls/Picker";
 import classes from "./Missions.module.css";
+import { taskGap } from "./missionText";
 
 interface Props {
   tasks: MissionTask[];
   /** Which place it is, for who cannot see it. */
   where: string;
+  /** Somebody has tried to save it: what is missing is said where it is. */
+  asked: boolean;
   onChange: (tasks: MissionTask[]) => void;
 }
 
@@ -30,7 +33,7 @@ const OWN: { value: string; label: Phrase; task: MissionTask }[] = [
 ];
 
 /** What is done at a place, one after the other. */
-export function TaskList({ tasks, where, onChange }: Props) {
+export function TaskList({ tasks, where, asked, onChange }: Props) {
   const { graph, reloadGraph } = useRules();
   const { session } = useSession();
   useEffect(reloadGraph, [reloadGraph]);
@@ -58,6 +61,7 @@ export function TaskList({ tasks, where, onChange }: Props) {
               onChange={(next) => put(index, next)}
             />
           </EditorProvider>
+          {asked && <Gap task={task} />}
           <IconButton
             label={t("Remove task {index} at {where}", { index: index + 1, where })}
             onClick={() => onChange(tasks.filter((_, at) => at !== index))}
@@ -83,6 +87,15 @@ export function TaskList({ tasks, where, onChange }: Props) {
         />
       </li>
     </ol>
+  );
+}
+
+function Gap({ task }: { task: MissionTask }) {
+  const gap = taskGap(task);
+  return gap === null ? null : (
+    <p className={classes.gap} data-testid="task-gap">
+      {gap}
+    </p>
   );
 }
 

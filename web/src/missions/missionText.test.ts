@@ -89,6 +89,14 @@ test("what cannot be saved is said before it is sent", () => {
   expect(missionProblem({ ...base, name: " ", waypoints }, [place])).toMatch(/name/);
   expect(missionProblem({ ...base, name: "R", waypoints: [] }, [place])).toMatch(/Add a place/);
   expect(missionProblem({ ...base, name: "R", waypoints }, [])).toMatch(/Place 1 is there no more/);
+  const nameless = {
+    kind: "act",
+    action: { kind: "raise_alarm", alarm: "", text: "", on_error: "continue", timeout: null },
+  } as const;
+  const tasks = [{ kind: "stop" } as const, nameless];
+  expect(missionProblem({ ...base, name: "R", waypoints: [{ place: 1, tasks }] }, [place])).toBe(
+    "Place 1, task 2: The alarm has no name. Name it.",
+  );
   const schedule = { at: "08:00", days: [] };
   expect(missionProblem({ ...base, name: "R", waypoints, schedule }, [place])).toMatch(/a day/);
   expect(missionProblem({ ...base, name: "R", waypoints }, [place])).toBeNull();

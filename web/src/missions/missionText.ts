@@ -1,5 +1,7 @@
-import type { Mission, MissionRun, MissionSave, Place } from "../api/types";
+import type { Action } from "../api/ruleTypes";
+import type { Mission, MissionRun, MissionSave, MissionTask, Place } from "../api/types";
 import { durationText } from "../format";
+import { actionGap } from "../rules/changes/findings";
 import { weekdayText } from "../texts/dates";
 import { t } from "../texts/text";
 import { told } from "../texts/told";
@@ -131,6 +133,12 @@ function scheduleText({ at, days }: NonNullable<Mission["schedule"]>): string {
 export const nameOf = (places: readonly Place[], id: number) =>
   places.find((place) => place.id === id)?.name ?? null;
 
+/** What a task at a place still lacks, and the remedy; null where nothing is missing. */
+export function taskGap(task: MissionTask): string | null {
+  const gap = task.kind === "act" ? actionGap(task.action as Action) : null;
+  return gap === null ? null : gap.map(told).join(" ");
+}
+
 /** What is wrong with a mission, in a sentence; null when nothing is that this page can tell. */
 export function missionProblem(mission: MissionSave, places: readonly Place[]): string | null {
   if (mission.name.trim() === "") return t("Give the mission a name.");
@@ -142,6 +150,13 @@ export function missionProblem(mission: MissionSave, places: readonly Place[]): 
     return t("Place {gone} is there no more, or on another map; choose another.", {
       gone: gone + 1,
     });
+  for (const [index, waypoint] of mission.waypoints.entries()) {
+    for (const [at, task] of (waypoint.tasks ?? []).entries()) {
+      const gap = taskGap(task);
+      if (gap !== null)
+        return t("Place {place}, task {task}: {gap}", { place: index + 1, task: at + 1, gap });
+    }
+  }
   if (mission.schedule && mission.schedule.days?.length === 0)
     return t("Choose a day on which it begins.");
   return null;

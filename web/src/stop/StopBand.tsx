@@ -77,9 +77,13 @@ export function StopBand({ why, brief = false }: { why: ReactNode; brief?: boole
               ? t("An operator can release it.")
               : brief
                 ? null
-                : t(
-                    "The robot stays where it is until a person releases it; then send it a new goal.",
-                  )}
+                : state?.missions.run?.phase === "paused"
+                  ? t(
+                      "The robot stays where it is until a person releases it; then resume the mission.",
+                    )
+                  : t(
+                      "The robot stays where it is until a person releases it; then send it a new goal.",
+                    )}
         </Band>
       )}
       {was !== null && (

@@ -84,7 +84,7 @@ describe("the catalogue", () => {
   });
 
   test("keeps what the console and the robot say only as long as they say it", () => {
-    const page = ["src/api/errors.ts", "src/stop/stopMachine.ts"];
+    const page = ["src/api/errors.ts", "src/stop/stopMachine.ts", "src/rules/changes/findings.ts"];
     const sources = [
       ...filesUnder("../kompass", /\.py$/),
       ...filesUnder("../kompass_console", /\.py$/),
@@ -127,5 +127,14 @@ test("what the robot says is put into words where the page knows them, and else 
   expect(langOf(known)).toBeUndefined();
   expect(told("Place saved: Mission")).toBe("Ort gespeichert: Mission");
   expect(told("Mission saved: Round")).toBe("Auftrag gespeichert: Round");
+  expect(told("the process was killed by SIGKILL. Started again.")).toBe(
+    "der Prozess wurde durch SIGKILL beendet. Neu gestartet.",
+  );
+  expect(langOf("A cat. Started again.")).toBe("en");
+  expect(told("Sent the robot to (1.70, -0.50)")).toBe("Roboter geschickt nach 1,70 | −0,50");
+  expect(told("Sent the robot to 2.5")).toBe("Roboter geschickt nach 2.5");
+  expect(told("Revision 3 in force, the rules of revision 1")).toBe(
+    "Revision 3 in Kraft, die Regeln von Revision 1",
+  );
   expect([told("A cat."), langOf("A cat.")]).toEqual(["A cat.", "en"]);
 });

@@ -47,11 +47,25 @@ function filled(german: string, found: Record<string, string>): string {
 function germanOf(said: string): string | null {
   const known = fixedSentences.get(said);
   if (known !== undefined) return known;
+  const whole = ofSentences(said);
+  if (whole !== null) return whole;
   for (const { matches, german } of patterns) {
     const found = matches.exec(said)?.groups;
     if (found !== undefined) return filled(german, found);
   }
   return null;
+}
+
+/** What came first, and how it ended: sentences in a row, of which each is known. */
+function ofSentences(said: string): string | null {
+  const parts = said.split(/(?<=[.!?]) /);
+  if (parts.length < 2) return null;
+  const german = parts.map((part) => {
+    // What is put before another sentence gets its point there.
+    const bare = part.endsWith(".") ? germanOf(part.slice(0, -1)) : null;
+    return bare === null ? germanOf(part) : `${bare}.`;
+  });
+  return german.includes(null) ? null : german.join(" ");
 }
 
 /**

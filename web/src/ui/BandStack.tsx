@@ -4,6 +4,9 @@ import { type ReactNode, useEffect, useRef, useState } from "react";
 import { t } from "../texts/text";
 import classes from "./Band.module.css";
 
+/** px; of a scene lower than this a message leaves room to see the robot. */
+const LOW = 320;
+
 /** Messages across the scene, the gravest first: what there is no room for waits behind a button. */
 export function BandStack({ children }: { children: ReactNode }) {
   const list = useRef<HTMLDivElement>(null);
@@ -13,7 +16,8 @@ export function BandStack({ children }: { children: ReactNode }) {
   const small = useMediaQuery("(max-width: 560px) and (max-height: 700px)", false, {
     getInitialValueInEffect: false,
   });
-  const room = roomy ? 3 : small ? 1 : 2;
+  const [low, setLow] = useState(false);
+  const room = roomy ? 3 : small || low ? 1 : 2;
   useEffect(() => {
     const element = list.current;
     if (element === null) return;
@@ -23,6 +27,13 @@ export function BandStack({ children }: { children: ReactNode }) {
     look();
     return () => observer.disconnect();
   }, []);
+  useEffect(() => {
+    const scene = list.current?.closest("main");
+    if (scene == null) return;
+    const observer = new ResizeObserver(() => setLow(scene.clientHeight < LOW));
+    observer.observe(scene);
+    return () => observer.disconnect();
+  }, []);
   const more = Math.max(0, count - room);
   return (
     <div className={classes.stack}>
@@ -30,6 +41,7 @@ export function BandStack({ children }: { children: ReactNode }) {
         ref={list}
         className={classes.list}
         id="bands"
+        data-low={low || undefined}
         data-room={open || more === 0 ? undefined : room}
       >
         {children}

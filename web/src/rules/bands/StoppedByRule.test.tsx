@@ -36,6 +36,7 @@ const drive: Drive = {
   speed_factor: 0,
   age: 0.1,
 };
+const missions = { run: null } as State["missions"];
 const band = () => renderPlain(<StopBand why={<StoppedByRule />} />);
 
 beforeEach(() => {
@@ -49,7 +50,7 @@ afterEach(() => {
 });
 
 test("a stop of a rule names the rule, and leads to why it fired", () => {
-  robot.state = { drive } as State;
+  robot.state = { drive, missions } as State;
   stop.drive = drive;
   band();
   expect(screen.getByTestId("stop-band").textContent).toContain(
@@ -63,21 +64,29 @@ test("a rule that is gone by now is told by the firing that stopped the robot", 
   const firing = { kind: "firing", name: "Glass ahead", rule_id: "glass" };
   fired.firings = [firing];
   stop.drive = { ...drive, stopped_by: "rule Glass ahead" };
-  robot.state = { drive: stop.drive } as State;
+  robot.state = { drive: stop.drive, missions } as State;
   band();
   fireEvent.click(screen.getByTestId("stop-why"));
   expect(go).toHaveBeenCalledWith({ at: "why", id: "glass", firing });
 });
 
+test("who has a mission paused by it is told to resume that, not to send another goal", () => {
+  const run = { phase: "paused" } as State["missions"]["run"];
+  robot.state = { drive, missions: { ...missions, run } } as State;
+  stop.drive = drive;
+  band();
+  expect(screen.getByTestId("stop-band").textContent).toContain("then resume the mission.");
+});
+
 test("a stop of a person leads to no rule", () => {
-  robot.state = { drive: { ...drive, stopped_by: "ava" } } as State;
+  robot.state = { drive: { ...drive, stopped_by: "ava" }, missions } as State;
   stop.drive = robot.state.drive;
   band();
   expect(screen.queryByTestId("stop-why")).toBeNull();
 });
 
 test("a robot that is lost while it was stopped is told as stopped, greyed, with the age of that", () => {
-  robot.state = { drive } as State;
+  robot.state = { drive, missions } as State;
   robot.elapsed = 7.2;
   stop.drive = null;
   band();

@@ -48,7 +48,8 @@ function conditionGaps(root: string, condition: Condition): Gap[] {
   });
 }
 
-function actionGap(action: Action): [string, string] | null {
+/** What an action still lacks, and the remedy; null where nothing is missing. */
+export function actionGap(action: Action): [string, string] | null {
   if (action.kind === "log" && action.text.trim() === "") {
     return ["The line is empty.", "Write what the log shall say."];
   }

@@ -115,12 +115,16 @@ test("a refused place is crossed out, and the nearest one has a ring", () => {
   expect(drawn("moveTo").map(([, x, y]) => [x, y])).toContainEqual([90, 40]);
 });
 
-test("a place is drawn with its name above it, unless its layer is off", () => {
-  const places = [{ name: "Dock", x: 1, y: 0 }];
+test("a place is a ring, a stroke for its heading and its name, unless its layer is off", () => {
+  const places = [{ name: "Dock", x: 1, y: 0, yaw: Math.PI / 2 }];
   const { context, drawn } = canvas();
   paint(context, { ...picture, places });
   expect(drawn("arc")[0]?.slice(1, 3)).toEqual([110, 50]);
-  expect(drawn("fillText")[0]?.slice(1, 4)).toEqual(["Dock", 110, 42]);
+  expect(drawn("fillText")[0]?.slice(1, 3)).toEqual(["Dock", 110]);
+  const [, x, y] = drawn("lineTo")[0] ?? [];
+  expect(x).toBeCloseTo(110);
+  expect(y).toBe(36); // to the north, and the name is above that
+  expect(Number(drawn("fillText")[0]?.[3])).toBeLessThan(36);
   const off = canvas();
   paint(off.context, { ...picture, places, layers: { ...all, places: false } });
   expect(off.drawn("fillText")).toHaveLength(0);

@@ -10,10 +10,8 @@ export interface Place {
 }
 
 /** A place with a name. */
-export interface Named {
+export interface Named extends Place {
   name: string;
-  x: number;
-  y: number;
 }
 
 /** A zone: hatched where the robot keeps out. */
@@ -109,7 +107,7 @@ export function paint(canvas: Canvas, picture: Picture): void {
   }
   canvas.globalAlpha = 1;
   if (layers.places) {
-    for (const place of places) named(canvas, place.name, at(place.x, place.y), colours);
+    for (const place of places) named(canvas, place, at(place.x, place.y), colours);
   }
   if (layers.goal && world.goal !== null) goal(canvas, world.goal, at, colours.goal);
   if (layers.goal && world.hindrance !== null) {
@@ -270,17 +268,23 @@ function goal(
   canvas.restore();
 }
 
+/** A ring, a stroke for its heading, and its name. */
 function named(
   canvas: Canvas,
-  name: string,
+  { name, yaw }: Named,
   [x, y]: readonly [number, number],
   colours: Colours,
 ): void {
+  canvas.strokeStyle = colours.footprint;
+  canvas.lineWidth = 2;
   canvas.beginPath();
-  canvas.arc(x, y, PLACE, 0, 2 * Math.PI);
-  canvas.fillStyle = colours.footprint;
-  canvas.fill();
-  written(canvas, name, [x, y - 2 * PLACE], colours);
+  canvas.arc(x, y, 1.5 * PLACE, 0, 2 * Math.PI);
+  if (yaw !== null) {
+    canvas.moveTo(x, y);
+    canvas.lineTo(x + 3.5 * PLACE * Math.cos(yaw), y - 3.5 * PLACE * Math.sin(yaw));
+  }
+  canvas.stroke();
+  written(canvas, name, [x, y - 4 * PLACE], colours);
 }
 
 function written(

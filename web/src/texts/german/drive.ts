@@ -31,6 +31,8 @@ export const DRIVE = {
   "Hold to release the stop: press for one second, or hold Enter":
     "Halten zum Freigeben des Stopps: eine Sekunde drücken, oder Enter halten",
   "An operator can release it.": "Ein Bediener kann ihn freigeben.",
+  "The robot stays where it is until a person releases it; then resume the mission.":
+    "Der Roboter bleibt stehen, bis ihn jemand freigibt; setzen Sie dann den Auftrag fort.",
   "The robot stays where it is until a person releases it; then send it a new goal.":
     "Der Roboter bleibt stehen, bis ihn jemand freigibt; senden Sie ihm dann ein neues Ziel.",
   "Last heard {age} ago; it stays so until somebody releases it.":
@@ -89,6 +91,7 @@ export const DRIVE = {
   "Tap the floor, or press, drag to the heading and release.":
     "Tippen Sie auf den Boden; oder drücken, in die Richtung ziehen, loslassen.",
   "about {duration}": "etwa {duration}",
+  "Clear points": "Punkte löschen",
   Clear: "Frei",
   clear: "frei",
   "{age} ago": "vor {age}",

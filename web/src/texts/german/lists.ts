@@ -140,6 +140,7 @@ export const LISTS = {
   "{days} at {at}": "{days} um {at}",
   "Give the mission a name.": "Geben Sie dem Auftrag einen Namen.",
   "Add a place to go to.": "Fügen Sie einen Ort hinzu.",
+  "Place {place}, task {task}: {gap}": "Ort {place}, Aufgabe {task}: {gap}",
   "Place {gone} is there no more, or on another map; choose another.":
     "Ort {gone} gibt es nicht mehr, oder auf einer anderen Karte; wählen Sie einen anderen.",
   "Choose a day on which it begins.": "Wählen Sie einen Tag, an dem er beginnt.",

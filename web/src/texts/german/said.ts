@@ -113,6 +113,8 @@ export const SAID: Readonly<Record<string, string>> = {
   "Start the robot's program, or look at the planner's health.":
     "Starten Sie das Programm des Roboters, oder sehen Sie nach dem Zustand des Planers.",
   "Choose another point.": "Wählen Sie einen anderen Punkt.",
+  "Release STOP when the way is clear, then try again.":
+    "Geben Sie den Stopp frei, wenn der Weg frei ist, dann versuchen Sie es erneut.",
   "Release STOP when the way is clear, then send it again.":
     "Geben Sie den Stopp frei, wenn der Weg frei ist, dann senden Sie es erneut.",
   "{name} drives by hand.": "{name} fährt von Hand.",
@@ -122,7 +124,8 @@ export const SAID: Readonly<Record<string, string>> = {
   // Goals, on the way
   "The robot has arrived.": "Der Roboter ist angekommen.",
   "Arrived, {off} cm off.": "Angekommen, {off} cm daneben.",
-  "The goal was canceled.": "Das Ziel wurde abgebrochen.",
+  "Cancelled.": "Abgebrochen.",
+  "The goal was cancelled.": "Das Ziel wurde abgebrochen.",
   "The planner gave the goal up without saying why.":
     "Der Planer hat das Ziel aufgegeben, ohne zu sagen, warum.",
   "No planner took the goal. Check that it is running.":
@@ -190,6 +193,14 @@ export const SAID: Readonly<Record<string, string>> = {
     "Niemand verwahrt auf diesem Roboter Zonen: Sein Monitor hat keine gemeldet.",
   "Nobody keeps missions on this robot: its monitor has not told of any.":
     "Niemand verwahrt auf diesem Roboter Aufträge: Sein Monitor hat keine gemeldet.",
+  "The line is empty.": "Die Zeile ist leer.",
+  "Write what the log shall say.": "Schreiben Sie, was im Protokoll stehen soll.",
+  "The alarm has no name.": "Der Alarm hat keinen Namen.",
+  "Name it.": "Geben Sie ihm einen.",
+  "No mission is chosen.": "Es ist kein Auftrag gewählt.",
+  "Choose which one.": "Wählen Sie einen.",
+  "No parameter is chosen.": "Es ist kein Parameter gewählt.",
+  "Choose which one to set, and to what.": "Wählen Sie, welcher zu setzen ist und worauf.",
   "STOP was pressed here, as the mission says.":
     "Hier wurde STOPP gedrückt, wie der Auftrag es will.",
   "No place was reached in a whole round.": "In einer ganzen Runde wurde kein Ort erreicht.",
@@ -214,11 +225,25 @@ export const SAID: Readonly<Record<string, string>> = {
   "Waits for {what}": "Wartet auf {what}",
   Done: "Erledigt",
   Cancelled: "Abgebrochen",
+  "Cancelled by {name}": "Abgebrochen von {name}",
+  "Ended with its rule: {name}": "Mit seiner Regel beendet: {name}",
+  "Acknowledged: {name}": "Bestätigt: {name}",
+  "Shelved: {name}": "Zurückgestellt: {name}",
+  "Shown again: {name}": "Wieder gezeigt: {name}",
+  "the process was killed by {signal}": "der Prozess wurde durch {signal} beendet",
+  "the process was stopped by a signal": "der Prozess wurde durch ein Signal angehalten",
+  "no sign of life for {seconds} s": "kein Lebenszeichen seit {seconds} s",
+  "its loop has not come round for {seconds} s": "seine Schleife steht seit {seconds} s",
+  "Whoever pursued it was lost, and the goal with it.":
+    "Wer es verfolgte, ist ausgefallen, und mit ihm das Ziel.",
   "Mission {name} waits for a person": "Auftrag {name} wartet auf jemanden",
   "Mission {name} paused": "Auftrag {name} pausiert",
   "Mission {name}": "Auftrag {name}",
   "Goal {x}, {y}": "Ziel {x} | {y}",
   "Revision {number} confirmed": "Revision {number} bestätigt",
+  "Revision {number} in force, the rules of revision {other}":
+    "Revision {number} in Kraft, die Regeln von Revision {other}",
+  "taken back": "zurückgenommen",
   "Revision {number} in force": "Revision {number} in Kraft",
   Place: "Ort",
   Zone: "Zone",
@@ -229,11 +254,16 @@ export const SAID: Readonly<Record<string, string>> = {
   "It had died, or was asked to start anew.": "Es war abgestürzt oder sollte neu starten.",
   "Started again": "Neu gestartet",
   "Started again.": "Neu gestartet.",
+  "Goes on without a new start.": "Läuft ohne Neustart weiter.",
   "Monitor started": "Monitor gestartet",
   "Monitor ended": "Monitor beendet",
+  "Sent the robot to ({at})": "Roboter geschickt nach {at}",
   "Sent the robot to {place}": "Roboter geschickt nach {place}",
   "Cancelled the goal": "Ziel abgebrochen",
-  "Set the robot's place to {place}": "Ort des Roboters gesetzt auf {place}",
+  "Set the robot's place to ({at})": "Ort des Roboters gesetzt auf {at}",
+  "Skipped a step of the mission": "Schritt des Auftrags übersprungen",
+  "Confirmed the mission": "Auftrag bestätigt",
+  "Resumed the mission": "Auftrag fortgesetzt",
   "Released STOP": "Stopp freigegeben",
   "Took control: {reason}": "Kontrolle übernommen: {reason}",
   "Took control": "Kontrolle übernommen",
