@@ -10,11 +10,11 @@ from pydantic import ValidationError
 _TEXTS = {
     "missing": "it is missing",
     "extra_forbidden": "there is no such field",
-    "string_too_short": "it is too short: at least {min_length} characters are needed",
-    "string_too_long": "it is too long: at most {max_length} characters are allowed",
+    "string_too_short": "it must have at least {at_least} character{s}",
+    "string_too_long": "it must have at most {at_most} character{s}",
     "string_pattern_mismatch": "it is not of the form {pattern}",
-    "too_short": "there are too few: at least {min_length} are needed",
-    "too_long": "there are too many: at most {max_length} are allowed",
+    "too_short": "it must have at least {at_least} item{s}",
+    "too_long": "it must have at most {at_most} item{s}",
 }
 
 
@@ -49,7 +49,10 @@ def invalid_of(item: Mapping[str, Any]) -> Invalid:
     where = ".".join(map(str, (*item["loc"], *([] if inner is None else [inner]))))
     text = item["msg"].removeprefix("Value error, ")
     if item["type"] in _TEXTS:
-        text = _TEXTS[item["type"]].format(**context)
+        least, most = context.get("min_length"), context.get("max_length")
+        bound = most if item["type"].endswith("too_long") else least
+        counted = {"at_least": least, "at_most": most, "s": "" if bound == 1 else "s"}
+        text = _TEXTS[item["type"]].format(**context, **counted)
     elif text.startswith("Input should "):
         text = f"it should {text.removeprefix('Input should ')}"
     return Invalid(where, item["input"], text)

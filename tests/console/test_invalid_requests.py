@@ -36,9 +36,14 @@ def ava(tmp_path_factory: pytest.TempPathFactory, domain: int) -> Iterator[httpx
         ("goals", {"x": 1, "y": 1, "Y": 1}, "has a field Y, and there is none", "Leave it out"),
         ("localisation/check", {"x": 1, "y": "here"}, 'y cannot be "here"', "Correct"),
         ("zones", {"name": "z"}, "The request lacks kind.", "Add it"),
-        ("missions", {**SCHEDULE, "waypoints": []}, "too few: at least 1", "Correct"),
+        (
+            "missions",
+            {**SCHEDULE, "waypoints": []},
+            "waypoints cannot be []: it must have at least 1 item",
+            "Correct",
+        ),
         ("recordings", {"name": "x\0"}, "a character that cannot be seen", "Correct"),
-        ("recordings", {"name": "x" * 999}, "too long: at most 200 characters", "Correct"),
+        ("recordings", {"name": "x" * 999}, "it must have at most 200 characters", "Correct"),
         (
             "missions",
             {**SCHEDULE, "schedule": {"at": "24:00"}},

@@ -147,7 +147,7 @@ def test_what_one_saves_another_sees_at_once_and_by_whom(
         place = save(ava, note="mind the step")
         until(socket, lambda m: m["type"] == "state" and m["places"]["revision"] > before)
     [seen] = listed(ben)["places"]
-    assert seen == place
+    assert {**seen, "warning": ""} == place
     assert (seen["author"], seen["note"], seen["here"], seen["version"]) == (
         *("ava", "mind the step", True),
         1,

@@ -48,6 +48,21 @@ def test_the_rule_and_the_field_are_named(change: dict[str, Any], field: str, re
     assert any(remedy in each.remedy for each in found if each.field == field)
 
 
+@pytest.mark.parametrize("value", [float("nan"), {"a": 1}, [[1]]])
+def test_a_value_that_may_be_of_several_types_is_complained_of_once(value: Any) -> None:
+    condition = compare("a", ">", 1) | {"value": value}
+    (found,) = refused(json.dumps({"rules": [GOOD | {"event": {"condition": condition}}]})).findings
+    assert found.field.startswith("event.condition.value")
+    assert ("finite" in found.text) == isinstance(value, float)
+
+
+def test_two_rules_of_one_id_are_told_where_the_second_is() -> None:
+    (found,) = refused(json.dumps({"rules": [GOOD, GOOD]})).findings
+    assert (found.field, found.value) == ("rules[1].id", None)
+    assert "have the same id 'good'" in found.text
+    assert found.remedy == "rename one"
+
+
 def test_a_rule_that_was_read_before_is_the_same_object_and_others_are_not() -> None:
     reader = TableReader()
     both = [GOOD, rule("other", compare("a", "==", 1))]

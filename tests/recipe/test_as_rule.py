@@ -46,7 +46,7 @@ def test_what_is_stated_is_in_the_rule_and_the_rest_is_as_ever() -> None:
         ({"hold": -2.0}, ValueError, "hold"),
         ({"clear": 5}, TypeError, "is no condition"),
         ({"rule_id": [1]}, TypeError, "is no text; give one"),
-        ({"protected": "x"}, ValueError, "as_rule: protected = 'x': Input should be a valid bool"),
+        ({"protected": "x"}, ValueError, "as_rule: protected = 'x': it should be a valid bool"),
         ({"severity": "grave"}, ValueError, "'grave' is not a severity"),
         ({"name": 5}, ValueError, "as_rule: name = 5"),
     ],

@@ -18,6 +18,7 @@ ALLOWED = {
     "numpy",
     "operator",
     "pydantic",
+    "pydantic_core",
     "re",
     "typing",
     "weakref",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
@@ -10,10 +11,11 @@ from typing import Any, TypeAlias
 
 from pydantic import JsonValue, ValidationError
 
+from kompass.invalid import invalid_of
 from kompass.rulebook.schema.report import Finding
 from kompass.rules.schema.interned import interned_table, text_of
 from kompass.rules.schema.signals import path_text
-from kompass.rules.schema.table import Rule, Table
+from kompass.rules.schema.table import SAME_ID, Rule, Table
 
 # Beyond these a table is no table of a robot, and reading it would hold up the engine.
 MAX_BYTES = 2_000_000
@@ -22,6 +24,7 @@ SHOWN = 50  # findings that are told
 # Half of a pair, escaped or not; in a text that is searched before it is looked through.
 _SURROGATE = re.compile(r"\\u[dD][89a-fA-F]|[\ud800-\udfff]")
 _Steps: TypeAlias = tuple[str | int, ...]
+_SEVERAL = "several-types"
 SHOWN_VALUE = 200  # characters of a value that are told
 
 
@@ -74,7 +77,7 @@ class TableReader:
             text = "conditions or arguments are nested too deep"
             raise Unreadable([_finding("too-deep", text, "nest them less")]) from None
         except ValidationError as error:
-            found = error.errors(include_url=False, include_context=False)
+            found = _by_place(error.errors(include_url=False), data)
             raise Unreadable([_of_item(item, data) for item in found[:SHOWN]]) from None
         return table
 
@@ -177,6 +180,38 @@ def _finding(code: str, text: str, remedy: str, field: str = "", rule_id: str = 
     return Finding(level="error", code=code, rule_id=rule_id, field=field, text=text, remedy=remedy)
 
 
+def _by_place(found: Sequence[Any], data: Any) -> list[Any]:
+    """One complaint for each value: one that may be of several types has one for each of them."""
+    kept: dict[_Steps, Any] = {}
+    for item in found:
+        at, steps = data, []
+        for step in item["loc"]:
+            if isinstance(at, dict | list) and _has(at, step):
+                at = at[step]
+                steps.append(step)
+            elif not (isinstance(at, dict) and at.get("kind") == step):
+                break  # the name of a type, or of what is missing
+        place = tuple(steps)
+        if item["type"] == "missing" or place == tuple(item["loc"]):
+            kept[tuple(item["loc"])] = item
+        elif place not in kept:
+            kept[place] = item
+        elif kept[place]["type"] != _SEVERAL:
+            other = {**kept[place], "loc": place, "type": _SEVERAL, "msg": _of_several(at)}
+            kept[place] = other
+    return list(kept.values())
+
+
+def _has(at: dict[Any, Any] | list[Any], step: Any) -> bool:
+    return step in at if isinstance(at, dict) else isinstance(step, int) and step < len(at)
+
+
+def _of_several(value: Any) -> str:
+    if isinstance(value, float) and not math.isfinite(value):
+        return "it must be a finite number"
+    return "it fits none of the types that it may be of"
+
+
 def _of_item(item: Any, data: Any) -> Finding:
     """One complaint of pydantic, in the words of everybody else."""
     path, rule_id, at = "", "", data
@@ -192,14 +227,19 @@ def _of_item(item: Any, data: Any) -> Finding:
         elif not (isinstance(at, dict) and at.get("kind") == step):  # the tag of a union is no step
             path += f".{step}" if path else str(step)
     missing = item["type"] == "missing"
+    text, remedy = invalid_of(item).text, "add it" if missing else _remedy(item["type"])
+    if item["type"] == SAME_ID:
+        path = item["ctx"]["field"]
+        text, _, remedy = text.partition("; ")
     return Finding(
         level="error",
         code="missing-field" if missing else "malformed",
         rule_id=rule_id,
         field=path,
-        value=None if missing else _short(item["input"]),
-        text=item["msg"].removeprefix("Value error, "),
-        remedy="add it" if missing else _remedy(item["type"]),
+        # Of the whole there is more than anybody reads.
+        value=None if missing or not item["loc"] else _short(item["input"]),
+        text=text,
+        remedy=remedy,
     )
 
 

@@ -6,6 +6,7 @@ from enum import IntEnum
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, model_validator
+from pydantic_core import PydanticCustomError
 
 from kompass.rules.schema.actions import Action
 from kompass.rules.schema.events import Event
@@ -41,6 +42,7 @@ SeverityField = Annotated[
     WithJsonSchema({"enum": [*_SEVERITIES], "type": "string"}),
 ]
 RuleId = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_.-]{0,99}$", examples=["stuck-unblock"])]
+SAME_ID = "same-id"  # kind of the error of a table in which two rules have one
 Lane = Literal["safety", "normal"]
 Source = Literal["recipe", "engineer", "edited"]
 
@@ -92,9 +94,18 @@ class Table(Model):
         for index, rule in enumerate(self.rules):
             if rule.id in seen:
                 first, other = seen[rule.id]
-                raise ValueError(
-                    f"rules[{first}] ({other.name or other.id!r}) and rules[{index}] "
-                    f"({rule.name or rule.id!r}) have the same id {rule.id!r}; rename one"
+                raise PydanticCustomError(
+                    SAME_ID,
+                    "rules[{first}] ({one}) and rules[{index}] ({other}) have the same id {id}; "
+                    "rename one",
+                    {
+                        "first": first,
+                        "one": repr(other.name or other.id),
+                        "index": index,
+                        "other": repr(rule.name or rule.id),
+                        "id": repr(rule.id),
+                        "field": f"rules[{index}].id",
+                    },
                 )
             seen[rule.id] = (index, rule)
         return self
