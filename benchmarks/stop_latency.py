@@ -4,7 +4,9 @@ The load: twenty pages that watch, back-tests without a pause, and a disk on whi
 stack can grow any more. Pressed over HTTP, as the page does. Aims: zero twist p99 50 ms, standstill
 0.3 s.
 
-.venv/bin/python benchmarks/stop_latency.py [PRESSES] [--idle]
+With --map, a map of 2,000 by 2,000 cells is published before each press, up to 0.3 s.
+
+.venv/bin/python benchmarks/stop_latency.py [PRESSES] [--idle] [--map]
 """
 
 import math
@@ -16,17 +18,22 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from array import array
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import httpx
+import numpy as np
+import rclpy
 from geometry_msgs.msg import Twist
+from nav_msgs.msg import OccupancyGrid
 from websockets.sync.client import connect
 
 from benchmarks.common import percentile
 from benchmarks.standstill import Watched, full_speed
+from kompass.rclpy_ext.topic import LATCHED
 from tests.recorder.reality import Reality, reality_table
 from tests.support.processes import children, wait_until
 from tests.support.stack import TOKEN, Stack
@@ -34,6 +41,10 @@ from tests.support.stack import TOKEN, Stack
 VIEWERS = 20
 RECORDED = 20.0  # s before the disk is full, so that there is something to back-test
 STANDING = 0.01  # m/s
+
+
+SIDE = 2000  # cells of the large map
+JUST_BEFORE = 0.3  # s
 
 
 class Listener(Watched):
@@ -112,6 +123,54 @@ def load(stack: Stack, robot: Listener) -> Iterator[dict[str, int]]:
         viewers.stdout.close()
 
 
+def publish_maps(domain: int) -> None:
+    """The map of the stack amid a large unknown one, once for each line that is read."""
+    rclpy.init(args=[], domain_id=domain)
+    node = rclpy.create_node("large_map")
+    heard: list[OccupancyGrid] = []
+    node.create_subscription(OccupancyGrid, "/map", heard.append, LATCHED.to_ros())
+    publisher = node.create_publisher(OccupancyGrid, "/map", LATCHED.to_ros())
+    while not heard:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    small = heard[0]
+    info = small.info
+    cells = np.full((SIDE, SIDE), -1, dtype=np.int8)
+    known = np.asarray(small.data, dtype=np.int8).reshape(info.height, info.width)
+    up, right = (SIDE - info.height) // 2, (SIDE - info.width) // 2
+    cells[up : up + info.height, right : right + info.width] = known
+    large = OccupancyGrid(header=small.header, info=info)
+    large.info.origin.position.x -= right * info.resolution
+    large.info.origin.position.y -= up * info.resolution
+    large.info.width = large.info.height = SIDE
+    large.data = array("b", cells.tobytes())
+    print("ready", flush=True)
+    for _ in sys.stdin:
+        publisher.publish(large)
+        print("published", flush=True)
+
+
+@contextmanager
+def large_maps(domain: int) -> Iterator[Callable[[], None]]:
+    """What publishes the large map once, when it is called."""
+    command = [sys.executable, __file__, "--publish-maps", str(domain)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) as program:
+        assert program.stdin is not None
+        assert program.stdout is not None
+        words, answers = program.stdin, program.stdout
+        answers.readline()
+
+        def publish() -> None:
+            words.write("\n")
+            words.flush()
+            answers.readline()
+
+        try:
+            yield publish
+        finally:
+            program.kill()
+
+
 def press(client: httpx.Client, robot: Listener) -> tuple[float, float, float]:
     """Time to the zero twist, to the answer, and to standstill [s]."""
     robot.zeros.clear()
@@ -134,19 +193,32 @@ def main() -> None:
         robot.ready()
         with closing(log_in(stack.url)) as client:
 
-            def run() -> None:
+            def run(before: Callable[[], None]) -> None:
                 for _ in range(presses):
                     full_speed(robot, chance)
+                    before()
                     results.append(press(client, robot))
                     client.post("/api/stop/release").raise_for_status()
                     robot.track.clear()
 
-            if "--idle" in sys.argv:
-                run()
-            else:
-                with load(stack, robot) as count:
-                    run()
-                print(f"{VIEWERS} viewers, {count['back-tests']} back-tests done, files at 4 KiB")
+            with ExitStack() as more:
+                publish = None
+                if "--map" in sys.argv:
+                    publish = more.enter_context(large_maps(stack.domain))
+
+                def before() -> None:
+                    if publish is not None:
+                        publish()
+                        time.sleep(chance.uniform(0.0, JUST_BEFORE))
+
+                if "--idle" in sys.argv:
+                    run(before)
+                else:
+                    with load(stack, robot) as count:
+                        run(before)
+                    print(
+                        f"{VIEWERS} viewers, {count['back-tests']} back-tests done, files at 4 KiB"
+                    )
         print(f"{'after the press [ms]':24} median   p99   worst  of {len(results)}")
         for name, values in zip(
             ("zero twist", "answer", "standstill"), zip(*results, strict=True), strict=True
@@ -163,5 +235,7 @@ if __name__ == "__main__":
     if sys.argv[1:2] == ["--watch"]:
         signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
         watch(sys.argv[2])
+    elif sys.argv[1:2] == ["--publish-maps"]:
+        publish_maps(int(sys.argv[2]))
     else:
         main()

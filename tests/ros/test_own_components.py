@@ -56,6 +56,9 @@ def test_the_page_knows_them_their_settings_actions_and_rules(page: httpx.Client
     assert "changed" in [method["name"] for method in battery["methods"]]
     settings = {each["name"]: each["text"] for each in battery["parameters"]}
     assert settings["lasts_metres"] == "m driving"
+    offered = {each["name"] for each in page.get("/api/graph").json()["services"]}
+    assert "drive_manager/stop" in offered
+    assert not [name for name in offered if name.endswith("/signed_call")]
     rules = page.get("/api/rules").json()["table"]["rules"]
     names = {rule["id"]: rule["name"] for rule in rules}
     assert names["battery-low"] == "Battery low → mark the place"

@@ -76,8 +76,10 @@ def test_the_same_table_gives_the_same_firings(reality: Reality, recording: Path
     assert [f.leaves for f in firings] == [f.leaves for f in record.firings], "values, ages, all"
     told = {(f.rule_id, tuple((leaf.text, leaf.verdict) for leaf in f.leaves)) for f in firings}
     assert {(live.rule_id, live.leaves) for live in reality.told} <= told
+    # Its last word is the answer itself: who has that is told no progress that comes after it.
     assert shares == sorted(shares)
-    assert shares[-1] == 1.0
+    assert shares[0] == 0.0
+    assert shares[-1] <= 1.0
 
 
 def test_one_threshold_moved_changes_what_hangs_on_it_and_nothing_else(

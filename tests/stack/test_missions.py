@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator
 from contextlib import closing
@@ -9,7 +10,7 @@ from datetime import datetime
 from typing import Any
 
 import pytest
-from kompass_interfaces.srv import ChangeMissions, ChangePlaces
+from kompass_interfaces.srv import ChangeMissions, ChangePlaces, ChangeTimeline
 from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import Empty, String
 
@@ -46,6 +47,7 @@ from kompass.rules.schema.conditions import Received
 from kompass.rules.schema.events import Event
 from kompass.rules.schema.signals import Signal
 from kompass.rules.schema.table import Rule, Table
+from kompass.timeline.change import Acknowledge
 from tests.support.client import LATCHED
 from tests.support.hand import Hand
 from tests.support.virtual_robot import VirtualRobot
@@ -178,6 +180,21 @@ def test_it_goes_round_its_places_waits_and_does_what_is_to_be_done_there(
     assert (done.round, done.skipped) == (2, ())
     assert robot.distance_to(*WEST) < 0.15
     assert robot.contacts == 0
+
+
+def test_its_alarm_ends_when_somebody_has_seen_it(robot: MissionRobot) -> None:
+    """Nobody else would end it: there is no rule that clears it."""
+    alarm = Act(action=RaiseAlarm(alarm="at-north", text="The shelf is empty"))
+    robot.start(robot.saved((robot.north, (alarm,))))
+    robot.until("done")
+    [raised] = json.loads(robot.newest["/monitor/alarms"].data)
+    seen = Acknowledge(alarm="at-north", since=raised["since"])
+    request = ChangeTimeline.Request(change=seen.model_dump_json(), author="ava", role="operator")
+    answer = robot.call(ChangeTimeline, "/monitor/change_timeline", request)
+    assert answer.success, answer.message
+    robot.wait_until(
+        lambda: json.loads(robot.newest["/monitor/alarms"].data) == [], 5, "the alarm's end"
+    )
 
 
 def test_people_pause_resume_skip_confirm_and_cancel_it(robot: MissionRobot) -> None:

@@ -27,7 +27,12 @@ from kompass.rules.schema.signals import path_text
 
 # Of the machinery that every node has, and no rule is made of.
 _HIDDEN_TOPICS = ("rosout", "parameter_events")
-_HIDDEN_SERVICES = ("rcl_interfaces/", "type_description_interfaces/", "lifecycle_msgs/")
+_HIDDEN_SERVICES = (
+    "rcl_interfaces/",
+    "type_description_interfaces/",
+    "lifecycle_msgs/",
+    "kompass_interfaces/srv/SignedCall",  # an envelope, which nobody closes by hand
+)
 
 
 class Graph:

@@ -230,7 +230,7 @@ def _of_item(item: Any, data: Any) -> Finding:
     text, remedy = invalid_of(item).text, "add it" if missing else _remedy(item["type"])
     if item["type"] == SAME_ID:
         path = item["ctx"]["field"]
-        text, _, remedy = text.partition("; ")
+        text, _, remedy = text.rpartition("; ")
     return Finding(
         level="error",
         code="missing-field" if missing else "malformed",

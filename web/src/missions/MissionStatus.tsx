@@ -1,6 +1,6 @@
 import { Button, CloseButton } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
-import { useState } from "react";
+import { useEffect, useRef, useState } from "react";
 import { steerMission } from "../api/missionsClient";
 import type { MissionRun, RunVerb } from "../api/types";
 import goal from "../goal/Goal.module.css";
@@ -81,11 +81,13 @@ function Controls({ run }: { run: MissionRun }) {
   // What kept it from going on is over, or another: what was said of it is true no more.
   const { drive } = useStop();
   const now = `${run.phase} ${drive?.stopped} ${drive?.driven_by}`;
-  const [asked, setAsked] = useState(now);
-  if (asked !== now && !steer.isPending) {
-    setAsked(now);
-    if (steer.isError) steer.reset();
-  }
+  const before = useRef(now);
+  const { isError, reset } = steer;
+  useEffect(() => {
+    if (before.current === now) return;
+    before.current = now;
+    if (isError) reset();
+  }, [now, isError, reset]);
   const button = (verb: RunVerb, label: string, primary = false) => (
     <Button
       size="md"
