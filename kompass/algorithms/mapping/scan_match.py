@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kompass.algorithms.distance_field import DistanceField
 from kompass.algorithms.geometry import Floats, Pose2D, transform_points, wrap_angle
-from kompass.algorithms.grid import OCCUPIED_FROM, Grid
+from kompass.algorithms.grid import Grid
 
 DEVIATION = 0.1  # m; of a ray's end from what the map shows, when all is well
 FEWEST_RAYS = 20  # fewer say nothing
@@ -64,7 +64,7 @@ class ScanMatcher:
         self._grid = grid
         self._field = DistanceField(grid, unknown_is_obstacle=False)
         self._unknown = grid.cells < 0
-        self._occupied = grid.cells >= OCCUPIED_FROM
+        self._occupied = grid.occupied()
         self._size = np.array([grid.width, grid.height]) * grid.resolution
 
     def agreement(self, points: ArrayLike, sensor: Pose2D) -> float | None:

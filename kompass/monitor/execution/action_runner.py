@@ -44,7 +44,7 @@ from kompass.recipe.action import METHOD_TIMEOUT
 from kompass.recipe.fallbacks import FallbackSequence
 from kompass.recipe.parsed import Parsed
 from kompass.rulebook.permissions import Permissions, rights_text
-from kompass.rules.engine.firing import Firing
+from kompass.rules.engine.firing import NO_RUN, Firing
 from kompass.rules.schema import actions as kinds
 from kompass.rules.schema.arguments import expand, resolve
 from kompass.signing.canonical import PROOF
@@ -67,7 +67,6 @@ PARSING = 10.0  # s in which a parser must have made its argument
 _UNSIGNABLE = frozenset(
     {ChangeParameter, ChangeParameters, ConfigureFromFile, ExecuteMethod, ReplaceTopic, ChangeState}
 )
-OF_NO_RULE = 0  # run of what a mission does at a place
 LONGEST_ALARM = 400  # characters of a text that is taken from a message
 THREADS = 64  # functions of the recipe at a time, in each lane
 
@@ -349,7 +348,7 @@ class ActionRunner:
                 text = printable(str(taken["text"]), LONGEST_ALARM) if taken else action.text
                 self._alarms.raise_alarm(
                     *(action.alarm, text, firing.rule_id, firing.severity.name.lower()),
-                    until_seen=firing.run_id == OF_NO_RULE,
+                    until_seen=firing.run_id == NO_RUN,
                 )
                 return text or "raised"
             case kinds.StartMission():

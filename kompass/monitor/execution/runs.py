@@ -13,7 +13,7 @@ from kompass.rclpy_ext.executor import Task
 from kompass.rulebook.views.views import Extras, leaf_reading
 from kompass.rules.engine.arbitrate import Running, arbitrate, components_of
 from kompass.rules.engine.compiled_table import CompiledTable
-from kompass.rules.engine.firing import Firing, Note, Output
+from kompass.rules.engine.firing import NO_RUN, Firing, Note, Output
 
 Tell = Callable[[ActionOutcome], None]
 
@@ -216,7 +216,7 @@ def _entry(output: Output, origin: _Origin, kind: EntryKind) -> RunEntry:
         name=rule.name,
         once=rule.event.once,
         revision=origin.revision,
-        run_id=0 if isinstance(output, Note) else output.run_id,
+        run_id=NO_RUN if isinstance(output, Note) else output.run_id,
         at=output.at,
         rule_hash=output.revision_hash,
         severity=output.severity.name.lower(),

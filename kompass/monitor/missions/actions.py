@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from kompass.missions.mission import Act, Editor, Halt, MissionPlan
-from kompass.monitor.execution.action_runner import OF_NO_RULE
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.monitor.tables.recipe_check import faults_of
 from kompass.rulebook.permissions import Permissions
-from kompass.rules.engine.firing import Firing
+from kompass.rules.engine.firing import NO_RUN, Firing
 from kompass.rules.schema.actions import Action, CallService, arguments_of
 from kompass.rules.schema.arguments import references
 from kompass.rules.schema.conditions import Absent
@@ -65,7 +64,7 @@ def firing_of(plan: MissionPlan, role: Editor, task: Act | Halt, gate: str, at: 
     rule = _rule(plan.name, action, role)
     return Firing(
         rule_id=rule.id,
-        run_id=OF_NO_RULE,
+        run_id=NO_RUN,
         at=at,
         triggered_at=at,
         revision_hash="",

@@ -16,6 +16,7 @@ from kompass.monitor.reporting.brief import brief
 from kompass.monitor.reporting.entries import ActionOutcome, RunEntry
 from kompass.rclpy_ext.topic import QoSConfig
 from kompass.rulebook.schema.journal import ActionRecord, FiringRecord
+from kompass.rules.engine.firing import NO_RUN
 from kompass.rules.schema.table import Rule
 from kompass.store.store import RuleStore
 from kompass.timeline.entry import FiringLink, Level
@@ -131,7 +132,7 @@ class Firings:
             name="",
             once=False,
             revision=loop.revision,
-            run_id=0,
+            run_id=NO_RUN,
             at=loop.now,
             rule_hash="",
             severity="warning",

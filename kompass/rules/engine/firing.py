@@ -8,6 +8,8 @@ from kompass.rules.schema.conditions import TreePath
 from kompass.rules.schema.table import Lane, Rule, Severity
 from kompass.rules.schema.values import Verdict
 
+NO_RUN = 0  # in the place of a run's number, for what no run of a rule does; they begin at 1
+
 
 class Sample(NamedTuple):
     """A message was received."""
