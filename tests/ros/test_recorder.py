@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 from action_msgs.msg import GoalStatus
@@ -137,17 +138,27 @@ def test_the_ring_itself_can_be_replayed_while_it_is_written(reality: Reality) -
     assert 2.0 < report.end - report.start < 10.0
 
 
+def caught(reality: Reality, monitor: int, number: signal.Signals) -> Any:
+    """A back-test whose process was sent a signal while it lived."""
+    table = reality_table(THRESHOLD).model_dump_json()
+    for _ in range(20):  # a machine with much to do may look only when it is done
+        handle = reality.send(table, "reality")
+        ended = handle.get_result_async()
+        while not ended.done():
+            for pid in children(monitor):
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, number)
+                    return handle
+            time.sleep(0.001)
+    raise AssertionError("each back-test was done before it was seen")
+
+
 def test_a_backtest_can_be_cancelled_and_bad_ones_say_what_is_wrong(
     stack: Stack, robot: Robot, reality: Reality, recording: Path
 ) -> None:
-    table = reality_table(THRESHOLD).model_dump_json()
     monitor = stack.pid_of("monitor")
-    for _ in range(5):  # it may be done before it is held
-        handle = reality.send(table, "reality")
-        wait_until(lambda: children(monitor), 10, "the process of the back-test")
-        for pid in children(monitor):
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGSTOP)
+    for _ in range(5):  # it may have answered before it was held
+        handle = caught(reality, monitor, signal.SIGSTOP)
         robot.await_future(handle.cancel_goal_async(), 5, "the cancel")
         ended = robot.await_future(handle.get_result_async(), 10, "the end")
         if ended.status == GoalStatus.STATUS_CANCELED:
@@ -169,20 +180,13 @@ def test_a_backtest_can_be_cancelled_and_bad_ones_say_what_is_wrong(
 def test_kill_9_of_a_backtest_fails_it_with_a_reason_and_harms_nobody(
     stack: Stack, reality: Reality, recording: Path
 ) -> None:
-    table = reality_table(THRESHOLD).model_dump_json()
     monitor = stack.pid_of("monitor")
-    failed = []
-    for _ in range(5):  # it may be done before it is killed
-        handle = reality.send(table, "reality")
-        wait_until(lambda: children(monitor), 10, "the process of the back-test")
-        for pid in children(monitor):
-            os.kill(pid, signal.SIGKILL)
-        result = reality.result(handle)
+    for _ in range(5):  # it may have answered before it was killed
+        result = reality.result(caught(reality, monitor, signal.SIGKILL))
         if not result.success:
-            failed.append(result.message)
             break
-    assert len(failed) == 1
-    assert "was killed" in failed[0]
+    assert not result.success
+    assert "was killed" in result.message
     assert reality.backtest(reality_table(THRESHOLD), "reality").messages > 20
     assert stack.pid_of("monitor") == monitor
     assert not children(monitor)
