@@ -122,7 +122,7 @@ class DriveLink:
         Raises
         ------
         NoAnswer
-            When there is none or one does not answer within `STOP_TIMEOUT`.
+            When none is found, or one does not answer, within `STOP_TIMEOUT`.
         """
         self._pressed += 1
         if self._asking is not None:
@@ -130,6 +130,7 @@ class DriveLink:
         request = StopRobot.Request(operator_name=operator, reason=plain(reason))
         pressed = time.monotonic()
         try:
+            await _found(self._stops, STOP_TIMEOUT)
             return await _ask_all(self._stops, request, STOP_TIMEOUT)
         except NoAnswer:
             if self._asking is not None:  # of one that was pressed meanwhile
@@ -150,10 +151,8 @@ class DriveLink:
                 return
 
     async def release(self, operator: str) -> DriveAnswer:
-        """Let the robot move again; as `stop`, but for a drive manager that is only being found."""
-        deadline = time.monotonic() + FOUND_WITHIN
-        while not self._releases.names and time.monotonic() < deadline:
-            await asyncio.sleep(0.05)
+        """Let the robot move again; as `stop`, but asked for once."""
+        await _found(self._releases, FOUND_WITHIN)
         request = ReleaseStop.Request(operator_name=operator)
         return await _ask_all(self._releases, request, RELEASE_TIMEOUT)
 
@@ -162,6 +161,13 @@ class DriveLink:
         self._said.set(said)
         if before is None or before.value[:-1] != said[:-1]:
             self._changed()
+
+
+async def _found(pool: ServicePool, within: float) -> None:
+    """Wait until a drive manager is found whose stack, or the console, has just come."""
+    deadline = time.monotonic() + within
+    while not pool.names and time.monotonic() < deadline:
+        await asyncio.sleep(0.02)
 
 
 async def _ask_all(pool: ServicePool, request: Any, timeout: float) -> DriveAnswer:

@@ -12,6 +12,7 @@ from std_msgs.msg import Int32
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import UNCOVERED, ConsolePage
 from tests.browser.test_places import opened
+from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.rules import compare, rule
 
@@ -25,6 +26,11 @@ def table(page: ConsolePage) -> Any:
     answer = page.page.context.request.get(f"{page.origin}/api/rules")
     assert answer.ok
     return answer.json()
+
+
+def hears_drive_manager(page: ConsolePage) -> bool:
+    answer = page.page.context.request.get(f"{page.origin}/api/stop/without-login")
+    return answer.json()["seen"] is not None
 
 
 def put(page: ConsolePage, rules: list[Any], reason: str) -> int:
@@ -48,7 +54,9 @@ def test_what_happened_is_on_one_axis_with_filter_zoom_and_ways_to_more(
     rings = rule("ring", compare("door", ">", 0), BELL, trigger="edge", severity="error")
     before = table(page)["table"]["rules"]
     revision = put(page, [*before, rings], "a bell at the door")
-    assert page.post("/api/stop", {"reason": "a child"}).ok
+    wait_until(lambda: hears_drive_manager(page), 5, "the drive manager")
+    answer = page.post("/api/stop", {"reason": "a child"})
+    assert answer.ok, answer.text()
     expect(page.get("stop-band")).to_be_visible()
     page.release_stop()
     robot.wait_for_listeners("/door", "monitor")

@@ -406,7 +406,7 @@ def test_on_another_stack_the_map_is_looked_at(tmp_path: Path, domain: int, stac
 
 
 @beside("--no-drive")
-def test_without_a_drive_manager_stop_says_so_at_once(
+def test_without_a_drive_manager_stop_says_so_soon(
     tmp_path: Path, domain: int, stack: Stack
 ) -> None:
     # A console of its own: it goes on asking for this STOP.
@@ -414,7 +414,7 @@ def test_without_a_drive_manager_stop_says_so_at_once(
     with serving(log, domain) as console, console.client(Role.OPERATOR) as client:
         pressed = time.monotonic()
         answer = client.post("/api/stop", json={})
-        assert time.monotonic() - pressed < patient(1.5)
+        assert time.monotonic() - pressed < patient(1.5)  # it may only be being found
         assert answer.status_code == 503
         assert "emergency stop" in answer.json()["detail"]["remedy"]
 
