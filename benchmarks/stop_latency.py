@@ -142,9 +142,10 @@ def publish_maps(domain: int) -> None:
     large.info.origin.position.x -= right * info.resolution
     large.info.origin.position.y -= up * info.resolution
     large.info.width = large.info.height = SIDE
-    large.data = array("b", cells.tobytes())
     print("ready", flush=True)
-    for _ in sys.stdin:
+    for number, _ in enumerate(sys.stdin):
+        cells[0, number % SIDE] = 100  # another map each time, as of somebody who is mapping
+        large.data = array("b", cells.tobytes())
         publisher.publish(large)
         print("published", flush=True)
 

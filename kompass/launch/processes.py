@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import os
 from collections.abc import Sequence
 
@@ -28,6 +29,8 @@ def run_processes(stack: Stack) -> None:
     prepare_key()
     # Every process would import it with its first message: a parser of IDL that none of them needs.
     importlib.import_module("rosidl_generator_py")
+    # And look through all modules with its first line of rclpy's log, in the middle of a drive.
+    inspect.stack()
     own, recorder = [_host(stack, group) for group in stack.groups], list[ProcessSpec]()
     heartbeat = Heartbeat(())
     if stack.monitored is not None:

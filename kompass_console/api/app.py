@@ -88,6 +88,7 @@ def create_app(console: Console | None) -> FastAPI:
     @contextlib.asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         assert console is not None  # without one, only the schema is asked for
+        _make_routes(app)
         feeding = (
             asyncio.create_task(console.feed.run(_builder(console))),
             asyncio.create_task(
@@ -160,6 +161,13 @@ def create_app(console: Console | None) -> FastAPI:
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(ClientDisconnect, _gone)
     return app
+
+
+def _make_routes(app: FastAPI) -> None:
+    """FastAPI makes a route when a request first comes by it; the first STOP has no time for that."""
+    scope = {"type": "http", "method": "GET", "path": "/", "root_path": "", "headers": []}
+    for route in app.router.routes:
+        route.matches(scope)
 
 
 def openapi(app: FastAPI) -> dict[str, Any]:

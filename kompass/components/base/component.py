@@ -818,7 +818,7 @@ class Component:
             if len(self._logged) >= MOST_TEXTS:  # what others say may be in them, and ever new
                 self._logged.clear()
             self._logged[text] = now
-            self.node.get_logger().warning(printable(text))
+            self.node.write_log("warning", printable(text))
 
     def fails(self, problem: str) -> bool:
         """End a component action with False, and say why: ``return self.fails("…")``."""

@@ -243,7 +243,7 @@ class DriveManager(Component):
         self._queue.clear()
         if not (self._busy or self._wheel.driver):  # who moves by itself or by hand needs nobody
             self._send_halt()
-            self.node.get_logger().warning(f"halted: {reason}")
+            self.node.write_log("warning", f"halted: {reason}")
 
     # -- STOP ---------------------------------------------------------------------------------
 
@@ -257,7 +257,7 @@ class DriveManager(Component):
         self._keep_stop()
         self._publish_state(self.clock.monotonic(), "stop", 0.0)
         reason = printable(request.reason) or "no reason given"
-        self.node.get_logger().warning(f"STOP by {operator}: {reason}")
+        self.node.write_log("warning", f"STOP by {operator}: {reason}")
         response.success = True
         response.message = "stopped; a person must release it"
         return response
@@ -289,7 +289,7 @@ class DriveManager(Component):
         self._latch.release()
         self._publish_state(self.clock.monotonic(), "", 1.0)
         by = operator if verified else f"{operator} (unverified)"
-        self.node.get_logger().warning(f"STOP released by {by}")
+        self.node.write_log("warning", f"STOP released by {by}")
         return response
 
     def _restore_stop(self) -> None:
@@ -445,7 +445,7 @@ class DriveManager(Component):
         self._hand_look.reset()
         self._publish_wheel()
         over = f" over from {before}" if before else ""
-        self.node.get_logger().warning(f"{operator} took the wheel{over}")
+        self.node.write_log("warning", f"{operator} took the wheel{over}")
         limits = velocity_limits(self.config.described_robot)
         response.success, response.seed = True, seed
         response.max_vx, response.max_omega = limits.vx.max_vel, limits.omega.max_vel
@@ -480,7 +480,7 @@ class DriveManager(Component):
         self._deaf_until = self.clock.monotonic() + LATE
         self._halt()
         self._publish_wheel()
-        self.node.get_logger().warning(f"{driver} does not drive by hand any more: {why}")
+        self.node.write_log("warning", f"{driver} does not drive by hand any more: {why}")
 
     def _publish_wheel(self) -> None:
         self._publish_state(
@@ -495,7 +495,7 @@ class DriveManager(Component):
         self._ignored += 1
         if now - self._ignored_told >= IGNORED_PERIOD:
             more = f" (and {self._ignored - 1} before it)" if self._ignored > 1 else ""
-            self.node.get_logger().warning(f"a command by hand is not obeyed: {problem}{more}")
+            self.node.write_log("warning", f"a command by hand is not obeyed: {problem}{more}")
             self._ignored, self._ignored_told = 0, now
 
     def _look_at_hand(self) -> None:
@@ -563,7 +563,7 @@ class DriveManager(Component):
             note, topic = source.lateness.note, source.topic.name
             if note and topic not in self._told_of_clock:
                 self._told_of_clock.add(topic)
-                self.node.get_logger().warning(f"/{topic}: {note}")
+                self.node.write_log("warning", f"/{topic}: {note}")
 
     def _on_location(self, _message: object) -> None:
         now = self.clock.monotonic()
