@@ -7,6 +7,7 @@ import contextlib
 import logging
 import signal
 import socket
+import sys
 import threading
 import time
 from collections.abc import Callable, Coroutine, Iterator, Sequence
@@ -55,6 +56,8 @@ _NOT_SENT_LOW_WATER = 16_384
 MEET = 5.0  # s
 _BETWEEN_OPEN_STOPS = 0.2  # s; nobody who floods us floods the robot
 
+# s after which a thread that computes lets STOP in: a fifth of Python's own
+_SWITCH_INTERVAL = 0.001
 _TICKS_OF_SWEEP = 3  # of 0.1 s, between two looks for who keeps us waiting
 
 
@@ -81,6 +84,7 @@ def run_console(
     # asyncio does so itself only for sockets that were made with their protocol named. Without it
     # the second half of every small answer waits 40 ms for the browser's acknowledgement.
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    sys.setswitchinterval(_SWITCH_INTERVAL)
     with running_console(settings) as console:
         beside: list[Coroutine[Any, Any, None]] = []
         if alone is not None:

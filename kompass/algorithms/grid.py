@@ -68,6 +68,20 @@ class Grid:
             )
         return cls(flat.reshape(height, width), float(resolution), origin)
 
+    def around(self, point: ArrayLike, radius: float) -> Grid:
+        """The part of it that holds all its cells within ``radius`` [m] of a world point (2,).
+
+        A single cell, the one nearest to them, where there are none.
+        """
+        [[x, y]] = self.to_grid_frame(point) / self.resolution
+        reach = radius / self.resolution
+        low_col, high_col = _span(x, reach, self.width)
+        low_row, high_row = _span(y, reach, self.height)
+        corner = np.array([[low_col, low_row]]) * self.resolution
+        [[left, bottom]] = transform_points(self.origin, corner).tolist()
+        cells = self.cells[low_row:high_row, low_col:high_col]
+        return Grid(cells, self.resolution, (left, bottom, self.origin[2]))
+
     @property
     def height(self) -> int:
         return int(self.cells.shape[0])
@@ -108,3 +122,9 @@ class Grid:
         if unknown_is_obstacle:
             blocked = blocked | (self.cells < 0)
         return blocked
+
+
+def _span(centre: float, reach: float, count: int) -> tuple[int, int]:
+    """The first cell and the one after the last, of so many, within a reach [cells]."""
+    low = min(max(math.floor(centre - reach), 0), count - 1)
+    return low, max(min(math.ceil(centre + reach), count), low + 1)

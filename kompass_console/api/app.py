@@ -164,7 +164,7 @@ def create_app(console: Console | None) -> FastAPI:
 
 
 def _make_routes(app: FastAPI) -> None:
-    """FastAPI makes a route when a request first comes by it; the first STOP has no time for that."""
+    """FastAPI makes a route when a request first comes by it; a first STOP cannot wait for that."""
     scope = {"type": "http", "method": "GET", "path": "/", "root_path": "", "headers": []}
     for route in app.router.routes:
         route.matches(scope)

@@ -65,7 +65,7 @@ class Localisation:
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
-        """Compare from now on, on a thread of its own: a large map takes a second to be read."""
+        """Compare from now on, on a thread of its own: to read the map takes a while."""
         self._thread = threading.Thread(target=self._work, name="localisation", daemon=True)
         self._thread.start()
 

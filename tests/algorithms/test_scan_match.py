@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -96,6 +97,48 @@ def test_the_best_fit_stays_within_its_reach_and_out_of_obstacles(
     [[col, row]] = ROOM.world_to_cell(compose(found, body)[None, :2])
     stood = ROOM.cells[row, col]
     assert stood < OCCUPIED_FROM or found == pytest.approx(pressed), "unless all around is occupied"
+
+
+def among_others() -> tuple[Grid, list[Pose2D]]:
+    """A map with the room in its corner and in its midst, and walls elsewhere; where they lie."""
+    cells = np.full((600, 900), -1, dtype=np.int8)
+    cells[:, ::50] = 100
+    places: list[Pose2D] = []
+    for row, col in ((0, 0), (300, 420)):
+        cells[row : row + ROOM.height, col : col + ROOM.width] = ROOM.cells
+        x, y, yaw = ROOM.origin
+        assert yaw == 0.0
+        places.append((3.0 - x + col * ROOM.resolution, -2.0 - y + row * ROOM.resolution, 0.0))
+    return Grid(cells, ROOM.resolution, (3.0, -2.0, 0.0)), places
+
+
+@given(st.lists(st.tuples(poses, st.integers(0, 1)), min_size=2, max_size=4))
+@settings(max_examples=15, deadline=None)
+def test_of_a_large_map_only_the_surroundings_count(asked: list[tuple[Pose2D, int]]) -> None:
+    large, places = among_others()
+    matcher = ScanMatcher(large)
+    for pose, room in asked:
+        x, y, yaw = pose
+        there = (x + places[room][0], y + places[room][1], yaw)
+        points = scan(ROOM, pose)
+        assert agreement(matcher, points, there) == pytest.approx(
+            agreement(MATCHER, points, pose), abs=0.02
+        )
+        pressed = (there[0] + 0.2, there[1] - 0.1, yaw + 0.1)
+        assert math.dist(matcher.fit(points, pressed)[:2], there[:2]) < 0.08
+
+
+def test_a_large_map_is_not_read_whole() -> None:
+    """Who is mapping sends a new one every few seconds."""
+    points = scan(ROOM, (0.5, 0.5, 0.0))
+    large = Grid(np.zeros((4000, 4000), dtype=np.int8), 0.05, (-100.0, -100.0, 0.0))
+    tracemalloc.start()
+    try:
+        ScanMatcher(large).fit(points, (0.5, 0.5, 0.0))
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert most < 2 * large.cells.nbytes  # its distances alone would take 16 times as much
 
 
 def test_what_fits_best_from_within_a_pillar_is_not_the_best_fit() -> None:

@@ -9,6 +9,7 @@ praised for walls that it cannot see. The best pose nearby is found by trying al
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,8 @@ TURN = np.radians(20.0)  # and its heading, rad
 _NEAR = 0.2  # m; so near to itself a robot sees nothing, whatever the map says of that place
 _BEFORE_END = 3.0 * DEVIATION  # a wall so near to a ray's end may be where it has ended, m
 _ALL_OF_IT = 1.0 + 1e-6  # of the square of a reach; sums of steps are not exact
+_MATTERS = 10.0 * DEVIATION  # m; what is further from a ray's end makes no difference
+_SPARE = 5.0  # m that the robot may go until more of the map is read
 _THROUGH = 0.2  # cells; a ray that passes a cell so closely goes through it
 
 
@@ -52,7 +55,9 @@ _SEARCHES = (
 
 
 class ScanMatcher:
-    """Compares scans with one map.
+    """Compares scans with one map, of which it reads what lies around the sensor.
+
+    Any thread may compare.
 
     Parameters
     ----------
@@ -62,10 +67,7 @@ class ScanMatcher:
 
     def __init__(self, grid: Grid) -> None:
         self._grid = grid
-        self._field = DistanceField(grid, unknown_is_obstacle=False)
-        self._unknown = grid.cells < 0
-        self._occupied = grid.occupied()
-        self._size = np.array([grid.width, grid.height]) * grid.resolution
+        self._near: _Surroundings | None = None
 
     def agreement(self, points: ArrayLike, sensor: Pose2D) -> float | None:
         """Share of a scan that the map explains, from 0 to 1; None where too little is known.
@@ -77,14 +79,8 @@ class ScanMatcher:
         sensor
             (x, y, yaw) of the sensor in the map, when it was measured.
         """
-        ends = transform_points(sensor, _some(points, MOST_RAYS))
-        known = self._known(ends)
-        through = self._goes_through_walls(ends, sensor)
-        judged = known | through
-        if judged.sum() < FEWEST_RAYS:
-            return None
-        likely = self._likelihood(ends) * (known & ~through)
-        return float(likely.sum() / judged.sum())
+        some = _some(points, MOST_RAYS)
+        return self._around(sensor, _length(some)).agreement(some, sensor)
 
     def fit(self, points: ArrayLike, sensor: Pose2D, robot: Pose2D = (0.0, 0.0, 0.0)) -> Pose2D:
         """The pose within ``REACH`` and ``TURN`` of a pose from which a scan fits best.
@@ -101,6 +97,47 @@ class ScanMatcher:
         robot
             (x, y, yaw) in the sensor's frame.
         """
+        some = _some(points, MOST_RAYS)
+        reach = max(_length(some), float(np.hypot(*robot[:2]))) + REACH
+        return self._around(sensor, reach).fit(some, sensor, robot)
+
+    def _around(self, sensor: Pose2D, reach: float) -> _Surroundings:
+        """What holds everything within a reach [m] of the sensor that makes a difference."""
+        near = self._near
+        if near is None or not near.holds(sensor, reach + _MATTERS):
+            near = _Surroundings(self._grid, sensor, reach + _MATTERS + _SPARE)
+            self._near = near
+        return near
+
+
+class _Surroundings:
+    """The part of a map around a place (x, y, yaw), as far as a radius [m], to compare with."""
+
+    def __init__(self, whole: Grid, place: Pose2D, radius: float) -> None:
+        self._place, self._radius = place, radius
+        self._grid = grid = whole.around(place[:2], radius)
+        self._field = DistanceField(grid, unknown_is_obstacle=False)
+        self._unknown = grid.cells < 0
+        self._occupied = grid.occupied()
+        self._size = np.array([grid.width, grid.height]) * grid.resolution
+
+    def holds(self, place: Pose2D, radius: float) -> bool:
+        """Whether all is in it that lies so near to a place."""
+        return math.dist(place[:2], self._place[:2]) + radius <= self._radius
+
+    def agreement(self, points: Floats, sensor: Pose2D) -> float | None:
+        """See :meth:`ScanMatcher.agreement`."""
+        ends = transform_points(sensor, points)
+        known = self._known(ends)
+        through = self._goes_through_walls(ends, sensor)
+        judged = known | through
+        if judged.sum() < FEWEST_RAYS:
+            return None
+        likely = self._likelihood(ends) * (known & ~through)
+        return float(likely.sum() / judged.sum())
+
+    def fit(self, points: Floats, sensor: Pose2D, robot: Pose2D) -> Pose2D:
+        """See :meth:`ScanMatcher.fit`."""
         best, given = sensor, np.array(sensor)
         for search in _SEARCHES:
             some = _some(points, search.rays)
@@ -191,6 +228,11 @@ class ScanMatcher:
         # A millimetre inside: outside the map its field says that all is an obstacle.
         border: Floats = along.min(axis=1) - 1e-3
         return border
+
+
+def _length(points: Floats) -> float:
+    """Of the longest ray [m]."""
+    return float(np.hypot(points[:, 0], points[:, 1]).max(initial=0.0))
 
 
 def _some(points: ArrayLike, most: int) -> Floats:

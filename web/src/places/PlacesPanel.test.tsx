@@ -1,7 +1,7 @@
 import { cleanup, fireEvent, screen, waitFor } from "@testing-library/react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { ApiError } from "../api/errors";
-import type { Place, PlaceList } from "../api/types";
+import type { Mission, Place, PlaceList } from "../api/types";
 import { renderPlain } from "../ui/testing";
 import { PlacesPanel } from "./PlacesPanel";
 
@@ -9,10 +9,13 @@ const { editPlace, deletePlace, restorePlace, asked } = vi.hoisted(() => ({
   editPlace: vi.fn(),
   deletePlace: vi.fn(),
   restorePlace: vi.fn(),
-  asked: { list: null as PlaceList | null, role: "operator" },
+  asked: { list: null as PlaceList | null, missions: [] as Mission[], role: "operator" },
 }));
 vi.mock("../api/placesClient", () => ({ editPlace, deletePlace, restorePlace }));
 vi.mock("./usePlaces", () => ({ usePlaces: () => ({ list: asked.list, error: null }) }));
+vi.mock("../missions/useMissions", () => ({
+  useMissions: () => ({ list: { missions: asked.missions }, error: null }),
+}));
 vi.mock("../state/RobotContext", () => ({ useRobot: () => ({ frozen: false }) }));
 vi.mock("../session/SessionContext", () => ({
   useSession: () => ({ session: { user: "ava", role: asked.role } }),
@@ -34,6 +37,7 @@ const place = (id: number, name: string, here = true): Place => ({
 });
 
 beforeEach(() => {
+  asked.missions = [];
   asked.role = "operator";
   asked.list = {
     available: true,
@@ -101,6 +105,32 @@ test("undo brings back what was deleted; why it cannot is told beside it", async
   fireEvent.click(screen.getByRole("button", { name: "Undo" }));
   await waitFor(() => expect(screen.queryByRole("button", { name: "Undo" })).toBeNull());
   expect(restorePlace.mock.calls.map(([of]) => of.name)).toEqual(["Dock", "Dock"]);
+});
+
+const mission = (name: string, ...places: number[]): Mission => ({
+  id: 1,
+  version: 1,
+  name,
+  waypoints: places.map((to) => ({ place: to, tasks: [] })),
+  attempts: 1,
+  on_failure: "pause",
+  rounds: 1,
+  schedule: null,
+  map: HERE,
+  here: true,
+  author: "ben",
+  role: "operator",
+  time: 0,
+});
+
+test("who deletes a place is told which missions go there", async () => {
+  deletePlace.mockResolvedValue(place(1, "Dock"));
+  asked.missions = [mission("Night", 2, 1), mission("Day", 2), mission("Noon", 1)];
+  renderPlain(panel(vi.fn()));
+  await choose("Dock", /Delete/);
+  expect((await screen.findByRole("status")).textContent).toContain(
+    "Deleted Dock. Missions that go there: Night, Noon.",
+  );
 });
 
 test("a place is moved to where the robot stands, and back again", async () => {

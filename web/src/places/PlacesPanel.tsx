@@ -3,7 +3,8 @@ import { IconMapPinPlus, IconSearch } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
 import { memo, type ReactNode, useCallback, useEffect, useRef, useState } from "react";
 import { editPlace, restorePlace } from "../api/placesClient";
-import type { Place, PlaceList } from "../api/types";
+import type { Mission, Place, PlaceList } from "../api/types";
+import { useMissions } from "../missions/useMissions";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { t } from "../texts/text";
@@ -13,7 +14,7 @@ import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
 import { PlaceRow } from "./PlaceRow";
 import classes from "./Places.module.css";
-import { placesElsewhere, placesHere, SEARCH_FROM } from "./placeText";
+import { missionsTo, placesElsewhere, placesHere, SEARCH_FROM } from "./placeText";
 import { SavePlace } from "./SavePlace";
 import { usePlaces } from "./usePlaces";
 
@@ -27,6 +28,7 @@ interface Props {
 /** The named places of the map: go there, save, rename, delete. */
 export function PlacesPanel({ onGo, asked }: Props) {
   const { list, error } = usePlaces();
+  const missions = useMissions().list?.missions ?? NONE;
   const { frozen } = useRobot();
   const { session } = useSession();
   const operator = session.role !== "viewer";
@@ -45,12 +47,19 @@ export function PlacesPanel({ onGo, asked }: Props) {
       <div ref={root} className={classes.panel}>
         <Problem error={error} />
         {list !== null && (
-          <Contents list={list} onGo={operator ? onGo : null} operator={operator} />
+          <Contents
+            list={list}
+            missions={missions}
+            onGo={operator ? onGo : null}
+            operator={operator}
+          />
         )}
       </div>
     </Panel>
   );
 }
+
+const NONE: readonly Mission[] = [];
 
 /** What can be taken back: a place as it was, and as it is; null when it is deleted. */
 interface Done {
@@ -60,12 +69,13 @@ interface Done {
 
 interface ContentsProps {
   list: PlaceList;
+  missions: readonly Mission[];
   onGo: Props["onGo"];
   operator: boolean;
 }
 
 /** Apart, for it need not be made again with every snapshot of the robot. */
-const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps) {
+const Contents = memo(function Contents({ list, missions, onGo, operator }: ContentsProps) {
   const [search, setSearch] = useState("");
   const [naming, setNaming] = useState(false);
   const [done, setDone] = useState<Done | null>(null);
@@ -83,6 +93,7 @@ const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps)
     },
     [reset],
   );
+  const missed = done?.after === null ? missionsTo(done.before, missions) : "";
   const all = placesHere(list.places);
   const found = placesHere(list.places, search);
   const elsewhere = placesElsewhere(list.places);
@@ -129,7 +140,8 @@ const Contents = memo(function Contents({ list, onGo, operator }: ContentsProps)
           <span className={classes.text}>
             {done.after === null
               ? t("Deleted {name}.", { name: done.before.name })
-              : t("Moved {name}.", { name: done.before.name })}
+              : t("Moved {name}.", { name: done.before.name })}{" "}
+            {missed !== "" && t("Missions that go there: {names}.", { names: missed })}
           </span>
           <Button
             variant="default"

@@ -10,6 +10,7 @@ export const LISTS = {
   "Change {name}": "{name} ändern",
   "More for {name}": "Mehr zu {name}",
   "Deleted {name}.": "{name} gelöscht.",
+  "Missions that go there: {names}.": "Aufträge, die dorthin führen: {names}.",
   "None on this map yet: a place has a name, and is two presses away.":
     "Auf dieser Karte noch keine: Ein Ort hat einen Namen und ist zwei Klicks entfernt.",
   "None on this map yet: a zone keeps the robot out, or slow.":
