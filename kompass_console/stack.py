@@ -342,13 +342,13 @@ def run_recipe(
     except OSError as error:
         raise CliError(2, f"cannot read the recipe {recipe}: {error.strerror}") from None
     add_companion(ProcessSpec("console", console.serve))
-    console.announce()
     sys.argv = [str(recipe)]
     sys.path.insert(0, str(recipe.resolve().parent))
     brought_up: list[Stack] = []
 
     def run(stack: Stack) -> None:
         brought_up.append(stack)
+        console.announce()
         run_processes(stack)
 
     try:

@@ -217,9 +217,8 @@ def refused(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, st
 def test_a_mistake_is_told_in_one_line(refused: dict[str, tuple[int, str]], name: str) -> None:
     (code, output), mistake = refused[name], MISTAKES[name]
     assert code == 3, output
-    # Before it stands where the console is, and where the robot is looked for.
-    said = [line for line in output.splitlines() if line and not line.startswith("  ")]
-    assert len(said) == 1, output
+    said = output.splitlines()
+    assert len(said) == 1, "nor the address of a console that does not come up"
     assert re.search(rf"bad_\d+\.py:{mistake.line}: \w+: ", said[0]), said[0]
     assert re.search(mistake.said, said[0]), said[0]
 
