@@ -22,6 +22,7 @@ from rclpy.validate_topic_name import validate_topic_name
 
 from kompass.bus.clock import Clock
 from kompass.bus.node import Execute, NamesAndTypes
+from kompass.printable import printable
 from kompass.virtual.actions import VirtualActionClient, VirtualActionServer, action_names_and_types
 from kompass.virtual.executor import VirtualExecutor
 from kompass.virtual.log import VirtualLog
@@ -477,7 +478,7 @@ class VirtualNode:
 
     def write_log(self, level: str, text: str) -> None:
         """A line of its log."""
-        getattr(self._logger, level)(text)
+        getattr(self._logger, level)(printable(text))
 
     def on_callback_error(self, error: Exception) -> None:
         """A callback of an action has raised."""

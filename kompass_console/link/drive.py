@@ -15,7 +15,7 @@ from rclpy.node import Node
 from kompass.rclpy_ext.reply import NoAnswer
 from kompass_console.link.graph.discovery import Graph, of_type
 from kompass_console.link.graph.reader import Reader
-from kompass_console.link.graph.services import ServicePool
+from kompass_console.link.graph.services import ServicePool, found
 from kompass_console.schema.models import DriveInfo
 from kompass_console.schema.plain import LONGEST_LABEL, plain
 from kompass_console.schema.world import Latest
@@ -122,7 +122,7 @@ class DriveLink:
         Raises
         ------
         NoAnswer
-            When none is found, or one does not answer, within `STOP_TIMEOUT`.
+            When none is found within `STOP_TIMEOUT`, or one does not answer within as much again.
         """
         self._pressed += 1
         if self._asking is not None:
@@ -130,7 +130,7 @@ class DriveLink:
         request = StopRobot.Request(operator_name=operator, reason=plain(reason))
         pressed = time.monotonic()
         try:
-            await _found(self._stops, STOP_TIMEOUT)
+            await found(lambda: self._stops.names, STOP_TIMEOUT)
             return await _ask_all(self._stops, request, STOP_TIMEOUT)
         except NoAnswer:
             if self._asking is not None:  # of one that was pressed meanwhile
@@ -152,7 +152,7 @@ class DriveLink:
 
     async def release(self, operator: str) -> DriveAnswer:
         """Let the robot move again; as `stop`, but asked for once."""
-        await _found(self._releases, FOUND_WITHIN)
+        await found(lambda: self._releases.names, FOUND_WITHIN)
         request = ReleaseStop.Request(operator_name=operator)
         return await _ask_all(self._releases, request, RELEASE_TIMEOUT)
 
@@ -161,13 +161,6 @@ class DriveLink:
         self._said.set(said)
         if before is None or before.value[:-1] != said[:-1]:
             self._changed()
-
-
-async def _found(pool: ServicePool, within: float) -> None:
-    """Wait until a drive manager is found whose stack, or the console, has just come."""
-    deadline = time.monotonic() + within
-    while not pool.names and time.monotonic() < deadline:
-        await asyncio.sleep(0.02)
 
 
 async def _ask_all(pool: ServicePool, request: Any, timeout: float) -> DriveAnswer:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import secrets
 import time
 from typing import Any
@@ -16,7 +15,7 @@ from kompass.rclpy_ext.reply import NoAnswer
 from kompass.rclpy_ext.topic import SENSOR
 from kompass.signing.session_key import SessionKey
 from kompass_console.link.graph.discovery import Graph
-from kompass_console.link.graph.services import ServicePool
+from kompass_console.link.graph.services import ServicePool, found
 from kompass_console.schema.plain import plain
 
 TIMEOUT = 1.5  # s in which the drive manager answers, a second proof included
@@ -119,9 +118,7 @@ class WheelLink:
         WheelRefused
             When it does not give the wheel.
         """
-        deadline = time.monotonic() + FOUND_WITHIN
-        while not self._publishers and time.monotonic() < deadline:
-            await asyncio.sleep(0.05)
+        await found(lambda: self._publishers, FOUND_WITHIN)
         # Anybody on the robot's network can offer such a service; the robot's has a key of ours.
         strange = lambda name: (self._pool.key_of(name) is None, name)  # noqa: E731
         service = min(self._publishers, key=strange, default=None)

@@ -29,6 +29,7 @@ _NEAR = 0.2  # m; so near to itself a robot sees nothing, whatever the map says 
 _BEFORE_END = 3.0 * DEVIATION  # a wall so near to a ray's end may be where it has ended, m
 _ALL_OF_IT = 1.0 + 1e-6  # of the square of a reach; sums of steps are not exact
 _MATTERS = 10.0 * DEVIATION  # m; what is further from a ray's end makes no difference
+_PLACES = 2  # whose surroundings are kept: where a robot believes to be, and where a hand puts it
 _SPARE = 5.0  # m that the robot may go until more of the map is read
 _THROUGH = 0.2  # cells; a ray that passes a cell so closely goes through it
 
@@ -67,7 +68,7 @@ class ScanMatcher:
 
     def __init__(self, grid: Grid) -> None:
         self._grid = grid
-        self._near: _Surroundings | None = None
+        self._read: tuple[_Surroundings, ...] = ()  # the one that was used last comes first
 
     def agreement(self, points: ArrayLike, sensor: Pose2D) -> float | None:
         """Share of a scan that the map explains, from 0 to 1; None where too little is known.
@@ -103,10 +104,10 @@ class ScanMatcher:
 
     def _around(self, sensor: Pose2D, reach: float) -> _Surroundings:
         """What holds everything within a reach [m] of the sensor that makes a difference."""
-        near = self._near
-        if near is None or not near.holds(sensor, reach + _MATTERS):
-            near = _Surroundings(self._grid, sensor, reach + _MATTERS + _SPARE)
-            self._near = near
+        needed, read = reach + _MATTERS, self._read
+        found = next((one for one in read if one.holds(sensor, needed)), None)
+        near = found or _Surroundings(self._grid, sensor, needed + _SPARE)
+        self._read = (near, *(one for one in read if one is not near))[:_PLACES]
         return near
 
 

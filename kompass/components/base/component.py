@@ -47,7 +47,6 @@ from kompass.components.base.ports import (
 from kompass.components.base.services import ComponentServices
 from kompass.components.base.topics import DeclaredTopics, by_key
 from kompass.named_arguments import named_arguments
-from kompass.printable import printable
 from kompass.rclpy_ext.topic import AllowedTopics, QoSConfig, Topic
 from kompass.robot import RobotConfig, RobotFrames
 from kompass.settings import notice_once
@@ -818,7 +817,7 @@ class Component:
             if len(self._logged) >= MOST_TEXTS:  # what others say may be in them, and ever new
                 self._logged.clear()
             self._logged[text] = now
-            self.node.write_log("warning", printable(text))
+            self.node.write_log("warning", text)
 
     def fails(self, problem: str) -> bool:
         """End a component action with False, and say why: ``return self.fails("…")``."""

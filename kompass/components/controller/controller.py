@@ -532,7 +532,7 @@ class Controller(Component):
         pose = self._location.pose()
         errors = (np.inf, np.inf) if pose is None else pursued.errors(pose)
         self._drop_path()
-        self.node.write_log("info", f"the path ended: {printable(text)}")
+        self.node.write_log("info", f"the path ended: {text}")
         pursued.ended.set_result((outcome, text, errors))
 
     def _end_by_people(self) -> None:

@@ -202,7 +202,7 @@ class VisionMode:
             return
         if self._controller.is_active:
             self._command(Command())
-        self._controller.node.write_log("info", f"{goal.name} is not followed: {printable(text)}")
+        self._controller.node.write_log("info", f"{goal.name} is not followed: {text}")
         goal.ended.set_result((outcome, text))
 
     # -- what is seen -------------------------------------------------------------------------

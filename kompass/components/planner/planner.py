@@ -528,7 +528,7 @@ class Planner(Component):
         displacement = pursued.errors(pose) if pose is not None else (math.inf, math.inf)
         self.publish("plan", self._path_msg(np.empty((0, 3))))
         self.publish("reached_end", Bool(data=outcome is GoalOutcome.ARRIVED))
-        self.node.write_log("info", f"goal ended: {outcome.name}: {printable(message)}")
+        self.node.write_log("info", f"goal ended: {outcome.name}: {message}")
         self._report(pursued, outcome, message)
         self._forget_help()
         if not hindered:

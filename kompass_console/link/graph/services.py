@@ -2,18 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import asyncio
+import time
+from collections.abc import Callable, Collection
 from copy import copy
 from typing import Any
 
 from rclpy.node import Node
 
 from kompass.access.signer import Signer
-from kompass.rclpy_ext.reply import NoAnswer, Reply
+from kompass.rclpy_ext.reply import SEARCH_PERIOD, NoAnswer, Reply
 from kompass.signing.canonical import PROOF
 from kompass.signing.key import RobotKey
 from kompass.store.robot_key import known_keys
 from kompass_console.link.graph.discovery import Graph, of_type
+
+
+async def found(there: Callable[[], object], within: float) -> None:
+    """Wait until something is found whose stack, or the console, has just come; not for ever.
+
+    Parameters
+    ----------
+    there
+        What tells, by something that is true, that it was found.
+    within
+        Seconds at most.
+    """
+    deadline = time.monotonic() + within
+    while not there() and time.monotonic() < deadline:
+        await asyncio.sleep(SEARCH_PERIOD)
 
 
 class ServicePool:

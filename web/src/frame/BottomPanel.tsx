@@ -8,6 +8,7 @@ import { HealthPanel } from "../health/HealthPanel";
 import { LogPanel } from "../log/LogPanel";
 import { MissionStatus } from "../missions/MissionStatus";
 import { MissionsPanel } from "../missions/MissionsPanel";
+import { MissionsTo } from "../missions/MissionsTo";
 import { PlacesPanel } from "../places/PlacesPanel";
 import { StoppedByRule } from "../rules/bands/StoppedByRule";
 import { OPENERS, useNav } from "../rules/context/RulesNav";
@@ -80,7 +81,9 @@ export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
               />
               {list === "Missions" && <MissionsPanel />}
               {list === "Zones" && <ZonesPanel onDraw={onDraw === null ? null : draw} />}
-              {list === "Places" && <PlacesPanel onGo={onGo === null ? null : go} asked={asked} />}
+              {list === "Places" && (
+                <PlacesPanel onGo={onGo === null ? null : go} asked={asked} deleted={MissionsTo} />
+              )}
             </>
           )}
           {open === "health" && (

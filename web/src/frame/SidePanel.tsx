@@ -5,6 +5,7 @@ import { HealthPanel } from "../health/HealthPanel";
 import { LogPanel } from "../log/LogPanel";
 import { MissionStatus } from "../missions/MissionStatus";
 import { MissionsPanel } from "../missions/MissionsPanel";
+import { MissionsTo } from "../missions/MissionsTo";
 import { PlacesPanel } from "../places/PlacesPanel";
 import { useNav } from "../rules/context/RulesNav";
 import { DraftBar } from "../rules/DraftBar";
@@ -53,7 +54,7 @@ export function SidePanel({ onGo, asked, onDraw }: Props) {
           <GoalStatus />
         </div>
         <HealthPanel />
-        <PlacesPanel onGo={onGo} asked={asked} />
+        <PlacesPanel onGo={onGo} asked={asked} deleted={MissionsTo} />
         <MissionsPanel />
         <ZonesPanel onDraw={onDraw} />
         <LogPanel />

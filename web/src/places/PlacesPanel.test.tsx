@@ -2,6 +2,7 @@ import { cleanup, fireEvent, screen, waitFor } from "@testing-library/react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { ApiError } from "../api/errors";
 import type { Mission, Place, PlaceList } from "../api/types";
+import { MissionsTo } from "../missions/MissionsTo";
 import { renderPlain } from "../ui/testing";
 import { PlacesPanel } from "./PlacesPanel";
 
@@ -55,7 +56,7 @@ afterEach(() => {
 });
 
 const panel = (onGo: ((place: Place) => void) | null, count = 0) => (
-  <PlacesPanel onGo={onGo} asked={count} />
+  <PlacesPanel onGo={onGo} asked={count} deleted={MissionsTo} />
 );
 const go = (name: string) => screen.queryByRole("button", { name: `Go to ${name}` });
 

@@ -1,10 +1,17 @@
 import { Button, TextInput } from "@mantine/core";
 import { IconMapPinPlus, IconSearch } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
-import { memo, type ReactNode, useCallback, useEffect, useRef, useState } from "react";
+import {
+  type ComponentType,
+  memo,
+  type ReactNode,
+  useCallback,
+  useEffect,
+  useRef,
+  useState,
+} from "react";
 import { editPlace, restorePlace } from "../api/placesClient";
-import type { Mission, Place, PlaceList } from "../api/types";
-import { useMissions } from "../missions/useMissions";
+import type { Place, PlaceList } from "../api/types";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { t } from "../texts/text";
@@ -14,7 +21,7 @@ import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
 import { PlaceRow } from "./PlaceRow";
 import classes from "./Places.module.css";
-import { missionsTo, placesElsewhere, placesHere, SEARCH_FROM } from "./placeText";
+import { placesElsewhere, placesHere, SEARCH_FROM } from "./placeText";
 import { SavePlace } from "./SavePlace";
 import { usePlaces } from "./usePlaces";
 
@@ -23,12 +30,13 @@ interface Props {
   onGo: ((place: Place) => void) | null;
   /** Counts how often somebody asked for the list; the focus then comes here. */
   asked: number;
+  /** What else there is to say of a place that was deleted. */
+  deleted: ComponentType<{ place: Place }>;
 }
 
 /** The named places of the map: go there, save, rename, delete. */
-export function PlacesPanel({ onGo, asked }: Props) {
+export function PlacesPanel({ onGo, asked, deleted }: Props) {
   const { list, error } = usePlaces();
-  const missions = useMissions().list?.missions ?? NONE;
   const { frozen } = useRobot();
   const { session } = useSession();
   const operator = session.role !== "viewer";
@@ -49,7 +57,7 @@ export function PlacesPanel({ onGo, asked }: Props) {
         {list !== null && (
           <Contents
             list={list}
-            missions={missions}
+            deleted={deleted}
             onGo={operator ? onGo : null}
             operator={operator}
           />
@@ -59,8 +67,6 @@ export function PlacesPanel({ onGo, asked }: Props) {
   );
 }
 
-const NONE: readonly Mission[] = [];
-
 /** What can be taken back: a place as it was, and as it is; null when it is deleted. */
 interface Done {
   before: Place;
@@ -69,13 +75,13 @@ interface Done {
 
 interface ContentsProps {
   list: PlaceList;
-  missions: readonly Mission[];
+  deleted: Props["deleted"];
   onGo: Props["onGo"];
   operator: boolean;
 }
 
 /** Apart, for it need not be made again with every snapshot of the robot. */
-const Contents = memo(function Contents({ list, missions, onGo, operator }: ContentsProps) {
+const Contents = memo(function Contents({ list, deleted: Deleted, onGo, operator }: ContentsProps) {
   const [search, setSearch] = useState("");
   const [naming, setNaming] = useState(false);
   const [done, setDone] = useState<Done | null>(null);
@@ -93,7 +99,6 @@ const Contents = memo(function Contents({ list, missions, onGo, operator }: Cont
     },
     [reset],
   );
-  const missed = done?.after === null ? missionsTo(done.before, missions) : "";
   const all = placesHere(list.places);
   const found = placesHere(list.places, search);
   const elsewhere = placesElsewhere(list.places);
@@ -140,8 +145,8 @@ const Contents = memo(function Contents({ list, missions, onGo, operator }: Cont
           <span className={classes.text}>
             {done.after === null
               ? t("Deleted {name}.", { name: done.before.name })
-              : t("Moved {name}.", { name: done.before.name })}{" "}
-            {missed !== "" && t("Missions that go there: {names}.", { names: missed })}
+              : t("Moved {name}.", { name: done.before.name })}
+            {done.after === null && <Deleted place={done.before} />}
           </span>
           <Button
             variant="default"

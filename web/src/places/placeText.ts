@@ -1,4 +1,4 @@
-import type { Mission, Place } from "../api/types";
+import type { Place } from "../api/types";
 import { degreesText, pointText } from "../format";
 import { t } from "../texts/text";
 
@@ -32,13 +32,6 @@ export function placesElsewhere(places: readonly Place[]): Place[] {
     .filter((place) => !place.here)
     .sort((a, b) => byName.compare(a.map.label, b.map.label) || byName.compare(a.name, b.name));
 }
-
-/** The names of the missions that go to a place; empty where none does. */
-export const missionsTo = (place: Place, missions: readonly Mission[]) =>
-  missions
-    .filter(({ waypoints }) => waypoints.some((waypoint) => waypoint.place === place.id))
-    .map(({ name }) => name)
-    .join(", ");
 
 /** What is wrong with a name, in a sentence; null when nothing is that this page can tell. */
 export function nameProblem(name: string, what: "place" | "zone" = "place"): string | null {
