@@ -46,9 +46,10 @@ def main() -> None:
     ways = (False,) if "--not-drawn" in sys.argv else (True, False)
     times: dict[tuple[str, bool], list[float]] = defaultdict(list)
     stack = Stack.simulated()
-    robot = Robot(stack.domain)
     try:
+        robot = Robot(stack.domain)
         robot.ready()
+        robot.close()  # an ear on every topic of the robot, which nobody has who drives it
         with chromium() as browser:
             page = ConsolePage(browser.new_page(viewport=WINDOW), stack.url)
             page.open(TOKEN)
@@ -64,7 +65,6 @@ def main() -> None:
                     times["drag released → answer at the pointer", drawn].append(answered)
                     times["Go released → accepted", drawn].append(accepted)
     finally:
-        robot.close()
         stack.close()
     print(f"{count} goals each, ms{'median':>48}{'p95':>8}{'p99':>8}{'worst':>8}")
     for (what, drawn), values in times.items():

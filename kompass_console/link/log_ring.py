@@ -66,6 +66,12 @@ class LogRing:
         """Number of the last line; 0 when there is none."""
         return self._newest
 
+    @property
+    def newest_warning(self) -> int:
+        """Number of the last warning or error; 0 when there is none."""
+        with self._lock:
+            return self._loud[-1].number if self._loud else 0
+
     def add(self, lines: Iterable[LogLine], left_out: int = 0) -> None:
         """Number and keep lines, the oldest first; so many before them there was no room for."""
         with self._lock:

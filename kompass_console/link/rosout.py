@@ -73,7 +73,11 @@ class Rosout:
 
     def info(self) -> LogInfo:
         """By what pages see that they have to ask again."""
-        return LogInfo(available=self._node.count_publishers(TOPIC) > 0, newest=self._ring.newest)
+        return LogInfo(
+            available=self._node.count_publishers(TOPIC) > 0,
+            newest=self._ring.newest,
+            newest_warning=self._ring.newest_warning,
+        )
 
 
 def worst(messages: Sequence[bytes], most: int) -> list[bytes]:

@@ -557,10 +557,12 @@ class RosInfo(BaseModel):
 
 
 class LogInfo(BaseModel):
-    """The robot's log: whether anybody writes to it, and the number of its newest line."""
+    """The robot's log: whether anybody writes to it, and the numbers of its newest line and of its
+    newest warning or error."""
 
     available: bool = False
     newest: int = 0
+    newest_warning: int = 0
 
 
 class State(BaseModel):

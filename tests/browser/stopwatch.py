@@ -7,7 +7,8 @@ from playwright.sync_api import Page
 
 # The browser's own time of the release, up to the end of the frame that shows the awaited thing.
 _ARM = """(sight) => {
-  const lap = (window.kompassLap = { released: null, seen: null });
+  const lap = { released: null };
+  window.kompassLap = new Promise((done) => { lap.done = done; });
   let drawing = false;
   const release = (event) => { lap.released = event.timeStamp; };
   addEventListener("pointerup", release, true);
@@ -16,7 +17,7 @@ _ARM = """(sight) => {
     drawing = true;
     watch.disconnect();
     removeEventListener("pointerup", release, true);
-    requestAnimationFrame(() => setTimeout(() => { lap.seen = performance.now(); }, 0));
+    requestAnimationFrame(() => setTimeout(() => lap.done(performance.now() - lap.released), 0));
   };
   const watch = new MutationObserver(look);
   watch.observe(document.body, {
@@ -24,8 +25,11 @@ _ARM = """(sight) => {
     attributes: true, attributeFilter: ["data-phase"],
   });
 }"""
-_DONE = "() => window.kompassLap.seen !== null"
-_READ = "() => window.kompassLap.seen - window.kompassLap.released"
+# Told by the page when it is over: to look again and again takes frames of what is timed.
+_READ = """(timeout) => Promise.race([
+  window.kompassLap,
+  new Promise((_, late) => setTimeout(() => late(new Error("not seen in time")), timeout)),
+])"""
 
 # With an answer the goal's card has a button to send it, or to send the nearest point instead.
 ANSWERED = '[data-testid="goal-go"], [data-testid="goal-nearest"]'
@@ -44,5 +48,4 @@ class Stopwatch:
 
     def read(self, timeout: float = 10.0) -> float:
         """Milliseconds from the last release before to the end of the frame that shows it."""
-        self._page.wait_for_function(_DONE, timeout=timeout * 1000)
-        return float(self._page.evaluate(_READ))
+        return float(self._page.evaluate(_READ, timeout * 1000))

@@ -35,6 +35,14 @@ def test_lines_are_found_by_level_logger_and_words_newest_first() -> None:
     assert page.nodes == ["drive_manager", "planner", "planner.ompl", "planners"]
 
 
+def test_the_newest_warning_is_known_among_calmer_lines() -> None:
+    ring = LogRing()
+    ring.add([line("calm")])
+    assert (ring.newest, ring.newest_warning) == (1, 0)
+    ring.add([line("hot", "warning"), line("calm again")])
+    assert (ring.newest, ring.newest_warning) == (3, 2)
+
+
 def test_what_is_written_all_the_time_pushes_no_error_out() -> None:
     ring = LogRing()
     ring.add([line("the one that matters", "error")])

@@ -143,7 +143,11 @@ class GoalFollower:
         stamp: float,
     ) -> None:
         """A goal of this console is about to be published at ROS time `stamp` (s); `speed` (m/s)
-        is what its check expected on average."""
+        is what its check expected on average.
+
+        The pages are not told at once: who sent it knows, and the planner's answer, which they all
+        wait for, would come behind this one.
+        """
         with self._lock:
             path = self._world.path.get()
             self._goal = _Goal(
@@ -159,7 +163,6 @@ class GoalFollower:
                 sent_stamp=stamp,
             )
             self._mark()
-        self._changed()
 
     def heard(self, x: float, y: float, yaw: float | None) -> None:
         """Somebody (perhaps this console) published a goal message."""

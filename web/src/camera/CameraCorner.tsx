@@ -2,6 +2,7 @@ import { Button, NativeSelect } from "@mantine/core";
 import { IconArrowsMaximize, IconArrowsMinimize, IconCamera, IconX } from "@tabler/icons-react";
 import { useState } from "react";
 import { useRobot } from "../state/RobotContext";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import { told } from "../texts/told";
 import { IconButton } from "../ui/controls/IconButton";
@@ -22,6 +23,10 @@ export function CameraCorner({ tool, covered }: Props) {
   const topics = state?.cameras.map(({ topic }) => topic) ?? [];
   if (tool.open) return <Camera tool={tool} topics={topics} covered={covered} />;
   if (topics.length === 0) return null;
+  return <Opener onOpen={tool.toggle} />;
+}
+
+const Opener = memoInLanguage(function Opener({ onOpen }: { onOpen: () => void }) {
   return (
     <Button
       className={classes.opener}
@@ -29,13 +34,13 @@ export function CameraCorner({ tool, covered }: Props) {
       variant="default"
       leftSection={<IconCamera size={18} aria-hidden />}
       title={t("What the robot's camera sees (C)")}
-      onClick={tool.toggle}
+      onClick={onOpen}
       data-testid="camera-open"
     >
       {t("Camera")}
     </Button>
   );
-}
+});
 
 function Camera({ tool, topics, covered }: Props & { topics: string[] }) {
   const [topic, setTopic] = useState<string | null>(null);

@@ -18,6 +18,7 @@ import { RulesSheet } from "../rules/RulesSheet";
 import { DriveBand } from "../scene/DriveBand";
 import { StopBand } from "../stop/StopBand";
 import { StopPlace } from "../stop/StopButton";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { type Phrase, t } from "../texts/text";
 import { ZonesPanel } from "../zones/ZonesPanel";
 import classes from "./BottomPanel.module.css";
@@ -41,7 +42,12 @@ const TABS: { key: Tab; label: Phrase; Icon: typeof IconHeartbeat }[] = [
  * What the right column is on a tablet or a phone: a sheet that opens from the bottom. On a phone
  * the rules cover the scene: what stops the robot is then told, and released, above them.
  */
-export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
+export const BottomPanel = memoInLanguage(function BottomPanel({
+  phone,
+  onGo,
+  asked,
+  onDraw,
+}: Props) {
   const rules = useNav();
   const [tab, setTab] = useState<Tab | null>(phone ? null : "health");
   const [list, setList] = useState<List>("Places");
@@ -147,4 +153,4 @@ export function BottomPanel({ phone, onGo, asked, onDraw }: Props) {
       </div>
     </aside>
   );
-}
+});

@@ -1,5 +1,5 @@
 import { useMediaQuery } from "@mantine/hooks";
-import { type ComponentProps, useEffect, useState } from "react";
+import { type ComponentProps, useCallback, useEffect, useMemo, useState } from "react";
 import type { GoalPick, Place, Zone } from "../api/types";
 import { BatteryBand } from "../battery/BatteryBand";
 import { CameraCorner } from "../camera/CameraCorner";
@@ -42,11 +42,13 @@ import { RobotProvider } from "../state/RobotContext";
 import { StopBand } from "../stop/StopBand";
 import { StopButton } from "../stop/StopButton";
 import { StopProvider } from "../stop/StopContext";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import { told } from "../texts/told";
 import { Band } from "../ui/Band";
 import { BandStack } from "../ui/BandStack";
 import { PHONE } from "../ui/screen";
+import { useNewest } from "../ui/useNewest";
 import { useZones } from "../zones/useZones";
 import { useZoneTool, type ZoneStroke, type ZoneTool } from "../zones/useZoneTool";
 import { ZoneCard } from "../zones/ZoneCard";
@@ -127,33 +129,33 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   }, [unseen, hand.close]);
 
   // One gesture means one thing.
-  const toggleGoal = () => {
+  const toggleGoal = useNewest(() => {
     if (locate.active) locate.toggle();
     if (zone.active) zone.leave();
     if (measure.active) measure.toggle();
     goal.toggle();
-  };
-  const toggleLocate = () => {
+  });
+  const toggleLocate = useNewest(() => {
     if (goal.active) goal.toggle();
     else if (goal.draft !== null) goal.drop(); // of a place of the list
     if (zone.active) zone.leave();
     if (measure.active) measure.toggle();
     locate.toggle();
-  };
-  const toggleMeasure = () => {
+  });
+  const toggleMeasure = useNewest(() => {
     if (goal.active) goal.toggle();
     else if (goal.draft !== null) goal.drop();
     if (locate.active) locate.toggle();
     if (zone.active) zone.leave();
     measure.toggle();
-  };
-  const drawZone = (before: Zone | null) => {
+  });
+  const drawZone = useNewest((before: Zone | null) => {
     if (goal.active) goal.toggle();
     else if (goal.draft !== null) goal.drop();
     if (locate.active) locate.toggle();
     if (measure.active) measure.toggle();
     zone.begin(before);
-  };
+  });
 
   useKeys(({ key, onControl, inMenu }) => {
     switch (key.toLowerCase()) {
@@ -231,12 +233,21 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
     }
   });
 
-  const checkPlace = (place: Place) => {
+  const checkPlace = useNewest((place: Place) => {
     if (locate.active) locate.toggle();
     if (zone.active) zone.leave();
     if (measure.active) measure.toggle();
     goal.checkPlace(place);
-  };
+  });
+  const toggleHelp = useCallback(() => setHelpOpen((open) => !open), []);
+  const tools = useMemo(
+    () => ({
+      goal: { active: goal.active, toggle: toggleGoal },
+      locate: { active: locate.active, toggle: toggleLocate },
+      measure: { active: measure.active, toggle: toggleMeasure },
+    }),
+    [goal.active, locate.active, measure.active, toggleGoal, toggleLocate, toggleMeasure],
+  );
   // A zone that is drawn is not lost by a press beside it.
   const drawing = zone.active && zone.corners.length > 0;
   const goTo = view === null || plays || drawing ? null : checkPlace;
@@ -244,7 +255,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   return (
     <>
       <div className={classes.page} data-rules={rules.open || undefined}>
-        <TopBar onHelp={() => setHelpOpen(!helpOpen)} />
+        <TopBar onHelp={toggleHelp} />
         <main className={scene.scene}>
           <SceneStack
             handle={handle}
@@ -262,13 +273,11 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
         <ToolRail
           scene={handle}
           flat={flat}
-          goal={{ active: goal.active, toggle: toggleGoal }}
-          locate={{ active: locate.active, toggle: toggleLocate }}
-          measure={{ active: measure.active, toggle: toggleMeasure }}
+          tools={tools}
           layersOpen={layersOpen}
           onLayers={setLayersOpen}
           helpOpen={helpOpen}
-          onHelp={() => setHelpOpen(!helpOpen)}
+          onHelp={toggleHelp}
         />
         <HandPanel />
         <StatusLine />
@@ -306,7 +315,6 @@ function SceneStack({
   onGo: ((place: Place) => void) | null;
 }) {
   const { view, error } = handle;
-  const { open: rulesOpen } = useNav();
   const considered = locate.active
     ? locatedOn(locate.draft)
     : consideredOf(goal.draft?.check ?? null);
@@ -397,30 +405,45 @@ function SceneStack({
         </>
       )}
       <CameraCorner tool={camera} covered={covered} />
-      <div className={scene.bands}>
-        <BandStack>
-          {!covered && <StopBand why={<StoppedByRule />} />}
-          <PlayedBand />
-          {!covered && <DriveBand />}
-          <StaleBand />
-          <ControlBand />
-          <CauseBand />
-          <AlarmsBand />
-          <BatteryBand onGo={onGo} />
-          {!rulesOpen && <ProbationBand />}
-          {view !== null && error !== null && (
-            <Band tone="notice" title={told(error.title)} testId="view-error">
-              {told(error.remedy)}
-            </Band>
-          )}
-          <AuditBand />
-          <WebhookBand />
-          <UpdateBand />
-        </BandStack>
-      </div>
+      <Bands covered={covered} onGo={onGo} error={view === null ? null : error} />
     </>
   );
 }
+
+interface BandsProps {
+  /** The scene is covered, and tells these above what covers it. */
+  covered: boolean;
+  onGo: ((place: Place) => void) | null;
+  error: ViewHandle["error"];
+}
+
+/** What is to be known at once, the gravest first. */
+const Bands = memoInLanguage(function Bands({ covered, onGo, error }: BandsProps) {
+  const { open: rulesOpen } = useNav();
+  return (
+    <div className={scene.bands}>
+      <BandStack>
+        {!covered && <StopBand why={<StoppedByRule />} />}
+        <PlayedBand />
+        {!covered && <DriveBand />}
+        <StaleBand />
+        <ControlBand />
+        <CauseBand />
+        <AlarmsBand />
+        <BatteryBand onGo={onGo} />
+        {!rulesOpen && <ProbationBand />}
+        {error !== null && (
+          <Band tone="notice" title={told(error.title)} testId="view-error">
+            {told(error.remedy)}
+          </Band>
+        )}
+        <AuditBand />
+        <WebhookBand />
+        <UpdateBand />
+      </BandStack>
+    </div>
+  );
+});
 
 type Fractions = [number, number];
 

@@ -12,6 +12,7 @@ import { DraftBar } from "../rules/DraftBar";
 import { FiringsPanel } from "../rules/firings/FiringsPanel";
 import { RulesSheet } from "../rules/RulesSheet";
 import { StopPlace } from "../stop/StopButton";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import { ZonesPanel } from "../zones/ZonesPanel";
 import classes from "./SidePanel.module.css";
@@ -29,7 +30,7 @@ export interface Props {
  * The right column of a wide page, or the rules in its place. STOP has its own corner, which nothing
  * scrolls under.
  */
-export function SidePanel({ onGo, asked, onDraw }: Props) {
+export const SidePanel = memoInLanguage(function SidePanel({ onGo, asked, onDraw }: Props) {
   const { open, place } = useNav();
   if (open) {
     return (
@@ -66,4 +67,4 @@ export function SidePanel({ onGo, asked, onDraw }: Props) {
       </div>
     </aside>
   );
-}
+});

@@ -5,12 +5,13 @@ import { DrivenBy } from "../hand/DrivenBy";
 import { mapFit } from "../state/localisation";
 import { POSE_DEADLINE_S } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import { lengthUnit, shown, speedUnit } from "../texts/units";
 import classes from "./StatusLine.module.css";
 
 /** Where the robot is, how old that is, and who else looks. */
-export function StatusLine() {
+export const StatusLine = memoInLanguage(function StatusLine() {
   const { state, elapsed, frozen, connected } = useRobot();
   const scan = state?.streams.find((stream) => stream.key === "scan");
   return (
@@ -37,7 +38,7 @@ export function StatusLine() {
       )}
     </footer>
   );
-}
+});
 
 function FitText({ localisation, elapsed }: { localisation: Localisation; elapsed: number }) {
   const { level, figure, sentence } = mapFit(localisation, elapsed);

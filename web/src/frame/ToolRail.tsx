@@ -18,6 +18,7 @@ import { useStage } from "../scene/StageContext";
 import type { Flat } from "../scene/useFlat";
 import type { ViewHandle } from "../scene/useView";
 import { useSession } from "../session/SessionContext";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import classes from "./ToolRail.module.css";
 
@@ -29,17 +30,17 @@ interface Switch {
 interface Props {
   scene: ViewHandle;
   flat: Flat;
-  goal: Switch;
-  locate: Switch;
-  measure: Switch;
+  /** What is done on the floor. */
+  tools: { goal: Switch; locate: Switch; measure: Switch };
   layersOpen: boolean;
   onLayers: (open: boolean) => void;
   helpOpen: boolean;
   onHelp: () => void;
 }
 
-export function ToolRail(props: Props) {
-  const { scene, flat, goal, locate, measure, layersOpen, onLayers, helpOpen, onHelp } = props;
+export const ToolRail = memoInLanguage(function ToolRail(props: Props) {
+  const { scene, flat, tools, layersOpen, onLayers, helpOpen, onHelp } = props;
+  const { goal, locate, measure } = tools;
   const { session } = useSession();
   const { view, change } = scene;
   const rules = useNav();
@@ -155,7 +156,7 @@ export function ToolRail(props: Props) {
       />
     </nav>
   );
-}
+});
 
 interface ToolProps {
   testId: string;

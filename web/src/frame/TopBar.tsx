@@ -14,7 +14,7 @@ import {
   IconUser,
 } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
-import { useState } from "react";
+import { useCallback, useState } from "react";
 import { logoutOthers } from "../api/client";
 import { BatteryBadge } from "../battery/BatteryBadge";
 import { batteryText } from "../battery/batteryText";
@@ -29,6 +29,7 @@ import { overall } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
 import { LANGUAGE_KEYS, LANGUAGES, language } from "../texts/language";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import { told } from "../texts/told";
 import { UNITS, units } from "../texts/units";
@@ -38,15 +39,15 @@ import { PHONE } from "../ui/screen";
 import { useTheme } from "../ui/theme";
 import classes from "./TopBar.module.css";
 
-export function TopBar({ onHelp }: { onHelp: () => void }) {
-  const { state } = useRobot();
+export const TopBar = memoInLanguage(function TopBar({ onHelp }: { onHelp: () => void }) {
   const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   const [notify, setNotify] = useState(false);
+  const openNotify = useCallback(() => setNotify(true), []);
   return (
     <header className={classes.bar}>
       <span className={classes.robot}>
         <Mark size={22} />
-        <strong>{state?.robot.name ?? "Kompass Console"}</strong>
+        <RobotName />
       </span>
       <OverallState />
       <span className={classes.gap} />
@@ -56,10 +57,15 @@ export function TopBar({ onHelp }: { onHelp: () => void }) {
       <RevisionBadge />
       <SimulationRate />
       {!phone && <ThemeToggle />}
-      <UserMenu onNotify={() => setNotify(true)} onHelp={onHelp} />
+      <UserMenu onNotify={openNotify} onHelp={onHelp} />
       <NotifyDialog opened={notify} onClose={() => setNotify(false)} />
     </header>
   );
+});
+
+function RobotName() {
+  const { state } = useRobot();
+  return <strong>{state?.robot.name ?? "Kompass Console"}</strong>;
 }
 
 function OverallState() {
@@ -119,7 +125,7 @@ function useThemeWords() {
   return { label: t(THEME_WORDS[choice]), Icon, cycle };
 }
 
-function ThemeToggle() {
+const ThemeToggle = memoInLanguage(function ThemeToggle() {
   const { label, Icon, cycle } = useThemeWords();
   return (
     <ActionIcon
@@ -134,11 +140,16 @@ function ThemeToggle() {
       <Icon size={20} aria-hidden />
     </ActionIcon>
   );
-}
+});
 
-function UserMenu({ onNotify, onHelp }: { onNotify: () => void; onHelp: () => void }) {
+const UserMenu = memoInLanguage(function UserMenu({
+  onNotify,
+  onHelp,
+}: {
+  onNotify: () => void;
+  onHelp: () => void;
+}) {
   const { session, logout } = useSession();
-  const { version, state, elapsed } = useRobot();
   const theme = useThemeWords();
   const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   const others = useMutation({ mutationFn: logoutOthers });
@@ -159,21 +170,7 @@ function UserMenu({ onNotify, onHelp }: { onNotify: () => void; onHelp: () => vo
         <Menu.Label>
           {session.user}, {t(session.role)}
         </Menu.Label>
-        {state?.simulation && (
-          <Menu.Label>
-            {t("Simulation at {rate}×", { rate: fixed(state.simulation.rate, 2) })}
-          </Menu.Label>
-        )}
-        {state?.battery && <Menu.Label>{batteryText(state.battery, elapsed)}</Menu.Label>}
-        {version !== null && <Menu.Label>Kompass Console {version}</Menu.Label>}
-        {state !== null && (
-          <Menu.Label>
-            {t("ROS domain {domain}, {middleware}", {
-              domain: state.ros.domain_id,
-              middleware: state.ros.middleware,
-            })}
-          </Menu.Label>
-        )}
+        <RobotFacts />
         {phone && (
           <Menu.Item
             closeMenuOnClick={false}
@@ -232,6 +229,30 @@ function UserMenu({ onNotify, onHelp }: { onNotify: () => void; onHelp: () => vo
         </Menu.Item>
       </Menu.Dropdown>
     </Menu>
+  );
+});
+
+/** What the menu tells of the robot; made while it is open only. */
+function RobotFacts() {
+  const { version, state, elapsed } = useRobot();
+  return (
+    <>
+      {state?.simulation && (
+        <Menu.Label>
+          {t("Simulation at {rate}×", { rate: fixed(state.simulation.rate, 2) })}
+        </Menu.Label>
+      )}
+      {state?.battery && <Menu.Label>{batteryText(state.battery, elapsed)}</Menu.Label>}
+      {version !== null && <Menu.Label>Kompass Console {version}</Menu.Label>}
+      {state !== null && (
+        <Menu.Label>
+          {t("ROS domain {domain}, {middleware}", {
+            domain: state.ros.domain_id,
+            middleware: state.ros.middleware,
+          })}
+        </Menu.Label>
+      )}
+    </>
   );
 }
 

@@ -5,6 +5,7 @@ import { isUnderWay } from "../goal/goalText";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { useStop } from "../stop/StopContext";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import { shown, speedUnit } from "../texts/units";
 import classes from "./Hand.module.css";
@@ -13,7 +14,7 @@ import { drivenText, heldBackText } from "./handText";
 import { Stick } from "./Stick";
 
 /** A strip below the scene, which it never covers: the wheel, or who has it. */
-export function HandPanel() {
+export const HandPanel = memoInLanguage(function HandPanel() {
   const hand = useHand();
   if (!hand.open) return null;
   return (
@@ -26,7 +27,7 @@ export function HandPanel() {
       {hand.yours ? <Wheel hand={hand} /> : <Taking hand={hand} />}
     </section>
   );
-}
+});
 
 /** Whoever has the wheel. */
 function Wheel({ hand }: { hand: Hand }) {

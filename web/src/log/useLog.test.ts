@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { LogLine, LogPage } from "../api/types";
-import { joined } from "./useLog";
+import { hasCome, joined } from "./useLog";
 
 const line = (number: number): LogLine => ({
   number,
@@ -33,4 +33,17 @@ test("where lines are missing between the two, what was known is not put behind 
 
 test("the log of a console that was started again takes the place of the one before", () => {
   expect(shown(joined(page([90, 89], 90), page([1], 1), 10))).toEqual([1]);
+});
+
+test("who wants warnings asks when there is one, and not for every line", () => {
+  const log = { available: true, newest: 9, newest_warning: 4 };
+  expect(hasCome(log, { level: "warning", node: "", text: "" }, page([4], 4))).toBe(false);
+  expect(hasCome(log, { level: "warning", node: "", text: "" }, page([3], 3))).toBe(true);
+  expect(hasCome(log, { level: "info", node: "", text: "" }, page([4], 4))).toBe(true);
+  expect(hasCome(log, { level: "info", node: "", text: "" }, page([9], 9))).toBe(false);
+});
+
+test("the log of a console that was started again is asked for, warnings or not", () => {
+  const log = { available: true, newest: 2, newest_warning: 0 };
+  expect(hasCome(log, { level: "warning", node: "", text: "" }, page([90], 90))).toBe(true);
 });

@@ -2,7 +2,7 @@ import { useQueryClient } from "@tanstack/react-query";
 import type { ApiError } from "../api/errors";
 import { getLog, type LogQuery } from "../api/logClient";
 import { useAsked } from "../api/queries";
-import type { LogLine, LogPage } from "../api/types";
+import type { LogLine, LogPage, State } from "../api/types";
 import { useRobot } from "../state/RobotContext";
 
 /** So many lines are asked for at once. */
@@ -25,13 +25,14 @@ interface Log {
 export function useLog(query: LogQuery, most: number, paused = false): Log {
   const client = useQueryClient();
   const { state } = useRobot();
-  const newest = state?.log.newest ?? null;
+  const log = state?.log ?? null;
+  const newest = log?.newest ?? null;
   const key = ["log", query, most];
   const { data, error, fresh } = useAsked<LogPage>({
     key,
     keep: true,
     again: (known) =>
-      !paused && known !== undefined && newest !== null && known.newest !== newest
+      !paused && known !== undefined && log !== null && hasCome(log, query, known)
         ? REST_MS
         : false,
     ask: async (signal) => {
@@ -48,6 +49,13 @@ export function useLog(query: LogQuery, most: number, paused = false): Log {
     fresh,
     error,
   };
+}
+
+/** Whether there are lines to ask for: a robot that chats is asked for its warnings once it warns. */
+export function hasCome(log: State["log"], { level }: LogQuery, known: LogPage): boolean {
+  const loud = level === "warning" || level === "error" || level === "fatal";
+  const restarted = log.newest < known.newest;
+  return restarted || known.newest < (loud ? log.newest_warning : log.newest);
 }
 
 /** What was known and what has come since; where lines are missing between the two, the new alone. */

@@ -1,7 +1,7 @@
 import { ActionIcon, Button, Menu } from "@mantine/core";
 import { IconDots, IconPencil, IconPlayerPlay, IconRoute, IconTrash } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
-import { memo, useState } from "react";
+import { useState } from "react";
 import {
   deleteMission,
   editMission,
@@ -17,6 +17,7 @@ import { placesHere } from "../places/placeText";
 import { usePlaces } from "../places/usePlaces";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
@@ -70,7 +71,7 @@ interface ContentsProps {
 }
 
 /** Apart, for it need not be made again with every snapshot of the robot. */
-const Contents = memo(function Contents({ list, places, busy, operator }: ContentsProps) {
+const Contents = memoInLanguage(function Contents({ list, places, busy, operator }: ContentsProps) {
   const [creating, setCreating] = useState(false);
   const [deleted, setDeleted] = useState<Mission | null>(null);
   const save = useMutation({ mutationFn: saveMission, onSuccess: () => setCreating(false) });
@@ -160,7 +161,7 @@ interface RowProps {
   onDeleted: (mission: Mission) => void;
 }
 
-const MissionRow = memo(function MissionRow(props: RowProps) {
+const MissionRow = memoInLanguage(function MissionRow(props: RowProps) {
   const { mission, places, busy, mayEdit, onDeleted } = props;
   const [editing, setEditing] = useState(false);
   const start = useMutation({ mutationFn: () => startMission(mission) });

@@ -10,9 +10,10 @@ import {
   IconTrash,
 } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
-import { memo, useState } from "react";
+import { useState } from "react";
 import { deletePlace, editPlace, type PlaceChange } from "../api/placesClient";
 import type { Place } from "../api/types";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import { Problem } from "../ui/Problem";
 import { PlaceForm } from "./PlaceForm";
@@ -30,7 +31,7 @@ interface Props {
 }
 
 /** One place: a tap shows the way to it, and the menu has the rest. */
-export const PlaceRow = memo(function PlaceRow({ place, mayEdit, onGo, ...told }: Props) {
+export const PlaceRow = memoInLanguage(function PlaceRow({ place, mayEdit, onGo, ...told }: Props) {
   const [editing, setEditing] = useState(false);
   const edit = useMutation({
     mutationFn: (change: PlaceChange) => editPlace(place, change),

@@ -3,7 +3,6 @@ import { IconMapPinPlus, IconSearch } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
 import {
   type ComponentType,
-  memo,
   type ReactNode,
   useCallback,
   useEffect,
@@ -14,6 +13,7 @@ import { editPlace, restorePlace } from "../api/placesClient";
 import type { Place, PlaceList } from "../api/types";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import { told } from "../texts/told";
 import { broughtIntoView } from "../ui/broughtIntoView";
@@ -81,7 +81,12 @@ interface ContentsProps {
 }
 
 /** Apart, for it need not be made again with every snapshot of the robot. */
-const Contents = memo(function Contents({ list, deleted: Deleted, onGo, operator }: ContentsProps) {
+const Contents = memoInLanguage(function Contents({
+  list,
+  deleted: Deleted,
+  onGo,
+  operator,
+}: ContentsProps) {
   const [search, setSearch] = useState("");
   const [naming, setNaming] = useState(false);
   const [done, setDone] = useState<Done | null>(null);

@@ -1,9 +1,9 @@
-import { memo } from "react";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import classes from "./Scene.module.css";
 
 /** The 3D scene: viser's client of this page's view. Never re-rendered by robot data. */
-export const SceneFrame = memo(function SceneFrame({ id }: { id: string }) {
+export const SceneFrame = memoInLanguage(function SceneFrame({ id }: { id: string }) {
   return (
     <iframe
       key={id}

@@ -1,4 +1,4 @@
-import { useCallback, useState } from "react";
+import { useCallback, useMemo, useState } from "react";
 import { readKept, writeKept } from "../kept";
 import { drawsWebGl } from "./webgl";
 
@@ -20,5 +20,6 @@ export function useFlat(): Flat {
     setChosen(!chosen);
     writeKept(KEY, chosen ? "3d" : "flat");
   }, [chosen]);
-  return { flat: chosen || !choice, choice, toggle };
+  const flat = chosen || !choice;
+  return useMemo(() => ({ flat, choice, toggle }), [flat, choice, toggle]);
 }

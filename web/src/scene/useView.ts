@@ -1,4 +1,4 @@
-import { useCallback, useEffect, useRef, useState } from "react";
+import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { createView, patchView } from "../api/client";
 import { ApiError, asApiError } from "../api/errors";
 import type { LayerKey, View, ViewPatch } from "../api/types";
@@ -97,7 +97,10 @@ export function useView(): ViewHandle {
     [change],
   );
 
-  return { view, error, change, toggleLayer, toggleExtra };
+  return useMemo(
+    () => ({ view, error, change, toggleLayer, toggleExtra }),
+    [view, error, change, toggleLayer, toggleExtra],
+  );
 }
 
 async function setUp(known: View | null, theme: View["theme"]): Promise<View> {

@@ -39,7 +39,7 @@ export function RobotProvider(props: { onRefused: () => void; children: ReactNod
   }, [link]);
   const snapshot = useSyncExternalStore(link.subscribe, link.getSnapshot);
   const [opened] = useState(() => performance.now());
-  const tick = useTick();
+  const tick = useTick(snapshot);
 
   const robot = useMemo<Robot>(() => {
     const now = Math.max(tick, performance.now());
@@ -78,11 +78,13 @@ export function useNow(): number {
   return state === null ? Date.now() / 1000 : state.time + elapsed;
 }
 
-function useTick(): number {
+/** Ticks while nothing arrives: each snapshot is a look at the clock already. */
+function useTick(snapshot: unknown): number {
   const [now, setNow] = useState(() => performance.now());
+  // biome-ignore lint/correctness/useExhaustiveDependencies: a snapshot begins the wait anew
   useEffect(() => {
     const timer = window.setInterval(() => setNow(performance.now()), TICK_MS);
     return () => window.clearInterval(timer);
-  }, []);
+  }, [snapshot]);
   return now;
 }

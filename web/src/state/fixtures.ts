@@ -58,7 +58,7 @@ export const robot = (part: Partial<State> = {}): State => ({
   places: { available: false, revision: 0, map: null },
   zones: { available: false, revision: 0, masks: 0 },
   timeline: { available: false, newest: 0, changes: 0 },
-  log: { available: false, newest: 0 },
+  log: { available: false, newest: 0, newest_warning: 0 },
   extras: [],
   cameras: [],
   missions: { available: false, revision: 0, notice: "", run: null, queue: [] },

@@ -37,8 +37,10 @@ export function StopProvider({ children }: { children: ReactNode }) {
   // `elapsed` runs on while nothing arrives: it is what makes an unanswered stop time out.
   // biome-ignore lint/correctness/useExhaustiveDependencies: elapsed is the clock of this effect
   useEffect(() => {
-    dispatch({ type: "observed", drive, now: performance.now() });
-  }, [drive, elapsed]);
+    const event = { type: "observed", drive, now: performance.now() } as const;
+    // Most often it changes nothing, and a dispatch draws all that shows STOP once more.
+    if (stopReducer(stop, event) !== stop) dispatch(event);
+  }, [drive, elapsed, stop]);
 
   const press = useCallback(() => {
     dispatch({ type: "pressed", now: performance.now() });

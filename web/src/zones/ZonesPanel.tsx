@@ -15,6 +15,7 @@ import places from "../places/Places.module.css";
 import { useSession } from "../session/SessionContext";
 import { useRobot } from "../state/RobotContext";
 import { wholeDateText } from "../texts/dates";
+import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
 import { langOf, told } from "../texts/told";
 import { Panel } from "../ui/Panel";
@@ -44,7 +45,8 @@ export function ZonesPanel({ onDraw }: Props) {
   );
 }
 
-function Contents({ list, onDraw }: { list: ZoneList } & Props) {
+/** Apart, for it need not be made again with every snapshot of the robot. */
+const Contents = memoInLanguage(function Contents({ list, onDraw }: { list: ZoneList } & Props) {
   const { session } = useSession();
   const mayEdit = session.role !== "viewer" && list.available;
   const [deleted, setDeleted] = useState<Zone | null>(null);
@@ -136,7 +138,7 @@ function Contents({ list, onDraw }: { list: ZoneList } & Props) {
       )}
     </>
   );
-}
+});
 
 interface RowProps extends Props {
   zone: Zone;
