@@ -30,6 +30,10 @@ from kompass.rclpy_ext.guarded import guarded
 from kompass.rclpy_ext.log import write_log
 
 
+def _deaf(message: Any) -> None:
+    """Hears nothing."""
+
+
 class NodeOnDDS:
     """Part of a node of rclpy that makes it one of :class:`kompass.bus.node.Node`.
 
@@ -58,10 +62,13 @@ class NodeOnDDS:
         return super().create_subscription(*args, **kwargs)  # type: ignore[misc]
 
     def destroy_subscription(self, subscription: Any) -> bool:
-        """As of :class:`rclpy.node.Node`; its callback group forgets it too.
+        """As of :class:`rclpy.node.Node`; its callback group forgets it too, and it hears no more.
 
-        rclpy's does not (7.1.6, ``ros2/rclpy`` issue 1356): a little memory for each that ever was.
+        rclpy's callback group does not (7.1.6, ``ros2/rclpy`` issue 1356): a little memory for each
+        that ever was. And the events executor hands on what it has been told of before, to whoever
+        may be gone by then.
         """
+        subscription.callback = _deaf
         entities = subscription.callback_group.entities
         entities.discard(weakref.ref(subscription))
         return bool(super().destroy_subscription(subscription))  # type: ignore[misc]

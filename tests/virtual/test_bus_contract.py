@@ -244,9 +244,11 @@ def test_what_was_destroyed_hears_and_says_nothing(
     publisher = one.create_publisher(Int32, name, 10)
     gone, there = Heard(other, Int32, name, 10), Heard(one, Int32, name, 10)
     bus.until(lambda: publisher.get_subscription_count() == 2)
+    bus.rest(0.1)  # its executor listens now
     bus.hold(other)
     publisher.publish(Int32(data=1))
     bus.until(lambda: there)
+    bus.rest(0.1)  # it is waiting now
     assert other.destroy_subscription(gone.subscription)
     bus.go_on(other)
     bus.until(lambda: publisher.get_subscription_count() == 1)
