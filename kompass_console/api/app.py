@@ -59,6 +59,7 @@ from kompass_console.schema.rule_models import (
 )
 from kompass_console.version import VERSION
 from kompass_console.web.body_limit import BodyLimit
+from kompass_console.web.body_text import BodyText
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
 from kompass_console.web.invalid_request import told_invalid
@@ -150,6 +151,7 @@ def create_app(console: Console | None) -> FastAPI:
         return openapi(app)
 
     app.include_router(page.router)  # last: it takes every path that is left
+    app.add_middleware(BodyText)
     app.add_middleware(BodyLimit)
     app.add_middleware(  # the last added is the first to see a request
         WebGuard, allow_hosts=() if console is None else console.settings.allow_hosts

@@ -14,10 +14,12 @@ from typing import Any, TypeVar
 from fastapi import Request, Response
 from pydantic import BaseModel, ValidationError
 
+from kompass.half_characters import half_characters, may_hold_half
 from kompass.invalid import first_invalid
 from kompass.monitor.client import Json, MonitorClient, Refused
 from kompass.rclpy_ext.reply import NoAnswer, Reply
 from kompass_console.schema.models import ErrorDetail
+from kompass_console.web.body_text import half_character_error
 from kompass_console.web.console import Console
 from kompass_console.web.errors import ConsoleError
 
@@ -127,6 +129,9 @@ def _split(raw: bytes, rest: type[_Envelope], remedy: str) -> tuple[str, _Envelo
     if not isinstance(body, dict) or not isinstance(body.get("table"), dict):
         raise _unreadable("it has no table")
     table = body.pop("table")
+    broken = next(half_characters(body), None) if may_hold_half(raw) else None
+    if broken is not None:
+        raise half_character_error(*broken)
     try:
         checked = rest.model_validate(body)
     except ValidationError as error:

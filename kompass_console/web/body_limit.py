@@ -10,7 +10,8 @@ from kompass_console.web.errors import ConsoleError
 LARGEST_TABLE = 2_000_000  # bytes; a rule is about 1 kB. The monitor takes no more either.
 
 _LARGEST = 64_000  # bytes of any other request
-_WITH_TABLE = ("/api/rules/check", "/api/rules/apply", "/api/backtests", "/api/drills")
+# Routes that read a table out of their body by themselves.
+WITH_TABLE = ("/api/rules/check", "/api/rules/apply", "/api/backtests", "/api/drills")
 
 
 class BodyLimit:
@@ -23,7 +24,7 @@ class BodyLimit:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        limit = LARGEST_TABLE if scope["path"] in _WITH_TABLE else _LARGEST
+        limit = LARGEST_TABLE if scope["path"] in WITH_TABLE else _LARGEST
         announced = Headers(scope=scope).get("content-length", "")
         size = int(announced) if announced.isascii() and announced.isdigit() else 0
         got = 0

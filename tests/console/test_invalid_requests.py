@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 
 import httpx
@@ -70,3 +71,44 @@ def test_a_body_that_is_none_is_said_to_be(ava: httpx.Client, body: bytes) -> No
     assert answer.status_code == 422, answer.text
     title = answer.json()["detail"]["title"]
     assert title.startswith("The request's body is no JSON" if body else "The request has no body")
+
+
+AS_JSON = {"Content-Type": "application/json"}
+HALF = "half of a surrogate pair, which is no character"
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "field"),
+    [
+        ("login", {"user": "\ud800", "token": "x"}, "user"),
+        ("places", {"name": "dock \udfff", "pose": {"x": 0, "y": 0, "yaw": 0}}, "name"),
+        ("missions", {**SCHEDULE, "waypoints": [{"place": 1, "\ud800": 1}]}, "waypoints.0"),
+        ("goals", "\ud800", "body"),
+        ("rules/apply", {"table": {"rules": []}, "note": "\ud800"}, "note"),
+    ],
+)
+def test_half_a_character_is_refused_before_anything_is_done(
+    ava: httpx.Client, path: str, body: Json, field: str
+) -> None:
+    escaped = json.dumps(body).encode()
+    raw = json.dumps(body, ensure_ascii=False).encode(errors="surrogatepass")
+    for content in (escaped, raw):
+        answer = ava.post(f"/api/{path}", content=content, headers=AS_JSON)
+        assert answer.status_code == 422, answer.text
+        detail = answer.json()["detail"]
+        assert HALF in detail["title"]
+        assert f"'s {field} cannot be" in detail["title"]
+        assert "as UTF-8" in detail["remedy"]
+
+
+def test_a_character_of_two_halves_is_one(ava: httpx.Client) -> None:
+    """It is read, and the token refused."""
+    answer = ava.post(
+        "/api/login", content=b'{"user": "\\ud83d\\ude00", "token": "x"}', headers=AS_JSON
+    )
+    assert answer.status_code == 403, answer.text
+
+
+def test_stop_takes_any_reason(ava: httpx.Client) -> None:
+    answer = ava.post("/api/stop", content=b'{"reason": "\\ud800"}', headers=AS_JSON)
+    assert answer.status_code == 503, "there is no drive manager here: it went that far"

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import islice
-from typing import Any, TypeAlias
+from typing import Any
 
 from pydantic import JsonValue, ValidationError
 
+from kompass.half_characters import REMEDY, WHY, Steps, half_characters, may_hold_half
 from kompass.invalid import invalid_of
 from kompass.rulebook.schema.report import Finding
 from kompass.rules.schema.interned import interned_table, text_of
@@ -21,9 +21,6 @@ from kompass.rules.schema.table import SAME_ID, Rule, Table
 MAX_BYTES = 2_000_000
 MAX_RULES = 1_000
 SHOWN = 50  # findings that are told
-# Half of a pair, escaped or not; in a text that is searched before it is looked through.
-_SURROGATE = re.compile(r"\\u[dD][89a-fA-F]|[\ud800-\udfff]")
-_Steps: TypeAlias = tuple[str | int, ...]
 _SEVERAL = "several-types"
 SHOWN_VALUE = 200  # characters of a value that are told
 
@@ -129,39 +126,13 @@ def _load(text: str) -> Any:
     if isinstance(rules, list) and len(rules) > MAX_RULES:
         text = f"{len(rules)} rules are more than {MAX_RULES}"
         raise Unreadable([_finding("too-many", text, "send fewer rules", "rules")])
-    broken = list(islice(_broken_texts(data), SHOWN)) if _SURROGATE.search(text) else ()
+    broken = list(islice(half_characters(data), SHOWN)) if may_hold_half(text) else ()
     if broken:
         raise Unreadable([_of_broken(path, text, data) for path, text in broken])
     return data
 
 
-def _broken_texts(data: Any) -> Iterator[tuple[_Steps, str]]:
-    """Texts and keys, with the way to them, that hold half of a surrogate pair: no UTF-8 has it."""
-    waiting: list[tuple[_Steps, Any]] = [((), data)]
-    while waiting:
-        path, value = waiting.pop()
-        if isinstance(value, str):
-            if not _is_unicode(value):
-                yield path, value
-        elif isinstance(value, list):
-            waiting += [((*path, n), value[n]) for n in reversed(range(len(value)))]
-        elif isinstance(value, dict):
-            for key, item in reversed(value.items()):
-                if _is_unicode(key):
-                    waiting.append(((*path, key), item))
-                else:
-                    yield path, key
-
-
-def _is_unicode(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
-
-
-def _of_broken(path: _Steps, text: str, data: Any) -> Finding:
+def _of_broken(path: Steps, text: str, data: Any) -> Finding:
     rule = data["rules"][path[1]] if path[:1] == ("rules",) and len(path) > 1 else {}
     named = rule.get("id") if isinstance(rule, dict) else None
     whose = _short(named) if isinstance(named, str) else ""
@@ -171,8 +142,8 @@ def _of_broken(path: _Steps, text: str, data: Any) -> Finding:
         rule_id=str(whose)[:100],
         field=path_text(path[2:] if whose else path),
         value=_short(text),
-        text="the text holds half of a surrogate pair, which is no character",
-        remedy="send characters beyond U+FFFF as both of their halves, or as UTF-8",
+        text=WHY,
+        remedy=REMEDY,
     )
 
 
@@ -182,7 +153,7 @@ def _finding(code: str, text: str, remedy: str, field: str = "", rule_id: str = 
 
 def _by_place(found: Sequence[Any], data: Any) -> list[Any]:
     """One complaint for each value: one that may be of several types has one for each of them."""
-    kept: dict[_Steps, Any] = {}
+    kept: dict[Steps, Any] = {}
     for item in found:
         at, steps = data, []
         for step in item["loc"]:
