@@ -3,6 +3,7 @@ import { currentSession, login, logout } from "./api/client";
 import { ApiError, asApiError } from "./api/errors";
 import type { Session } from "./api/types";
 import { ConsolePage } from "./frame/ConsolePage";
+import { WithStopLeft } from "./frame/PageFailed";
 import { LoginPage } from "./session/LoginPage";
 import { SessionContext } from "./session/SessionContext";
 import { takeToken } from "./session/token";
@@ -88,7 +89,9 @@ export function App({ token }: { token: string | null }) {
     case "inside":
       return (
         <SessionContext value={{ session: gate.session, logout: onLogout }}>
-          <ConsolePage onRefused={onRefused} />
+          <WithStopLeft>
+            <ConsolePage onRefused={onRefused} />
+          </WithStopLeft>
         </SessionContext>
       );
   }

@@ -37,9 +37,14 @@ export function errorFromBody(status: number, body: unknown): ApiError {
   );
 }
 
+/** A defect of the page itself: no answer of the console's is behind it. */
+const failure = (error: unknown): ApiError =>
+  new ApiError(-1, `This part of the page has failed: ${String(error)}.`, "Reload the page.");
+
 /** Any thrown value as an ApiError, so that panels have one thing to show. */
 export function asApiError(error: unknown): ApiError {
-  return error instanceof ApiError ? error : noAnswer();
+  if (error instanceof ApiError) return error;
+  return error instanceof DOMException ? noAnswer() : failure(error);
 }
 
 export function isRecord(value: unknown): value is Record<string, unknown> {

@@ -6,7 +6,7 @@ import {
   useQuery,
 } from "@tanstack/react-query";
 import { useState } from "react";
-import type { ApiError } from "./errors";
+import { type ApiError, asApiError } from "./errors";
 
 declare module "@tanstack/react-query" {
   interface Register {
@@ -58,7 +58,10 @@ interface Answer<T> {
 export function useAsked<T>({ key, ask, enabled = true, again, keep = false }: Question<T>) {
   const query = useQuery<T>({
     queryKey: key,
-    queryFn: ({ signal }) => ask(signal),
+    queryFn: ({ signal }) =>
+      ask(signal).catch((error: unknown) => {
+        throw signal.aborted ? error : asApiError(error);
+      }),
     enabled,
     refetchInterval:
       typeof again === "function"

@@ -20,6 +20,7 @@ import { StopBand } from "../stop/StopBand";
 import { StopPlace } from "../stop/StopButton";
 import { memoInLanguage } from "../texts/memoInLanguage";
 import { type Phrase, t } from "../texts/text";
+import { Part } from "../ui/Part";
 import { ZonesPanel } from "../zones/ZonesPanel";
 import classes from "./BottomPanel.module.css";
 import type { Props as SideProps } from "./SidePanel";
@@ -85,21 +86,45 @@ export const BottomPanel = memoInLanguage(function BottomPanel({
                 value={list}
                 onChange={(shown) => setList(LISTS.find((each) => each === shown) ?? "Places")}
               />
-              {list === "Missions" && <MissionsPanel />}
-              {list === "Zones" && <ZonesPanel onDraw={onDraw === null ? null : draw} />}
+              {list === "Missions" && (
+                <Part>
+                  <MissionsPanel />
+                </Part>
+              )}
+              {list === "Zones" && (
+                <Part>
+                  <ZonesPanel onDraw={onDraw === null ? null : draw} />
+                </Part>
+              )}
               {list === "Places" && (
-                <PlacesPanel onGo={onGo === null ? null : go} asked={asked} deleted={MissionsTo} />
+                <Part>
+                  <PlacesPanel
+                    onGo={onGo === null ? null : go}
+                    asked={asked}
+                    deleted={MissionsTo}
+                  />
+                </Part>
               )}
             </>
           )}
           {open === "health" && (
             <>
-              <HealthPanel />
-              <LogPanel />
-              <FiringsPanel />
+              <Part>
+                <HealthPanel />
+              </Part>
+              <Part>
+                <LogPanel />
+              </Part>
+              <Part>
+                <FiringsPanel />
+              </Part>
             </>
           )}
-          {open === "data" && <DataPanel />}
+          {open === "data" && (
+            <Part>
+              <DataPanel />
+            </Part>
+          )}
         </div>
       )}
       {rules.open && (
@@ -110,7 +135,9 @@ export const BottomPanel = memoInLanguage(function BottomPanel({
               <DriveBand />
             </div>
           )}
-          <RulesSheet />
+          <Part>
+            <RulesSheet />
+          </Part>
           {rules.place.at !== "timeline" && (
             <div className={classes.draft}>
               <DraftBar />
@@ -120,8 +147,10 @@ export const BottomPanel = memoInLanguage(function BottomPanel({
       )}
       <div className={classes.bar}>
         <div className={classes.left}>
-          <MissionStatus brief={rules.open} />
-          <GoalStatus />
+          <Part>
+            <MissionStatus brief={rules.open} />
+            <GoalStatus />
+          </Part>
           <div className={classes.tabs}>
             {TABS.map(({ key, label, Icon }) => (
               <UnstyledButton

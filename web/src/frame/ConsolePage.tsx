@@ -47,6 +47,7 @@ import { t } from "../texts/text";
 import { told } from "../texts/told";
 import { Band } from "../ui/Band";
 import { BandStack } from "../ui/BandStack";
+import { Part } from "../ui/Part";
 import { PHONE } from "../ui/screen";
 import { useNewest } from "../ui/useNewest";
 import { useZones } from "../zones/useZones";
@@ -255,32 +256,46 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   return (
     <>
       <div className={classes.page} data-rules={rules.open || undefined}>
-        <TopBar onHelp={toggleHelp} />
+        <Part>
+          <TopBar onHelp={toggleHelp} />
+        </Part>
         <main className={scene.scene}>
-          <SceneStack
-            handle={handle}
-            goal={goal}
-            locate={locate}
-            zone={zone}
-            measure={measure}
-            camera={camera}
-            flat={flat.flat}
-            covered={phone && rules.open}
-            onGo={goTo}
-          />
-          {helpOpen && <HelpPanel onClose={() => setHelpOpen(false)} />}
+          <Part>
+            <SceneStack
+              handle={handle}
+              goal={goal}
+              locate={locate}
+              zone={zone}
+              measure={measure}
+              camera={camera}
+              flat={flat.flat}
+              covered={phone && rules.open}
+              onGo={goTo}
+            />
+          </Part>
+          {helpOpen && (
+            <Part>
+              <HelpPanel onClose={() => setHelpOpen(false)} />
+            </Part>
+          )}
         </main>
-        <ToolRail
-          scene={handle}
-          flat={flat}
-          tools={tools}
-          layersOpen={layersOpen}
-          onLayers={setLayersOpen}
-          helpOpen={helpOpen}
-          onHelp={toggleHelp}
-        />
-        <HandPanel />
-        <StatusLine />
+        <Part>
+          <ToolRail
+            scene={handle}
+            flat={flat}
+            tools={tools}
+            layersOpen={layersOpen}
+            onLayers={setLayersOpen}
+            helpOpen={helpOpen}
+            onHelp={toggleHelp}
+          />
+        </Part>
+        <Part>
+          <HandPanel />
+        </Part>
+        <Part>
+          <StatusLine />
+        </Part>
         {narrow ? (
           <BottomPanel phone={phone} onGo={goTo} asked={placesAsked} onDraw={onDraw} />
         ) : (
@@ -404,8 +419,12 @@ function SceneStack({
           {locate.draft !== null && <LocateCard tool={locate} draft={locate.draft} />}
         </>
       )}
-      <CameraCorner tool={camera} covered={covered} />
-      <Bands covered={covered} onGo={onGo} error={view === null ? null : error} />
+      <Part>
+        <CameraCorner tool={camera} covered={covered} />
+      </Part>
+      <Part>
+        <Bands covered={covered} onGo={onGo} error={view === null ? null : error} />
+      </Part>
     </>
   );
 }

@@ -14,6 +14,7 @@ import { RulesSheet } from "../rules/RulesSheet";
 import { StopPlace } from "../stop/StopButton";
 import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
+import { Part } from "../ui/Part";
 import { ZonesPanel } from "../zones/ZonesPanel";
 import classes from "./SidePanel.module.css";
 
@@ -35,11 +36,15 @@ export const SidePanel = memoInLanguage(function SidePanel({ onGo, asked, onDraw
   if (open) {
     return (
       <aside className={classes.side} aria-label={t("Rules and goal")}>
-        <RulesSheet />
+        <Part>
+          <RulesSheet />
+        </Part>
         <div className={classes.foot}>
           <div className={classes.footText}>
-            <MissionStatus brief />
-            <GoalStatus />
+            <Part>
+              <MissionStatus brief />
+              <GoalStatus />
+            </Part>
             {place.at !== "timeline" && <DraftBar />}
           </div>
           <StopPlace />
@@ -51,16 +56,32 @@ export const SidePanel = memoInLanguage(function SidePanel({ onGo, asked, onDraw
     <aside className={classes.side} aria-label={t("Robot")}>
       <div className={classes.scroll}>
         <div className={classes.goal}>
-          <MissionStatus />
-          <GoalStatus />
+          <Part>
+            <MissionStatus />
+            <GoalStatus />
+          </Part>
         </div>
-        <HealthPanel />
-        <PlacesPanel onGo={onGo} asked={asked} deleted={MissionsTo} />
-        <MissionsPanel />
-        <ZonesPanel onDraw={onDraw} />
-        <LogPanel />
-        <FiringsPanel />
-        <DataPanel />
+        <Part>
+          <HealthPanel />
+        </Part>
+        <Part>
+          <PlacesPanel onGo={onGo} asked={asked} deleted={MissionsTo} />
+        </Part>
+        <Part>
+          <MissionsPanel />
+        </Part>
+        <Part>
+          <ZonesPanel onDraw={onDraw} />
+        </Part>
+        <Part>
+          <LogPanel />
+        </Part>
+        <Part>
+          <FiringsPanel />
+        </Part>
+        <Part>
+          <DataPanel />
+        </Part>
       </div>
       <div className={classes.stop}>
         <StopPlace />

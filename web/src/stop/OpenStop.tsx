@@ -1,7 +1,6 @@
 import { Button } from "@mantine/core";
-import { useCallback, useEffect, useReducer } from "react";
+import { useEffect, useReducer } from "react";
 import { openStop, stopWithoutLogin } from "../api/client";
-import { asApiError } from "../api/errors";
 import { useAsked } from "../api/queries";
 import { useStopKey } from "../keys";
 import { t } from "../texts/text";
@@ -10,15 +9,22 @@ import { Band } from "../ui/Band";
 import classes from "./Stop.module.css";
 import { StopFace } from "./StopFace";
 import { IDLE, type StopState, stopReducer } from "./stopMachine";
+import { useStopPress } from "./useStopPress";
 
 const PRESSED_MS = 250;
 const WAITING_MS = 1000;
+
+interface Props {
+  send?: typeof stopWithoutLogin;
+  /** Whether it is there where the console has none for who is not logged in. */
+  always?: boolean;
+}
 
 /**
  * STOP for who is not logged in, where the console has one: the same button and the same key. It
  * only stops; what became of it is asked for, and a console that does not answer is told as that.
  */
-export function OpenStop() {
+export function OpenStop({ send = stopWithoutLogin, always = false }: Props) {
   const [stop, dispatch] = useReducer(stopReducer, IDLE);
   const { data, error } = useAsked({
     key: ["open stop"],
@@ -33,24 +39,11 @@ export function OpenStop() {
     return () => window.clearInterval(timer);
   }, [seen]);
 
-  const press = useCallback(() => {
-    dispatch({ type: "pressed", now: performance.now() });
-    stopWithoutLogin().then(
-      (answer) => {
-        if (!answer.accepted) dispatch({ type: "refused", problem: answer.message, remedy: "" });
-      },
-      (failure: unknown) => {
-        const { title, remedy } = asApiError(failure);
-        dispatch({ type: "refused", problem: title, remedy });
-      },
-    );
-  }, []);
+  const { press, giveUp } = useStopPress(send, dispatch);
 
   // A console that does not answer may have one all the same: whoever presses it learns that.
   const offered = data === null ? error !== null : data.offered;
-  return offered ? (
-    <Offered stop={stop} press={press} onLooked={() => dispatch({ type: "dismissed" })} />
-  ) : null;
+  return offered || always ? <Offered stop={stop} press={press} onLooked={giveUp} /> : null;
 }
 
 function Offered({

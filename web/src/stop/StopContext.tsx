@@ -1,19 +1,11 @@
-import {
-  createContext,
-  type ReactNode,
-  useCallback,
-  useContext,
-  useEffect,
-  useMemo,
-  useReducer,
-} from "react";
+import { createContext, type ReactNode, useContext, useEffect, useMemo, useReducer } from "react";
 import { stopRobot } from "../api/client";
-import { asApiError } from "../api/errors";
 import type { Drive } from "../api/types";
 import { useStopKey } from "../keys";
 import { FROZEN_S } from "../state/overall";
 import { useRobot } from "../state/RobotContext";
 import { IDLE, type StopState, stopReducer } from "./stopMachine";
+import { useStopPress } from "./useStopPress";
 
 interface Stop {
   stop: StopState;
@@ -42,19 +34,7 @@ export function StopProvider({ children }: { children: ReactNode }) {
     if (stopReducer(stop, event) !== stop) dispatch(event);
   }, [drive, elapsed, stop]);
 
-  const press = useCallback(() => {
-    dispatch({ type: "pressed", now: performance.now() });
-    stopRobot().then(
-      (answer) => {
-        if (!answer.accepted) dispatch({ type: "refused", problem: answer.message, remedy: "" });
-      },
-      (error: unknown) => {
-        const { title, remedy } = asApiError(error);
-        dispatch({ type: "refused", problem: title, remedy });
-      },
-    );
-  }, []);
-  const dismiss = useCallback(() => dispatch({ type: "dismissed" }), []);
+  const { press, giveUp: dismiss } = useStopPress(stopRobot, dispatch);
 
   useStopKey(press);
 

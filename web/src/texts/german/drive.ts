@@ -42,6 +42,10 @@ export const DRIVE = {
   "The drive manager has not taken the stop.": "Die Fahrsteuerung hat den Stopp nicht angenommen.",
   "The wheels are blocked but no standstill was measured within 2 s.":
     "Die Räder sind gesperrt, doch binnen 2 s wurde kein Stillstand gemessen.",
+  "The console did not answer: STOP is sent again until it does.":
+    "Die Konsole hat nicht geantwortet: STOPP wird gesendet, bis sie es tut.",
+  "If the robot keeps moving, use the emergency button on it.":
+    "Fährt der Roboter weiter, drücken Sie den Notaus an ihm.",
   "Press STOP again; if it keeps moving, use the emergency button on the robot.":
     "Drücken Sie erneut STOPP; fährt er weiter, drücken Sie den Not-Halt am Roboter.",
   "Standstill is no longer confirmed: the odometry reports motion, or is silent.":

@@ -162,6 +162,12 @@ export const FRAME = {
     "Die Ansicht steht: seit {since} keine Daten vom Roboter, verbindet neu …",
   "The robot may have moved. STOP still tries to reach it.":
     "Der Roboter ist vielleicht weitergefahren. STOPP versucht weiter, ihn zu erreichen.",
+  "This part of the page has failed: {why}.": "Dieser Teil der Seite hat versagt: {why}.",
+  "Show it again": "Wieder anzeigen",
+  "The page has failed": "Die Seite hat versagt",
+  "The robot goes on with what it does. STOP works.":
+    "Der Roboter macht weiter, was er tut. STOPP geht.",
+  "Reload the page": "Seite neu laden",
   "Position unknown: no odometry received yet.": "Position unbekannt: noch keine Odometrie.",
   "Position is {age} old.": "Die Position ist {age} alt.",
   "The robot may be elsewhere; check its odometry.":
