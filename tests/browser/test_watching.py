@@ -228,6 +228,19 @@ def test_a_dead_console_freezes_the_view_visibly_and_comes_back_by_itself(
     assert page.picture()[round(down), round(across)].mean() < 160
 
 
+def test_stop_that_is_pressed_while_the_console_is_dead_arrives_when_it_is_back(
+    page: ConsolePage, stack: Stack
+) -> None:
+    killed = stack.pid_of("console")
+    os.kill(killed, signal.SIGKILL)
+    page.page.keyboard.press("Space")
+    expect(page.get("stop-unconfirmed")).to_contain_text("STOP is sent again until it does")
+    wait_until(lambda: stack.pid_of("console") != killed, 10, "another console")
+    expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped", timeout=60_000)
+    page.post("/api/stop/release", None)
+    expect(page.get("stop-button")).to_have_attribute("data-phase", "idle")
+
+
 def test_no_request_leaves_the_machine(page: ConsolePage) -> None:
     for tool in ("follow", "top-view", "help", "theme-toggle", "theme-toggle"):
         page.get(tool).click()
