@@ -45,7 +45,7 @@ PlaceName = Annotated[str, Field(max_length=10 * LONGEST_NAME), AfterValidator(_
 PlaceNote = Annotated[str, Field(max_length=10 * LONGEST_NOTE), AfterValidator(_note)]
 AuthorName = Annotated[str, AfterValidator(_author)]
 MapId = Annotated[str, Field(pattern=r"^[0-9a-f]{32}$")]
-Metres = Annotated[float, Field(ge=-_FARTHEST, le=_FARTHEST)]
+Metres = Annotated[float, Field(strict=True, ge=-_FARTHEST, le=_FARTHEST)]
 Radians = Annotated[float, Field(ge=-100.0, le=100.0)]
 
 

@@ -191,8 +191,12 @@ async def _plan(console: Console, body: ZoneSave) -> ZonePlan:
         )
     except ValidationError as error:
         wrong = first_invalid(error)
-        what = f"The {wrong.where} of the zone" if wrong.where else "The zone"
-        raise ConsoleError(422, f"{what} cannot be so.", sentence(wrong.text)) from None
+        what = (
+            f"The {wrong.where} of the zone cannot be {wrong.value!r:.60}."
+            if wrong.where
+            else f"The zone {body.name!r:.60} cannot be like that."
+        )
+        raise ConsoleError(422, what, sentence(wrong.text)) from None
 
 
 def _drawn(console: Console, corners: list[tuple[float, float]], problem: str) -> ZoneDrawn:

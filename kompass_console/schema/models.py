@@ -14,10 +14,10 @@ from kompass_console.schema.plain import plain
 from kompass_console.schema.roles import Role
 
 Theme = Literal["light", "dark"]
-Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
-Metres = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
+Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
+Metres = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e6, le=1e6)]
 _LONGEST_REASON = 200  # characters
-Radians = Annotated[float, Field(allow_inf_nan=False, ge=-100.0, le=100.0)]
+Radians = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-100.0, le=100.0)]
 
 
 class In(BaseModel):
@@ -151,8 +151,8 @@ class GoalRequest(In):
 class PlaceGoal(In):
     """A place to go to, of the version that was looked at."""
 
-    place: Annotated[int, Field(ge=1, le=2**53)]
-    version: Annotated[int, Field(ge=1, le=2**53)]
+    place: Annotated[int, Field(strict=True, ge=1, le=2**53)]
+    version: Annotated[int, Field(strict=True, ge=1, le=2**53)]
     view: str | None = None
 
 

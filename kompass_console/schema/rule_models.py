@@ -17,7 +17,8 @@ from kompass.rules.schema.table import Table
 from kompass_console.schema.models import ErrorAnswer, In
 from kompass_console.schema.plain import plain
 
-Revision = Annotated[int, Field(ge=0, le=2**32 - 1)]
+Revision = Annotated[int, Field(ge=0, le=2**32 - 1)]  # in a query it is text
+_Given = Annotated[Revision, Field(strict=True)]
 Reason = Annotated[
     str, Field(max_length=MAX_TEXT), AfterValidator(lambda said: plain(said, MAX_TEXT))
 ]
@@ -42,7 +43,7 @@ class ApplyOptions(In):
     unchanged rules that are to start afresh.
     """
 
-    expected_revision: Revision
+    expected_revision: _Given
     reason: Reason = ""
     probation: Annotated[float, Field(ge=0.0, le=86_400.0)] | None = None
     cancel_running: bool = False
@@ -60,14 +61,14 @@ class ApplyRequest(ApplyOptions):
 class ConfirmRequest(In):
     """The revision on probation that is to stay."""
 
-    revision: Revision
+    revision: _Given
 
 
 class RollbackRequest(In):
     """Go back to the table of `revision`; null for the one before the one in force."""
 
-    revision: Revision | None = None
-    expected_revision: Revision
+    revision: _Given | None = None
+    expected_revision: Annotated[_Given, Field(ge=1)]
     reason: Reason = ""
     cancel_running: bool = False
 

@@ -30,6 +30,9 @@ def ava(tmp_path_factory: pytest.TempPathFactory, domain: int) -> Iterator[httpx
     [
         ("goals/check", {"x": 1e7, "y": 1}, "x cannot be 10000000.0: it should be less", "Correct"),
         ("goals/check", {"y": 1}, "The request lacks x.", "Add it"),
+        ("goals/check", {"x": True, "y": 1}, "x cannot be true", "Correct"),
+        ("goals", {"place": 1, "version": True}, "version cannot be true", "Correct"),
+        ("rules/rollback", {"expected_revision": 0}, "expected_revision cannot be 0", "Correct"),
         ("goals/check", {"x": 1, "y": 1, "yaw": 101}, "yaw cannot be 101", "Correct"),
         ("goals/check", {"place": 0, "version": 1}, "place cannot be 0: it should be", "Correct"),
         ("goals/check", {"view": "v", "start": [0.5, 7]}, "start.1 cannot be 7", "Correct"),

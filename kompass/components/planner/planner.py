@@ -697,18 +697,29 @@ class Planner(Component):
         """Raise a failure anew, with the keep-out zone's name, where that is why."""
         pose = self._location.pose()
         if failure.reason in ("occupied", "too_close"):
-            place, what, remedy = goal, f"The goal ({goal[0]:z.2f}, {goal[1]:z.2f})", ""
+            place = goal
         elif failure.reason == "start_blocked" and pose is not None:
-            place, what, remedy = pose, "The robot", "; drive it away by hand"
+            place = pose
         else:
             self._blame_closed_way(failure, pose, goal)
             return
         zones, near = self._zones.now, self.config.described_robot.radius + self.config.clearance
         zone = zones.barred(*place[:2], near)
-        if zone is not None:
-            how = "inside" if zones.barred(*place[:2]) is zone else "too close to"
-            told = f"{what} is {how} the keep-out zone {zone.name!r}{remedy}."
-            raise PlanningFailure(failure.reason, told, failure.nearest)
+        if zone is None:
+            return
+        inside, name = zones.barred(*place[:2]) is zone, repr(zone.name)
+        if place is goal:
+            told = f"The goal ({goal[0]:z.2f}, {goal[1]:z.2f})"
+            told += (
+                f" is inside the keep-out zone {name}."
+                if inside
+                else f" is too close to the keep-out zone {name}."
+            )
+        elif inside:
+            told = f"The robot is inside the keep-out zone {name}; drive it away by hand."
+        else:
+            told = f"The robot is too close to the keep-out zone {name}; drive it away by hand."
+        raise PlanningFailure(failure.reason, told, failure.nearest)
 
     def _blame_closed_way(
         self, failure: PlanningFailure, pose: Pose2D | None, goal: Pose2D

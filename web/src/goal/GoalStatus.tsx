@@ -74,7 +74,7 @@ export function GoalStatus() {
           {ended !== null && `${endText(ended, now)} · `}
           {place !== null && `${place.name} · `}
           {placeText(goal.x, goal.y, goal.yaw)}
-          {goal.sent_by !== "" && ` · ${t("by {by}", { by: goal.sent_by })}`}
+          {goal.sent_by !== "" && ` · ${t("by {by}", { by: told(goal.sent_by) })}`}
         </span>
       </div>
       {isUnderWay(goal) ? (

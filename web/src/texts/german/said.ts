@@ -203,6 +203,15 @@ export const SAID: Readonly<Record<string, string>> = {
   "Choose which one to set, and to what.": "Wählen Sie, welcher zu setzen ist und worauf.",
   "STOP was pressed here, as the mission says.":
     "Hier wurde STOPP gedrückt, wie der Auftrag es will.",
+  "mission {name}": "Auftrag {name}",
+  "The goal {place} is inside the keep-out zone {name}.":
+    "Das Ziel {place} liegt in der Sperrzone {name}.",
+  "The goal {place} is too close to the keep-out zone {name}.":
+    "Das Ziel {place} liegt zu nahe an der Sperrzone {name}.",
+  "The robot is inside the keep-out zone {name}; drive it away by hand.":
+    "Der Roboter steht in der Sperrzone {name}; fahren Sie ihn von Hand hinaus.",
+  "The robot is too close to the keep-out zone {name}; drive it away by hand.":
+    "Der Roboter steht zu nahe an der Sperrzone {name}; fahren Sie ihn von Hand weg.",
   "No place was reached in a whole round.": "In einer ganzen Runde wurde kein Ort erreicht.",
 
   // The timeline; of two that fit, the first counts
