@@ -87,5 +87,5 @@ def test_a_console_that_does_not_answer_is_told_beside_the_button(new_page: Open
     page.page.context.set_offline(True)
     page.get("stop-button").click()
     expect(page.get("stop-button")).to_have_attribute("data-phase", "unconfirmed")
-    expect(page.get("stop-unconfirmed")).to_contain_text("The console did not answer.")
+    expect(page.get("stop-unconfirmed")).to_contain_text("STOP is sent again until it does.")
     page.page.context.set_offline(False)

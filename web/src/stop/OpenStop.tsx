@@ -39,7 +39,7 @@ export function OpenStop({ send = stopWithoutLogin, always = false }: Props) {
     return () => window.clearInterval(timer);
   }, [seen]);
 
-  const { press, giveUp } = useStopPress(send, dispatch);
+  const { press, giveUp } = useStopPress(send, dispatch, stop.latched);
 
   // A console that does not answer may have one all the same: whoever presses it learns that.
   const offered = data === null ? error !== null : data.offered;

@@ -34,7 +34,7 @@ export function StopProvider({ children }: { children: ReactNode }) {
     if (stopReducer(stop, event) !== stop) dispatch(event);
   }, [drive, elapsed, stop]);
 
-  const { press, giveUp: dismiss } = useStopPress(stopRobot, dispatch);
+  const { press, giveUp: dismiss } = useStopPress(stopRobot, dispatch, stop.latched);
 
   useStopKey(press);
 

@@ -10,11 +10,15 @@ afterEach(() => vi.useRealTimers());
 function pressing(send: () => Promise<{ accepted: boolean; message: string }>) {
   const said: StopEvent[] = [];
   const dispatch = (event: StopEvent) => said.push(event);
-  const { result, unmount } = renderHook(() => useStopPress(send, dispatch));
+  const { result, rerender, unmount } = renderHook(
+    ({ reached }) => useStopPress(send, dispatch, reached),
+    { initialProps: { reached: false } },
+  );
   return {
     said,
     press: () => result.current.press(),
     look: () => result.current.giveUp(),
+    see: () => rerender({ reached: true }),
     unmount,
   };
 }
@@ -75,4 +79,14 @@ test("a second press is sent at once, and takes the place of the first", async (
   expect(send).toHaveBeenCalledTimes(2);
   await later();
   expect(send).toHaveBeenCalledTimes(3);
+});
+
+test("a robot that is seen to be stopped is not stopped once more, after its release", async () => {
+  const send = vi.fn().mockRejectedValue(noAnswer());
+  const { press, see } = pressing(send);
+  press();
+  await later();
+  see();
+  await later(3);
+  expect(send).toHaveBeenCalledTimes(2);
 });

@@ -1,4 +1,4 @@
-import { type Dispatch, useCallback, useRef } from "react";
+import { type Dispatch, useCallback, useEffect, useRef } from "react";
 import { asApiError } from "../api/errors";
 import { type Phrase, t } from "../texts/text";
 import type { StopEvent } from "./stopMachine";
@@ -10,16 +10,22 @@ const NO_ANSWER: Phrase = "The console did not answer: STOP is sent again until 
 const MEANWHILE: Phrase = "If the robot keeps moving, use the emergency button on it.";
 
 /**
- * STOP as a hand presses it: sent again until the console has answered, be it that it cannot, or
- * until somebody has looked. A page that is left in between goes on: a late STOP does no harm.
+ * STOP as a hand presses it: sent again until the console has answered, be it that it cannot, until
+ * the robot is seen to be stopped, or until somebody has looked. A page that is left in between
+ * goes on: a late STOP does no harm. One that comes after the release would.
  *
  * @param send asks the console for it
+ * @param reached the robot tells that it is stopped
  */
 export function useStopPress(
   send: () => Promise<{ accepted: boolean; message: string }>,
   dispatch: Dispatch<StopEvent>,
+  reached: boolean,
 ) {
   const newest = useRef(0);
+  useEffect(() => {
+    if (reached) newest.current += 1;
+  }, [reached]);
   const press = useCallback(() => {
     const mine = ++newest.current;
     dispatch({ type: "pressed", now: performance.now() });
