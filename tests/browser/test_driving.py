@@ -195,7 +195,7 @@ def test_stop_is_confirmed_by_standstill_holds_and_is_released_by_holding_only(
     wait_until(lambda: not robot.newest["/drive_state"].stopped, 2, "the release")
     assert max(math.dist(at[:2], stood[:2]) for at in robot.watch(0.5)) < 0.01
 
-    drive(page, robot, -0.55, -0.55)
+    drive(page, robot, 0.55, -0.55)  # so far that it does not arrive before the press
     page.get("goal-cancel-sent").click()
     expect(page.get("goal-status")).to_have_attribute("data-phase", "canceled")
     wait_until(lambda: robot.speed < 0.01, 3, "a halt")
