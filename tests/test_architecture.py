@@ -17,6 +17,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         (
             "algorithms",
             "bus",
+            "half_characters",
             "invalid",
             "named_arguments",
             "porting",
