@@ -3,7 +3,7 @@ export class ApiError extends Error {
   override readonly name = "ApiError";
 
   constructor(
-    /** HTTP status; 0 when no answer came. */
+    /** HTTP status; 0 when no answer came, -1 where the page itself has failed. */
     readonly status: number,
     readonly title: string,
     readonly remedy: string,

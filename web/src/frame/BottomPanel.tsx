@@ -20,7 +20,7 @@ import { StopBand } from "../stop/StopBand";
 import { StopPlace } from "../stop/StopButton";
 import { memoInLanguage } from "../texts/memoInLanguage";
 import { type Phrase, t } from "../texts/text";
-import { Part } from "../ui/Part";
+import { Parts } from "../ui/Parts";
 import { ZonesPanel } from "../zones/ZonesPanel";
 import classes from "./BottomPanel.module.css";
 import type { Props as SideProps } from "./SidePanel";
@@ -86,71 +86,57 @@ export const BottomPanel = memoInLanguage(function BottomPanel({
                 value={list}
                 onChange={(shown) => setList(LISTS.find((each) => each === shown) ?? "Places")}
               />
-              {list === "Missions" && (
-                <Part>
-                  <MissionsPanel />
-                </Part>
-              )}
-              {list === "Zones" && (
-                <Part>
-                  <ZonesPanel onDraw={onDraw === null ? null : draw} />
-                </Part>
-              )}
-              {list === "Places" && (
-                <Part>
+              <Parts>
+                {list === "Missions" && <MissionsPanel />}
+                {list === "Zones" && <ZonesPanel onDraw={onDraw === null ? null : draw} />}
+                {list === "Places" && (
                   <PlacesPanel
                     onGo={onGo === null ? null : go}
                     asked={asked}
                     deleted={MissionsTo}
                   />
-                </Part>
-              )}
+                )}
+              </Parts>
             </>
           )}
           {open === "health" && (
-            <>
-              <Part>
-                <HealthPanel />
-              </Part>
-              <Part>
-                <LogPanel />
-              </Part>
-              <Part>
-                <FiringsPanel />
-              </Part>
-            </>
+            <Parts>
+              <HealthPanel />
+              <LogPanel />
+              <FiringsPanel />
+            </Parts>
           )}
           {open === "data" && (
-            <Part>
+            <Parts>
               <DataPanel />
-            </Part>
+            </Parts>
           )}
         </div>
       )}
       {rules.open && (
         <div className={classes.rules} id="sheet">
-          {phone && (
-            <div className={classes.bands}>
-              <StopBand brief why={<StoppedByRule />} />
-              <DriveBand />
-            </div>
-          )}
-          <Part>
+          <Parts>
+            {phone && (
+              <div className={classes.bands}>
+                <StopBand brief why={<StoppedByRule />} />
+                <DriveBand />
+              </div>
+            )}
             <RulesSheet />
-          </Part>
-          {rules.place.at !== "timeline" && (
-            <div className={classes.draft}>
-              <DraftBar />
-            </div>
-          )}
+            {rules.place.at !== "timeline" && (
+              <div className={classes.draft}>
+                <DraftBar />
+              </div>
+            )}
+          </Parts>
         </div>
       )}
       <div className={classes.bar}>
         <div className={classes.left}>
-          <Part>
+          <Parts>
             <MissionStatus brief={rules.open} />
             <GoalStatus />
-          </Part>
+          </Parts>
           <div className={classes.tabs}>
             {TABS.map(({ key, label, Icon }) => (
               <UnstyledButton

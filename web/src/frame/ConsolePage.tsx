@@ -1,4 +1,4 @@
-import { useMediaQuery } from "@mantine/hooks";
+import { useCallbackRef, useMediaQuery } from "@mantine/hooks";
 import { type ComponentProps, useCallback, useEffect, useMemo, useState } from "react";
 import type { GoalPick, Place, Zone } from "../api/types";
 import { BatteryBand } from "../battery/BatteryBand";
@@ -47,9 +47,8 @@ import { t } from "../texts/text";
 import { told } from "../texts/told";
 import { Band } from "../ui/Band";
 import { BandStack } from "../ui/BandStack";
-import { Part } from "../ui/Part";
+import { Parts } from "../ui/Parts";
 import { PHONE } from "../ui/screen";
-import { useNewest } from "../ui/useNewest";
 import { useZones } from "../zones/useZones";
 import { useZoneTool, type ZoneStroke, type ZoneTool } from "../zones/useZoneTool";
 import { ZoneCard } from "../zones/ZoneCard";
@@ -130,27 +129,27 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   }, [unseen, hand.close]);
 
   // One gesture means one thing.
-  const toggleGoal = useNewest(() => {
+  const toggleGoal = useCallbackRef(() => {
     if (locate.active) locate.toggle();
     if (zone.active) zone.leave();
     if (measure.active) measure.toggle();
     goal.toggle();
   });
-  const toggleLocate = useNewest(() => {
+  const toggleLocate = useCallbackRef(() => {
     if (goal.active) goal.toggle();
     else if (goal.draft !== null) goal.drop(); // of a place of the list
     if (zone.active) zone.leave();
     if (measure.active) measure.toggle();
     locate.toggle();
   });
-  const toggleMeasure = useNewest(() => {
+  const toggleMeasure = useCallbackRef(() => {
     if (goal.active) goal.toggle();
     else if (goal.draft !== null) goal.drop();
     if (locate.active) locate.toggle();
     if (zone.active) zone.leave();
     measure.toggle();
   });
-  const drawZone = useNewest((before: Zone | null) => {
+  const drawZone = useCallbackRef((before: Zone | null) => {
     if (goal.active) goal.toggle();
     else if (goal.draft !== null) goal.drop();
     if (locate.active) locate.toggle();
@@ -234,7 +233,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
     }
   });
 
-  const checkPlace = useNewest((place: Place) => {
+  const checkPlace = useCallbackRef((place: Place) => {
     if (locate.active) locate.toggle();
     if (zone.active) zone.leave();
     if (measure.active) measure.toggle();
@@ -256,30 +255,24 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
   return (
     <>
       <div className={classes.page} data-rules={rules.open || undefined}>
-        <Part>
+        <Parts>
           <TopBar onHelp={toggleHelp} />
-        </Part>
-        <main className={scene.scene}>
-          <Part>
-            <SceneStack
-              handle={handle}
-              goal={goal}
-              locate={locate}
-              zone={zone}
-              measure={measure}
-              camera={camera}
-              flat={flat.flat}
-              covered={phone && rules.open}
-              onGo={goTo}
-            />
-          </Part>
-          {helpOpen && (
-            <Part>
-              <HelpPanel onClose={() => setHelpOpen(false)} />
-            </Part>
-          )}
-        </main>
-        <Part>
+          <main className={scene.scene}>
+            <Parts>
+              <SceneStack
+                handle={handle}
+                goal={goal}
+                locate={locate}
+                zone={zone}
+                measure={measure}
+                camera={camera}
+                flat={flat.flat}
+                covered={phone && rules.open}
+                onGo={goTo}
+              />
+              {helpOpen && <HelpPanel onClose={() => setHelpOpen(false)} />}
+            </Parts>
+          </main>
           <ToolRail
             scene={handle}
             flat={flat}
@@ -289,18 +282,14 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
             helpOpen={helpOpen}
             onHelp={toggleHelp}
           />
-        </Part>
-        <Part>
           <HandPanel />
-        </Part>
-        <Part>
           <StatusLine />
-        </Part>
-        {narrow ? (
-          <BottomPanel phone={phone} onGo={goTo} asked={placesAsked} onDraw={onDraw} />
-        ) : (
-          <SidePanel onGo={goTo} asked={placesAsked} onDraw={onDraw} />
-        )}
+          {narrow ? (
+            <BottomPanel phone={phone} onGo={goTo} asked={placesAsked} onDraw={onDraw} />
+          ) : (
+            <SidePanel onGo={goTo} asked={placesAsked} onDraw={onDraw} />
+          )}
+        </Parts>
       </div>
       <StopButton />
     </>
@@ -419,12 +408,10 @@ function SceneStack({
           {locate.draft !== null && <LocateCard tool={locate} draft={locate.draft} />}
         </>
       )}
-      <Part>
+      <Parts>
         <CameraCorner tool={camera} covered={covered} />
-      </Part>
-      <Part>
         <Bands covered={covered} onGo={onGo} error={view === null ? null : error} />
-      </Part>
+      </Parts>
     </>
   );
 }

@@ -1,7 +1,7 @@
 import { cleanup, fireEvent, screen } from "@testing-library/react";
 import { afterEach, expect, test, vi } from "vitest";
 import * as client from "../api/client";
-import { Part } from "../ui/Part";
+import { Parts } from "../ui/Parts";
 import { Problem } from "../ui/Problem";
 import { renderPlain } from "../ui/testing";
 import { WithStopLeft } from "./PageFailed";
@@ -35,12 +35,10 @@ test("a part that fails leaves the others, and can be shown again", () => {
     return <p>whole</p>;
   };
   renderPlain(
-    <>
-      <Part>
-        <Sometimes />
-      </Part>
+    <Parts>
+      <Sometimes />
       <p>beside</p>
-    </>,
+    </Parts>,
   );
   expect(screen.getByText("beside")).toBeDefined();
   expect(screen.getByTestId("part-failed").textContent).toContain("no such thing");
@@ -52,4 +50,22 @@ test("a part that fails leaves the others, and can be shown again", () => {
 test("an error that is none of the console's is told as the page's own", () => {
   renderPlain(<Problem error={new TypeError("split of undefined")} />);
   expect(screen.getByRole("alert").textContent).toContain("split of undefined");
+});
+
+test("what failed and is not shown any more has not failed when it is shown anew", () => {
+  quiet();
+  const { rerender } = renderPlain(
+    <Parts>
+      <Broken />
+    </Parts>,
+  );
+  expect(screen.getByTestId("part-failed")).toBeDefined();
+  rerender(<Parts>{false}</Parts>);
+  expect(screen.queryByTestId("part-failed")).toBeNull();
+  rerender(
+    <Parts>
+      <p>whole</p>
+    </Parts>,
+  );
+  expect(screen.getByText("whole")).toBeDefined();
 });

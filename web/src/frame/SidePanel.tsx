@@ -14,7 +14,7 @@ import { RulesSheet } from "../rules/RulesSheet";
 import { StopPlace } from "../stop/StopButton";
 import { memoInLanguage } from "../texts/memoInLanguage";
 import { t } from "../texts/text";
-import { Part } from "../ui/Part";
+import { Parts } from "../ui/Parts";
 import { ZonesPanel } from "../zones/ZonesPanel";
 import classes from "./SidePanel.module.css";
 
@@ -36,16 +36,16 @@ export const SidePanel = memoInLanguage(function SidePanel({ onGo, asked, onDraw
   if (open) {
     return (
       <aside className={classes.side} aria-label={t("Rules and goal")}>
-        <Part>
+        <Parts>
           <RulesSheet />
-        </Part>
+        </Parts>
         <div className={classes.foot}>
           <div className={classes.footText}>
-            <Part>
+            <Parts>
               <MissionStatus brief />
               <GoalStatus />
-            </Part>
-            {place.at !== "timeline" && <DraftBar />}
+              {place.at !== "timeline" && <DraftBar />}
+            </Parts>
           </div>
           <StopPlace />
         </div>
@@ -56,32 +56,20 @@ export const SidePanel = memoInLanguage(function SidePanel({ onGo, asked, onDraw
     <aside className={classes.side} aria-label={t("Robot")}>
       <div className={classes.scroll}>
         <div className={classes.goal}>
-          <Part>
+          <Parts>
             <MissionStatus />
             <GoalStatus />
-          </Part>
+          </Parts>
         </div>
-        <Part>
+        <Parts>
           <HealthPanel />
-        </Part>
-        <Part>
           <PlacesPanel onGo={onGo} asked={asked} deleted={MissionsTo} />
-        </Part>
-        <Part>
           <MissionsPanel />
-        </Part>
-        <Part>
           <ZonesPanel onDraw={onDraw} />
-        </Part>
-        <Part>
           <LogPanel />
-        </Part>
-        <Part>
           <FiringsPanel />
-        </Part>
-        <Part>
           <DataPanel />
-        </Part>
+        </Parts>
       </div>
       <div className={classes.stop}>
         <StopPlace />

@@ -1,12 +1,16 @@
 import { Button } from "@mantine/core";
-import type { ReactNode } from "react";
+import { Children, isValidElement, type ReactNode } from "react";
 import { ErrorBoundary, type FallbackProps } from "react-error-boundary";
 import { t } from "../texts/text";
-import classes from "./Part.module.css";
+import classes from "./Parts.module.css";
 
-/** A part of the page that fails by itself: the others, and STOP, stay. */
-export function Part({ children }: { children: ReactNode }) {
-  return <ErrorBoundary FallbackComponent={Failed}>{children}</ErrorBoundary>;
+/** Parts of the page of which each fails by itself: the others, and STOP, stay. */
+export function Parts({ children }: { children: ReactNode }) {
+  return Children.toArray(children).map((part) => (
+    <ErrorBoundary key={isValidElement(part) ? part.key : null} FallbackComponent={Failed}>
+      {part}
+    </ErrorBoundary>
+  ));
 }
 
 function Failed({ error, resetErrorBoundary }: FallbackProps) {
