@@ -9,7 +9,7 @@ from pydantic import Field, TypeAdapter
 from kompass.places.place import MapIdentity, PlaceName, PlaceNote, PlacePose
 from kompass.rules.schema.model import Model
 
-PlaceId = Annotated[int, Field(ge=1, le=2**53)]
+PlaceId = Annotated[int, Field(strict=True, ge=1, le=2**53)]
 Version = Annotated[int, Field(strict=True, ge=1, le=2**53)]
 
 

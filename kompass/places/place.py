@@ -46,7 +46,7 @@ PlaceNote = Annotated[str, Field(max_length=10 * LONGEST_NOTE), AfterValidator(_
 AuthorName = Annotated[str, AfterValidator(_author)]
 MapId = Annotated[str, Field(pattern=r"^[0-9a-f]{32}$")]
 Metres = Annotated[float, Field(strict=True, ge=-_FARTHEST, le=_FARTHEST)]
-Radians = Annotated[float, Field(ge=-100.0, le=100.0)]
+Radians = Annotated[float, Field(strict=True, ge=-100.0, le=100.0)]
 
 
 def same_name(name: str) -> str:

@@ -33,11 +33,11 @@ class DrillOptions(In):
         default_factory=lambda: ["all"], min_length=1, max_length=100
     )
     world: Annotated[str, Field(max_length=100)] | None = None
-    faults_per_drive: Annotated[int, Field(strict=True, ge=1, le=3)] = 1
-    lasting: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.0
+    faults_per_drive: Annotated[int, Field(ge=1, le=3)] = 1
+    lasting: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     scenario: Scenario | None = None
-    drives: Annotated[int, Field(strict=True, ge=1, le=MOST_DRIVES)] = 20
-    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = 1
+    drives: Annotated[int, Field(ge=1, le=MOST_DRIVES)] = 20
+    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 1
 
     @model_validator(mode="after")
     def _drawn_or_own(self) -> Self:

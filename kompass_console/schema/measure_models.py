@@ -6,9 +6,10 @@ from typing import Annotated
 
 from pydantic import BaseModel, Field
 
-from kompass_console.schema.models import Fraction, In, Metres
+from kompass_console.schema.models import In, Metres, OnPicture
 
 MOST_POINTS = 100
+_Point = Annotated[tuple[Metres, Metres], Field(strict=False)]  # a list in JSON
 
 
 class MeasureSketch(In):
@@ -19,9 +20,9 @@ class MeasureSketch(In):
     """
 
     view: Annotated[str, Field(max_length=64)]
-    points: Annotated[list[tuple[Metres, Metres]], Field(max_length=MOST_POINTS)]
-    start: tuple[Fraction, Fraction] | None = None
-    end: tuple[Fraction, Fraction] | None = None
+    points: Annotated[list[_Point], Field(max_length=MOST_POINTS)]
+    start: OnPicture | None = None
+    end: OnPicture | None = None
 
 
 class MeasuredPoints(BaseModel):

@@ -14,16 +14,18 @@ from kompass_console.schema.plain import plain
 from kompass_console.schema.roles import Role
 
 Theme = Literal["light", "dark"]
-Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
-Metres = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e6, le=1e6)]
+Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
+OnPicture = Annotated[tuple[Fraction, Fraction], Field(strict=False)]  # a list in JSON
+Metres = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 _LONGEST_REASON = 200  # characters
-Radians = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-100.0, le=100.0)]
+Radians = Annotated[float, Field(allow_inf_nan=False, ge=-100.0, le=100.0)]
 
 
 class In(BaseModel):
-    """Body of a request: unknown names are errors, and so are numbers that are not finite."""
+    """Body of a request: unknown names are errors, and so are numbers that are not finite, and
+    what is of another type: ``true`` is no 1, and ``"1"`` is none."""
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, strict=True)
 
 
 class ErrorDetail(BaseModel):
@@ -135,8 +137,8 @@ class GestureCheck(In):
     left. Without `end` it is a tap, and the goal has no heading."""
 
     view: str
-    start: tuple[Fraction, Fraction]
-    end: tuple[Fraction, Fraction] | None = None
+    start: OnPicture
+    end: OnPicture | None = None
 
 
 class GoalRequest(In):
@@ -151,8 +153,8 @@ class GoalRequest(In):
 class PlaceGoal(In):
     """A place to go to, of the version that was looked at."""
 
-    place: Annotated[int, Field(strict=True, ge=1, le=2**53)]
-    version: Annotated[int, Field(strict=True, ge=1, le=2**53)]
+    place: Annotated[int, Field(ge=1, le=2**53)]
+    version: Annotated[int, Field(ge=1, le=2**53)]
     view: str | None = None
 
 

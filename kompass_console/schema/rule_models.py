@@ -17,8 +17,7 @@ from kompass.rules.schema.table import Table
 from kompass_console.schema.models import ErrorAnswer, In
 from kompass_console.schema.plain import plain
 
-Revision = Annotated[int, Field(ge=0, le=2**32 - 1)]  # in a query it is text
-_Given = Annotated[Revision, Field(strict=True)]
+Revision = Annotated[int, Field(ge=0, le=2**32 - 1)]
 Reason = Annotated[
     str, Field(max_length=MAX_TEXT), AfterValidator(lambda said: plain(said, MAX_TEXT))
 ]
@@ -43,7 +42,7 @@ class ApplyOptions(In):
     unchanged rules that are to start afresh.
     """
 
-    expected_revision: _Given
+    expected_revision: Revision
     reason: Reason = ""
     probation: Annotated[float, Field(ge=0.0, le=86_400.0)] | None = None
     cancel_running: bool = False
@@ -61,14 +60,14 @@ class ApplyRequest(ApplyOptions):
 class ConfirmRequest(In):
     """The revision on probation that is to stay."""
 
-    revision: _Given
+    revision: Revision
 
 
 class RollbackRequest(In):
     """Go back to the table of `revision`; null for the one before the one in force."""
 
-    revision: _Given | None = None
-    expected_revision: Annotated[_Given, Field(ge=1)]
+    revision: Revision | None = None
+    expected_revision: Annotated[Revision, Field(ge=1)]
     reason: Reason = ""
     cancel_running: bool = False
 

@@ -10,11 +10,12 @@ from kompass.places.change import Version
 from kompass.places.place import LONGEST_NAME, MapIdentity, Metres
 from kompass.zones.change import ZoneId
 from kompass.zones.zone import MOST_CORNERS
-from kompass_console.schema.models import Fraction, In
+from kompass_console.schema.models import In, OnPicture
 
 # What is too long, or crosses itself, is told by the zone itself, in a sentence.
 AnyName = Annotated[str, Field(max_length=10 * LONGEST_NAME)]
-AnyCorners = Annotated[list[tuple[Metres, Metres]], Field(max_length=MOST_CORNERS + 1)]
+_Corner = Annotated[tuple[Metres, Metres], Field(strict=False)]  # a list in JSON
+AnyCorners = Annotated[list[_Corner], Field(max_length=MOST_CORNERS + 1)]
 Kind = Literal["keep_out", "speed"]
 
 
@@ -80,8 +81,8 @@ class ZoneSketch(In):
 
     view: Annotated[str, Field(max_length=64)] | None = None
     corners: AnyCorners
-    start: tuple[Fraction, Fraction] | None = None
-    end: tuple[Fraction, Fraction] | None = None
+    start: OnPicture | None = None
+    end: OnPicture | None = None
 
 
 class ZoneDrawn(BaseModel):
