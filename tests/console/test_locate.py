@@ -182,10 +182,12 @@ def test_the_scan_is_drawn_as_it_would_lie(console: Served, ava: httpx.Client, s
         check(ava, **place(0.0, 0.0, 0.0), view=view)
         wait_until(lambda: scene.visible["/world/preview_refused"], 2.0, "the cross")
         assert not scene.visible["/world/preview_goal"]
-        scene.look(position=(1.0, -5.0, 0.5), look_at=(1.0, 0.6, 0.5))
-        wait_until(
-            lambda: "horizon" in check(ava, view=view, start=[0.5, 0.2])["message"], 2.0, "the sky"
-        )
+
+        def at_the_sky() -> bool:
+            scene.look(position=(1.0, -5.0, 0.5), look_at=(1.0, 0.6, 0.5))  # again, as above
+            return "horizon" in check(ava, view=view, start=[0.5, 0.2])["message"]
+
+        wait_until(at_the_sky, 2.0, "the sky")
         wait_until(lambda: not scene.visible["/world/preview_refused"], 2.0, "nothing of it")
     finally:
         scene.close()

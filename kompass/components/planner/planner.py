@@ -707,18 +707,20 @@ class Planner(Component):
         zone = zones.barred(*place[:2], near)
         if zone is None:
             return
-        inside, name = zones.barred(*place[:2]) is zone, repr(zone.name)
-        if place is goal:
-            told = f"The goal ({goal[0]:z.2f}, {goal[1]:z.2f})"
-            told += (
-                f" is inside the keep-out zone {name}."
-                if inside
-                else f" is too close to the keep-out zone {name}."
+        # In whole sentences: the page knows them by their words, in other languages.
+        at, name = f"({place[0]:z.2f}, {place[1]:z.2f})", repr(zone.name)
+        inside, close = (
+            (
+                f"The goal {at} is inside the keep-out zone {name}.",
+                f"The goal {at} is too close to the keep-out zone {name}.",
             )
-        elif inside:
-            told = f"The robot is inside the keep-out zone {name}; drive it away by hand."
-        else:
-            told = f"The robot is too close to the keep-out zone {name}; drive it away by hand."
+            if place is goal
+            else (
+                f"The robot is inside the keep-out zone {name}; drive it away by hand.",
+                f"The robot is too close to the keep-out zone {name}; drive it away by hand.",
+            )
+        )
+        told = inside if zones.barred(*place[:2]) is zone else close
         raise PlanningFailure(failure.reason, told, failure.nearest)
 
     def _blame_closed_way(
