@@ -62,7 +62,7 @@ def arrive(page: ConsolePage) -> list[float]:
     # The goal before this one may still be shown as arrived.
     expect(status).to_have_attribute("data-under-way", "true")
     expect(status).to_have_attribute("data-phase", "arrived", timeout=patient(60_000))
-    said = page.page.evaluate("() => window.kompassTold")
+    said = page.page.evaluate("() => window.kompassTold ?? []")
     left = [found for text in said if (found := re.search(r"([\d.]+) (c?m) left", text))]
     return [float(each[1]) / (100 if each[2] == "cm" else 1) for each in left]
 
