@@ -8,7 +8,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Route, expect
 from std_msgs.msg import Int32
 
 from kompass_console.audit.verify import verify
@@ -56,6 +56,31 @@ def test_a_double_click_on_review_discards_nothing_and_discard_leads_back(
     expect(rules.get("draft-state")).to_contain_text("No unsaved changes")
     rules.get("draft-undo").click()
     expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)], ids=["wide", "phone"])
+def test_apply_stays_where_it_is_while_the_review_is_still_being_filled(
+    new_page: OpenPage, width: int, height: int
+) -> None:
+    """Whoever is about to press it, or chooses beside it, would press something else."""
+    button = "tab-rules" if width < 560 else "rules"
+    rules = RulesPage.opened(new_page(width, height), TOKEN, button)
+    rules.edit(STUCK)
+    rules.get("cooldown").fill("45")
+    held: list[Route] = []
+    rules.page.page.route("**/api/drills", lambda route: held.append(route))
+    rules.review()
+    probation = rules.get("apply-probation")
+    probation.scroll_into_view_if_needed()
+    before = probation.bounding_box()
+    rules.page.page.unroute("**/api/drills")
+    for route in held:
+        route.continue_()
+    expect(rules.get("drill-which")).to_be_visible()
+    after = probation.bounding_box()
+    assert before is not None
+    assert after is not None
+    assert abs(after["y"] - before["y"]) < before["height"], (before, after)
 
 
 def test_a_cooldown_is_changed_reviewed_applied_and_kept(rules: RulesPage, stack: Stack) -> None:

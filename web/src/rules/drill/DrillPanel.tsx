@@ -1,4 +1,4 @@
-import { Button, MultiSelect, Progress, SegmentedControl } from "@mantine/core";
+import { Button, MultiSelect, Progress, SegmentedControl, Skeleton } from "@mantine/core";
 import { useState } from "react";
 import { drillReportAddress } from "../../api/drillsClient";
 import type { Drill, DrillRoom, DrillSummary, Scenario } from "../../api/drillTypes";
@@ -55,6 +55,7 @@ export function DrillPanel({ table, ready }: Props) {
   return (
     <section className={page.section} aria-label="Drill" data-testid="drill">
       <h3>Drill: does it recover better?</h3>
+      {room === null && error === null && <Skeleton className={classes.awaited} animate={false} />}
       {room !== null &&
         (room.refusal !== null ? (
           <p className={page.note} data-testid="drill-refusal">
