@@ -33,12 +33,17 @@ export interface GoalTool {
   drop: () => void;
 }
 
+/** Most goals are sent in less. A button that turns, and goes at once, takes the page longer to
+ * draw than the console to answer, and would be drawn before the goal is sent. */
+export const SAY_SENDING_AFTER_MS = 150;
+
 /** The goal tool: pick, check, then send; each answer belongs to the newest pick only. */
 export function useGoalTool(viewId: string | null): GoalTool {
   const [active, setActive] = useState(false);
   const [typing, setTyping] = useState(false);
   const [draft, setDraft] = useState<Draft | null>(null);
   const asking = useRef<AbortController | null>(null);
+  const sending = useRef<AbortController | null>(null);
   useEffect(() => () => asking.current?.abort(), []);
 
   const drop = useCallback(() => {
@@ -85,20 +90,30 @@ export function useGoalTool(viewId: string | null): GoalTool {
 
   const send = useCallback(
     (goal: GoalPoint | PlaceGoal, from: Draft) => {
+      if (sending.current !== null && sending.current === asking.current) return;
       const mine = new AbortController();
       asking.current = mine;
-      setDraft({ ...from, phase: "sending", error: null });
-      sendGoal(viewId === null ? goal : { ...goal, view: viewId }).then(
-        () => {
-          if (asking.current !== mine) return;
-          setDraft(null);
-          setTyping(false);
-          setActive(false);
-        },
-        (error: unknown) => {
-          if (asking.current === mine) setDraft({ ...from, error: asApiError(error) });
-        },
-      );
+      sending.current = mine;
+      const late = window.setTimeout(() => {
+        if (asking.current === mine) setDraft({ ...from, phase: "sending", error: null });
+      }, SAY_SENDING_AFTER_MS);
+      const sent = sendGoal(viewId === null ? goal : { ...goal, view: viewId });
+      sent
+        .then(
+          () => {
+            if (asking.current !== mine) return;
+            setDraft(null);
+            setTyping(false);
+            setActive(false);
+          },
+          (error: unknown) => {
+            if (asking.current === mine) setDraft({ ...from, error: asApiError(error) });
+          },
+        )
+        .finally(() => {
+          window.clearTimeout(late);
+          if (sending.current === mine) sending.current = null;
+        });
     },
     [viewId],
   );
