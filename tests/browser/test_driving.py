@@ -67,8 +67,14 @@ def arrive(page: ConsolePage) -> list[float]:
     return [float(each[1]) / (100 if each[2] == "cm" else 1) for each in left]
 
 
-def drive(page: ConsolePage, robot: Robot, x: float, y: float) -> None:
-    """Send the robot to a point by hand, and wait until it moves."""
+# Both can be pressed on where the page opens, and one is always far from the robot.
+_CORNERS = ((0.9, 0.55), (-1.65, 0.55))
+
+
+def drive(page: ConsolePage, robot: Robot) -> None:
+    """Send the robot by hand so far that it does not arrive before the next press, however long a
+    busy machine takes for it; wait until it moves."""
+    x, y = max(_CORNERS, key=lambda corner: robot.distance_to(*corner))
     page.pick(page.pixel(page.await_scene(), x, y))
     page.get("goal-go").click()
     wait_until(lambda: robot.speed > 0.1, 15, "motion")
@@ -158,7 +164,7 @@ def test_a_goal_in_a_pillar_is_refused_at_the_pointer_and_the_nearest_is_offered
 def test_stop_is_confirmed_by_standstill_holds_and_is_released_by_holding_only(
     page: ConsolePage, robot: Robot
 ) -> None:
-    drive(page, robot, -0.55, -0.55)
+    drive(page, robot)
     moved: list[float] = []
 
     def see(message: Odometry) -> None:
@@ -201,7 +207,7 @@ def test_stop_is_confirmed_by_standstill_holds_and_is_released_by_holding_only(
     wait_until(lambda: not robot.newest["/drive_state"].stopped, 2, "the release")
     assert max(math.dist(at[:2], stood[:2]) for at in robot.watch(0.5)) < 0.01
 
-    drive(page, robot, 0.55, -0.55)  # so far that it does not arrive before the press
+    drive(page, robot)
     page.get("goal-cancel-sent").click()
     expect(page.get("goal-status")).to_have_attribute("data-phase", "canceled")
     wait_until(lambda: robot.speed < 0.01, 3, "a halt")
@@ -210,7 +216,7 @@ def test_stop_is_confirmed_by_standstill_holds_and_is_released_by_holding_only(
 def test_space_stops_the_robot_while_the_focus_is_in_the_scene(
     page: ConsolePage, robot: Robot
 ) -> None:
-    drive(page, robot, 0.55, -0.55)
+    drive(page, robot)
     box = page.get("scene-frame").bounding_box()
     assert box is not None
     page.page.mouse.click(box["x"] + 20, box["y"] + box["height"] - 20)
