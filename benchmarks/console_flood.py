@@ -4,7 +4,8 @@
 
 A viewer sends messages of 7.9 MB on a scene's socket, and connects again whenever it is closed;
 then 300 connections are held open that say nothing. Another page is open all the time, and tells
-the time between two states (0.1 s when nothing is in the way); STOP is pressed once a second.
+the time between two states (0.1 s when nothing is in the way); STOP is pressed once a second, of
+the embedded robot, whose drive manager answers it.
 """
 
 import contextlib
@@ -31,7 +32,7 @@ from kompass_console.server import run_console
 from kompass_console.settings import ConsoleSettings
 from tests.console.conftest import TOKENS, Served, cookie_of
 from tests.console.rules_client import opened
-from tests.support.domains import next_domain
+from tests.support.stack import Stack
 
 IDLE = 300
 LARGE = msgspec.msgpack.encode(
@@ -72,7 +73,7 @@ class Onlooker:
     def _press(self) -> None:
         while not self._ending.wait(1.0):
             began = time.perf_counter()
-            self._client.post("/api/stop", json={}, timeout=30.0)
+            self._client.post("/api/stop", json={}, timeout=30.0).raise_for_status()
             self.stops.append(time.perf_counter() - began)
 
 
@@ -130,12 +131,10 @@ def main() -> None:
     # Who is cut off in the middle of a message is told so at length.
     logging.getLogger("websockets.client").setLevel(logging.CRITICAL)
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, contextlib.closing(Stack.simulated()) as stack:
         listening = socket.create_server(("127.0.0.1", 0), backlog=512)
         audit = Path(folder) / "audit"
-        settings = ConsoleSettings(
-            access_tokens=TOKENS, audit_folder=audit, domain_id=next_domain()
-        )
+        settings = ConsoleSettings(access_tokens=TOKENS, audit_folder=audit, domain_id=stack.domain)
         process = multiprocessing.get_context("fork").Process(
             target=run_console, args=(listening, settings)
         )
