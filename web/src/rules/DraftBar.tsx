@@ -2,12 +2,14 @@ import { Button } from "@mantine/core";
 import { english } from "../texts/language";
 import { useRules } from "./context/RulesContext";
 import { useNav } from "./context/RulesNav";
+import { useDrillRoom } from "./drill/useDrill";
 import classes from "./Sheet.module.css";
 
 /** What is not yet on the robot, and the way there and back. */
 export function DraftBar() {
   const { draft, check, mayEdit } = useRules();
   const nav = useNav();
+  useDrillRoom({ enabled: mayEdit && draft.changes.length > 0 });
   if (!mayEdit) {
     return (
       <p className={classes.muted} data-testid="viewer-note" lang={english()}>

@@ -35,15 +35,16 @@ export interface DrillHandle {
   cancel: () => void;
 }
 
+/** What can be drilled, and the newest drill. Who has changed something is told before it is
+ * reviewed, where it would otherwise move what is below it when it comes. */
+export const useDrillRoom = (when: { enabled: boolean } | { again: number }) =>
+  useAsked({ key: ROOM, ask: getDrillRoom, ...when });
+
 /** One drill of the proposed table; it goes on when somebody looks elsewhere, and is found again. */
 export function useDrill(table: Table): DrillHandle {
   const { drilled, setDrilled } = useRules();
   const client = useQueryClient();
-  const { data: room, error: unknown } = useAsked({
-    key: ROOM,
-    ask: getDrillRoom,
-    again: ROOM_MS,
-  });
+  const { data: room, error: unknown } = useDrillRoom({ again: ROOM_MS });
   const begin = useMutation({
     mutationFn: (options: DrillOptions) => startDrill(table, options),
     onSuccess: ({ id }) => setDrilled({ id, of: table }),
