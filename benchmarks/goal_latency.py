@@ -19,14 +19,14 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from benchmarks.common import percentile
 from tests.browser.chromium import chromium
 from tests.browser.console_page import ConsolePage
-from tests.browser.floor import Floor
+from tests.browser.floor import FAR_APART, Floor
 from tests.browser.stopwatch import ACCEPTED, ANSWERED, Stopwatch
 from tests.support.robot import Robot
 from tests.support.stack import TOKEN, Stack
 
 WINDOW: ViewportSize = {"width": 1440, "height": 900}
-# Far apart, taken in turn and canceled when accepted: the robot sets out and never arrives.
-GOALS = [(0.9, 0.55), (-1.65, 0.55)]
+# Taken in turn and canceled when accepted: the robot sets out and never arrives.
+GOALS = FAR_APART
 
 _PAUSE = """() => {
   const scene = document.querySelector('[data-testid="scene-frame"]').contentWindow;

@@ -11,6 +11,9 @@ import numpy.typing as npt
 
 Point = tuple[float, float]
 
+# In the hexagon, each where a page that opens shows it: one is always far from the robot.
+FAR_APART: tuple[Point, Point] = ((0.9, 0.55), (-1.65, 0.55))
+
 
 class Floor:
     """Projects points of the floor (m, map frame) into the picture (fractions u right, v down)."""

@@ -13,6 +13,7 @@ from nav_msgs.msg import Odometry
 from playwright.sync_api import expect
 
 from tests.browser.console_page import ConsolePage
+from tests.browser.floor import FAR_APART
 from tests.browser.stopwatch import ANSWERED, Stopwatch
 from tests.support.patience import patient
 from tests.support.processes import wait_until
@@ -67,14 +68,10 @@ def arrive(page: ConsolePage) -> list[float]:
     return [float(each[1]) / (100 if each[2] == "cm" else 1) for each in left]
 
 
-# Both can be pressed on where the page opens, and one is always far from the robot.
-_CORNERS = ((0.9, 0.55), (-1.65, 0.55))
-
-
 def drive(page: ConsolePage, robot: Robot) -> None:
     """Send the robot by hand so far that it does not arrive before the next press, however long a
     busy machine takes for it; wait until it moves."""
-    x, y = max(_CORNERS, key=lambda corner: robot.distance_to(*corner))
+    x, y = max(FAR_APART, key=lambda corner: robot.distance_to(*corner))
     page.pick(page.pixel(page.await_scene(), x, y))
     page.get("goal-go").click()
     wait_until(lambda: robot.speed > 0.1, 15, "motion")

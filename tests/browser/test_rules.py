@@ -13,7 +13,7 @@ from std_msgs.msg import Int32
 
 from kompass_console.audit.verify import verify
 from tests.browser.conftest import OpenPage
-from tests.browser.console_page import UNCOVERED
+from tests.browser.console_page import UNCOVERED, ConsolePage
 from tests.browser.rules_page import RulesPage
 from tests.ros.test_rules_live import say
 from tests.support.processes import wait_until
@@ -40,14 +40,26 @@ def rules(new_page: OpenPage) -> RulesPage:
     return RulesPage.opened(new_page(1280, 800), TOKEN)
 
 
-@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)], ids=["wide", "phone"])
-def test_a_double_click_on_review_discards_nothing_and_discard_leads_back(
-    new_page: OpenPage, width: int, height: int
-) -> None:
-    button = "tab-rules" if width < 560 else "rules"
-    rules = RulesPage.opened(new_page(width, height), TOKEN, button)
+ON_BOTH = pytest.mark.parametrize(
+    ("size", "button"),
+    [((1280, 800), "rules"), ((390, 844), "tab-rules")],
+    ids=["wide", "phone"],
+)
+
+
+def changed(page: ConsolePage, button: str) -> RulesPage:
+    """Rules with one change that is not applied."""
+    rules = RulesPage.opened(page, TOKEN, button)
     rules.edit(STUCK)
     rules.get("cooldown").fill("45")
+    return rules
+
+
+@ON_BOTH
+def test_a_double_click_on_review_discards_nothing_and_discard_leads_back(
+    new_page: OpenPage, size: tuple[int, int], button: str
+) -> None:
+    rules = changed(new_page(*size), button)
     rules.get("draft-review").dblclick()
     expect(rules.get("diff")).to_contain_text("cooldown 30 s → 45 s")
     expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
@@ -58,25 +70,24 @@ def test_a_double_click_on_review_discards_nothing_and_discard_leads_back(
     expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
 
 
-@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)], ids=["wide", "phone"])
+@ON_BOTH
 def test_apply_stays_where_it_is_while_the_review_is_still_being_filled(
-    new_page: OpenPage, width: int, height: int
+    new_page: OpenPage, size: tuple[int, int], button: str
 ) -> None:
     """Whoever is about to press it, or chooses beside it, would press something else."""
-    button = "tab-rules" if width < 560 else "rules"
-    rules = RulesPage.opened(new_page(width, height), TOKEN, button)
-    rules.edit(STUCK)
-    rules.get("cooldown").fill("45")
+    page = new_page(*size)
     held: list[Route] = []
-    rules.page.page.route("**/api/drills", lambda route: held.append(route))
+    page.page.route("**/api/drills", lambda route: held.append(route))
+    rules = changed(page, button)
     rules.review()
+    expect(rules.get("drill-start")).to_be_disabled()
     probation = rules.get("apply-probation")
     probation.scroll_into_view_if_needed()
     before = probation.bounding_box()
-    rules.page.page.unroute("**/api/drills")
+    page.page.unroute("**/api/drills")
     for route in held:
         route.continue_()
-    expect(rules.get("drill-which")).to_be_visible()
+    expect(rules.get("drill-start")).to_be_enabled()
     after = probation.bounding_box()
     assert before is not None
     assert after is not None

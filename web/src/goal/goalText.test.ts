@@ -1,22 +1,9 @@
 import { expect, test } from "vitest";
-import type { Drive, Goal, GoalCheck } from "../api/types";
+import type { Drive, Goal } from "../api/types";
 import type { Cause } from "../state/causes";
+import { goalCheck as check } from "./fixtures";
 import { checkText, goalLine, isUnderWay, limitText, placeText } from "./goalText";
 
-const check: GoalCheck = {
-  ok: true,
-  x: 1,
-  y: 2,
-  yaw: null,
-  reason: "",
-  message: "",
-  nearest: null,
-  length: 4.2,
-  duration: 20.7,
-  way: [],
-  heading_used: true,
-  note: "",
-};
 const goal: Goal = {
   id: "a",
   phase: "driving",

@@ -2,31 +2,17 @@ import { act, renderHook } from "@testing-library/react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { checkGoal, sendGoal } from "../api/client";
 import { noAnswer } from "../api/errors";
-import type { GoalCheck } from "../api/types";
+import { goalCheck } from "./fixtures";
 import { SAY_SENDING_AFTER_MS, useGoalTool } from "./useGoalTool";
 
 vi.mock("../api/client");
 
-const CHECK: GoalCheck = {
-  ok: true,
-  x: 1,
-  y: 2,
-  yaw: null,
-  reason: "",
-  message: "",
-  nearest: null,
-  length: 3,
-  duration: 20,
-  heading_used: false,
-  note: "",
-  way: [],
-};
 type Sent = Awaited<ReturnType<typeof sendGoal>>;
 const SENT: Sent = { id: "g", topic: "/clicked_point", heading_used: false, note: "" };
 
 beforeEach(() => {
   vi.useFakeTimers();
-  vi.mocked(checkGoal).mockResolvedValue(CHECK);
+  vi.mocked(checkGoal).mockResolvedValue(goalCheck);
 });
 afterEach(() => {
   vi.useRealTimers();

@@ -97,23 +97,22 @@ export function useGoalTool(viewId: string | null): GoalTool {
       const late = window.setTimeout(() => {
         if (asking.current === mine) setDraft({ ...from, phase: "sending", error: null });
       }, SAY_SENDING_AFTER_MS);
-      const sent = sendGoal(viewId === null ? goal : { ...goal, view: viewId });
-      sent
-        .then(
-          () => {
-            if (asking.current !== mine) return;
-            setDraft(null);
-            setTyping(false);
-            setActive(false);
-          },
-          (error: unknown) => {
-            if (asking.current === mine) setDraft({ ...from, error: asApiError(error) });
-          },
-        )
-        .finally(() => {
-          window.clearTimeout(late);
-          if (sending.current === mine) sending.current = null;
-        });
+      const settled = () => {
+        window.clearTimeout(late);
+        if (sending.current === mine) sending.current = null;
+        return asking.current === mine;
+      };
+      sendGoal(viewId === null ? goal : { ...goal, view: viewId }).then(
+        () => {
+          if (!settled()) return;
+          setDraft(null);
+          setTyping(false);
+          setActive(false);
+        },
+        (error: unknown) => {
+          if (settled()) setDraft({ ...from, error: asApiError(error) });
+        },
+      );
     },
     [viewId],
   );

@@ -1,4 +1,4 @@
-import { Button, MultiSelect, Progress, SegmentedControl, Skeleton } from "@mantine/core";
+import { Button, MultiSelect, Progress, SegmentedControl } from "@mantine/core";
 import { useState } from "react";
 import { drillReportAddress } from "../../api/drillsClient";
 import type { Drill, DrillRoom, DrillSummary, Scenario } from "../../api/drillTypes";
@@ -30,6 +30,18 @@ const LASTINGS = [
   { value: "1", label: "to the end" },
 ];
 
+/** Until the console has told, the choices stand where they will be: what is below does not move. */
+const UNTOLD: DrillRoom = {
+  refusal: null,
+  remedy: "",
+  recipe: "",
+  own_world: null,
+  worlds: [],
+  faults: [],
+  most_drives: Number.POSITIVE_INFINITY,
+  newest: null,
+};
+
 interface Props {
   table: Table;
   /** Whether the robot would take the table at all. */
@@ -38,7 +50,8 @@ interface Props {
 
 /** Does it recover better? The proposed rules and those in force, through the same faulted drives. */
 export function DrillPanel({ table, ready }: Props) {
-  const { room, drill, fresh, others, starting, error, start, cancel } = useDrill(table);
+  const { room: told, drill, fresh, others, starting, error, start, cancel } = useDrill(table);
+  const room = told ?? UNTOLD;
   const { wish, setWish } = useRules();
   const { count } = wish;
   const setScenario = (next: Scenario) => setWish((was) => ({ ...was, scenario: next }));
@@ -46,24 +59,28 @@ export function DrillPanel({ table, ready }: Props) {
   const [lasting, setLasting] = useState("0");
   const [each, setEach] = useState("1");
   const [chosen, setChosen] = useState<string | null>(null);
-  const drawnIn = chosen ?? room?.own_world ?? room?.worlds[0]?.name ?? "";
-  const scenario = wish.own ? (wish.scenario ?? newScenario(drawnIn)) : null;
+  const drawnIn = chosen ?? room.own_world ?? room.worlds[0]?.name ?? "";
+  const scenario = wish.own && told !== null ? (wish.scenario ?? newScenario(drawnIn)) : null;
   const world = scenario?.world ?? drawnIn;
   const lacks = scenario === null ? "" : missing(scenario);
   const running = drill?.state === "running";
+  const locked = running || told === null;
   const refused = reportOf(error)?.findings.filter(({ level }) => level === "error") ?? [];
   return (
     <section className={page.section} aria-label="Drill" data-testid="drill">
       <h3>Drill: does it recover better?</h3>
-      {room === null && error === null && <Skeleton className={classes.awaited} animate={false} />}
-      {room !== null &&
+      {(told !== null || error === null) &&
         (room.refusal !== null ? (
           <p className={page.note} data-testid="drill-refusal">
             {room.refusal} {room.remedy}
           </p>
         ) : (
           <>
-            <p className={page.muted}>{subjectText(room.recipe, world, room.own_world)}</p>
+            <p className={page.muted}>
+              {told === null
+                ? "Asking the console what can be drilled…"
+                : subjectText(room.recipe, world, room.own_world)}
+            </p>
             <SegmentedControl
               size="sm"
               aria-label="Which drives"
@@ -71,8 +88,8 @@ export function DrillPanel({ table, ready }: Props) {
                 { value: "drawn", label: "Drives drawn by chance" },
                 { value: "own", label: "One of my own" },
               ]}
-              value={scenario === null ? "drawn" : "own"}
-              disabled={running}
+              value={wish.own ? "own" : "drawn"}
+              disabled={locked}
               data-testid="drill-which"
               onChange={(which) => setWish((was) => ({ ...was, own: which === "own" }))}
             />
@@ -83,7 +100,7 @@ export function DrillPanel({ table, ready }: Props) {
                 each={each}
                 lasting={lasting}
                 world={drawnIn}
-                locked={running}
+                locked={locked}
                 onFaults={setFaults}
                 onEach={setEach}
                 onLasting={setLasting}
@@ -93,7 +110,7 @@ export function DrillPanel({ table, ready }: Props) {
               <ScenarioEditor
                 room={room}
                 scenario={scenario}
-                locked={running}
+                locked={locked}
                 onChange={setScenario}
               />
             )}
@@ -103,7 +120,7 @@ export function DrillPanel({ table, ready }: Props) {
                 (most) => most <= room.most_drives && (most > 1 || scenario !== null),
               ).map(String)}
               value={count}
-              disabled={running}
+              disabled={locked}
               data-testid="drill-count"
               onChange={(often) => setWish((was) => ({ ...was, count: often }))}
             />
@@ -116,7 +133,7 @@ export function DrillPanel({ table, ready }: Props) {
               ) : (
                 <Button
                   variant="default"
-                  disabled={!ready || lacks !== ""}
+                  disabled={!ready || lacks !== "" || told === null}
                   loading={starting}
                   data-testid="drill-start"
                   onClick={() =>
