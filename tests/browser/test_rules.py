@@ -282,6 +282,7 @@ def test_two_who_edit_one_rule_see_both_changes_and_lose_nothing_typed(
     other = RulesPage.opened(new_page(1280, 800), TOKEN)
     other.edit(STUCK)
     other.get("cooldown").fill("77")
+    stood = other.get("cooldown").bounding_box()
     rules.edit(STUCK)
     rules.get("cooldown").fill("12")
     rules.get("rule-name").fill("Stuck: get free")
@@ -290,6 +291,8 @@ def test_two_who_edit_one_rule_see_both_changes_and_lose_nothing_typed(
     rules.get("keep-it").click()
 
     expect(other.get("overtaken-band")).to_contain_text(f"revision {revision}")
+    # What is told meanwhile moves nothing of what somebody is about to press.
+    assert other.get("cooldown").bounding_box() == stood
     expect(other.get("cooldown")).to_have_value(re.compile(r"^77( s)?$"))
     other.get("open-conflict").click()
     choice = other.get(f"conflict-{STUCK}")

@@ -46,9 +46,10 @@ def free() -> object:
     return {"offered": True, "seen": {"stopped": False, "standstill": False}}
 
 
-def test_a_robot_that_does_not_answer_is_said_not_to(console: Served) -> None:
-    wait_until(lambda: seen(console) == {"offered": True, "seen": None}, 20.0, "silence")
-    with console.client() as client:
+def test_a_robot_that_does_not_answer_is_said_not_to(tmp_path: Path, domain: int) -> None:
+    # A console of its own: it goes on asking, and would stop the robot of the next test.
+    with serving(tmp_path / "audit", domain) as own, own.client() as client:
+        wait_until(lambda: seen(own) == {"offered": True, "seen": None}, 20.0, "silence")
         answer = client.post(PATH)
     assert answer.status_code == 503
     assert answer.json()["detail"]["title"].startswith("STOP is not confirmed: no drive manager")

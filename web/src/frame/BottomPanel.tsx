@@ -116,13 +116,13 @@ export const BottomPanel = memoInLanguage(function BottomPanel({
       {rules.open && (
         <div className={classes.rules} id="sheet">
           <Parts>
+            <RulesSheet />
             {phone && (
               <div className={classes.bands}>
                 <StopBand brief why={<StoppedByRule />} />
                 <DriveBand />
               </div>
             )}
-            <RulesSheet />
             {rules.place.at !== "timeline" && (
               <div className={classes.draft}>
                 <DraftBar />

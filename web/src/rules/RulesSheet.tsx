@@ -89,9 +89,6 @@ export function RulesSheet() {
           onClick={nav.close}
         />
       </header>
-      <div className={classes.bands}>
-        <RulesBands />
-      </div>
       <div
         className={classes.body}
         key={place.at}
@@ -100,6 +97,10 @@ export function RulesSheet() {
         lang={TRANSLATED.has(place.at) ? undefined : english()}
       >
         <Page place={place} />
+      </div>
+      {/* Below the page: what comes and goes above it would move it under somebody's hand. */}
+      <div className={classes.bands}>
+        <RulesBands />
       </div>
     </section>
   );
