@@ -50,6 +50,11 @@ def test_a_mission_made_at_a_desk_is_steered_from_a_phone(new_page: OpenPage, ro
     second.get_by_test_id("add-task").click()
     pick(desk, "Raise an alarm")
     second.get_by_label("Alarm").fill("at-wall")
+    # A key that closes it loses nothing.
+    desk.page.keyboard.press("Escape")
+    desk.get("mission-add").click()
+    expect(desk.get("mission-kept")).to_be_visible()
+    expect(second.get_by_label("Alarm")).to_have_value("at-wall")
     desk.get("mission-save").click()
     expect(mission(desk, "Round <b>1</b>")).to_contain_text("2 places")
 

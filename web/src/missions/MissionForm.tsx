@@ -13,6 +13,7 @@ import { Picker } from "../ui/controls/Picker";
 import { Toggle } from "../ui/controls/Toggle";
 import { Problem } from "../ui/Problem";
 import classes from "./Missions.module.css";
+import { beginning, keepDraft, keptDraft } from "./missionDraft";
 import { missionProblem, nameOf, WEEK } from "./missionText";
 import { TaskList } from "./TaskList";
 
@@ -24,7 +25,10 @@ interface Props {
   busy: boolean;
   error: ApiError | null;
   onSave: (mission: MissionSave) => void;
-  onCancel: () => void;
+  /** Close it; what was typed is kept. */
+  onClose: () => void;
+  /** Close it, and forget what was typed. */
+  onLeave: () => void;
 }
 
 const FAILURES: { value: string; label: Phrase }[] = [
@@ -35,8 +39,9 @@ const FAILURES: { value: string; label: Phrase }[] = [
 const ALL_DAYS = [0, 1, 2, 3, 4, 5, 6];
 
 /** The places of a mission in their order, and what is done at each. */
-export function MissionForm({ mission, places, busy, error, onSave, onCancel }: Props) {
-  const [draft, setDraft] = useState<MissionSave>(() => beginning(mission));
+export function MissionForm({ mission, places, busy, error, onSave, onClose, onLeave }: Props) {
+  const [kept] = useState(() => keptDraft(mission));
+  const [draft, setDraft] = useState<MissionSave>(kept ?? beginning(mission));
   const [asked, setAsked] = useState(false);
   const [again, setAgain] = useState(draft.rounds !== 1);
   const atId = useId();
@@ -48,7 +53,11 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
     if (count > before.current) broughtIntoView(next.current);
     before.current = count;
   }, [count]);
-  const change = (part: Partial<MissionSave>) => setDraft({ ...draft, ...part });
+  const change = (part: Partial<MissionSave>) => {
+    const next = { ...draft, ...part };
+    setDraft(next);
+    keepDraft(mission, next);
+  };
   const wrong = missionProblem(draft, places);
   const { waypoints, schedule } = draft;
   const rounds = draft.rounds ?? 1;
@@ -76,9 +85,14 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
       onKeyDown={(event) => {
         if (event.key !== "Escape" || event.defaultPrevented) return;
         event.stopPropagation();
-        onCancel();
+        onClose();
       }}
     >
+      {kept !== null && (
+        <p className={classes.note} data-testid="mission-kept">
+          {t("As you left it: it is not saved yet.")}
+        </p>
+      )}
       <TextInput
         label={t("Name")}
         value={draft.name}
@@ -231,19 +245,10 @@ export function MissionForm({ mission, places, busy, error, onSave, onCancel }: 
         <Button type="submit" size="compact-md" loading={busy} data-testid="mission-save">
           {t("Save")}
         </Button>
-        <Button variant="default" size="compact-md" onClick={onCancel}>
+        <Button variant="default" size="compact-md" onClick={onLeave} data-testid="mission-leave">
           {t("Leave it")}
         </Button>
       </div>
     </form>
   );
-}
-
-function beginning(mission: Mission | null): MissionSave {
-  if (mission === null) {
-    const nothing = { rounds: 1, attempts: 1, on_failure: "pause", schedule: null } as const;
-    return { name: "", waypoints: [], ...nothing };
-  }
-  const { name, waypoints, rounds, attempts, on_failure, schedule } = mission;
-  return { name, waypoints, rounds, attempts, on_failure, schedule };
 }

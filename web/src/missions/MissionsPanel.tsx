@@ -23,6 +23,7 @@ import { Panel } from "../ui/Panel";
 import { Problem } from "../ui/Problem";
 import { MissionForm } from "./MissionForm";
 import classes from "./Missions.module.css";
+import { dropDraft } from "./missionDraft";
 import { isOver, missionText } from "./missionText";
 import { useMissions } from "./useMissions";
 
@@ -74,7 +75,11 @@ interface ContentsProps {
 const Contents = memoInLanguage(function Contents({ list, places, busy, operator }: ContentsProps) {
   const [creating, setCreating] = useState(false);
   const [deleted, setDeleted] = useState<Mission | null>(null);
-  const save = useMutation({ mutationFn: saveMission, onSuccess: () => setCreating(false) });
+  const finish = () => {
+    dropDraft(null);
+    setCreating(false);
+  };
+  const save = useMutation({ mutationFn: saveMission, onSuccess: finish });
   const restore = useMutation({ mutationFn: restoreMission, onSuccess: () => setDeleted(null) });
   const mayEdit = operator && list.available;
   const here = placesHere(places);
@@ -127,7 +132,8 @@ const Contents = memoInLanguage(function Contents({ list, places, busy, operator
           busy={save.isPending}
           error={save.error}
           onSave={(mission) => save.mutate(mission)}
-          onCancel={() => setCreating(false)}
+          onClose={() => setCreating(false)}
+          onLeave={finish}
         />
       ) : (
         mayEdit &&
@@ -169,9 +175,13 @@ const MissionRow = memoInLanguage(function MissionRow(props: RowProps) {
     mutationFn: () => deleteMission(mission),
     onSuccess: () => onDeleted(mission),
   });
+  const finish = () => {
+    dropDraft(mission);
+    setEditing(false);
+  };
   const edit = useMutation({
     mutationFn: (changed: MissionSave) => editMission(mission, changed),
-    onSuccess: () => setEditing(false),
+    onSuccess: finish,
   });
   if (editing) {
     return (
@@ -182,7 +192,8 @@ const MissionRow = memoInLanguage(function MissionRow(props: RowProps) {
           busy={edit.isPending}
           error={edit.error}
           onSave={(changed) => edit.mutate(changed)}
-          onCancel={() => setEditing(false)}
+          onClose={() => setEditing(false)}
+          onLeave={finish}
         />
       </li>
     );

@@ -3,6 +3,7 @@ export const LISTS = {
   // All three
   Save: "Speichern",
   "Leave it": "Verwerfen",
+  "As you left it: it is not saved yet.": "Wie Sie es verlassen haben: noch nicht gespeichert.",
   Undo: "Rückgängig",
   Change: "Ändern",
   Delete: "Löschen",
