@@ -17,6 +17,15 @@ export const SAID: Readonly<Record<string, string>> = {
   Path: "Weg",
   "rule {name}": "Regel {name}",
 
+  // What a component says of itself
+  "Running - Healthy": "Läuft, alles in Ordnung",
+  "Inactive - it does nothing until it is started":
+    "Nicht aktiv: Es tut nichts, bis es gestartet wird",
+  "Failure: Algorithm Level": "Ausfall: Das Verfahren findet nichts",
+  "Failure: Component Level": "Ausfall: Die Komponente selbst",
+  "Failure: System Level": "Ausfall: Etwas außerhalb fehlt",
+  "Failure: General": "Ausfall",
+
   // The page itself
   "The console did not answer.": "Die Konsole hat nicht geantwortet.",
   "Check the network between this browser and the robot, then try again.":
