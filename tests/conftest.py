@@ -12,7 +12,7 @@ from kompass.rclpy_ext.middleware import prepare_middleware
 from kompass.store.robot_key import GIVEN
 from tests.support.domains import next_domain
 from tests.support.keys import give_key
-from tests.support.order import rank
+from tests.support.order import TESTS, rank
 from tests.support.processes import ended, marked
 from tests.support.stack import Stack
 from tests.support.tester import Tester
@@ -20,6 +20,8 @@ from tests.support.tester import Tester
 # Inherited by everything that a test starts, so that orphans can be told from strangers.
 MARK = f"KOMPASS_TEST_RUN={uuid.uuid4().hex}"
 
+# Folders of tests of what is pure: as in pyproject.toml's `tool.coverage.run.source`.
+PURE = {"rules", "rulebook", "algorithms", "store", "drills"}
 
 # A busy machine takes its time for an example, too; that decides nothing.
 settings.register_profile("untimed", parent=settings.default, deadline=None)
@@ -40,8 +42,15 @@ def pytest_configure() -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files that take longest come first; within a file the order stays."""
+    """Files that take longest come first; within a file the order stays.
+
+    What is pure is covered by tests of its own: to trace the drives of others takes them twice the
+    time.
+    """
     items.sort(key=lambda item: rank(item.path))
+    for item in items:
+        if item.path.relative_to(TESTS).parts[0] not in PURE:
+            item.add_marker("no_cover")
 
 
 @pytest.hookimpl(wrapper=True)
