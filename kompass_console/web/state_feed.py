@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 from collections.abc import Callable, Iterator
 
 from kompass_console.schema.models import State
 
 _PERIOD = 0.1  # s between two states, unless something that matters has changed
-_BURST = 0.02  # s between two states in any case
+_BURST = 0.02  # s for each state in any case; two may come together
 
 
 class StateListener:
@@ -68,14 +69,19 @@ class StateFeed:
 
     async def run(self, build: Callable[[int, int], State]) -> None:
         """Hand out what `build(seq, viewers)` makes, until cancelled."""
-        self._loop = asyncio.get_running_loop()
+        self._loop = loop = asyncio.get_running_loop()
+        before = -math.inf
         while True:
             await self._someone.wait()
             self._seq += 1
             state = build(self._seq, self.viewers).model_dump_json()
             for listener in self._listeners:
                 listener.put(state)
-            await asyncio.sleep(_BURST)
+            # That a goal is sent is followed in a moment by its being accepted: that one must not
+            # wait because the other was told.
+            now = loop.time()
+            before, earliest = now, before + 2 * _BURST
+            await asyncio.sleep(max(0.0, earliest - now))
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._urgent.wait(), _PERIOD - _BURST)
+                await asyncio.wait_for(self._urgent.wait(), now + _PERIOD - loop.time())
             self._urgent.clear()
