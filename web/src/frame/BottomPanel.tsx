@@ -41,7 +41,7 @@ const TABS: { key: Tab; label: Phrase; Icon: typeof IconHeartbeat }[] = [
 
 /**
  * What the right column is on a tablet or a phone: a sheet that opens from the bottom. On a phone
- * the rules cover the scene: what stops the robot is then told, and released, above them.
+ * the rules cover the scene: what stops the robot is then told, and released, below them.
  */
 export const BottomPanel = memoInLanguage(function BottomPanel({
   phone,
@@ -123,11 +123,9 @@ export const BottomPanel = memoInLanguage(function BottomPanel({
                 <DriveBand />
               </div>
             )}
-            {rules.place.at !== "timeline" && (
-              <div className={classes.draft}>
-                <DraftBar />
-              </div>
-            )}
+            <div className={classes.draft}>
+              <DraftBar />
+            </div>
           </Parts>
         </div>
       )}

@@ -32,7 +32,7 @@ export interface Props {
  * scrolls under.
  */
 export const SidePanel = memoInLanguage(function SidePanel({ onGo, asked, onDraw }: Props) {
-  const { open, place } = useNav();
+  const { open } = useNav();
   if (open) {
     return (
       <aside className={classes.side} aria-label={t("Rules and goal")}>
@@ -44,7 +44,7 @@ export const SidePanel = memoInLanguage(function SidePanel({ onGo, asked, onDraw
             <Parts>
               <MissionStatus brief />
               <GoalStatus />
-              {place.at !== "timeline" && <DraftBar />}
+              <DraftBar />
             </Parts>
           </div>
           <StopPlace />

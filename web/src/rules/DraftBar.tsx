@@ -1,15 +1,19 @@
 import { Button } from "@mantine/core";
 import { english } from "../texts/language";
 import { useRules } from "./context/RulesContext";
-import { useNav } from "./context/RulesNav";
+import { type Place, useNav } from "./context/RulesNav";
 import { useDrillRoom } from "./drill/useDrill";
 import classes from "./Sheet.module.css";
 
-/** What is not yet on the robot, and the way there and back. */
+/** What the robot did and said, which nobody edits. */
+const RECORDS: ReadonlySet<Place["at"]> = new Set(["timeline", "log"]);
+
+/** What is not yet on the robot, and the way there and back; nothing where rules are not spoken of. */
 export function DraftBar() {
   const { draft, check, mayEdit } = useRules();
   const nav = useNav();
   useDrillRoom({ enabled: mayEdit && draft.changes.length > 0 });
+  if (RECORDS.has(nav.place.at)) return null;
   if (!mayEdit) {
     return (
       <p className={classes.muted} data-testid="viewer-note" lang={english()}>
