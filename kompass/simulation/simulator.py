@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from kompass.bus.node import Node
@@ -24,6 +25,7 @@ PICTURE_PERIODS, PICTURE_TICK = 10, 4  # a picture every 0.2 s, neither with sca
 GRAPH_PERIODS = 10  # look for publishers of commands every 0.2 s
 REPORT_PERIODS = 50  # rate and contacts every second
 SLOW = 0.95  # below this rate the node complains
+SLOW_AGAIN = 60.0  # s until it does so again; the rate itself is published all the time
 
 
 class Simulator:
@@ -72,6 +74,7 @@ class Simulator:
         Costmap(node)
         self._pacer = Pacer(PERIOD, node.clock.monotonic())
         self._ticks = 0
+        self._complained = -math.inf
         node.create_timer(PERIOD, self._tick)
         node.get_logger().info(f"robot in {place.name!r}: {place.title} ({kind.name})")
 
@@ -104,7 +107,8 @@ class Simulator:
         x, y, _ = self.robot.truth().pose
         self.robot.battery.step((x, y), REPORT_PERIODS * PERIOD)
         self._broadcast.battery()
-        if rate < SLOW:
+        if rate < SLOW and now - self._complained >= SLOW_AGAIN:
+            self._complained = now
             self._node.get_logger().warning(
                 f"the simulation runs at {rate:.2f} of real time ({lost:.2f} s lost): "
                 "the machine is too busy for it"

@@ -10,6 +10,7 @@ from playwright.sync_api import Browser, expect
 
 from tests.browser.chromium import chromium
 from tests.browser.console_page import ConsolePage
+from tests.support.patience import patient
 from tests.support.robot import Robot
 from tests.support.running import robot, stack
 from tests.support.stack import TOKEN, Stack
@@ -19,7 +20,7 @@ __all__ = ["browser", "drawn", "new_page", "page", "robot", "stack"]
 OpenPage = Callable[..., ConsolePage]
 
 # A busy machine without a GPU draws slowly; waiting longer costs nothing where it is fast.
-expect.set_options(timeout=15_000)
+expect.set_options(timeout=patient(10) * 1000)
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +37,7 @@ def opening(name: str, stack: Stack, robot: Robot, browser: Browser) -> Iterator
 
     def make(width: int = 1120, height: int = 640, **options: Any) -> ConsolePage:
         context = browser.new_context(viewport={"width": width, "height": height}, **options)
-        context.set_default_timeout(30_000)
+        context.set_default_timeout(patient(30) * 1000)
         made.append(ConsolePage(context.new_page(), stack.url))
         return made[-1]
 

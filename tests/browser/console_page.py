@@ -80,6 +80,12 @@ class ConsolePage:
         tests take for all else."""
         self.page.route("**/scene/**", lambda route: route.fulfill(body=""))
 
+    def let_scene_in(self) -> None:
+        """Load the page again, with the scene that was left out."""
+        self.page.unroute("**/scene/**")
+        self.page.reload()
+        self.await_scene()
+
     def _follow(self, token: str) -> None:
         self.page.goto(f"{self.origin}/#token={token}")
         expect(self.get("pose")).to_contain_text("m/s", timeout=FIRST_PICTURE * 1000)

@@ -111,15 +111,15 @@ def test_a_proposed_rule_is_drilled_and_a_drive_that_differs_is_played(
         expect(rules.get(place).locator("[data-kind=stop]")).to_have_count(1)
     expect(rules.get("side-proposed")).to_contain_text(re.compile("STOP|stop"))
     rules.page.keep("drill-player")
-    watch_in_the_scene(new_page)
+    watch_in_the_scene(rules.page)
 
 
-def watch_in_the_scene(new_page: OpenPage) -> None:
-    """A page that draws in three dimensions finds the drill, and plays a drive of it."""
-    page = new_page(1440, 900)
-    page.open(TOKEN)
+def watch_in_the_scene(page: ConsolePage) -> None:
+    """Loaded again, and drawn in three dimensions, it finds the drill, and plays a drive of it."""
+    page.page.set_viewport_size({"width": 1280, "height": 720})  # there is less to draw
+    page.let_scene_in()
     rules = RulesPage.of(page)
-    propose(rules)
+    rules.review()
     page.page.locator("[data-testid^=drive-1-]").first.get_by_role("button").first.click()
     expect(rules.get("drive-play")).to_be_visible()
     expect(rules.get("drive-map")).to_have_count(0)

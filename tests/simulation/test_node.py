@@ -384,6 +384,38 @@ def test_a_signal_ends_it_in_its_order(number: signal.Signals) -> None:
         assert "Traceback" not in process.stderr.read()
 
 
+def test_that_the_machine_is_too_busy_is_said_once_and_leaves_room_in_the_log() -> None:
+    from rclpy.qos import QoSProfile
+    from std_msgs.msg import Float32
+
+    with (
+        subprocess.Popen(
+            [sys.executable, "-m", "kompass.simulation", "hexagon", "--node-name", "held_up"],
+            env=environment("held-up"),
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as process,
+        ros_node("timekeeper", "held-up") as (node, executor),
+    ):
+        watch = Observer(node, executor)
+        rates: list[float] = []
+        node.create_subscription(
+            Float32, "/simulator/rate", lambda rate: rates.append(rate.data), QoSProfile(depth=10)
+        )
+        try:
+            watch.until(lambda: len(rates) > 0, "a rate")
+            for _ in range(3):
+                process.send_signal(signal.SIGSTOP)
+                time.sleep(1.0)
+                process.send_signal(signal.SIGCONT)
+                rates.clear()
+                watch.until(lambda: any(rate < 0.9 for rate in rates), "a rate that tells of it")
+        finally:
+            process.terminate()
+        assert process.stderr is not None
+        assert process.stderr.read().count("the machine is too busy for it") == 1
+
+
 def test_late_sensors_publish_old_stamps_and_what_is_in_time_is_not_held_up() -> None:
     from nav_msgs.msg import Odometry
     from rclpy.qos import QoSProfile, qos_profile_sensor_data
