@@ -221,6 +221,13 @@ class _Server(uvicorn.Server):
         assert isinstance(self.server_state, GatedState)
         return GatedHttp(self.config, self.server_state, self.lifespan.state)
 
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """As uvicorn's, and hangs up on whoever did not read what they had asked for until then."""
+        await super().shutdown(sockets)
+        for connection in list(self.server_state.connections):
+            connection.transport.abort()
+        await asyncio.sleep(0.01)  # the loop closes what is aborted in its next turns
+
     async def on_tick(self, counter: int) -> bool:
         # Ten times a second; a loop that hangs is found by the supervisor.
         send_heartbeat("console")
