@@ -4,15 +4,17 @@ import os
 import signal
 import uuid
 from collections.abc import Generator, Iterator
+from typing import Any
 
 import pytest
 from hypothesis import settings
+from xdist.scheduler import LoadFileScheduling
 
 from kompass.rclpy_ext.middleware import prepare_middleware
 from kompass.store.robot_key import GIVEN
 from tests.support.domains import next_domain
 from tests.support.keys import give_key
-from tests.support.order import TESTS, rank
+from tests.support.order import TESTS, rank, scope
 from tests.support.processes import ended, marked
 from tests.support.stack import Stack
 from tests.support.tester import Tester
@@ -51,6 +53,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.relative_to(TESTS).parts[0] not in PURE:
             item.add_marker("no_cover")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """With ``--dist loadfile``: a file at a time to each worker, but all that draw to one."""
+    if config.getvalue("dist") != "loadfile":
+        return None
+    scheduler = LoadFileScheduling(config, log)
+    scheduler._split_scope = scope
+    return scheduler
 
 
 @pytest.hookimpl(wrapper=True)
