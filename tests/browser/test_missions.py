@@ -50,8 +50,10 @@ def test_a_mission_made_at_a_desk_is_steered_from_a_phone(new_page: OpenPage, ro
     second.get_by_test_id("add-task").click()
     pick(desk, "Raise an alarm")
     second.get_by_label("Alarm").fill("at-wall")
-    # A key that closes it loses nothing.
+    # A key that closes it loses nothing, nor does a page that is loaded again.
     desk.page.keyboard.press("Escape")
+    expect(desk.get("mission-add")).to_be_visible()
+    desk.page.reload()
     desk.get("mission-add").click()
     expect(desk.get("mission-kept")).to_be_visible()
     expect(second.get_by_label("Alarm")).to_have_value("at-wall")

@@ -384,36 +384,45 @@ def test_a_signal_ends_it_in_its_order(number: signal.Signals) -> None:
         assert "Traceback" not in process.stderr.read()
 
 
-def test_that_the_machine_is_too_busy_is_said_once_and_leaves_room_in_the_log() -> None:
-    from rclpy.qos import QoSProfile
-    from std_msgs.msg import Float32
-
+@contextlib.contextmanager
+def watched(name: str, *options: str) -> Iterator[tuple[subprocess.Popen[str], Any, Observer]]:
+    """A robot of its own, with a node that watches it; it is ended with the block."""
     with (
         subprocess.Popen(
-            [sys.executable, "-m", "kompass.simulation", "hexagon", "--node-name", "held_up"],
-            env=environment("held-up"),
+            [sys.executable, "-m", "kompass.simulation", "hexagon", "--node-name", name, *options],
+            env=environment(name),
             stderr=subprocess.PIPE,
             text=True,
         ) as process,
-        ros_node("timekeeper", "held-up") as (node, executor),
+        ros_node("timekeeper", name) as (node, executor),
     ):
-        watch = Observer(node, executor)
+        try:
+            yield process, node, Observer(node, executor)
+        finally:
+            process.terminate()
+
+
+def test_that_the_machine_is_too_busy_is_said_once_a_minute_and_leaves_room_in_the_log() -> None:
+    from rclpy.qos import QoSProfile
+    from std_msgs.msg import Float32
+
+    begun = time.monotonic()
+    with watched("held_up") as (process, node, watch):
         rates: list[float] = []
         node.create_subscription(
             Float32, "/simulator/rate", lambda rate: rates.append(rate.data), QoSProfile(depth=10)
         )
-        try:
-            watch.until(lambda: len(rates) > 0, "a rate")
-            for _ in range(3):
-                process.send_signal(signal.SIGSTOP)
-                time.sleep(1.0)
-                process.send_signal(signal.SIGCONT)
-                rates.clear()
-                watch.until(lambda: any(rate < 0.9 for rate in rates), "a rate that tells of it")
-        finally:
-            process.terminate()
+        watch.until(lambda: len(rates) > 0, "a rate")
+        for _ in range(3):
+            process.send_signal(signal.SIGSTOP)
+            time.sleep(1.0)  # for which it is held up
+            process.send_signal(signal.SIGCONT)
+            rates.clear()
+            watch.until(lambda: any(rate < 0.9 for rate in rates), "a rate that tells of it")
+        process.terminate()
         assert process.stderr is not None
-        assert process.stderr.read().count("the machine is too busy for it") == 1
+        said = process.stderr.read().count("the machine is too busy for it")
+        assert 1 <= said <= 1 + (time.monotonic() - begun) // 60
 
 
 def test_late_sensors_publish_old_stamps_and_what_is_in_time_is_not_held_up() -> None:
@@ -423,19 +432,8 @@ def test_late_sensors_publish_old_stamps_and_what_is_in_time_is_not_held_up() ->
     from tf2_msgs.msg import TFMessage
 
     faults = ("scan_late:0.5", "odometry_late:0.3")
-    with (
-        subprocess.Popen(
-            [
-                *(sys.executable, "-m", "kompass.simulation", "hexagon", "--node-name", "late"),
-                *(word for fault in faults for word in ("--fault", fault)),
-            ],
-            env=environment("late"),
-            stderr=subprocess.PIPE,
-            text=True,
-        ) as process,
-        ros_node("timekeeper", "late") as (node, executor),
-    ):
-        watch = Observer(node, executor)
+    options = (word for fault in faults for word in ("--fault", fault))
+    with watched("late", *options) as (_, node, watch):
         ages: dict[str, list[float]] = {}
 
         def keep(topic: str, stamp: Any) -> None:
@@ -460,13 +458,10 @@ def test_late_sensors_publish_old_stamps_and_what_is_in_time_is_not_held_up() ->
         for topic in ("/odometry/filtered", "/odom", "/simulator/ground_truth"):
             listen(Odometry, topic, QoSProfile(depth=100))
         listen(TFMessage, "/tf", QoSProfile(depth=100))
-        try:
-            watch.until(
-                lambda: all(len(ages.get(topic, ())) >= 10 for topic in expected),
-                f"ten messages on each of {list(expected)}",
-            )
-        finally:
-            process.terminate()
+        watch.until(
+            lambda: all(len(ages.get(topic, ())) >= 10 for topic in expected),
+            f"ten messages on each of {list(expected)}",
+        )
         # What the machine adds by being busy comes on top; the quickest of ten has little of it.
         for topic, age in expected.items():
             assert age - 0.01 < min(ages[topic]) < age + 0.2, topic

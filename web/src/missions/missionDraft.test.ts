@@ -38,3 +38,8 @@ test("each mission, and a new one, has a draft of its own", () => {
   expect(keptDraft(null)).toBeNull();
   expect(keptDraft({ ...round, id: 4 })).toBeNull();
 });
+
+test.each(['{"from": 3', "7", '{"from": {}}'])("what cannot be read counts as none: %s", (text) => {
+  localStorage.setItem("kompass.mission.3", text);
+  expect(keptDraft(round)).toBeNull();
+});

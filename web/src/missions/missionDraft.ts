@@ -19,11 +19,16 @@ interface Kept {
 
 const keyOf = (mission: Mission | null) => `kompass.mission.${mission?.id ?? "new"}`;
 
-/** What was typed and neither saved nor left, as this browser has kept it; else null. */
+/** What was typed and neither saved nor left; null where nothing is kept, or cannot be read. */
 export function keptDraft(mission: Mission | null): MissionSave | null {
-  const kept = readKept(keyOf(mission)) ?? "";
-  if (kept === "") return null;
-  const { from, draft } = JSON.parse(kept) as Kept;
+  let kept: Partial<Kept> | null;
+  try {
+    kept = JSON.parse(readKept(keyOf(mission)) || "null");
+  } catch {
+    return null;
+  }
+  const { from, draft } = kept ?? {};
+  if (from === undefined || !Array.isArray(draft?.waypoints)) return null;
   return same(from, beginning(mission)) ? draft : null;
 }
 
