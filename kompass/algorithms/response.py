@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize
-from scipy.signal import lfilter
 
 from kompass.algorithms.geometry import Floats
 
@@ -85,6 +83,10 @@ def fit_response(
         There are too few readings, they are not finite, or the commands hardly change: nothing is
         to be learned from them.
     """
+    # A quarter of what a robot loads as it starts; most never fit anything.
+    from scipy.optimize import minimize
+    from scipy.signal import lfilter
+
     given_at, given = (np.asarray(one, dtype=np.float64) for one in (command_times, commands))
     at, measured = (np.asarray(one, dtype=np.float64) for one in (times, speeds))
     if len(at) < LEAST_READINGS or not len(given_at):

@@ -85,12 +85,18 @@ def test_apply_stays_where_it_is_while_the_review_is_still_being_filled(
     probation.scroll_into_view_if_needed()
     before = probation.bounding_box()
     page.page.unroute("**/api/drills")
+    page.page.route("**/api/drills", lambda route: route.abort())
     for route in held:
-        route.continue_()
+        route.abort()
+    expect(rules.get("drill")).to_contain_text("does not answer")
+    silent = probation.bounding_box()
+    page.page.unroute("**/api/drills")
     expect(rules.get("drill-start")).to_be_enabled()
     after = probation.bounding_box()
     assert before is not None
+    assert silent is not None
     assert after is not None
+    assert abs(silent["y"] - before["y"]) < before["height"], (before, silent)
     assert abs(after["y"] - before["y"]) < before["height"], (before, after)
 
 

@@ -76,3 +76,8 @@ def test_rules_of_this_machine_are_shown_without_ros_and_numbers() -> None:
 
 def test_the_search_for_the_robot_begins_before_rules_are_known() -> None:
     assert loaded("import kompass_console.rules_cli.connection") & OF_RULES == set()
+
+
+def test_a_robot_starts_without_what_it_needs_only_to_fit_a_response() -> None:
+    robot = "import kompass.ros, kompass.launch.launcher, kompass.monitor.process"
+    assert loaded(robot) & {"scipy.optimize", "scipy.signal", "scipy.stats"} == set()

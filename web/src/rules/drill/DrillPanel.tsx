@@ -65,11 +65,13 @@ export function DrillPanel({ table, ready }: Props) {
   const lacks = scenario === null ? "" : missing(scenario);
   const running = drill?.state === "running";
   const locked = running || told === null;
+  // A console that is silent is asked again: what is to be chosen stays where it will be.
+  const silent = told === null && error?.status === 0;
   const refused = reportOf(error)?.findings.filter(({ level }) => level === "error") ?? [];
   return (
     <section className={page.section} aria-label="Drill" data-testid="drill">
       <h3>Drill: does it recover better?</h3>
-      {(told !== null || error === null) &&
+      {(told !== null || error === null || silent) &&
         (room.refusal !== null ? (
           <p className={page.note} data-testid="drill-refusal">
             {room.refusal} {room.remedy}
@@ -77,6 +79,7 @@ export function DrillPanel({ table, ready }: Props) {
         ) : (
           <>
             <p className={page.muted}>
+              {silent && "The console does not answer. "}
               {told === null
                 ? "Asking the console what can be drilled…"
                 : subjectText(room.recipe, world, room.own_world)}
@@ -157,7 +160,7 @@ export function DrillPanel({ table, ready }: Props) {
           </>
         ))}
       <Problem
-        error={error && { title: inWords(error.title), remedy: error.remedy }}
+        error={silent ? null : error && { title: inWords(error.title), remedy: error.remedy }}
         testId="drill-problem"
       />
       <FindingList findings={refused} />
