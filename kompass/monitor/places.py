@@ -52,6 +52,7 @@ class Places:
         happened: Callable[[Happening], None],
     ) -> None:
         self._main, self._clock, self._happened = main, node.clock, happened
+        self._told: list[Callable[[], None]] = []
         self._worker = WorkerThread(node, "places")
         self._publisher = node.create_publisher(
             String, f"{node.get_name()}/{TOPIC}", LATCHED.to_ros()
@@ -62,6 +63,11 @@ class Places:
             store = open_store()
             self._book = store.book()
             self._store = store
+            if store.unwritable:
+                problem = f"places cannot be kept: {store.unwritable}"
+                node.get_logger().error(problem)
+                update = {"problem": problem, "available": False}
+                self._book = self._book.model_copy(update=update)
         except (StoreError, OSError) as error:
             problem = f"places cannot be kept: {error}"
             node.get_logger().error(problem)
@@ -81,6 +87,10 @@ class Places:
         if self._store is not None:
             self._store.close()
 
+    def watch(self, told: Callable[[], None]) -> None:
+        """Have something called whenever places have changed, on the main thread."""
+        self._told.append(told)
+
     def find(self, place_id: int) -> Place | None:
         """A place as it was told last; None where there is none of this number. Any thread."""
         return next((place for place in self._book.places if place.id == place_id), None)
@@ -96,3 +106,5 @@ class Places:
     def _tell(self, book: PlaceBook) -> None:
         self._book = book
         self._publisher.publish(String(data=book.model_dump_json()))
+        for told in self._told:
+            told()

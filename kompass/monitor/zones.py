@@ -94,6 +94,11 @@ class Zones:
             store = open_store()
             self._book = store.book()
             self._store = store
+            if store.unwritable:
+                problem = f"zones cannot be kept: {store.unwritable}"
+                node.get_logger().error(problem)
+                told = f"{problem}; those that were drawn before hold, and cannot be changed"
+                self._book = self._book.model_copy(update={"problem": told, "available": False})
         except (StoreError, OSError) as error:
             problem = f"zones cannot be kept: {error}"
             node.get_logger().error(problem)
@@ -149,7 +154,7 @@ class Zones:
         here = self._map
         book = self._book
         waited = self._node.clock.monotonic() - self._since >= PATIENCE
-        if not book.available or book.revision == 0:  # none ever, or all that there were are lost
+        if book.revision == 0:  # none ever, or all that there were are lost
             return
         if here is None and book.zones and not waited:
             return

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 
 from kompass.recorder.clip import clip_messages
 from kompass.recorder.mcap.reader import File, Recorded, Recording, sessions_of
 from kompass.recorder.mcap.writer import McapWriter
 from kompass.recorder.places import rotation_folder
-from kompass.recorder.rotating_recording import rotation_files
+from kompass.recorder.rotating_recording import RESERVE, rotation_files
 from kompass.store.private import private_folder
 
 CHUNK = 1 << 20  # bytes
@@ -46,7 +47,7 @@ def save_clip(recordings: Path, path: Path, start: int, end: int | None = None) 
         with Recording(rotation_files(rotation_folder(recordings))) as recording:
             files = [file for file in recording.files if file.contents.end_time >= start]
             if not files:
-                raise ClipNotSaved("the flight recorder has nothing of that time; is it running?")
+                raise ClipNotSaved(_why_nothing(recordings))
             _write(files, partial, start, end)
         try:
             os.link(partial, path)  # unlike a rename, this never replaces another's file
@@ -57,6 +58,13 @@ def save_clip(recordings: Path, path: Path, start: int, end: int | None = None) 
     finally:
         partial.unlink(missing_ok=True)
     return path
+
+
+def _why_nothing(recordings: Path) -> str:
+    nothing = "the flight recorder has nothing of that time"
+    if shutil.disk_usage(recordings).free < RESERVE:
+        return f"{nothing}: less than {RESERVE >> 20} MB are free, which are left to others"
+    return f"{nothing}; is it running?"
 
 
 def drop_partials(folder: Path) -> None:

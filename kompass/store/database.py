@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal, NamedTuple
+from urllib.parse import quote
 
 from kompass.store.durable import sync_folder
 from kompass.store.errors import StoreCorrupt, StoreTooNew, StoreUnwritable
@@ -126,6 +127,33 @@ def unwritable(path: Path, error: Exception) -> StoreUnwritable:
     return StoreUnwritable(f"cannot write {path}: {text}; {remedy}")
 
 
+def open_read_only(path: Path, kind: Format) -> sqlite3.Connection:
+    """Open a file that nobody can write, as it was left: of a disk that is read-only, say.
+
+    Raises
+    ------
+    StoreTooNew
+        When a newer release has written it.
+    StoreCorrupt
+        When it is not there, or cannot be read as it is.
+    """
+    # Without the log's companions SQLite reads only what it is told will never change.
+    how = "mode=ro" if _size(path, "-wal") else "immutable=1"
+    try:
+        connection = _connect(f"file:{quote(str(path))}?{how}", uri=True)
+        try:
+            _examine(connection, path, kind)
+            (version,) = connection.execute("PRAGMA user_version").fetchone()
+            if version < len(kind.steps):
+                raise _Damaged("it is of an older release, and cannot be brought up to date here")
+        except BaseException:
+            connection.close()
+            raise
+    except (_Damaged, sqlite3.Error) as error:
+        raise StoreCorrupt(f"cannot read {path}: {error}; check the disk") from None
+    return connection
+
+
 @contextmanager
 def transaction(connection: sqlite3.Connection, path: Path) -> Iterator[None]:
     """All of it or nothing; durable when the block is left, as far as the format says.
@@ -189,9 +217,9 @@ def _opened(path: Path, kind: Format, *, alone: bool = False) -> sqlite3.Connect
     return connection
 
 
-def _connect(path: Path) -> sqlite3.Connection:
+def _connect(path: Path | str, *, uri: bool = False) -> sqlite3.Connection:
     return sqlite3.connect(
-        path, timeout=BUSY_TIMEOUT, isolation_level=None, check_same_thread=False
+        path, timeout=BUSY_TIMEOUT, isolation_level=None, check_same_thread=False, uri=uri
     )
 
 

@@ -41,12 +41,15 @@ class PlaceStore:
     ----------
     notice
         What an operator must hear of the file: that it was damaged and is set aside; else empty.
+    unwritable
+        Why nothing can be changed, where the file can only be read; else empty.
     """
 
     def __init__(self, folder: Path, clock: Callable[[], float]) -> None:
         self._clock = clock
-        self._file = SoleFile(folder / FILE, FORMAT, LOCK, "store of places")
+        self._file = SoleFile(folder / FILE, FORMAT, LOCK, "store of places", else_read=True)
         self._sql, self.notice = self._file.sql, self._file.notice
+        self.unwritable = self._file.unwritable
 
     @classmethod
     def open(cls, folder: Path, *, clock: Callable[[], float] = time.time) -> Self:
@@ -64,7 +67,7 @@ class PlaceStore:
         StoreTooNew
             When a newer release has written them.
         StoreUnwritable
-            When the folder cannot be written.
+            When the folder cannot be written, and there is nothing in it that could be read.
         """
         return cls(folder, clock)
 

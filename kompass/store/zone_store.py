@@ -37,11 +37,14 @@ class ZoneStore:
     ----------
     notice
         What an operator must hear of the file: that it was damaged and is set aside; else empty.
+    unwritable
+        Why nothing can be changed, where the file can only be read; else empty.
     """
 
     def __init__(self, folder: Path, clock: Callable[[], float]) -> None:
-        self._file = SoleFile(folder / FILE, FORMAT, LOCK, "store of zones")
+        self._file = SoleFile(folder / FILE, FORMAT, LOCK, "store of zones", else_read=True)
         self._sql, self.notice = self._file.sql, self._file.notice
+        self.unwritable = self._file.unwritable
         self._entries = Entries(
             *(self._sql, "zones"),
             what="zone",
@@ -69,7 +72,7 @@ class ZoneStore:
         StoreTooNew
             When a newer release has written them.
         StoreUnwritable
-            When the folder cannot be written.
+            When the folder cannot be written, and there is nothing in it that could be read.
         """
         return cls(folder, clock)
 

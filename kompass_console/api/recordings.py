@@ -49,7 +49,7 @@ async def save_recording(
     body: RecordingRequest, session: Operator, console: CurrentConsole
 ) -> RecordingSaved:
     """Keep a stretch of the flight recorder, before its ring goes over it."""
-    what, remedy = body.model_dump(), "Choose another name, or look at the disk."
+    what, remedy = body.model_dump(), "Choose another name, or make room on the robot's disk."
     try:
         answer = await asked(
             console, lambda m: m.save_recording(body.seconds, body.name), 409, remedy

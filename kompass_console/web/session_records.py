@@ -7,13 +7,15 @@ logged out. This is kept in a small file, which only its owner may read.
 from __future__ import annotations
 
 import logging
+import os
 import threading
 from collections import OrderedDict
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from kompass.invalid import first_invalid
 from kompass_console.private_file import alone_in, replace_file
 from kompass_console.schema.roles import Role
 
@@ -59,15 +61,20 @@ class SessionRecords:
         self._seen: dict[Role, OrderedDict[str, float]] = {r: OrderedDict() for r in Role}
         self._not_before = dict.fromkeys(Role, float("-inf"))
         self._changed = False
+        self._left_out = False  # somebody logged out, and the file does not say so
         if file is not None:
             self._load(file, now)
 
     def revoke(self, role: Role, session_id: str, issued: float) -> None:
-        """Refuse a session from now on; on disk when this returns."""
+        """Refuse a session from now on; on disk when this returns.
+
+        Where the disk takes nothing the file is emptied: then a console that is started again
+        knows of nobody, and all have to log in.
+        """
         with self._lock:
             self._add_revoked(role, session_id, issued)
             self._seen[role].pop(session_id, None)
-            self._changed = True
+            self._changed = self._left_out = True
         self.save()
 
     def is_revoked(self, role: Role, session_id: str, issued: float) -> bool:
@@ -108,14 +115,17 @@ class SessionRecords:
                         self._take(written)
                         text = self._kept().model_dump_json()
                     replace_file(self._file, text)
+                    self._left_out = False
             except OSError as error:
                 with self._lock:
                     self._changed = True
                 _logger.error(
-                    "sessions not written to %s: %s; who logs out now stays out only until the "
-                    "console is started again",
+                    "sessions not written to %s: %s; %s",
                     self._file,
                     error,
+                    "everybody has to log in again when the console is started again"
+                    if self._left_out and _emptied(self._file)
+                    else "who logs out now stays out only until the console is started again",
                 )
 
     def _load(self, file: Path, now: float) -> None:
@@ -123,11 +133,12 @@ class SessionRecords:
             self._take(_read(file))
         except FileNotFoundError:
             return
-        except (OSError, ValueError) as error:
+        except (OSError, ValidationError) as error:
+            why = error.strerror if isinstance(error, OSError) else first_invalid(error).text
             # Nobody knows who had logged out: all have to log in again.
             self._not_before = dict.fromkeys(Role, now)
             self._changed = True
-            _logger.error("%s cannot be read (%s); everybody has to log in again", file, error)
+            _logger.error("%s cannot be read (%s); everybody has to log in again", file, why)
 
     def _take(self, kept: _Kept) -> None:
         for role, before in kept.not_before.items():
@@ -160,6 +171,15 @@ class SessionRecords:
 
 def _read(file: Path) -> _Kept:
     return _Kept.model_validate_json(file.read_bytes())
+
+
+def _emptied(file: Path) -> bool:
+    """Leave nothing in a file, which a full disk allows, too."""
+    try:
+        os.close(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW, 0o600))
+    except OSError:
+        return False
+    return True
 
 
 def _of_others(file: Path) -> _Kept:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 
 import pytest
 from playwright.sync_api import expect
 
 from tests.browser.conftest import OpenPage
-from tests.browser.console_page import ConsolePage
+from tests.browser.console_page import UNCOVERED, ConsolePage
 from tests.browser.rules_page import RulesPage
+from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.stack import TOKEN
 
@@ -39,6 +41,21 @@ def fits_a_thumb(page: ConsolePage) -> None:
     assert page.page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
 
 
+def leaves_the_map_its_buttons(page: ConsolePage, bar: str) -> None:
+    """While a tool of the scene is on."""
+    expect(page.get(bar)).to_be_visible()
+    assert page.get(bar).evaluate("(bar) => bar.scrollWidth <= bar.clientWidth + 1")
+    words = page.get(bar).locator("span").first
+    inside, outside = words.bounding_box(), page.get(bar).bounding_box()
+    assert inside is not None
+    assert outside is not None
+    assert inside["x"] >= outside["x"]
+    assert inside["x"] + inside["width"] <= outside["x"] + outside["width"]
+    for name in ("Larger", "Smaller", "Whole map"):
+        button = page.get("flat-map").get_by_role("button", name=name)
+        wait_until(partial(button.evaluate, UNCOVERED), 3, f"{name}, uncovered")
+
+
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (360, 640)])
 def test_a_phone_has_room_for_name_thumb_and_editor(
     new_page: OpenPage, robot: Robot, width: int, height: int
@@ -63,6 +80,15 @@ def test_a_phone_has_room_for_name_thumb_and_editor(
     page.get("hand-tool").tap()
     fits_a_thumb(page)
     page.get("hand-tool").tap()
+    for tool, bar in (("locate-tool", "locate-bar"), ("measure-tool", "measure-card")):
+        page.get(tool).tap()
+        leaves_the_map_its_buttons(page, bar)
+        page.get(tool).tap()
+    page.get("tab-places").tap()
+    page.page.get_by_text("Zones", exact=True).first.tap()
+    page.get("zone-add").tap()
+    leaves_the_map_its_buttons(page, "zone-card")
+    page.get("zone-cancel").tap()
 
     # The narrowest case: the robot is stopped, and a rule is written meanwhile.
     page.get("stop-button").tap()

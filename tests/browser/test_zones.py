@@ -102,7 +102,7 @@ def test_on_a_phone_corners_are_tapped_or_typed_on_the_flat_map(
     page.page.get_by_text("Zones", exact=True).first.click()
     page.get("zone-add").tap()
     expect(page.get("zone-card")).to_be_visible()
-    for at in ((60, 320), (330, 320), (330, 520)):
+    for at in ((60, 320), (300, 320), (300, 500)):
         page.page.touchscreen.tap(*at)
     expect(page.get("zone-problem")).to_have_text("3 corners.")
     page.keep("zone-phone-tapped")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import json
 import math
@@ -341,6 +342,31 @@ def test_a_full_disk_is_told_and_keeps_nobody_from_logging_out(
     records.revoke(Role.VIEWER, "a", 1.0)
     assert records.is_revoked(Role.VIEWER, "a", 1.0)
     assert "not written" in caplog.text
+
+
+def test_who_logs_out_on_a_full_disk_stays_out_over_restarts_and_so_does_everybody(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    file = tmp_path / "sessions.json"
+    now = [1000.0]
+    auth = Authenticator(TOKENS, SessionRecords(file, now[0]), now=lambda: now[0])
+    ava, ben = (auth.log_in(TOKENS[Role.OPERATOR], name) for name in ("ava", "ben"))
+    assert ava is not None
+    assert ben is not None
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr("kompass_console.web.session_records.replace_file", full)
+        auth.log_out(ava)
+    assert auth.session(auth.cookie(ava)) is None
+    assert auth.session(auth.cookie(ben)) == ben
+    assert "everybody has to log in again" in caplog.text
+    now[0] += 10.0
+    after = Authenticator(TOKENS, SessionRecords(file, now[0]), now=lambda: now[0])
+    assert after.session(auth.cookie(ava)) is None
+    assert after.session(auth.cookie(ben)) is None
 
 
 def test_a_session_that_is_not_used_ends_and_a_page_that_is_open_uses_it(tmp_path: Path) -> None:

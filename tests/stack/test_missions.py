@@ -420,6 +420,19 @@ def test_a_place_that_was_moved_is_where_it_goes_and_one_that_was_deleted_is_tol
     assert "has been deleted" in robot.until("paused", 5).reason
 
 
+def test_the_place_that_it_drives_to_is_deleted_and_it_stands_and_says_so(
+    robot: MissionRobot,
+) -> None:
+    robot.start(robot.saved((robot.north, ()), (robot.west, ())))
+    robot.wait_until(lambda: robot.speed > 0.1, 30, "motion")
+    robot.change_place(DeletePlace(id=robot.north.id, version=1))
+    assert "has been deleted" in robot.until("paused", 5).reason
+    robot.wait_until(lambda: robot.speed < 0.01, 3, "a halt")
+    stood = robot.truth
+    robot.rest(5.0)
+    assert math.dist(robot.truth[:2], stood[:2]) < 0.01
+
+
 def test_it_drives_on_its_own_map_only(robot: MissionRobot) -> None:
     mission = robot.saved((robot.north, ()))
     elsewhere = MapIdentity(id="0" * 32, label="9 × 9 m")

@@ -276,6 +276,29 @@ def test_a_monitor_that_starts_again_keeps_them_in_force(robot: ZonedRobot) -> N
     assert not robot.looks_at(-1.15, -0.5).reachable
 
 
+def test_zones_of_a_folder_that_cannot_be_written_hold_and_cannot_be_changed(
+    robot: ZonedRobot,
+) -> None:
+    robot.zone()
+    robot.wait_until(lambda: robot.kept == ["Wet floor"], 10, "the drive manager's file")
+    robot.stack.stop("monitor")
+    (lock,) = robot.folder.rglob("zones.lock")
+    lock.unlink()
+    lock.mkdir()  # not even the superuser opens it for writing
+    robot.file.unlink()
+    robot.newest.clear()
+    robot.stack.kill("monitor")
+    robot.wait_until(lambda: "/zones" in robot.newest, 30, "zones from the new monitor")
+    assert robot.in_force == ["Wet floor"]
+    told = ZoneBook.model_validate_json(robot.newest["/monitor/zones"].data)
+    assert [zone.name for zone in told.zones] == ["Wet floor"]
+    assert not told.available
+    assert "cannot write" in told.problem
+    assert "hold" in told.problem
+    robot.wait_until(lambda: not robot.looks_at(-1.15, -0.5).reachable, 10, "the planner's no")
+    assert "cannot write" in robot.asks(DeleteZone(id=1, version=1)).message
+
+
 def test_who_is_no_operator_changes_none_and_none_is_of_another_map(robot: ZonedRobot) -> None:
     zone = robot.zone()
     assert "viewer" in robot.asks(DeleteZone(id=1, version=1), role="viewer").message

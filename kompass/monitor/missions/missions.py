@@ -122,6 +122,7 @@ class Missions:
             task_ended=self._task_ended,
             interrupted=self._interrupted,
         )
+        places.watch(self._robot.places_changed)
         self._wake = MovableTimer(timers, self._tick)
         self._books = node.create_publisher(String, f"{node.get_name()}/{BOOK}", LATCHED.to_ros())
         self._states = node.create_publisher(String, f"{node.get_name()}/{STATE}", LATCHED.to_ros())

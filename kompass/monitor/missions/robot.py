@@ -35,6 +35,7 @@ from kompass.supervisor.news import ProcessNews
 
 SEARCH = 3.0  # s in which a planner, a map or a drive manager must show up
 TRIES = 3  # to give the planner a goal
+_DELETED = "the place has been deleted; take it out of the mission"
 _NOTHING = 0  # the ticket of nothing; those of runs count from 1
 _TYPE = "kompass_interfaces/action/PlanPath"
 _REMEMBERED = 64  # ids of goals
@@ -100,6 +101,7 @@ class MissionRobot:
         self._looking: Task | None = None  # whether it may begin
         self._ticket = _NOTHING
         self._driver = ""  # node name of who has the goal
+        self._place: int | None = None  # to which it drives
         self._listening: Any = None
         self._drive: DriveState | None = None
         # By action: the goals that others have the robot pursue.
@@ -193,7 +195,7 @@ class MissionRobot:
 
     def cease(self) -> None:
         """End what is under way; its end is told to nobody."""
-        self._ticket, self._driver = _NOTHING, ""
+        self._ticket, self._driver, self._place = _NOTHING, "", None
         if self._task is not None:
             self._task.cancel()
 
@@ -208,6 +210,13 @@ class MissionRobot:
             self.cease()
             reason = f"{driver}, which had the goal, was lost: {news.reason or news.state}"
             self._drive_ended(ticket, "interrupted", reason)
+
+    def places_changed(self) -> None:
+        """Where it drives to may be no place any more."""
+        if self._place is not None and self._find_place(self._place) is None:
+            ticket = self._ticket
+            self.cease()
+            self._drive_ended(ticket, "failed", _DELETED)
 
     # -- pieces -------------------------------------------------------------------------------
 
@@ -227,7 +236,7 @@ class MissionRobot:
 
         def over(error: BaseException | None) -> None:
             if self._ticket == ticket:
-                self._ticket, self._driver = _NOTHING, ""
+                self._ticket, self._driver, self._place = _NOTHING, "", None
                 what, why = ended[0] if ended else (otherwise, str(error) or repr(error))
                 # What follows begins on a stack of its own.
                 self._main.post(lambda: tell(ticket, what, why))
@@ -237,7 +246,8 @@ class MissionRobot:
     async def _go(self, place_id: int, of_map: MapIdentity) -> tuple[DriveEnd, str]:
         place = self._find_place(place_id)
         if place is None:
-            return "failed", "the place has been deleted; take it out of the mission"
+            return "failed", _DELETED
+        self._place = place_id
         why = await self._elsewhere(place, of_map) or await self._hindrance()
         if why:
             return "interrupted", why

@@ -29,7 +29,7 @@ from kompass.rules.schema.table import Table
 from kompass.supervisor.process import PR_SET_PDEATHSIG, STDERR
 
 NICENESS = 10
-_EXPECTED = (BadName, ClipNotSaved, NoRecording, NotMcap, OSError)
+_EXPECTED = (BadName, ClipNotSaved, NoRecording, NotMcap)
 
 
 class WorkerFailed(RuntimeError):
@@ -129,6 +129,9 @@ def main() -> None:
     except ValidationError as error:
         invalid = first_invalid(error)
         say(error=f"table: {invalid.where}: {invalid.text}")
+    except OSError as error:
+        where = f" in {Path(error.filename).parent}" if error.filename else ""
+        say(error=f"{error.strerror or error}{where}")
     except _EXPECTED as error:
         say(error=str(error))
 

@@ -2,6 +2,7 @@ import { Button } from "@mantine/core";
 import { IconKeyboard, IconX } from "@tabler/icons-react";
 import type { ReactNode } from "react";
 import { t } from "../texts/text";
+import { GestureBar } from "./GestureBar";
 import classes from "./Goal.module.css";
 
 interface Props {
@@ -14,7 +15,7 @@ interface Props {
 /** What the hand can do while a tool of the scene is on, and the ways without a hand on it. */
 export function GestureHint({ name, tool, children }: Props) {
   return (
-    <div className={classes.hint}>
+    <GestureBar testId={`${name}-bar`}>
       {children}
       <span className={classes.hintActions}>
         <Button
@@ -35,6 +36,6 @@ export function GestureHint({ name, tool, children }: Props) {
           {t("Done")}
         </Button>
       </span>
-    </div>
+    </GestureBar>
   );
 }

@@ -5,7 +5,11 @@ import { renderPlain } from "../ui/testing";
 import { LocateCard } from "./LocateCard";
 import type { LocateDraft, LocateTool } from "./useLocateTool";
 
+const { robot } = vi.hoisted(() => ({ robot: { state: null, elapsed: 0, frozen: false } }));
+vi.mock("../state/RobotContext", () => ({ useRobot: () => robot }));
+
 afterEach(() => {
+  robot.frozen = false;
   cleanup();
   vi.unstubAllGlobals();
 });
@@ -31,4 +35,9 @@ test("a place that is doubted takes a press, and is not offered before the other
   expect(button.dataset.variant).toBe("default");
   button.click();
   expect(set).toHaveBeenCalledTimes(1);
+});
+
+test("a place of a robot that is not heard is set no more", () => {
+  robot.frozen = true;
+  expect(card(0.97, "").button).toHaveProperty("disabled", true);
 });

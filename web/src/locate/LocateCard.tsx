@@ -14,6 +14,8 @@ import type { LocateDraft, LocateTool } from "./useLocateTool";
 export function LocateCard({ tool, draft }: { tool: LocateTool; draft: LocateDraft }) {
   const first = useRef<HTMLButtonElement>(null);
   const { anchor, check, error, phase } = draft;
+  // Nothing that was compared is known of a robot that is not heard.
+  const { frozen } = useRobot();
   const { card, place, style } = useCardPlace(anchor, [phase, check, error]);
   const set = phase === "told";
   // What is doubted takes a press: Enter alone does not set it.
@@ -60,6 +62,7 @@ export function LocateCard({ tool, draft }: { tool: LocateTool; draft: LocateDra
                 className={check.best ? classes.wide : undefined}
                 onClick={() => tool.set()}
                 loading={phase === "sending" && error === null}
+                disabled={frozen}
                 data-testid="locate-set"
               >
                 {check.best ? t("Set the best place") : sure ? t("Set") : t("Set all the same")}
@@ -69,6 +72,7 @@ export function LocateCard({ tool, draft }: { tool: LocateTool; draft: LocateDra
               <Button
                 size="md"
                 variant="default"
+                disabled={frozen}
                 onClick={() => tool.set(true)}
                 data-testid="locate-exactly"
               >

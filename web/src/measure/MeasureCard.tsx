@@ -1,5 +1,6 @@
 import { Button } from "@mantine/core";
 import { IconArrowBackUp, IconX } from "@tabler/icons-react";
+import { GestureBar } from "../goal/GestureBar";
 import { t } from "../texts/text";
 import { Problem } from "../ui/Problem";
 import classes from "./Measure.module.css";
@@ -12,7 +13,7 @@ export function MeasureCard({ tool }: { tool: MeasureTool }) {
   const first =
     points.length === 0 ? t("Press two points of the floor, or drag.") : t("One more point.");
   return (
-    <div className={classes.card} data-testid="measure-card">
+    <GestureBar testId="measure-card">
       <span role="status" className={classes.told} data-testid="measured">
         {problem || (measuredText(points) ?? first)}
       </span>
@@ -47,6 +48,6 @@ export function MeasureCard({ tool }: { tool: MeasureTool }) {
       >
         {t("Done")}
       </Button>
-    </div>
+    </GestureBar>
   );
 }

@@ -28,7 +28,7 @@ function matcher(text: string): RegExp {
 /** Parts that people give names to: they stay as they are, also where one is "2.5". */
 const GIVEN = new Set(["name", "place", "reason", "topic", "frame", "scene", "parts"]);
 /** A figure, or a point on the floor. */
-const FIGURES = /^-?\d+(\.\d+)?(, -?\d+(\.\d+)?)?$/;
+const FIGURES = /^\(?-?\d+(\.\d+)?(, -?\d+(\.\d+)?)?\)?$/;
 
 /**
  * What somebody called something stays as it is called; what is said inside of it is said in German,

@@ -140,7 +140,11 @@ export function TimelineAxis(props: Props) {
         )}
         <div className={classes.ticks} aria-hidden="true">
           {ticksOf(ends, MARKS).map((at) => (
-            <span key={at} style={{ left: `${(100 * (at - ends.since)) / length}%` }}>
+            <span
+              key={at}
+              data-late={at - ends.since > 0.92 * length ? "" : undefined}
+              style={{ left: `${(100 * (at - ends.since)) / length}%` }}
+            >
               {days ? dateText(at, "day") : length < 120 ? clockText(at) : dateText(at, "minute")}
             </span>
           ))}

@@ -3,6 +3,7 @@ import { IconArrowBackUp, IconKeyboard } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
 import { editZone, saveZone } from "../api/zonesClient";
+import { GestureBar } from "../goal/GestureBar";
 import { nameProblem } from "../places/placeText";
 import { t } from "../texts/text";
 import { told } from "../texts/told";
@@ -28,7 +29,7 @@ export function ZoneCard({ tool }: { tool: ZoneTool }) {
     setDescribed(true);
   };
   return (
-    <div className={classes.bar} data-testid="zone-card">
+    <GestureBar testId="zone-card">
       <span role="status" data-testid="zone-problem">
         {toldOf(tool)}
       </span>
@@ -69,7 +70,7 @@ export function ZoneCard({ tool }: { tool: ZoneTool }) {
           {t("Cancel")}
         </Button>
       </div>
-    </div>
+    </GestureBar>
   );
 }
 

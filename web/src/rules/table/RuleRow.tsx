@@ -67,7 +67,7 @@ export function RuleRow({ rule, lines, status, change, findings, fromRecipe }: P
       {change !== null && (
         <div className={classes.changed}>
           <span className={classes.change} data-testid="rule-change">
-            Not applied yet: {change.summary}
+            Not applied yet: {change.kind === "added" ? "it is new" : change.summary}
           </span>
           <Button
             variant="subtle"

@@ -1,5 +1,5 @@
 import { ActionIcon } from "@mantine/core";
-import { useElementSize, useMergedRef } from "@mantine/hooks";
+import { useElementSize, useMediaQuery, useMergedRef } from "@mantine/hooks";
 import { IconArrowsMaximize, IconMinus, IconPlus } from "@tabler/icons-react";
 import { type ReactNode, useEffect, useRef } from "react";
 import { useRobot } from "../../state/RobotContext";
@@ -43,6 +43,8 @@ export function FlatMap(props: Props) {
   const robot = state?.pose ?? null;
   const [x, y] = robot === null ? [0, 0] : [robot.x, robot.y];
   const size = { width, height };
+  // The tools lie over the map where there is no room beside it; elsewhere the buttons do.
+  const narrow = useMediaQuery("(max-width: 1100px)", false, { getInitialValueInEffect: false });
   const { camera, root, zoom, showWhole, handlers } = useCamera({
     size,
     bounds: world.map?.bounds ?? [
@@ -51,6 +53,7 @@ export function FlatMap(props: Props) {
       x + SURROUNDINGS,
       y + SURROUNDINGS,
     ],
+    covered: narrow ? { top: 74, right: 0 } : { top: 0, right: 56 },
     followed: view?.follow && robot !== null ? [x, y] : null,
     onMoved: () => {
       if (view?.follow) change({ follow: false });

@@ -11,13 +11,23 @@ test("a place of the floor and its pixel lead to each other, with y up", () => {
 });
 
 test("the whole map is within the picture, and as large as it fits", () => {
-  const shown = whole([-1, -2, 9, 2], size);
+  const shown = whole([-1, -2, 9, 2], size, { top: 0, right: 0 });
   const [left, top] = toPicture(shown, size, [-1, 2]);
   const [right, bottom] = toPicture(shown, size, [9, -2]);
   expect(left).toBeGreaterThan(0);
   expect(right).toBeLessThan(800);
   expect(right - left).toBeGreaterThan(650);
   expect(top + bottom).toBeCloseTo(600);
+});
+
+test("the whole map is clear of what lies over the picture", () => {
+  const shown = whole([-1, -2, 9, 2], { width: 800, height: 300 }, { top: 74, right: 56 });
+  const [left, top] = toPicture(shown, { width: 800, height: 300 }, [-1, 2]);
+  const [right, bottom] = toPicture(shown, { width: 800, height: 300 }, [9, -2]);
+  expect(top).toBeGreaterThan(74);
+  expect(bottom).toBeLessThan(300);
+  expect(right).toBeLessThan(744);
+  expect(left).toBeGreaterThan(0);
 });
 
 test("what is dragged stays under the finger", () => {

@@ -32,14 +32,22 @@ export const toFloor = ({ x, y, scale }: Camera, size: Size, at: Point): Point =
   y - (at[1] - size.height / 2) / scale,
 ];
 
-/** Everything within (x0, y0, x1, y1), as large as it fits. */
-export function whole([x0, y0, x1, y1]: Bounds, size: Size): Camera {
+/** Pixels of the picture's edges that something lies over. */
+export interface Covered {
+  top: number;
+  right: number;
+}
+
+/** Everything within (x0, y0, x1, y1), as large as it fits into what is not covered. */
+export function whole([x0, y0, x1, y1]: Bounds, size: Size, { top, right }: Covered): Camera {
   const room = 1 - 2 * MARGIN;
-  const scale = Math.min(
-    (size.width * room) / Math.max(x1 - x0, 0.01),
-    (size.height * room) / Math.max(y1 - y0, 0.01),
+  const scale = within(
+    Math.min(
+      (Math.max(size.width - right, 1) * room) / Math.max(x1 - x0, 0.01),
+      (Math.max(size.height - top, 1) * room) / Math.max(y1 - y0, 0.01),
+    ),
   );
-  return { x: (x0 + x1) / 2, y: (y0 + y1) / 2, scale: within(scale) };
+  return { x: (x0 + x1 + right / scale) / 2, y: (y0 + y1 + top / scale) / 2, scale };
 }
 
 /** The floor that was under `from` comes to lie under `to`. */

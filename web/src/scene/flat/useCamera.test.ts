@@ -16,7 +16,11 @@ const finger = (pointerId: number, clientX: number, clientY = 300) =>
     currentTarget: canvas,
   }) as unknown as PointerEvent<HTMLElement>;
 
-const ROOM = { size: { width: 800, height: 600 }, bounds: [-4, -3, 4, 3] } as const;
+const ROOM = {
+  size: { width: 800, height: 600 },
+  bounds: [-4, -3, 4, 3],
+  covered: { top: 0, right: 0 },
+} as const;
 
 function looking(followed: Point | null = null) {
   return renderHook(

@@ -9,6 +9,7 @@ import {
 import {
   type Bounds,
   type Camera,
+  type Covered,
   dragged,
   type Point,
   pinched,
@@ -25,6 +26,7 @@ interface Wishes {
   size: Size;
   /** What is to be seen at first, and by `showWhole`. */
   bounds: Bounds;
+  covered: Covered;
   /** Kept in the middle, while there is something to keep there. */
   followed: Point | null;
   /** The hand has moved the map, and follows no more. */
@@ -32,9 +34,9 @@ interface Wishes {
 }
 
 /** Wheel, drag and pinch on the map; its whole until one of them. */
-export function useCamera({ size, bounds, followed, onMoved }: Wishes) {
+export function useCamera({ size, bounds, covered, followed, onMoved }: Wishes) {
   const [chosen, setChosen] = useState<Camera | null>(null);
-  const fitted = whole(bounds, size);
+  const fitted = whole(bounds, size, covered);
   const from = (chosen: Camera | null): Camera =>
     followed === null
       ? (chosen ?? fitted)

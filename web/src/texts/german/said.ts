@@ -213,10 +213,11 @@ export const SAID: Readonly<Record<string, string>> = {
   "STOP was pressed here, as the mission says.":
     "Hier wurde STOPP gedrückt, wie der Auftrag es will.",
   "mission {name}": "Auftrag {name}",
-  "The goal {place} is inside the keep-out zone {name}.":
-    "Das Ziel {place} liegt in der Sperrzone {name}.",
-  "The goal {place} is too close to the keep-out zone {name}.":
-    "Das Ziel {place} liegt zu nahe an der Sperrzone {name}.",
+  "somebody at {address}": "jemandem an {address}",
+  "The goal {at} is inside the keep-out zone {name}.":
+    "Das Ziel {at} liegt in der Sperrzone {name}.",
+  "The goal {at} is too close to the keep-out zone {name}.":
+    "Das Ziel {at} liegt zu nahe an der Sperrzone {name}.",
   "The robot is inside the keep-out zone {name}; drive it away by hand.":
     "Der Roboter steht in der Sperrzone {name}; fahren Sie ihn von Hand hinaus.",
   "The robot is too close to the keep-out zone {name}; drive it away by hand.":
