@@ -117,6 +117,11 @@ def package_lists(asked: list[str]) -> dict[str, list[str]]:
     project = settings["project"]
     lists = {"build": settings["build-system"]["requires"], "run": project["dependencies"]}
     extras: dict[str, list[str]] = project["optional-dependencies"]
+    if unknown := [each for each in asked if each != "page" and each not in extras]:
+        raise SystemExit(
+            f"kompass-console: nothing to install is called {unknown[0]!r}; there are: page "
+            f"(the console's page), {', '.join(extras)}\n  e.g. scripts/setup page test check"
+        )
     others = {f"{project['name']}[{name}]": wanted for name, wanted in extras.items()}
     # An extra may name another one of ours, as it may for pip.
     return lists | {

@@ -62,3 +62,8 @@ def test_only_what_an_edit_concerns_is_made_again(
     edited.write_text(text.replace(old, new) if old else text + new)
     after = install.stamps(["page", "test"])
     assert {part for part in after if after[part] != before[part]} == made_again
+
+
+def test_what_there_is_not_is_answered_with_what_there_is(install: ModuleType) -> None:
+    with pytest.raises(SystemExit, match=r"'--help'; there are: page .*, test"):
+        install.stamps(["--help"])
