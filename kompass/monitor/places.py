@@ -58,20 +58,18 @@ class Places:
             String, f"{node.get_name()}/{TOPIC}", LATCHED.to_ros()
         )
         self._store: PlaceStore | None = None
-        problem = ""
+        self._book = PlaceBook()
         try:
             store = open_store()
             self._book = store.book()
-            self._store = store
-            if store.unwritable:
-                problem = f"places cannot be kept: {store.unwritable}"
-                node.get_logger().error(problem)
-                update = {"problem": problem, "available": False}
-                self._book = self._book.model_copy(update=update)
+            self._store, problem = store, store.unwritable
         except (StoreError, OSError) as error:
-            problem = f"places cannot be kept: {error}"
+            problem = str(error)
+        if problem:
+            problem = f"places cannot be kept: {problem}"
             node.get_logger().error(problem)
-            self._book = PlaceBook(problem=problem, available=False)
+            update = {"problem": problem, "available": False}
+            self._book = self._book.model_copy(update=update)
         self._tell(self._book)
         SignedChanges(
             *(node, main, gatekeeper, self._worker, ChangePlaces, SERVICE, PLACE_CHANGE),

@@ -89,20 +89,19 @@ class Zones:
         self._told: ZonesNow | None = None
         self._since = node.clock.monotonic()
         self._store: ZoneStore | None = None
-        problem = ""
+        self._book = ZoneBook()
         try:
             store = open_store()
             self._book = store.book()
-            self._store = store
-            if store.unwritable:
-                problem = f"zones cannot be kept: {store.unwritable}"
-                node.get_logger().error(problem)
-                told = f"{problem}; those that were drawn before hold, and cannot be changed"
-                self._book = self._book.model_copy(update={"problem": told, "available": False})
+            self._store, problem = store, store.unwritable
         except (StoreError, OSError) as error:
-            problem = f"zones cannot be kept: {error}"
+            problem = str(error)
+        if problem:
+            problem = f"zones cannot be kept: {problem}"
             node.get_logger().error(problem)
-            self._book = ZoneBook(problem=problem, available=False)
+            hold = "; those that were drawn before hold, and cannot be changed"
+            told = problem + (hold if self._book.zones else "")
+            self._book = self._book.model_copy(update={"problem": told, "available": False})
         if self._book.revision == 0 and (lost := _lost(gates)):
             # Nobody knows any more where the robot must not go, so whoever looks must be told.
             node.get_logger().error(lost)

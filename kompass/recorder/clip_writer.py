@@ -47,7 +47,7 @@ def save_clip(recordings: Path, path: Path, start: int, end: int | None = None) 
         with Recording(rotation_files(rotation_folder(recordings))) as recording:
             files = [file for file in recording.files if file.contents.end_time >= start]
             if not files:
-                raise ClipNotSaved(_why_nothing(recordings))
+                raise ClipNotSaved(_why_nothing(path.parent))
             _write(files, partial, start, end)
         try:
             os.link(partial, path)  # unlike a rename, this never replaces another's file
@@ -60,9 +60,9 @@ def save_clip(recordings: Path, path: Path, start: int, end: int | None = None) 
     return path
 
 
-def _why_nothing(recordings: Path) -> str:
+def _why_nothing(folder: Path) -> str:
     nothing = "the flight recorder has nothing of that time"
-    if shutil.disk_usage(recordings).free < RESERVE:
+    if shutil.disk_usage(folder).free < RESERVE:
         return f"{nothing}: less than {RESERVE >> 20} MB are free, which are left to others"
     return f"{nothing}; is it running?"
 

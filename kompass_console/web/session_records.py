@@ -107,6 +107,7 @@ class SessionRecords:
             with self._lock:
                 if not self._changed:
                     return
+                left_out, self._left_out = self._left_out, False
                 self._changed = False
             try:
                 with alone_in(self._file.parent):
@@ -115,16 +116,16 @@ class SessionRecords:
                         self._take(written)
                         text = self._kept().model_dump_json()
                     replace_file(self._file, text)
-                    self._left_out = False
             except OSError as error:
                 with self._lock:
                     self._changed = True
+                    self._left_out |= left_out
                 _logger.error(
                     "sessions not written to %s: %s; %s",
                     self._file,
                     error,
                     "everybody has to log in again when the console is started again"
-                    if self._left_out and _emptied(self._file)
+                    if left_out and _emptied(self._file)
                     else "who logs out now stays out only until the console is started again",
                 )
 

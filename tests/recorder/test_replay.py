@@ -327,6 +327,17 @@ def test_a_kept_stretch_begins_with_the_table_in_force_and_what_was_valid(
     assert [p.name for p in path.parent.iterdir()] == ["stretch.mcap"]
 
 
+def test_a_stretch_that_a_full_disk_has_kept_from_being_recorded_is_refused_for_that(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(ClipNotSaved, match="is it running"):
+        save_clip(tmp_path, tmp_path / "saved" / "stretch.mcap", 0)
+    # All that this disk has is left to others.
+    monkeypatch.setattr("kompass.recorder.clip_writer.RESERVE", shutil.disk_usage(tmp_path).total)
+    with pytest.raises(ClipNotSaved, match=r"less than \d+ MB are free"):
+        save_clip(tmp_path, tmp_path / "saved" / "stretch.mcap", 0)
+
+
 def test_a_backtest_over_two_lives_of_the_stack_finds_the_firings_of_both(tmp_path: Path) -> None:
     rules = table(5.0)
     for epoch in ("one", "two"):

@@ -18,7 +18,14 @@ import pytest
 from kompass.places.change import DeletePlace, EditPlace, RestorePlace, SavePlace
 from kompass.places.place import MOST_PLACES, MapIdentity, Place, PlacePose
 from kompass.store import place_store as module
-from kompass.store.errors import EntryRefused, NoSuchEntry, StaleEntry, StoreBusy, StoreError
+from kompass.store.errors import (
+    EntryRefused,
+    NoSuchEntry,
+    StaleEntry,
+    StoreBusy,
+    StoreError,
+    StoreUnwritable,
+)
 from kompass.store.place_store import PlaceStore
 from kompass.store.schema import PLACES, PLACES_ID
 from kompass.store.store import RuleStore
@@ -95,6 +102,32 @@ def test_killed_at_any_moment_it_keeps_all_that_was_acknowledged(
         if acknowledged > MOST_PLACES // 2:
             break
     assert acknowledged > 0
+
+
+@pytest.mark.parametrize("killed", [False, True], ids=["closed", "killed"])
+def test_of_a_folder_that_cannot_be_written_they_are_read_and_not_changed(
+    tmp_path: Path, killed: bool
+) -> None:
+    ended = "os._exit(9)" if killed else "store.close()"
+    code = f"""
+import os, sys
+from pathlib import Path
+from tests.store.test_places import save
+from kompass.store.place_store import PlaceStore
+store = PlaceStore.open(Path(sys.argv[1]))
+store.change(save("North"), "ava")
+{ended}
+"""
+    subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=False)
+    lock = tmp_path / module.LOCK
+    lock.unlink()
+    lock.mkdir()  # not even the superuser opens it for writing
+    with PlaceStore.open(tmp_path) as left:
+        assert names(left) == ["North"]
+        assert "cannot write" in left.unwritable
+        with pytest.raises(StoreUnwritable, match="cannot write"):
+            left.change(save("South"), "ben")
+        assert names(left) == ["North"]
 
 
 def test_a_name_is_there_once_on_a_map_and_again_on_another(store: PlaceStore) -> None:

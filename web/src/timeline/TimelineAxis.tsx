@@ -59,6 +59,8 @@ export function TimelineAxis(props: Props) {
   const lanes = brief ? KINDS.filter(({ kind }) => most.has(kind) || !kinds.has(kind)) : KINDS;
   const lane = new Map(lanes.map(({ kind }, index) => [kind, index]));
   const days = length > 2 * 86400;
+  // At the very end there is no room for the words.
+  const ticks = ticksOf(ends, MARKS).filter((at) => at - ends.since < 0.92 * length);
   return (
     <div className={classes.axis} style={{ "--lanes": Math.max(1, lanes.length) } as CSSProperties}>
       <div className={classes.lanes}>
@@ -139,12 +141,8 @@ export function TimelineAxis(props: Props) {
           />
         )}
         <div className={classes.ticks} aria-hidden="true">
-          {ticksOf(ends, MARKS).map((at) => (
-            <span
-              key={at}
-              data-late={at - ends.since > 0.92 * length ? "" : undefined}
-              style={{ left: `${(100 * (at - ends.since)) / length}%` }}
-            >
+          {ticks.map((at) => (
+            <span key={at} style={{ left: `${(100 * (at - ends.since)) / length}%` }}>
               {days ? dateText(at, "day") : length < 120 ? clockText(at) : dateText(at, "minute")}
             </span>
           ))}

@@ -18,6 +18,10 @@ import { useFlatWorld } from "./useFlatWorld";
 const SURROUNDINGS = 5;
 const ZOOM = 1.5;
 
+/** Pixels that the strip of tools takes of the map, and the map's own buttons; with a gap each. */
+const UNDER_TOOLS = { top: 58 + 2 * 8, right: 0 };
+const UNDER_BUTTONS = { top: 0, right: 44 + 12 };
+
 interface Props {
   handle: ViewHandle;
   considered: Considered | null;
@@ -53,7 +57,7 @@ export function FlatMap(props: Props) {
       x + SURROUNDINGS,
       y + SURROUNDINGS,
     ],
-    covered: narrow ? { top: 74, right: 0 } : { top: 0, right: 56 },
+    covered: narrow ? UNDER_TOOLS : UNDER_BUTTONS,
     followed: view?.follow && robot !== null ? [x, y] : null,
     onMoved: () => {
       if (view?.follow) change({ follow: false });
