@@ -66,12 +66,20 @@ class Watched(Robot):
         message = self.newest.get(f"/{name}/status")
         return -1 if message is None else int(message.status)
 
-    def fired(self, since: float) -> list[FiringRecord]:
-        """What the journal has of the rule on the mapper since a time [s since the epoch]."""
+    def fired(self, since: float, level: int) -> list[FiringRecord]:
+        """What the journal has of the rule on the mapper since a time [s since the epoch].
+
+        Only for one level of its status: on a machine that is starved a mapper that has come back
+        may be without scans for half a second, which is another failure, and answered.
+        """
         return [
             entry
             for entry in self.rules.journal()
-            if entry.kind == "firing" and "mapper" in entry.rule_id and entry.time >= since
+            if entry.kind == "firing"
+            and "mapper" in entry.rule_id
+            and entry.time >= since
+            and isinstance(entry.message, dict)
+            and entry.message["status"] == level
         ]
 
     def drive_somewhere(self) -> Any:
@@ -88,12 +96,12 @@ class Watched(Robot):
         wait_until(lambda: self.level("mapper") == HEALTHY, 5, "a healthy mapper still")
         return handle
 
-    def drives_on(self, handle: Any, began: float, within: float) -> None:
+    def drives_on(self, handle: Any, began: float, within: float, level: int) -> None:
         """The rule fired once, in time; the robot goes on with the scan and arrives."""
-        wait_until(lambda: self.fired(began), 5, "the rule's firing")
+        wait_until(lambda: self.fired(began, level), 5, "the rule's firing")
         ended = self.result(handle)
         assert ended.status == SUCCEEDED, ended.result.message
-        (firing,) = self.fired(began)
+        (firing,) = self.fired(began, level)
         assert firing.time - began <= patient(within)
         assert firing.ok, firing.error
         assert self.contacts == 0
@@ -116,7 +124,7 @@ def test_a_killed_mapper_is_answered_within_half_a_second(stack: Stack, robot: W
     handle = robot.drive_somewhere()
     began = time.time()
     os.kill(stack.pid_of("mapper"), signal.SIGKILL)
-    robot.drives_on(handle, began, within=0.5)
+    robot.drives_on(handle, began, within=0.5, level=COMPONENT)
     wait_until(lambda: robot.state("mapper") == "active", 10, "the mapper's second life")
     assert robot.level("mapper") == HEALTHY
 
@@ -134,7 +142,7 @@ def test_a_stopped_mapper_is_answered_within_a_second_and_may_go_on(
     finally:
         os.kill(pid, signal.SIGCONT)
     wait_until(lambda: robot.state("mapper") == "active", 3, "word of its recovery")
-    robot.drives_on(handle, began, within=1.0)
+    robot.drives_on(handle, began, within=1.0, level=COMPONENT)
     assert stack.pid_of("mapper") == pid
 
 
@@ -204,7 +212,7 @@ def test_a_blind_mapper_is_answered_within_a_second(robot: Watched) -> None:
     handle = robot.drive_somewhere()
     began = time.time()
     robot.blind = True
-    robot.drives_on(handle, began, within=1.0)
+    robot.drives_on(handle, began, within=1.0, level=SYSTEM)
     assert robot.level("mapper") == SYSTEM
     assert list(robot.newest["/mapper/status"].src_topics) == ["/scan_of_the_mapper"]
     robot.blind = False

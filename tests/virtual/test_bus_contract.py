@@ -81,6 +81,11 @@ def name() -> str:
     return f"/name_{next(_numbers)}"
 
 
+def node_names(asks: Node) -> list[str]:
+    """Of those whom a node knows."""
+    return [each for each, _ in asks.get_node_names_and_namespaces()]
+
+
 class Heard(list[Any]):
     """Messages that came."""
 
@@ -311,6 +316,8 @@ def test_a_server_that_dies_never_answers_and_is_believed_in(bus: Bus, other: No
     client = other.create_client(Trigger, "/dying")
     try:
         bus.until(client.service_is_ready, 15.0)
+        # Its name comes on a topic of its own, and may come later than its service.
+        bus.until(lambda: "dying_server" in node_names(other), 15.0)
         call = client.call_async(Trigger.Request())
         bus.rest(0.1)
     finally:
@@ -318,8 +325,7 @@ def test_a_server_that_dies_never_answers_and_is_believed_in(bus: Bus, other: No
     bus.rest(1.0)
     assert not call.done()
     assert client.service_is_ready(), "as DDS believes in the dead for a while"
-    names = [each for each, _ in other.get_node_names_and_namespaces()]
-    assert "dying_server" in names
+    assert "dying_server" in node_names(other)
     bus.until(lambda: not client.service_is_ready(), 25.0)
     assert other.count_services("/dying") == 0
     other.destroy_client(client)
