@@ -232,9 +232,14 @@ def test_stop_that_is_pressed_while_the_console_is_dead_arrives_when_it_is_back(
     page: ConsolePage, stack: Stack
 ) -> None:
     killed = stack.pid_of("console")
-    os.kill(killed, signal.SIGKILL)
-    page.page.keyboard.press("Space")
-    expect(page.get("stop-unconfirmed")).to_contain_text("STOP is sent again until it does")
+    # A supervisor that is held starts no other one before the page has drawn that this one is gone.
+    stack.process.send_signal(signal.SIGSTOP)
+    try:
+        os.kill(killed, signal.SIGKILL)
+        page.page.keyboard.press("Space")
+        expect(page.get("stop-unconfirmed")).to_contain_text("STOP is sent again until it does")
+    finally:
+        stack.process.send_signal(signal.SIGCONT)
     wait_until(lambda: stack.pid_of("console") != killed, 10, "another console")
     expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped", timeout=60_000)
     page.post("/api/stop/release", None)
