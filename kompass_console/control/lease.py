@@ -105,10 +105,7 @@ def acting(lease: Lease, person: Person) -> Lease:
     if lease.holder is None:
         return _held_by(lease, person)
     if not is_mine(lease, person):
-        raise NotInControl(
-            f"{_whose(lease.holder, person)} has control of the robot.",
-            "Ask for it, at the top of the page. STOP works for everybody.",
-        )
+        raise NotInControl(*_refusal(lease.holder, person))
     return lease
 
 
@@ -206,6 +203,15 @@ def _check_mine(lease: Lease, person: Person) -> None:
         raise NotInControl("You have no control of the robot.", "Look at who has it.")
 
 
-def _whose(holder: Person, person: Person) -> str:
-    same = holder.account is not None and holder.account == person.account
-    return f"{holder.name}, on another device," if same else holder.name
+def _refusal(holder: Person, person: Person) -> tuple[str, str]:
+    """Why a person does not set the robot in motion, and what there is to do."""
+    if holder.account is not None and holder.account == person.account:
+        return (
+            "You have control on another device.",
+            "Take it here, at the top of the page. STOP works for everybody.",
+        )
+    return f"{holder.name} has control of the robot.", (
+        "Ask for it, or take it and say why, at the top of the page. STOP works for everybody."
+        if person.overrules
+        else "Ask for it, at the top of the page. STOP works for everybody."
+    )

@@ -159,7 +159,7 @@ class ConsolePage:
         """Hold the release until it has worked."""
         self.get("release-button").hover()
         self.page.mouse.down()
-        expect(self.get("stop-band")).to_be_hidden(timeout=5000)
+        expect(self.get("stop-band")).to_be_hidden()
         self.page.mouse.up()
 
     def keep(self, name: str) -> Path:

@@ -8,6 +8,7 @@ from playwright.sync_api import expect
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import UNCOVERED, ConsolePage
 from tests.browser.test_places import PHONE, opened
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
 
@@ -50,7 +51,9 @@ def test_control_is_seen_asked_for_kept_given_and_taken(new_page: OpenPage, robo
     # Nobody answers on the phone: it may be taken, and the phone is told why.
     desk.get("control-badge").click()
     desk.get("control-ask").click()
-    expect(desk.get("control-unanswered")).to_contain_text("Nobody has answered.", timeout=40_000)
+    expect(desk.get("control-unanswered")).to_contain_text(
+        "Nobody has answered.", timeout=patient(40) * 1000
+    )
     desk.get("control-reason").fill("the phone lies in the hall")
     desk.get("control-take").click()
     expect(desk.get("control-badge")).to_have_text("You have control")

@@ -17,6 +17,7 @@ from kompass_console.schema.roles import Role
 from kompass_console.settings import ConsoleSettings
 from tests.browser.console_page import ConsolePage
 from tests.console.conftest import TOKENS, domain, serving
+from tests.support.patience import patient
 
 __all__ = ["domain"]
 
@@ -76,13 +77,13 @@ def test_a_robot_out_of_reach_is_said_to_be_and_is_back_by_itself(
     asked = "() => fetch('/api/session').then(() => 'answered', () => 'failed')"
     assert page.evaluate(asked) == "failed"  # what is no page is nobody's business but the page's
     with socket.create_server(("127.0.0.1", port)):  # somebody listens, and never answers
-        page.reload(timeout=60_000)
+        page.reload(timeout=patient(60) * 1000)
         expect(page.get_by_role("heading")).to_have_text("The robot cannot be reached")
     expect(page.get_by_role("main")).to_contain_text("STOP does not work from here")
     assert page.get_by_test_id("login-token").count() == 0
     page.screenshot(path=Path("artifacts") / "unreachable.png")
     with serving(tmp_path / "audit", domain, port=port):
-        expect(page.get_by_test_id("login-token")).to_be_visible(timeout=30_000)
+        expect(page.get_by_test_id("login-token")).to_be_visible()
 
 
 def test_an_update_is_taken_with_the_next_look_and_nothing_of_before_comes_back(
@@ -120,7 +121,7 @@ def test_a_page_that_outlives_its_console_says_that_there_is_another_one(
     monkeypatch.setattr(live, "VERSION", "99.0")
     with serving(tmp_path / "audit", domain, port=port):
         band = page.get_by_test_id("update-band")
-        expect(band).to_contain_text("The console is 99.0 now", timeout=30_000)
+        expect(band).to_contain_text("The console is 99.0 now")
         # Graver things are told first: no robot is there.
         page.get_by_test_id("bands-more").click()
         band.get_by_role("button").click()

@@ -10,6 +10,7 @@ from playwright.sync_api import expect
 
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import UNCOVERED, ConsolePage
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.stack import TOKEN
@@ -69,7 +70,9 @@ def test_a_lost_robot_is_shown_its_place_with_the_hand_and_drives_on(
 
     page.pick(page.pixel(floor, 0.55, 0.55))
     page.get("goal-go").click()
-    expect(page.get("goal-status")).to_have_attribute("data-phase", "arrived", timeout=60_000)
+    expect(page.get("goal-status")).to_have_attribute(
+        "data-phase", "arrived", timeout=patient(60) * 1000
+    )
     wait_until(lambda: robot.distance_to(0.55, 0.55) < 0.15, 5, "really there")
 
 

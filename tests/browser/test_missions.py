@@ -8,6 +8,7 @@ from playwright.sync_api import Locator, expect
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import UNCOVERED, ConsolePage
 from tests.browser.test_places import PHONE, opened
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
 
@@ -73,7 +74,7 @@ def test_a_mission_made_at_a_desk_is_steered_from_a_phone(new_page: OpenPage, ro
     desk.get("mission-resume").click()
     expect(desk.get("mission-problem")).to_contain_text("ben has control of the robot.")
     phone.get("mission-resume").tap()
-    expect(viewer_sees).to_contain_text("Waits for a person at Gate", timeout=60_000)
+    expect(viewer_sees).to_contain_text("Waits for a person at Gate", timeout=patient(60) * 1000)
     expect(viewer_sees).to_contain_text("Load the boxes")
     assert robot.distance_to(*GATE) < 0.15
     assert phone.get("stop-button").evaluate(UNCOVERED)
@@ -90,7 +91,7 @@ def test_a_mission_made_at_a_desk_is_steered_from_a_phone(new_page: OpenPage, ro
     robot.release()
     wait_until(lambda: robot.speed < 0.01, 5, "a robot that stands")
     phone.get("mission-resume").tap()
-    expect(viewer_sees).to_contain_text("Mission done", timeout=60_000)
+    expect(viewer_sees).to_contain_text("Mission done", timeout=patient(60) * 1000)
     assert robot.distance_to(*WALL) < 0.15
     expect(desk.page.get_by_text("at-wall").first).to_be_visible()
 

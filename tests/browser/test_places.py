@@ -9,6 +9,7 @@ from playwright.sync_api import Locator, expect
 
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import FIRST_PICTURE, UNCOVERED, ConsolePage
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.stack import TOKEN
@@ -95,7 +96,7 @@ def test_a_desk_and_a_phone_share_places_and_send_the_robot_there(
     assert robot.distance_to(*began[:2]) < 0.05
     phone.get("goal-go").tap()
     expect(desk.get("goal-status")).to_contain_text("Gate <i>2</i>")
-    expect(desk.get("goal-status")).to_contain_text("Arrived", timeout=60_000)
+    expect(desk.get("goal-status")).to_contain_text("Arrived", timeout=patient(60) * 1000)
     assert robot.distance_to(*GATE) < 0.15
 
     # Renamed for everybody; deleted, and brought back where it was.

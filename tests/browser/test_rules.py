@@ -164,14 +164,14 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
     rules.choose(rules.get("severity"), "error")
     rules.review()
     rules.get("backtest-start").click()
-    expect(rules.get("backtest-report")).to_contain_text("no longer", timeout=20_000)
+    expect(rules.get("backtest-report")).to_contain_text("no longer")
     revision = rules.apply("shelves ahead")
 
     # A place 24 cm from a pillar.
     robot.click(-1.1, -0.39, taker="monitor")
     rules.get("rules-tab-firings").click()
     firing = rules.get("firing-too-near-stop").first
-    expect(firing).to_contain_text("ok", timeout=30_000)
+    expect(firing).to_contain_text("ok")
     robot.has_stopped()
     firing.click()
     expect(rules.get("firing-details")).to_contain_text(f"revision {revision}")
@@ -195,7 +195,7 @@ def test_a_rule_from_nothing_without_a_type_name_fires_is_explained_and_rolled_b
     rules.get("firing-too-near-stop").first.click()
     rules.get("firing-recording").click()
     kept = rules.get("recordings").locator("li[data-wanted]")
-    expect(kept).to_contain_text("too-near-stop", timeout=30_000)
+    expect(kept).to_contain_text("too-near-stop")
     with rules.page.page.expect_download() as download:
         kept.get_by_test_id("recording-download").click()
     assert download.value.path().read_bytes().startswith(b"\x89MCAP")
@@ -221,10 +221,10 @@ def test_a_rule_that_is_true_already_says_so_before_it_stops_the_robot(
     expect(rules.get("true-now")).to_contain_text(f"'Walls: stop' {said}")
     expect(rules.get("acts-at-once")).to_contain_text("This may stop or move the robot")
     rules.get("backtest-start").click()
-    expect(rules.get("backtest-report")).to_contain_text("1 new", timeout=20_000)
+    expect(rules.get("backtest-report")).to_contain_text("1 new")
     rules.apply("to see it")
     rules.get("rules-tab-firings").click()
-    expect(rules.get("firing-walls-stop").first).to_contain_text("ok", timeout=10_000)
+    expect(rules.get("firing-walls-stop").first).to_contain_text("ok")
     robot.has_stopped()
     rules.get("firing-walls-stop").first.click()
     rules.get("firing-rollback").click()
@@ -358,7 +358,7 @@ def test_page_and_robot_agree_after_console_and_monitor_died_in_the_middle_of_an
         expect(rules.get("cooldown")).to_have_value(re.compile(r"^33( s)?$"))
         # The page may not have seen yet that somebody died; the robot answers for itself.
         wait_until(rules.answers, 20, f"the robot's rules after the death of the {process}")
-        expect(rules.get("rules-stale")).to_be_hidden(timeout=20_000)
+        expect(rules.get("rules-stale")).to_be_hidden()
     assert rules.in_force(STUCK)["event"]["cooldown"] == before
     expect(rules.get("draft-state")).to_contain_text("1 unsaved change")
     rules.review()
@@ -435,7 +435,7 @@ def test_an_engineer_sees_who_did_what_and_everybody_when_that_is_not_written(
     finally:
         folder.unlink()
         folder.with_name("audit-elsewhere").rename(folder)
-    expect(operator.get("audit-band")).to_be_hidden(timeout=10_000)
+    expect(operator.get("audit-band")).to_be_hidden()
     robot.release()
 
 

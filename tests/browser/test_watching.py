@@ -12,6 +12,7 @@ from kompass_console.accounts.passwords import hashed
 from kompass_console.schema.roles import Role
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import FIRST_PICTURE, UNCOVERED, ConsolePage
+from tests.support.patience import patient
 from tests.support.processes import wait_until
 from tests.support.robot import Robot
 from tests.support.stack import TOKEN, Stack
@@ -241,7 +242,9 @@ def test_stop_that_is_pressed_while_the_console_is_dead_arrives_when_it_is_back(
     finally:
         stack.process.send_signal(signal.SIGCONT)
     wait_until(lambda: stack.pid_of("console") != killed, 10, "another console")
-    expect(page.get("stop-button")).to_have_attribute("data-phase", "stopped", timeout=60_000)
+    expect(page.get("stop-button")).to_have_attribute(
+        "data-phase", "stopped", timeout=patient(60) * 1000
+    )
     page.post("/api/stop/release", None)
     expect(page.get("stop-button")).to_have_attribute("data-phase", "idle")
 

@@ -69,6 +69,7 @@ def test_it_is_taken_after_an_ask_that_nobody_answered_and_with_a_reason() -> No
 
 def test_an_engineer_takes_it_at_once_and_says_why() -> None:
     lease = acting(Lease(), AVA)
+    assert "Ask for it, or take it and say why" in refused(lambda: acting(lease, EVE))
     assert "Give a reason" in refused(lambda: taken(lease, EVE, "", 0.0))
     assert is_mine(taken(lease, EVE, "it drives wrong", 0.0), EVE)
 
@@ -76,7 +77,8 @@ def test_an_engineer_takes_it_at_once_and_says_why() -> None:
 def test_an_account_takes_it_from_itself_and_a_name_without_a_password_does_not() -> None:
     desk, phone = AVA._replace(account=b"k"), AVA._replace(account=b"k", session="phone")
     lease = acting(Lease(), desk)
-    assert "ava, on another device, has control" in refused(lambda: acting(lease, phone))
+    told = refused(lambda: acting(lease, phone))
+    assert told.startswith("You have control on another device. Take it here")
     assert is_mine(taken(lease, phone, "", 0.0), phone)
     same_name = AVA._replace(session="other")
     refused(lambda: taken(acting(Lease(), AVA), same_name, "", 0.0))

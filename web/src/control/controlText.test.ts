@@ -44,6 +44,15 @@ describe("control of the robot", () => {
     expect(controlView(there, AVA, 0).own).toBe(false); // anybody may call himself ava
   });
 
+  it("is asked for, taken by an engineer, or taken from one's own other device", () => {
+    const there = control({ holder: "ava", holder_key: "a2" });
+    const remedy = (session: Partial<Session>) =>
+      controlView(there, { ...AVA, ...session }, 0).remedy;
+    expect(remedy({ user: "ben" })).toBe("Ask for it in the bar at the top.");
+    expect(remedy({ user: "eve", role: "engineer" })).toContain("or take it there and say why");
+    expect(remedy({ account: true })).toBe("Take it in the bar at the top.");
+  });
+
   it("of somebody who goes by the same name is another page's", () => {
     const there = control({ holder: "ava", holder_key: "a2" });
     expect(controlView(there, AVA, 0).text).toBe("Another page (ava) has control");

@@ -17,6 +17,8 @@ export interface ControlView {
   lost: { by: string; reason: string } | null;
   /** It can be had by a press, without a word: from oneself on another device. */
   own: boolean;
+  /** What who wants it does; a sentence. */
+  remedy: string;
 }
 
 export function controlView(control: Control, session: Session, elapsed: number): ControlView {
@@ -32,7 +34,15 @@ export function controlView(control: Control, session: Session, elapsed: number)
     waits: asks && holder !== "" ? Math.max(0, ANSWER_S - asked - elapsed) : null,
     lost: lost ? { by: other, reason } : null,
     own: own(control, session),
+    remedy: remedy(control, session),
   };
+}
+
+function remedy(control: Control, session: Session): string {
+  if (own(control, session)) return t("Take it in the bar at the top.");
+  return session.role === "engineer"
+    ? t("Ask for it in the bar at the top, or take it there and say why.")
+    : t("Ask for it in the bar at the top.");
 }
 
 const own = (control: Control, session: Session) =>

@@ -211,8 +211,10 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
         return true;
       case "escape":
         if (inMenu) return false;
-        if (layersOpen) {
-          setLayersOpen(false);
+        if (layersOpen || helpOpen) {
+          // What lies over the page goes before the wheel, which a hand that lets go has left.
+          if (layersOpen) setLayersOpen(false);
+          else setHelpOpen(false);
           return true;
         }
         if (hand.yours) {
@@ -221,8 +223,7 @@ function Frame({ handle, phone, flat }: { handle: ViewHandle; phone: boolean; fl
         }
         if (goal.back() || locate.back() || zone.back() || measure.back()) return true;
         if (camera.back()) return true;
-        if (helpOpen) setHelpOpen(false);
-        else if (hand.open) hand.close();
+        if (hand.open) hand.close();
         else if (plays) stage.leave();
         else if (rules.open) {
           if (!rules.back()) rules.close();

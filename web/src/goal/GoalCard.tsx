@@ -25,7 +25,7 @@ export function GoalCard({ tool, draft }: { tool: GoalTool; draft: Draft }) {
   const stopped = drive?.stopped === true;
   const drivenBy = drive?.driven_by ?? "";
   const control = useControl();
-  const others = control?.whose === "other" ? control.text : "";
+  const others = control?.whose === "other" ? `${control.text}. ${control.remedy}` : "";
   const held = stopped || drivenBy !== "" || others !== "";
   const { card, place, style } = useCardPlace(
     anchor,
@@ -121,7 +121,7 @@ interface AnswerProps {
   goal: Goal | null;
   stopped: boolean;
   drivenBy: string;
-  /** Who else has control, as a sentence; empty when nobody else has. */
+  /** Who else has control, and what there is to do; empty when nobody else has. */
   others: string;
 }
 
@@ -175,11 +175,7 @@ function Answer({ check, draft, goal, stopped, drivenBy, others }: AnswerProps) 
           {t("{drivenBy} drives by hand: the wheel must be given up first.", { drivenBy })}
         </p>
       )}
-      {!stopped && drivenBy === "" && others !== "" && (
-        <p className={classes.note}>
-          {others}. {t("Ask for it in the bar at the top.")}
-        </p>
-      )}
+      {!stopped && drivenBy === "" && others !== "" && <p className={classes.note}>{others}</p>}
       {check?.ok && isUnderWay(goal) && !stopped && (
         <p className={classes.note}>{t("Replaces the goal that the robot is driving to.")}</p>
       )}

@@ -80,6 +80,9 @@ export const DRIVE = {
   "{drivenBy} drives by hand: the wheel must be given up first.":
     "{drivenBy} fährt von Hand: Zuerst muss das Steuer abgegeben werden.",
   "Ask for it in the bar at the top.": "Fragen Sie oben in der Leiste danach.",
+  "Ask for it in the bar at the top, or take it there and say why.":
+    "Fragen Sie oben in der Leiste danach, oder übernehmen Sie sie dort mit einer Begründung.",
+  "Take it in the bar at the top.": "Übernehmen Sie sie oben in der Leiste.",
   "Replaces the goal that the robot is driving to.": "Ersetzt das Ziel, zu dem der Roboter fährt.",
   "by {by}": "von {by}",
   "Cancel goal": "Ziel abbrechen",

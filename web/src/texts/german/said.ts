@@ -155,6 +155,11 @@ export const SAID: Readonly<Record<string, string>> = {
   "{name} has control of the robot.": "{name} hat die Kontrolle über den Roboter.",
   "Ask for it, at the top of the page. STOP works for everybody.":
     "Bitten Sie darum, oben auf der Seite. STOPP wirkt bei allen.",
+  "Ask for it, or take it and say why, at the top of the page. STOP works for everybody.":
+    "Bitten Sie darum, oder übernehmen Sie sie mit einer Begründung, oben auf der Seite. STOPP wirkt bei allen.",
+  "You have control on another device.": "Sie haben die Kontrolle auf einem anderen Gerät.",
+  "Take it here, at the top of the page. STOP works for everybody.":
+    "Übernehmen Sie sie hier, oben auf der Seite. STOPP wirkt bei allen.",
   "{name} has asked for control already.": "{name} hat schon um die Kontrolle gebeten.",
   "Wait for the answer to it.": "Warten Sie die Antwort ab.",
   "Ask for it first.": "Bitten Sie zuerst darum.",
