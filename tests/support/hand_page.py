@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import threading
 import time
@@ -20,7 +21,7 @@ PERIOD = 0.05  # s, as the page does it
 
 
 class HandPage:
-    """Logs in, and says twenty times a second what the hand does; ends with its block.
+    """Logs in, and says twenty times a second what the hand does; logs out with its block.
 
     Parameters
     ----------
@@ -54,6 +55,9 @@ class HandPage:
         self._ended.set()
         self._thread.join()
         self._socket.close()
+        # Who logs out leaves control to the next page at once; so does a console that is dead.
+        with contextlib.suppress(httpx.HTTPError):
+            self._client.post("/api/logout")
         self._client.close()
 
     def take(self) -> None:
