@@ -177,7 +177,7 @@ class Soak:
             raise RuntimeError("refused")
         if self.chance.random() < 0.4:
             half.wait(20)
-            self.robot.await_future(handle.cancel_goal_async(), 10, "the cancel")
+            self.robot.cancel(handle)
             self.reality.result(handle)
         else:
             result = self.reality.result(handle, 300)

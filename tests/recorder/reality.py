@@ -213,7 +213,7 @@ class Reality:
 
     def result(self, handle: Any, timeout: float = 120.0) -> Any:
         """How a back-test ended."""
-        ended = self._robot.await_future(handle.get_result_async(), timeout, "the report")
+        ended = self._robot.result(handle, timeout)
         return ended.result
 
 

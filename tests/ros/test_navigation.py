@@ -83,7 +83,7 @@ def test_a_late_listener_still_gets_plan_and_map(robot: Robot) -> None:
     robot.subscribe(Path, "/plan", LATCHED)
     wait_until(lambda: "/plan" in robot.newest, 5, "the latched plan")
     assert len(robot.newest["/plan"].poses) > 2
-    robot.await_future(handle.cancel_goal_async(), 5, "the cancellation")
+    robot.cancel(handle)
 
 
 def test_stop_halts_the_robot_and_holds_it_until_a_person_releases(robot: Robot) -> None:

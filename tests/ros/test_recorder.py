@@ -139,12 +139,12 @@ def test_the_ring_itself_can_be_replayed_while_it_is_written(reality: Reality) -
     assert 2.0 < report.end - report.start < 10.0
 
 
-def caught(reality: Reality, monitor: int, number: signal.Signals) -> Any:
+def caught(robot: Robot, reality: Reality, monitor: int, number: signal.Signals) -> Any:
     """A back-test whose process was sent a signal while it lived."""
     table = reality_table(THRESHOLD).model_dump_json()
     for _ in range(20):  # a machine with much to do may look only when it is done
         handle = reality.send(table, "reality")
-        ended = handle.get_result_async()
+        ended = robot.asked_result(handle)
         while not ended.done():
             for pid in children(monitor):
                 with contextlib.suppress(ProcessLookupError):
@@ -159,9 +159,9 @@ def test_a_backtest_can_be_cancelled_and_bad_ones_say_what_is_wrong(
 ) -> None:
     monitor = stack.pid_of("monitor")
     for _ in range(5):  # it may have answered before it was held
-        handle = caught(reality, monitor, signal.SIGSTOP)
-        robot.await_future(handle.cancel_goal_async(), 5, "the cancel")
-        ended = robot.await_future(handle.get_result_async(), 10, "the end")
+        handle = caught(robot, reality, monitor, signal.SIGSTOP)
+        robot.cancel(handle)
+        ended = robot.result(handle, 10)
         if ended.status == GoalStatus.STATUS_CANCELED:
             break
     assert ended.status == GoalStatus.STATUS_CANCELED
@@ -179,11 +179,11 @@ def test_a_backtest_can_be_cancelled_and_bad_ones_say_what_is_wrong(
 
 
 def test_kill_9_of_a_backtest_fails_it_with_a_reason_and_harms_nobody(
-    stack: Stack, reality: Reality, recording: Path
+    stack: Stack, robot: Robot, reality: Reality, recording: Path
 ) -> None:
     monitor = stack.pid_of("monitor")
     for _ in range(5):  # it may have answered before it was killed
-        result = reality.result(caught(reality, monitor, signal.SIGKILL))
+        result = reality.result(caught(robot, reality, monitor, signal.SIGKILL))
         if not result.success:
             break
     assert not result.success

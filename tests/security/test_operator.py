@@ -141,7 +141,7 @@ def test_a_second_publisher_of_velocities_halts_the_robot(rules: Rules, robot: R
         wait_until(lambda: robot.speed < 0.01, 5, "standstill")
         robot.do(partial(robot.node.destroy_publisher, intruder))
         wait_until(lambda: limited(robot) != "second publisher", 10, "the end of it")
-    robot.await_future(handle.cancel_goal_async(), 10, "the end of the goal")
+    robot.cancel(handle)
 
 
 def test_random_rules_of_an_operator_change_nothing_that_is_protected(

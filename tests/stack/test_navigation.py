@@ -46,7 +46,7 @@ def test_every_follower_ends_at_the_goal_with_its_heading(follower: str) -> None
 def test_a_canceled_goal_is_reported_as_canceled_and_the_robot_halts(robot: VirtualRobot) -> None:
     handle = robot.send_goal(-1.5, 0.5)
     robot.wait_until(lambda: robot.speed > 0.1, 10, "motion")
-    robot.await_future(handle.cancel_goal_async(), 5, "the cancellation")
+    robot.cancel(handle)
     assert robot.result(handle, timeout=5).status == CANCELED
     robot.wait_until(lambda: robot.speed < 0.01, 3, "a halt")
 

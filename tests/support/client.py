@@ -93,4 +93,13 @@ class Client(ABC):
 
     def result(self, handle: Any, timeout: float = 60.0) -> Any:
         """How a goal ended: ``status`` and ``result``."""
-        return self.await_future(handle.get_result_async(), timeout, "the end of the goal")
+        return self.await_future(self.asked_result(handle), timeout, "the end of the goal")
+
+    def asked_result(self, handle: Any) -> Any:
+        """A future of how a goal ends, asked for from the executor's own thread as in `send`."""
+        return self.do(handle.get_result_async)
+
+    def cancel(self, handle: Any, timeout: float = 5.0) -> Any:
+        """Cancel a goal; the answer to that."""
+        cancelled = self.do(handle.cancel_goal_async)
+        return self.await_future(cancelled, timeout, "the answer to the cancellation")
