@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, get_args
 
@@ -15,10 +16,11 @@ if TYPE_CHECKING:
     from kompass.bench.barn_file import BarnFile, BarnWorld
     from kompass.bench.drive import BenchDrive
 
-BAD_INPUT, FAILED = 2, 3
+BAD_INPUT, FAILED, INTERRUPTED = 2, 3, 130
 EXIT_CODES = """
 Exit codes: 0 all drives were made, whatever became of them, 2 something in the command is wrong,
-3 a drive could not be made.
+3 a drive could not be made, 130 ended by hand (Ctrl-C). With 3 and 130 the files have the drives
+that were made until then.
 """
 
 
@@ -113,25 +115,33 @@ def bench_nav(
             BAD_INPUT, f"--jobs {jobs}: with --real there is one drive at a time; leave it out"
         )
     made: dict[int, BenchDrive] = {}
+    ended: CliError | None = None
     try:
         if real:
             drives = make_real_drives(orders)
         else:
             drives = make_bench_drives(orders, jobs or os.cpu_count() or 1)
-        for index, drive in with_progress(drives, len(orders)):
-            made[index] = drive
-            typer.echo(drive.model_dump_json(exclude={"track"}))
+        with closing(drives):  # those that wait are not driven when this is left
+            for index, drive in with_progress(drives, len(orders)):
+                made[index] = drive
+                typer.echo(drive.model_dump_json(exclude={"track"}))
     except DriveFailed as error:
-        raise CliError(FAILED, str(error)) from None
-    in_order = [made[index] for index in range(len(orders))]
-    found = means(in_order, THERE)
-    if json_file is not None:
-        lines = [each.model_dump_json() for each in (*in_order, found)]
-        json_file.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    if report_file is not None:
-        page = report_html(in_order, {world.name: world for world in chosen}, file)
-        report_file.write_text(page, encoding="utf-8")
-    typer.echo(found.sentence)
+        ended = CliError(FAILED, str(error))
+    except KeyboardInterrupt:
+        ended = CliError(INTERRUPTED, f"ended by hand after {len(made)} of {len(orders)} drives")
+    # What was driven until then may have taken hours: it is not lost with what was not.
+    in_order = [made[index] for index in sorted(made)]
+    if in_order:
+        found = means(in_order, THERE)
+        if json_file is not None:
+            lines = [each.model_dump_json() for each in (*in_order, found)]
+            json_file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        if report_file is not None:
+            page = report_html(in_order, {world.name: world for world in chosen}, file)
+            report_file.write_text(page, encoding="utf-8")
+        typer.echo(found.sentence)
+    if ended is not None:
+        raise ended
 
 
 def _read(worlds: Path) -> BarnFile:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -369,8 +370,10 @@ def _make(
     # Both tables of a scenario one after the other: a drill that is ended early compares, too.
     orders = [Order(recipe, scenario, table) for scenario in scenarios for table in tables]
     made: dict[int, DriveResult] = {}
-    for index, text in with_progress(make_drives(orders, jobs, differs), len(orders)):
-        made[index] = DriveResult.model_validate_json(text)
+    # Those that wait are not driven when this is left by Ctrl-C.
+    with closing(make_drives(orders, jobs, differs)) as drives:
+        for index, text in with_progress(drives, len(orders)):
+            made[index] = DriveResult.model_validate_json(text)
     step = len(tables)
     first = [made[index] for index in range(0, len(orders), step)]
     second = [made[index] for index in range(1, len(orders), step)] if compared else []

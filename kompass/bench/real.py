@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,7 +36,9 @@ ENDING = 15.0  # s that it may take to end
 LONGEST_LOG = 2000  # characters of it that are told
 
 
-def make_real_drives(orders: Sequence[BenchOrder]) -> Iterator[tuple[int, BenchDrive]]:
+def make_real_drives(
+    orders: Sequence[BenchOrder],
+) -> Generator[tuple[int, BenchDrive], None, None]:
     """Make drives, one after the other.
 
     Yields

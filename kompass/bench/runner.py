@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import random
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import as_completed
 from pathlib import Path
 
@@ -57,7 +57,9 @@ class BenchOrder(Model):
     seed: int
 
 
-def make_bench_drives(orders: Sequence[BenchOrder], jobs: int) -> Iterator[tuple[int, BenchDrive]]:
+def make_bench_drives(
+    orders: Sequence[BenchOrder], jobs: int
+) -> Generator[tuple[int, BenchDrive], None, None]:
     """Make drives, ``jobs`` at a time.
 
     Yields

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -68,6 +70,37 @@ def test_it_drives_through_what_it_was_not_told_of_and_says_why_it_gave_up(
     once = lines.read_text(encoding="utf-8").splitlines()[0]
     assert bench(*worlds, "--only", "1").returncode == 0
     assert lines.read_text(encoding="utf-8").splitlines()[0] == once
+
+
+@pytest.mark.slow
+def test_what_was_driven_before_somebody_ended_it_is_written(tmp_path: Path) -> None:
+    lines, page = tmp_path / "found.jsonl", tmp_path / "found.html"
+    command = [str(Path(sys.executable).with_name("kompass-console")), "bench-nav"]
+    given = ["--worlds", str(world_file(tmp_path)), "--only", "1", "--seeds", "50", "--jobs", "1"]
+    with subprocess.Popen(
+        [*command, *given, "--json", str(lines), "--report", str(page)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as running:
+        assert running.stdout is not None
+        try:
+            first = json.loads(running.stdout.readline())
+            os.killpg(running.pid, signal.SIGINT)  # as a terminal does it
+            told, errors = running.communicate(timeout=patient(30))
+        finally:
+            if running.poll() is None:
+                os.killpg(running.pid, signal.SIGKILL)
+    assert running.returncode == 130, errors
+    made = len(told.splitlines())  # the first has been read, and the last is the sentence
+    assert f"ended by hand after {made} of 50 drives" in errors
+    assert "Traceback" not in errors
+    assert told.splitlines()[-1].startswith(f"{made} of {made} arrived in ")
+    *drives, means = map(json.loads, lines.read_text(encoding="utf-8").splitlines())
+    assert (len(drives), means["drives"]) == (made, made)
+    assert drives[0]["time"] == first["time"]
+    assert page.exists()
 
 
 @pytest.mark.slow

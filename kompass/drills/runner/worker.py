@@ -7,7 +7,7 @@ import random
 import runpy
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -93,7 +93,7 @@ class _Made(NamedTuple):
 
 def make_drives(
     orders: Sequence[Order], jobs: int, differs: Callable[[str], object] | None = None
-) -> Iterator[tuple[int, str]]:
+) -> Generator[tuple[int, str], None, None]:
     """Make drives, each in a process of its own.
 
     Parameters
