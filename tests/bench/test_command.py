@@ -21,6 +21,7 @@ from tests.support.commands import Commands, Done
 from tests.support.patience import patient
 
 Bench = Callable[..., Done]
+BENCH = (str(Path(sys.executable).with_name("kompass-console")), "bench-nav")
 
 
 @pytest.fixture(scope="module")
@@ -31,9 +32,8 @@ def bench() -> Iterator[Bench]:
 
 
 def bench_of_its_own(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [str(Path(sys.executable).with_name("kompass-console")), "bench-nav"]
     return subprocess.run(
-        [*command, *map(str, arguments)],
+        [*BENCH, *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=patient(75),
@@ -75,10 +75,9 @@ def test_it_drives_through_what_it_was_not_told_of_and_says_why_it_gave_up(
 @pytest.mark.slow
 def test_what_was_driven_before_somebody_ended_it_is_written(tmp_path: Path) -> None:
     lines, page = tmp_path / "found.jsonl", tmp_path / "found.html"
-    command = [str(Path(sys.executable).with_name("kompass-console")), "bench-nav"]
     given = ["--worlds", str(world_file(tmp_path)), "--only", "1", "--seeds", "50", "--jobs", "1"]
     with subprocess.Popen(
-        [*command, *given, "--json", str(lines), "--report", str(page)],
+        [*BENCH, *given, "--json", str(lines), "--report", str(page)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

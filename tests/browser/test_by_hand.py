@@ -97,7 +97,15 @@ def test_a_hand_that_the_page_loses_sight_of_has_let_go(new_page: OpenPage, robo
     stands(robot)
     page.page.keyboard.up("ArrowRight")
     expect(page.get("hand-notice")).not_to_contain_text("Let go first")
+
+    # What lies over the page goes first, and then the wheel.
+    page.page.keyboard.press("h")
+    expect(page.get("help-panel")).to_be_visible()
     page.page.keyboard.press("Escape")
+    expect(page.get("help-panel")).to_be_hidden()
+    expect(page.get("hand-stick")).to_be_visible()
+    page.page.keyboard.press("Escape")
+    expect(page.get("hand-take")).to_be_visible()
 
 
 def test_the_stick_on_a_phone_covers_neither_the_scene_nor_stop(

@@ -13,7 +13,7 @@ from kompass_console.schema.roles import Role
 from tests.browser.conftest import OpenPage
 from tests.browser.console_page import FIRST_PICTURE, UNCOVERED, ConsolePage
 from tests.support.patience import patient
-from tests.support.processes import wait_until
+from tests.support.processes import held, wait_until
 from tests.support.robot import Robot
 from tests.support.stack import TOKEN, Stack
 
@@ -234,13 +234,10 @@ def test_stop_that_is_pressed_while_the_console_is_dead_arrives_when_it_is_back(
 ) -> None:
     killed = stack.pid_of("console")
     # A supervisor that is held starts no other one before the page has drawn that this one is gone.
-    stack.process.send_signal(signal.SIGSTOP)
-    try:
+    with held(stack.process.pid):
         os.kill(killed, signal.SIGKILL)
         page.page.keyboard.press("Space")
         expect(page.get("stop-unconfirmed")).to_contain_text("STOP is sent again until it does")
-    finally:
-        stack.process.send_signal(signal.SIGCONT)
     wait_until(lambda: stack.pid_of("console") != killed, 10, "another console")
     expect(page.get("stop-button")).to_have_attribute(
         "data-phase", "stopped", timeout=patient(60) * 1000
