@@ -19,7 +19,7 @@ from fastapi import FastAPI
 from kompass.supervisor.heartbeat import send_heartbeat
 from kompass_console.accounts.accounts import Accounts
 from kompass_console.api.app import create_app
-from kompass_console.api.sockets import largest_message
+from kompass_console.api.sockets import compressed, largest_message
 from kompass_console.audit.log import AuditLog
 from kompass_console.drills.drills import Drills
 from kompass_console.link.goal_check import GoalChecker
@@ -157,7 +157,7 @@ async def _serve(
         access_log=False,
         http=GatedHttp,
         ws=GatedWebSocket,
-        ws_per_message_deflate=False,  # costs time, and pictures are compressed already
+        ws_per_message_deflate=False,  # GatedWebSocket has its own
         ws_ping_interval=5.0,
         ws_ping_timeout=10.0,
         server_header=False,
@@ -190,7 +190,7 @@ class _Server(uvicorn.Server):
 
     def __init__(self, config: uvicorn.Config, gate: ConnectionGate) -> None:
         super().__init__(config)
-        self.server_state = GatedState(gate, largest_message)
+        self.server_state = GatedState(gate, largest_message, compressed)
         self._gate = gate
 
     @contextlib.contextmanager

@@ -36,6 +36,12 @@ def largest_message(path: str) -> int:
     return next(sizes, _LARGEST_ELSEWHERE)
 
 
+def compressed(path: str) -> bool:
+    """Whether large messages to a page are packed: the scene's, whose walls are many numbers. It
+    holds no secret, whose guesses could be told by how well they pack."""
+    return path.startswith("/scene/")
+
+
 class Pace:
     """How often somebody may speak: so many at once, and then so many a second.
 

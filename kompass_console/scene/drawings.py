@@ -54,7 +54,9 @@ _PERIODS: dict[LayerKey, float] = {
 class Drawings:
     """The newest drawing of every layer, and how many there have been of each.
 
-    Pages compare the counts with those they have drawn; a page that has just come finds all.
+    Pages compare the counts with those they have drawn; a page that has just come finds all. They
+    read while another thread converts, so a drawing is there before it is counted: one that was
+    counted first would pass for drawn with a page that came in between.
     `extras`, by topic, count by themselves.
     """
 
@@ -72,6 +74,10 @@ class Drawings:
     zones: tuple[ZoneMark, ...] = ()
     extras: Mapping[str, Stamped[Shape]] = field(default_factory=dict)
     counts: dict[LayerKey, int] = field(default_factory=lambda: dict.fromkeys(_PERIODS, 0))
+
+    def counted(self, layer: LayerKey) -> None:
+        """There is another drawing of a layer."""
+        self.counts[layer] += 1
 
 
 class Converter:
@@ -98,35 +104,46 @@ class Converter:
         drawings.extras = world.extras
         if (motion := world.motion.get()) is not None and self._is_new("robot", motion.version):
             drawings.robot = motion.value.pose
+            drawings.counted("robot")
         if self._trail_changed and self._is_due("trail"):
             self._trail_changed = False
             drawings.trail = self._trail.segments()
-            drawings.counts["trail"] += 1
+            drawings.counted("trail")
         if (goal := world.goal.get()) is not None and self._is_new("goal", goal.version):
             drawings.goal = goal.value
+            drawings.counted("goal")
         hindrance = world.hindrance.get()
         if hindrance is not None and self._is_new("hindrance", hindrance.version):
             drawings.hindrance = hindrance.value
+            drawings.counted("hindrance")
         if (marks := world.places.get()) is not None and self._is_new("places", marks.version):
             drawings.places = marks.value
+            drawings.counted("places")
         if (drawn := world.zones.get()) is not None and self._is_new("zones", drawn.version):
             drawings.zones = drawn.value
+            drawings.counted("zones")
         if (scan := world.scan.get()) is not None and self._is_new("scan", scan.version):
             sensor = world.scanned_from(scan.value) or Pose(0.0, 0.0, 0.0)
             drawings.scan = scan_points(scan.value, sensor)
+            drawings.counted("scan")
         if (path := world.path.get()) is not None and self._is_new("path", path.version):
             drawings.path = path_segments(path.value)
+            drawings.counted("path")
         local = world.local_map.get()
         if local is not None and self._is_new("local_map", local.version):
             drawings.local_map = local_map_drawing(local.value)
+            drawings.counted("local_map")
         footprint = world.footprint.get()
         if footprint is not None and self._is_new("footprint", footprint.version):
             drawings.footprint = footprint.value
+            drawings.counted("footprint")
         described = world.description.get()
         if described is not None and self._is_new("description", described.version):
             self._describe(described.value)
+            drawings.counted("description")
         if (grid := world.map.get()) is not None and self._is_new("map", grid.version):
             drawings.map = map_drawing(grid.value, grid.version)
+            drawings.counted("map")
 
     def _describe(self, text: str) -> None:
         """Read the robot's own description; without one that can be read, it has none."""
@@ -148,7 +165,6 @@ class Converter:
         if self._seen.get(layer) == version or not self._is_due(layer):
             return False
         self._seen[layer] = version
-        self._drawings.counts[layer] += 1
         return True
 
     def _is_due(self, layer: LayerKey) -> bool:

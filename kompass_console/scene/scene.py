@@ -97,7 +97,7 @@ class Scene:
             self._flat_maps.discard(flat)
 
     def map_picture(self, version: int, theme: Theme) -> bytes | None:
-        """PNG of the newest map, in one piece; None when that has another version."""
+        """WebP of the newest map, in one piece; None when that has another version."""
         drawing, last = self._drawings.map, self._picture
         if drawing is None or drawing.version != version:
             return None

@@ -28,6 +28,7 @@ from websockets.http11 import Request
 
 from kompass_console.settings import ConnectionLimits
 from kompass_console.web.addresses import one_client
+from kompass_console.web.compression import LargeMessagesFactory
 
 _MOST_FRAMES = 64  # of one message; each costs memory, even an empty one
 _MOST_UNREAD = 65_536  # bytes of answers to pings
@@ -157,10 +158,16 @@ def _with_unread_input(slots: list[Slot]) -> set[Slot]:
 class GatedState(ServerState):
     """What uvicorn's protocols share, and the gate."""
 
-    def __init__(self, gate: ConnectionGate, largest_message: Callable[[str], int]) -> None:
+    def __init__(
+        self,
+        gate: ConnectionGate,
+        largest_message: Callable[[str], int],
+        compressed: Callable[[str], bool],
+    ) -> None:
         super().__init__()
         self.gate = gate
         self.largest_message = largest_message
+        self.compressed = compressed
 
 
 class GatedHttp(H11Protocol):
@@ -235,7 +242,8 @@ class GatedHttp(H11Protocol):
 
 
 class GatedWebSocket(WebSocketsSansIOProtocol):
-    """uvicorn's websocket, with a size of messages for each path, and the gate's deadlines."""
+    """uvicorn's websocket, with a size of messages for each path, large ones packed where told so,
+    and the gate's deadlines."""
 
     def __init__(
         self,
@@ -247,6 +255,7 @@ class GatedWebSocket(WebSocketsSansIOProtocol):
         super().__init__(config, server_state, app_state, _loop)
         self._gate = server_state.gate
         self._largest_message = server_state.largest_message
+        self._compressed = server_state.compressed
         self._slot: Slot | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -261,7 +270,10 @@ class GatedWebSocket(WebSocketsSansIOProtocol):
 
     def handle_connect(self, event: Request) -> None:
         # Before any frame is read: a larger one is refused by its header, and never buffered.
-        self.conn.max_message_size = self._largest_message(event.path.partition("?")[0])
+        path = event.path.partition("?")[0]
+        self.conn.max_message_size = self._largest_message(path)
+        if self._compressed(path):
+            self.conn.available_extensions = [LargeMessagesFactory()]
         super().handle_connect(event)
 
     def start_keepalive(self) -> None:

@@ -12,6 +12,7 @@ import os
 import signal
 import threading
 import time
+from array import array
 from itertools import count
 
 import numpy as np
@@ -77,6 +78,22 @@ def world_map() -> np.ndarray:
     return cells
 
 
+def building(rows: int, columns: int) -> np.ndarray:
+    """A building as a laser maps it: rooms with ragged walls, speckle, and unknown outside."""
+    chance = np.random.default_rng(4)
+    cells = np.full((rows, columns), -1, np.int8)
+    cells[40:-40, 40:-40] = 0
+    for row in range(40, rows - 40, 90):
+        for column in range(40, columns - 40):
+            if column % 90 > 16:  # the rest is a door
+                cells[row + chance.integers(-1, 2), column] = 100
+    for column in range(40, columns - 40, 90):
+        cells[40:-40, column : column + 2] = 100
+    speckle = chance.random(cells.shape) < 0.002
+    cells[speckle] = 100
+    return cells
+
+
 def quaternion(yaw: float) -> Quaternion:
     return Quaternion(z=math.sin(yaw / 2.0), w=math.cos(yaw / 2.0))
 
@@ -98,6 +115,7 @@ class FakeStack:
         failing: str,
         onlookers: bool,
         localiser: bool,
+        large: bool,
     ) -> None:
         self.node = rclpy.create_node("planner")
         self.x, self.y, self.yaw, self.v = -0.75, -0.6, 0.4, 0.0
@@ -111,7 +129,7 @@ class FakeStack:
         self.slow_checks = slow_checks
         self.slow_release = slow_release
         self.failing = failing
-        self.cells = world_map()
+        self.cells = building(1674, 1006) if large else world_map()
         self.sensed: tuple[tuple[float, float, float], LaserScan, OccupancyGrid] | None = None
         group = ReentrantCallbackGroup()
         node = self.node
@@ -200,7 +218,7 @@ class FakeStack:
         grid.info.resolution = RESOLUTION
         grid.info.height, grid.info.width = self.cells.shape
         grid.info.origin.position.x, grid.info.origin.position.y = ORIGIN
-        grid.data = self.cells.ravel().tolist()
+        grid.data = array("b", self.cells.tobytes())
         self.map.publish(grid)
         ring = PolygonStamped()
         ring.header.frame_id = "base_link"
@@ -425,6 +443,7 @@ def main() -> None:
     parser.add_argument("--slow-release", type=float, default=0.0)
     parser.add_argument("--failing", default="")
     parser.add_argument("--onlookers", action="store_true")
+    parser.add_argument("--large", action="store_true")
     rclpy.init()
     stack = FakeStack(**vars(parser.parse_args()))
     executor = MultiThreadedExecutor(16)  # more than checks that wait at once

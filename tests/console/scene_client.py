@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 from typing import Any
 
@@ -37,17 +38,34 @@ def camera_message(
     }
 
 
-class SceneClient:
-    """One page's scene: messages by type, and nodes by name with their last position."""
+class CountedSocket(socket.socket):
+    """Counts what came over the wire."""
 
-    def __init__(self, port: int, view_id: str, cookie: str) -> None:
+    received = 0
+
+    def recv(self, size: int, flags: int = 0) -> bytes:
+        data = super().recv(size, flags)
+        self.received += len(data)
+        return data
+
+
+class SceneClient:
+    """One page's scene: messages by type, and nodes by name with their last position.
+
+    It offers compression as browsers do, unless `packing` is off.
+    """
+
+    def __init__(self, port: int, view_id: str, cookie: str, packing: bool = True) -> None:
+        self.wire = CountedSocket(fileno=socket.create_connection(("127.0.0.1", port)).detach())
         origin = f"http://127.0.0.1:{port}"
         self.socket: ClientConnection = connect(
             f"ws://127.0.0.1:{port}/scene/{view_id}",
             origin=origin,
             additional_headers={"Cookie": cookie},
             subprotocols=["viser-v1.1.1"],
-            compression=None,
+            compression="deflate" if packing else None,
+            sock=self.wire,
+            max_size=None,
         )
         self.nodes: set[str] = set()
         self.positions: dict[str, tuple[float, ...]] = {}

@@ -77,9 +77,11 @@ def test_a_large_map_is_cut_into_tiles_that_meet() -> None:
 
 
 def test_walls_stand_on_the_occupied_cells() -> None:
-    vertices = map_drawing(room()).wall_vertices
-    assert vertices[:, :2].min(axis=0) == pytest.approx((0.5, 0.25))
-    assert vertices[:, :2].max(axis=0) == pytest.approx((2.5, 1.75))
+    grid = room()
+    standing = np.zeros(grid.cells.shape, int)
+    for row, column, end_row, end_column in map_drawing(grid).walls:
+        standing[row:end_row, column:end_column] += 1
+    assert np.array_equal(standing == 1, grid.cells >= 65)
 
 
 def test_the_local_map_turns_with_the_robot() -> None:

@@ -39,9 +39,11 @@ TOO_LARGE = (1009, 1006)
 
 
 @contextlib.contextmanager
-def scene(console: Served, client: httpx.Client, view: str | None = None) -> Iterator[SceneClient]:
+def scene(
+    console: Served, client: httpx.Client, view: str | None = None, packing: bool = True
+) -> Iterator[SceneClient]:
     """A page's scene that is drawn."""
-    page = SceneClient(console.port, view or new_view(client), cookie_of(client))
+    page = SceneClient(console.port, view or new_view(client), cookie_of(client), packing)
     try:
         page.look()
         wait_until(lambda: "/world/robot" in page.nodes, 5.0, "the scene is drawn")
@@ -63,9 +65,12 @@ def scene_closed_with(page: SceneClient) -> int:
 # -- what a page may say ---------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("packing", [True, False], ids=["packed", "plain"])
 @pytest.mark.parametrize("kind", ["ViewerCameraMessage", "GetRenderResponseMessage"])
-def test_a_large_scene_message_is_refused_by_its_size_alone(console: Served, kind: str) -> None:
-    with console.client(Role.VIEWER) as client, scene(console, client) as page:
+def test_a_large_scene_message_is_refused_by_its_size_alone(
+    console: Served, kind: str, packing: bool
+) -> None:
+    with console.client(Role.VIEWER) as client, scene(console, client, packing=packing) as page:
         large = {"type": kind, "payload": b"x" * 7_900_000, "render_uuid": "x"}
         with contextlib.suppress(ConnectionClosed):
             page.send(**large)
