@@ -14,7 +14,6 @@ from PIL import Image
 from kompass.algorithms.geometry import transform_points
 from kompass.algorithms.grid import OCCUPIED_FROM, Grid
 from kompass.algorithms.rectangles import rectangles
-from kompass_console.scene.layers.cells import blocks
 from kompass_console.scene.layers.palette import palette
 from kompass_console.schema.models import Theme
 
@@ -158,7 +157,25 @@ def _encoded(classes: _Bytes, theme: Theme) -> bytes:
     return encoded.getvalue()
 
 
-_BLOCK = blocks(np.array([[0.0, 0.0, 1.0, 1.0]]), 0.0, 1.0)
+# A box of 1 m without a bottom, standing on the floor. Its faces share their corners, for shading
+# is flat: a weak tablet's time goes by corners.
+_CORNERS = np.array(
+    [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], np.float32
+)
+_FACES = np.array(
+    [(4, 5, 6), (4, 6, 7)]
+    + [f for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)) for f in ((a, b, b + 4), (a, b + 4, a + 4))],
+    np.uint32,
+)
+
+
+def _linear(colour: tuple[int, int, int]) -> tuple[int, int, int]:
+    """The shares of light that an sRGB colour stands for (IEC 61966-2-1), of 255: viser takes the
+    colours of meshes as sRGB, and those of batched ones as light."""
+    share = np.array(colour) / 255.0
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    red, green, blue = np.rint(light * 255.0).astype(int).tolist()
+    return red, green, blue
 
 
 class MapNodes:
@@ -212,15 +229,18 @@ class MapNodes:
         corners = np.stack([column, row, np.zeros_like(row)], axis=1)
         sizes = np.stack([end_column - column, end_row - row, np.ones_like(row)], axis=1)
         upright = np.tile([1.0, 0.0, 0.0, 0.0], (len(walls), 1))
+        # One for each: a browser gives a colour that all share to the boxes of the first map only.
+        colours = np.tile(np.array(_linear(palette(self._theme).wall), np.uint8), (len(walls), 1))
         scale = (drawing.resolution, drawing.resolution, WALL_HEIGHT)
         if self._walls is None:
             self._walls = self._scene.add_batched_meshes_simple(
                 f"{self._root}/walls",
-                *_BLOCK,
+                _CORNERS,
+                _FACES,
                 batched_wxyzs=upright,
                 batched_positions=corners,
                 batched_scales=sizes,
-                batched_colors=palette(self._theme).wall,
+                batched_colors=colours,
                 scale=scale,
                 lod="off",
                 flat_shading=True,
@@ -232,6 +252,7 @@ class MapNodes:
         self._walls.batched_wxyzs = upright
         self._walls.batched_positions = corners
         self._walls.batched_scales = sizes
+        self._walls.batched_colors = colours
         self._walls.scale = scale
 
     def show(self, visible: bool) -> None:
