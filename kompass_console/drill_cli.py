@@ -21,12 +21,13 @@ if TYPE_CHECKING:
     from kompass.drills.scenario import Scenario
     from kompass.rules.schema.table import Table
 
-BAD_INPUT, FAILED, NOT_REPEATABLE = 2, 1, 4
+FAILED, BAD_INPUT, NOT_DRIVEN, NOT_REPEATABLE, INTERRUPTED = 1, 2, 3, 4, 130
 DRIVES = 20  # that are drawn where nobody says how many
 EXIT_CODES = """
 Exit codes: 0 the drill was made and all that --require asks for is met, 1 something of that is
 not met, 2 something in the command is wrong, 3 a drive could not be made, 4 the recipe is not the
-same twice: results are shown, and may be chance.
+same twice: results are shown, and may be chance, 130 ended by hand (Ctrl-C). With 3 and 130 the
+results are those of the drives that were made until then.
 """
 
 app = typer.Typer(
@@ -116,12 +117,14 @@ def run(
         own = Table.model_validate_json(looked.table)
         tried = (_name(rules, proposed or own), proposed)
         compared = None if against is None else (_name(against, other or own), other)
-        notes: list[str] = []
-        drives, drives_against = _make(
-            *(recipe, chosen, tried, compared, jobs or os.cpu_count() or 1), notes.append
-        )
     except DriveFailed as error:
-        raise CliError(3, str(error)) from None
+        raise CliError(NOT_DRIVEN, str(error)) from None
+    differences: list[str] = []
+    drives, drives_against, ended = _make(
+        *(recipe, chosen, tried, compared, jobs or os.cpu_count() or 1), differences.append
+    )
+    if ended is not None and not drives:
+        raise ended
     report = make_report(
         recipe=recipe.name,
         table=tried[0],
@@ -131,7 +134,7 @@ def run(
         seed=None if options is None else seed,
         options=options,
         requirements=requirements,
-        notes=notes,
+        notes=differences if ended is None else [*differences, str(ended)],
         names={
             rule.id: rule.name for table in (other or own, proposed or own) for rule in table.rules
         },
@@ -140,7 +143,13 @@ def run(
         json_file.write_text(report_json(report), encoding="utf-8")
     if report_file is not None:
         report_file.write_text(report_html(report), encoding="utf-8")
-    raise SystemExit(_tell(report))
+    _tell(report)
+    if ended is not None:
+        raise ended
+    if differences:
+        raise SystemExit(NOT_REPEATABLE)
+    met = all(requirement.met for requirement in report.requirements)
+    raise SystemExit(0 if met else FAILED)
 
 
 @app.command("replay", epilog=EXIT_CODES)
@@ -182,7 +191,7 @@ def replay(
         (((_, text)),) = make_drives([order], os.cpu_count() or 1, said.append)
         made.rename(output)
     except DriveFailed as error:
-        raise CliError(3, str(error)) from None
+        raise CliError(NOT_DRIVEN, str(error)) from None
     finally:
         made.unlink(missing_ok=True)
     for note in said:
@@ -362,25 +371,38 @@ def _make(
     compared: tuple[TableName, Table | None] | None,
     jobs: int,
     differs: Callable[[str], object],
-) -> tuple[list[DriveResult], list[DriveResult]]:
+) -> tuple[list[DriveResult], list[DriveResult], CliError | None]:
+    """What came of the drives under one table and under the other, and what has ended them before
+    all were made: what was driven until then may have taken hours, and is not lost."""
     from kompass.drills.drive import DriveResult
-    from kompass.drills.runner.worker import Order, make_drives
+    from kompass.drills.runner.worker import DriveFailed, Order, make_drives
 
     tables = [tried[1]] if compared is None else [tried[1], compared[1]]
     # Both tables of a scenario one after the other: a drill that is ended early compares, too.
     orders = [Order(recipe, scenario, table) for scenario in scenarios for table in tables]
     made: dict[int, DriveResult] = {}
-    # Those that wait are not driven when this is left by Ctrl-C.
-    with closing(make_drives(orders, jobs, differs)) as drives:
-        for index, text in with_progress(drives, len(orders)):
-            made[index] = DriveResult.model_validate_json(text)
+    ended: CliError | None = None
+    try:
+        # Those that wait are not driven when this is left.
+        with closing(make_drives(orders, jobs, differs)) as drives:
+            for index, text in with_progress(drives, len(orders)):
+                made[index] = DriveResult.model_validate_json(text)
+    except DriveFailed as error:
+        ended = CliError(NOT_DRIVEN, str(error))
+    except KeyboardInterrupt:
+        ended = CliError(INTERRUPTED, f"ended by hand after {len(made)} of {len(orders)} drives")
     step = len(tables)
-    first = [made[index] for index in range(0, len(orders), step)]
-    second = [made[index] for index in range(1, len(orders), step)] if compared else []
-    return first, second
+    # A scenario that was driven under one of two tables only compares nothing.
+    whole = [
+        first
+        for first in range(0, len(orders), step)
+        if all(each in made for each in range(first, first + step))
+    ]
+    against = [made[first + 1] for first in whole] if compared else []
+    return [made[first] for first in whole], against, ended
 
 
-def _tell(report: Report) -> int:
+def _tell(report: Report) -> None:
     """The sentence that matters, what came of the drives, and whether all is met."""
     for note in report.notes:
         typer.echo(f"! {note}")
@@ -403,9 +425,6 @@ def _tell(report: Report) -> int:
             typer.echo(f"  {drive.scenario.name}: {each.invariant} at {each.at:g} s: {each.text}")
     for requirement in report.requirements:
         typer.echo(f"  {requirement.text}")
-    if report.notes:
-        return NOT_REPEATABLE
-    return 0 if all(requirement.met for requirement in report.requirements) else FAILED
 
 
 def recipe_first(arguments: Sequence[str]) -> list[str]:

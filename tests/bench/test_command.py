@@ -94,7 +94,7 @@ def test_what_was_driven_before_somebody_ended_it_is_written(tmp_path: Path) -> 
     assert running.returncode == 130, errors
     made = len(told.splitlines())  # the first has been read, and the last is the sentence
     assert f"ended by hand after {made} of 50 drives" in errors
-    assert "Traceback" not in errors
+    assert "Traceback" not in errors, errors
     assert told.splitlines()[-1].startswith(f"{made} of {made} arrived in ")
     *drives, means = map(json.loads, lines.read_text(encoding="utf-8").splitlines())
     assert (len(drives), means["drives"]) == (made, made)

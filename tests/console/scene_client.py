@@ -68,6 +68,7 @@ class SceneClient:
             max_size=None,
         )
         self.nodes: set[str] = set()
+        self.removed: set[str] = set()
         self.positions: dict[str, tuple[float, ...]] = {}
         self.visible: dict[str, bool] = {}
         self.updates: dict[str, dict[str, Any]] = {}
@@ -115,6 +116,7 @@ class SceneClient:
             self.updates.setdefault(name, {}).update(message["updates"])
         elif kind == "RemoveSceneNodeMessage":
             self.nodes.discard(name)
+            self.removed.add(name)
         elif kind == "ThemeConfigurationMessage":
             self.dark = message["dark_mode"]
         elif kind.startswith("SetCamera") and not message.get("initial"):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -93,6 +95,68 @@ def test_a_table_is_compared_with_another_drive_by_drive(drill: Drill, tmp_path:
     )
     assert done.returncode == 0, done.stderr
     assert "mapper: “Controller stuck → unblock” fired never instead of once" in done.stdout
+
+
+def test_what_was_driven_under_both_tables_before_somebody_ended_it_is_compared_and_written(
+    tmp_path: Path,
+) -> None:
+    found, page, none = tmp_path / "drill.json", tmp_path / "drill.html", tmp_path / "none.json"
+    none.write_text(json.dumps({"rules": []}), encoding="utf-8")
+    command = [str(Path(sys.executable).with_name("kompass-console")), "drill", str(GUARDED)]
+    given = ["--rules", str(none), "--against", "recipe", "--seeds", "50", "--jobs", "1"]
+    files = ["--json", str(found), "--report", str(page)]
+    with subprocess.Popen(
+        [*command, *given, *files, "--faults", "kill:mapper"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as running:
+        assert running.stderr is not None
+        try:
+            while int(running.stderr.readline().split(" of ")[0]) < 4:
+                pass
+            os.killpg(running.pid, signal.SIGINT)  # as a terminal does it
+            told, errors = running.communicate(timeout=patient(30))
+        finally:
+            if running.poll() is None:
+                os.killpg(running.pid, signal.SIGKILL)
+    assert running.returncode == 130, errors
+    assert "Traceback" not in errors, errors
+    report = read_report(found.read_text(encoding="utf-8"))
+    assert 1 <= len(report.drives) < 50
+    assert [d.scenario.name for d in report.drives] == [
+        d.scenario.name for d in report.drives_against
+    ]
+    (note,) = report.notes
+    assert note.startswith("ended by hand after ")
+    assert note.endswith(" of 100 drives")
+    assert note in errors
+    assert told.splitlines()[0] == f"! {note}"
+    assert note in page.read_text(encoding="utf-8")
+
+
+def test_what_was_driven_before_a_drive_could_not_be_made_is_told_and_written(
+    drill: Drill, tmp_path: Path
+) -> None:
+    recipe, found = tmp_path / "ends.py", tmp_path / "drill.json"
+    # It ends its process, but not at first.
+    recipe.write_text(
+        "import os, pathlib\n"
+        "runs = pathlib.Path(__file__).with_name('runs')\n"
+        "with runs.open('a') as file:\n"
+        "    print('another', file=file)\n"
+        "if len(runs.read_text().splitlines()) > 4:\n"
+        "    os._exit(1)\n" + GUARDED.read_text(encoding="utf-8"),
+        encoding="utf-8",
+    )
+    done = drill(recipe, "--seeds", "9", "--faults", "", "--jobs", "1", "--json", found)
+    assert done.returncode == 3
+    assert "its process ended" in done.stderr
+    report = read_report(found.read_text(encoding="utf-8"))
+    assert 1 <= len(report.drives) < 9
+    assert "its process ended" in report.notes[-1]
+    assert "No fault disturbed any drive." in done.stdout
 
 
 def test_a_scenario_is_driven_several_times_with_other_noise_and_replayed_by_name(
