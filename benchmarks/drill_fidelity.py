@@ -24,8 +24,9 @@ from kompass.drills.facts import DriveEnded
 from kompass.drills.judge import judge
 from kompass.drills.runner.observer import Observer
 from kompass.drills.runner.operator import Operator, planner_node
+from kompass.drills.runner.pool import ENVIRONMENT
 from kompass.drills.runner.run import AFTERWARDS, SETTLED
-from kompass.drills.runner.worker import ENVIRONMENT, Order, make_drives, stack_of
+from kompass.drills.runner.worker import Order, make_drives, stack_of
 from kompass.drills.scenario import Goal, Scenario, ScheduledFault
 from kompass.launch.stack import Stack as Described
 from kompass.rclpy_ext.executor import TaskExecutor

@@ -15,7 +15,8 @@ from collections.abc import Callable
 from multiprocessing import get_context
 from pathlib import Path
 
-from kompass.drills.runner.worker import ENVIRONMENT, stack_of
+from kompass.drills.runner.pool import ENVIRONMENT
+from kompass.drills.runner.worker import stack_of
 from kompass.drills.scenario import Goal, Scenario
 
 RECIPES = Path(__file__).parents[1] / "recipes"

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterable, Iterator
-from functools import partial
 
 from kompass.drills.drive import DriveResult
-from kompass.drills.runner.worker import silence, stack_by, worker_pool
+from kompass.drills.runner.pool import in_processes
+from kompass.drills.runner.worker import silence, stack_by
 from kompass.drills.scenario import Scenario
 
 
@@ -22,9 +22,12 @@ def driven(scenarios: Iterable[Scenario], robot: str, follower: str) -> Iterator
     follower
         Of the controller.
     """
-    with worker_pool(os.cpu_count() or 1) as pool:
-        for found in pool.map(partial(_drive, robot, follower), scenarios):
-            yield DriveResult.model_validate_json(found)
+    calls = [(robot, follower, scenario) for scenario in scenarios]
+    made: dict[int, str] = {}
+    for ended in in_processes(_drive, calls, os.cpu_count() or 1):
+        made[ended.index] = ended.result
+    for index in range(len(calls)):
+        yield DriveResult.model_validate_json(made[index])
 
 
 def _drive(robot: str, follower: str, scenario: Scenario) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, get_args
 import typer
 
 from kompass_console.cli_error import CliError
+from kompass_console.driving import ended_as_by_hand, write_all
 from kompass_console.progress import with_progress
 
 if TYPE_CHECKING:
@@ -121,7 +122,8 @@ def bench_nav(
             drives = make_real_drives(orders)
         else:
             drives = make_bench_drives(orders, jobs or os.cpu_count() or 1)
-        with closing(drives):  # those that wait are not driven when this is left
+        # Those that wait are not driven when this is left.
+        with ended_as_by_hand(), closing(drives):
             for index, drive in with_progress(drives, len(orders)):
                 made[index] = drive
                 typer.echo(drive.model_dump_json(exclude={"track"}))
@@ -133,13 +135,14 @@ def bench_nav(
     in_order = [made[index] for index in sorted(made)]
     if in_order:
         found = means(in_order, THERE)
-        if json_file is not None:
-            lines = [each.model_dump_json() for each in (*in_order, found)]
-            json_file.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        if report_file is not None:
-            page = report_html(in_order, {world.name: world for world in chosen}, file)
-            report_file.write_text(page, encoding="utf-8")
+        lines = [each.model_dump_json() for each in (*in_order, found)]
+        shown = {world.name: world for world in chosen}
+        unwritten = write_all(
+            ("--json", json_file, lambda: "\n".join(lines) + "\n"),
+            ("--report", report_file, lambda: report_html(in_order, shown, file)),
+        )
         typer.echo(found.sentence)
+        ended = ended or unwritten
     if ended is not None:
         raise ended
 

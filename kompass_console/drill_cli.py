@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kompass_console.cli_error import CliError
+from kompass_console.driving import ended_as_by_hand, write_all
 from kompass_console.progress import with_progress
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ DRIVES = 20  # that are drawn where nobody says how many
 EXIT_CODES = """
 Exit codes: 0 the drill was made and all that --require asks for is met, 1 something of that is
 not met, 2 something in the command is wrong, 3 a drive could not be made, 4 the recipe is not the
-same twice: results are shown, and may be chance, 130 ended by hand (Ctrl-C). With 3 and 130 the
+same twice: results are shown, and may be chance, 130 ended by hand (Ctrl-C, or
+SIGTERM). With 3 and 130 the
 results are those of the drives that were made until then.
 """
 
@@ -139,13 +141,13 @@ def run(
             rule.id: rule.name for table in (other or own, proposed or own) for rule in table.rules
         },
     )
-    if json_file is not None:
-        json_file.write_text(report_json(report), encoding="utf-8")
-    if report_file is not None:
-        report_file.write_text(report_html(report), encoding="utf-8")
+    unwritten = write_all(
+        ("--json", json_file, lambda: report_json(report)),
+        ("--report", report_file, lambda: report_html(report)),
+    )
     _tell(report)
-    if ended is not None:
-        raise ended
+    if (problem := ended or unwritten) is not None:
+        raise problem
     if differences:
         raise SystemExit(NOT_REPEATABLE)
     met = all(requirement.met for requirement in report.requirements)
@@ -384,7 +386,7 @@ def _make(
     ended: CliError | None = None
     try:
         # Those that wait are not driven when this is left.
-        with closing(make_drives(orders, jobs, differs)) as drives:
+        with ended_as_by_hand(), closing(make_drives(orders, jobs, differs)) as drives:
             for index, text in with_progress(drives, len(orders)):
                 made[index] = DriveResult.model_validate_json(text)
     except DriveFailed as error:

@@ -65,7 +65,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "kompass_console": (
         ("control", "version"),
         ("audit", "cli_error", "private_file", "progress", "recordings", "schema"),
-        ("accounts", "domain", "drills", "webhooks"),
+        ("accounts", "domain", "drills", "driving", "webhooks"),
         ("settings",),
         ("link", "scene"),
         ("web",),

@@ -17,6 +17,7 @@ OCCUPIED = 100
 OCCUPIED_FROM = 65  # as map_server and RViz draw it
 # Of cells a robot drives by [m]; beyond them a number is a slip, or in another unit.
 FINEST, COARSEST = 0.001, 10.0
+FARTHEST = 1e9  # m, of an origin
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +42,11 @@ class Grid:
             raise ValueError(
                 f"resolution: {self.resolution:g} m; give cells of {FINEST:g} to {COARSEST:g} m"
             )
-        if not all(math.isfinite(value) for value in self.origin):
-            raise ValueError(f"origin: {self.origin}; give finite x, y [m] and yaw [rad]")
+        # Not a number compares false. What is further away has no cells left between its figures.
+        if not all(abs(value) <= FARTHEST for value in self.origin):
+            raise ValueError(
+                f"origin: {self.origin}; give x, y [m] and yaw [rad] of at most {FARTHEST:g}"
+            )
 
     @classmethod
     def from_row_major(

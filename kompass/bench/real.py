@@ -21,8 +21,9 @@ from kompass.bench.drive import BenchDrive
 from kompass.bench.runner import BenchOrder, map_file, measured, scenario_of
 from kompass.bench.stack import COMPONENTS, bring_up
 from kompass.drills.runner.lifeline import end_with
+from kompass.drills.runner.pool import ENVIRONMENT
 from kompass.drills.runner.run import AFTERWARDS, SETTLED, NotUp, Observed
-from kompass.drills.runner.worker import ENVIRONMENT, DriveFailed, stack_by
+from kompass.drills.runner.worker import DriveFailed, stack_by
 from kompass.simulation.physics.robot_model import robot_model
 from kompass.simulation.worlds.registry import add_world
 from kompass.supervisor.process import ProcessSpec, Report

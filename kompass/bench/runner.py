@@ -6,7 +6,7 @@ import os
 import random
 import tempfile
 from collections.abc import Generator, Sequence
-from concurrent.futures import as_completed
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +16,9 @@ from kompass.bench.drive import BenchDrive, BenchOutcome, MapKnown
 from kompass.bench.score import arrival, least_gap, score, time_limit
 from kompass.bench.stack import bring_up, described
 from kompass.drills.facts import Motion
+from kompass.drills.runner.pool import in_processes
 from kompass.drills.runner.run import Observed, run_drive
-from kompass.drills.runner.worker import NICENESS, DriveFailed, silence, stack_by, worker_pool
+from kompass.drills.runner.worker import NICENESS, DriveFailed, silence, stack_by
 from kompass.drills.scenario import LONGEST, Goal, Scenario
 from kompass.launch.virtual_stack import Embedded
 from kompass.rules.schema.model import Model
@@ -74,22 +75,17 @@ def make_bench_drives(
     DriveFailed
         When one cannot be made; the others are not waited for.
     """
-    with worker_pool(jobs) as pool:
-        futures = {pool.submit(_make, order): index for index, order in enumerate(orders)}
-        try:
-            for future in as_completed(futures):
-                index = futures[future]
-                try:
-                    made = future.result()
-                except Exception as error:
-                    order = orders[index]
-                    raise DriveFailed(
-                        f"drive through {order.world.name} with seed {order.seed}: "
-                        f"{type(error).__name__}: {error}"
-                    ) from error
-                yield index, BenchDrive.model_validate_json(made)
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+    with closing(in_processes(_make, [(order,) for order in orders], jobs)) as drives:
+        for ended in drives:
+            try:
+                made = ended.result
+            except Exception as error:
+                order = orders[ended.index]
+                raise DriveFailed(
+                    f"drive through {order.world.name} with seed {order.seed}: "
+                    f"{type(error).__name__}: {error}"
+                ) from error
+            yield ended.index, BenchDrive.model_validate_json(made)
 
 
 def _make(order: BenchOrder) -> str:

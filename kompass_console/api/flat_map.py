@@ -23,13 +23,13 @@ _PINGS = (5.0, 30)  # a second, and at once
 
 @router.get("/{version}")
 async def picture(version: int, theme: Theme, _: LoggedIn, console: CurrentConsole) -> Response:
-    """WebP of the map that the robot has now, in a theme's colours."""
+    """Picture of the map that the robot has now, in a theme's colours."""
     drawn = await run_in_threadpool(console.scene.map_picture, version, theme)
     if drawn is None:
         raise ConsoleError(
             404, "This map is not there any more.", "Wait for the one that has taken its place."
         )
-    return Response(drawn, media_type="image/webp")
+    return Response(drawn, media_type="image/png" if drawn.startswith(b"\x89PNG") else "image/webp")
 
 
 @router.websocket("/live")

@@ -98,7 +98,7 @@ class Converter:
             self._trail_changed = True
 
     def convert(self) -> None:
-        """Bring every layer up to date. Call from one thread only."""
+        """Bring every layer but the map up to date. Call from one thread only."""
         world, drawings = self._world, self._drawings
         self.remember()
         drawings.extras = world.extras
@@ -141,9 +141,14 @@ class Converter:
         if described is not None and self._is_new("description", described.version):
             self._describe(described.value)
             drawings.counted("description")
-        if (grid := world.map.get()) is not None and self._is_new("map", grid.version):
-            drawings.map = map_drawing(grid.value, grid.version)
-            drawings.counted("map")
+
+    def convert_map(self) -> None:
+        """Bring the map up to date, which takes seconds where it is large: call from a thread of
+        its own, and only from that one."""
+        grid = self._world.map.get()
+        if grid is not None and self._is_new("map", grid.version):
+            self._drawings.map = map_drawing(grid.value, grid.version)
+            self._drawings.counted("map")
 
     def _describe(self, text: str) -> None:
         """Read the robot's own description; without one that can be read, it has none."""

@@ -56,14 +56,20 @@ class Scene:
         self._drawn = threading.Event()
         self._drawn.set()
         self.hub = ViserHub(self._connected, self._disconnected)
-        self._thread = threading.Thread(target=self._work, name="scene", daemon=True)
-        self._thread.start()
+        self._threads = [
+            threading.Thread(target=self._work, name="scene", daemon=True),
+            # A large map must not hold up what moves.
+            threading.Thread(target=self._work_maps, name="scene maps", daemon=True),
+        ]
+        for thread in self._threads:
+            thread.start()
 
     def stop(self) -> None:
         """End the scene's thread and viser's."""
         self._ending.set()
         self._drawn.set()
-        self._thread.join(2.0)
+        for thread in self._threads:
+            thread.join(2.0)
         self.hub.stop()
 
     def apply(self, view: View) -> None:
@@ -97,7 +103,7 @@ class Scene:
             self._flat_maps.discard(flat)
 
     def map_picture(self, version: int, theme: Theme) -> bytes | None:
-        """WebP of the newest map, in one piece; None when that has another version."""
+        """Picture of the newest map, in one piece; None when that has another version."""
         drawing, last = self._drawings.map, self._picture
         if drawing is None or drawing.version != version:
             return None
@@ -205,6 +211,16 @@ class Scene:
             self.hub.post(self._draw)
             # Not a queue of drawings: the next round begins when this one has been handed over.
             self._drawn.wait(1.0)
+
+    def _work_maps(self) -> None:
+        while not self._ending.wait(_PERIOD if self._watched else _IDLE_PERIOD):
+            if not self._watched:
+                continue
+            try:
+                self._converter.convert_map()
+            except Exception:
+                # The next map may be one that can be drawn.
+                _logger.exception("a map could not be converted")
 
     def _draw(self) -> None:
         try:

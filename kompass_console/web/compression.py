@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from websockets.exceptions import NegotiationError
 from websockets.extensions import Extension
 from websockets.extensions.permessage_deflate import (
     PerMessageDeflate,
@@ -20,6 +21,7 @@ from websockets.typing import ExtensionParameter
 
 _LARGE = 16_384  # bytes
 _LEVEL = 5  # of zlib: more take twice the time for nothing
+_SMALLEST_WINDOW = 9  # bits; zlib packs with no smaller one, which RFC 7692 knows of
 
 
 class LargeMessages(PerMessageDeflate):  # type: ignore[misc]
@@ -46,6 +48,8 @@ class LargeMessagesFactory(ServerPerMessageDeflateFactory):  # type: ignore[misc
         self, params: Sequence[ExtensionParameter], accepted_extensions: Sequence[Extension]
     ) -> tuple[list[ExtensionParameter], PerMessageDeflate]:
         agreed, deflate = super().process_request_params(params, accepted_extensions)
+        if deflate.local_max_window_bits < _SMALLEST_WINDOW:
+            raise NegotiationError("a window of 256 bytes")
         return agreed, LargeMessages(
             deflate.remote_no_context_takeover,
             deflate.local_no_context_takeover,

@@ -269,12 +269,27 @@ class GatedWebSocket(WebSocketsSansIOProtocol):
         super().connection_lost(exc)
 
     def handle_connect(self, event: Request) -> None:
+        if not all(
+            value.isascii()
+            for name, value in event.headers.raw_items()
+            if name.lower().startswith("sec-websocket-")
+        ):
+            self._refuse(event, "A header Sec-WebSocket-… has characters other than ASCII.\n")
+            return
         # Before any frame is read: a larger one is refused by its header, and never buffered.
         path = event.path.partition("?")[0]
         self.conn.max_message_size = self._largest_message(path)
         if self._compressed(path):
             self.conn.available_extensions = [LargeMessagesFactory()]
         super().handle_connect(event)
+
+    def _refuse(self, event: Request, text: str) -> None:
+        """Answer 400 to who asks for a websocket, and hang up."""
+        self.request, self.response = event, self.conn.reject(400, text)
+        self.handshake_initiated = self.handshake_complete = self.close_sent = True
+        self.conn.send_response(self.response)
+        self.transport.write(b"".join(self.conn.data_to_send()))
+        self.transport.close()
 
     def start_keepalive(self) -> None:
         assert self._slot is not None

@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -48,3 +50,9 @@ def test_a_truncated_message_is_refused_by_name_and_number() -> None:
 def test_a_grid_whose_cells_are_none_to_drive_by_is_refused(resolution: float) -> None:
     with pytest.raises(ValueError, match=r"resolution: .* give cells of 0\.001 to 10 m"):
         Grid(np.zeros((2, 2), np.int8), resolution)
+
+
+@pytest.mark.parametrize("x", [1e308, -1e10, math.nan, math.inf])
+def test_a_map_that_lies_nowhere_is_refused(x: float) -> None:
+    with pytest.raises(ValueError, match=r"origin: .*of at most 1e\+09"):
+        Grid(np.zeros((2, 2), np.int8), 0.05, (x, 0.0, 0.0))

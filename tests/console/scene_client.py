@@ -75,6 +75,7 @@ class SceneClient:
         self.camera: dict[str, tuple[float, ...]] = {}
         self.dark = False
         self.messages = 0
+        self.without_map = 0  # bytes of frames that have nothing to do with the map
         self._thread = threading.Thread(target=self._read, daemon=True)
         self._thread.start()
 
@@ -102,6 +103,8 @@ class SceneClient:
                 window = msgspec.msgpack.decode(unpacker.decompress(frame[16 : 16 + packed]))
                 for message in window["messages"]:
                     self._keep(message)
+                if not any("/map" in message.get("name", "") for message in window["messages"]):
+                    self.without_map += len(frame)
                 self.messages += 1
         except ConnectionClosed:
             return

@@ -56,4 +56,5 @@ def test_a_page_that_comes_while_a_layer_is_converted_does_not_take_it_for_drawn
     drawings.counts = Counts(drawings.counts)
     converter = Converter(told_everything(), drawings)
     converter.convert()
+    converter.convert_map()
     assert looked == set(drawings.counts)

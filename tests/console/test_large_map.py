@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from kompass.algorithms.grid import Grid
 from kompass_console.scene.layers.map import map_drawing, whole_picture
@@ -49,12 +52,12 @@ def test_the_floor_and_the_walls_of_a_large_building_are_few_bytes_on_the_wire(
         serving(tmp_path / "audit", domain) as own,
         drawn_scene(own, theme=theme, layers=layers) as scene,
     ):
-        before = scene.wire.received
+        before = scene.wire.received - scene.without_map
         with running_stack("--large"):
             wait_until(lambda: "/world/map/walls" in scene.nodes, 30.0, "the walls are drawn")
-        received = scene.wire.received - before
+        received = scene.wire.received - scene.without_map - before
     assert {"/world/map/tile0", "/world/map/tile1"} <= scene.nodes
-    assert 20_000 < received <= MOST, "the map, and with it the robot's body"
+    assert 20_000 < received <= MOST
 
 
 @pytest.mark.ros
@@ -71,3 +74,9 @@ def test_the_walls_of_a_map_that_grows_stay_and_all_of_them_have_a_colour(
             wait_until(lambda: scene.updates.get(walls), 30.0, "other walls are drawn")
     assert of_each_box <= set(scene.updates[walls])
     assert walls not in scene.removed
+
+
+def test_a_map_that_is_longer_than_any_picture_of_the_usual_kind_has_a_picture() -> None:
+    drawing = map_drawing(Grid(np.zeros((1, 20_000), np.int8), 0.05))
+    picture = Image.open(io.BytesIO(whole_picture(drawing, "light")))
+    assert picture.size == (20_000, 1)

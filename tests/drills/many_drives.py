@@ -10,10 +10,10 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import closing
 from dataclasses import dataclass, field
 
-from kompass.drills.runner.worker import ENVIRONMENT, worker_pool
+from kompass.drills.runner.pool import ENVIRONMENT, in_processes
 
 NICENESS = 10
 PROGRESS = 10.0  # s between two lines of it
@@ -46,25 +46,16 @@ def make(seeds: Iterable[int], jobs: int, until: float = float("inf")) -> Iterat
     until
         Monotonic time after which none is begun [s].
     """
-    waiting = iter(seeds)
-    with worker_pool(jobs, "tests.drills.random_drives") as pool:
-        under_way: dict[Future[Driven], int] = {}
 
-        def begin() -> None:
-            seed = next(waiting, None) if time.monotonic() < until else None
-            if seed is not None:
-                under_way[pool.submit(_make, seed, False)] = seed
+    def begun() -> Iterator[tuple[int, bool]]:
+        for seed in seeds:
+            if time.monotonic() >= until:
+                return
+            yield seed, False
 
-        for _ in range(2 * jobs):
-            begin()
-        try:
-            while under_way:
-                for done in wait(under_way, return_when=FIRST_COMPLETED).done:
-                    under_way.pop(done)
-                    begin()
-                    yield done.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
+    with closing(in_processes(_make, begun(), jobs, "tests.drills.random_drives")) as drives:
+        for ended in drives:
+            yield ended.result
 
 
 def _make(seed: int, loud: bool) -> Driven:

@@ -97,8 +97,9 @@ def test_a_table_is_compared_with_another_drive_by_drive(drill: Drill, tmp_path:
     assert "mapper: “Controller stuck → unblock” fired never instead of once" in done.stdout
 
 
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_what_was_driven_under_both_tables_before_somebody_ended_it_is_compared_and_written(
-    tmp_path: Path,
+    tmp_path: Path, sent: signal.Signals
 ) -> None:
     found, page, none = tmp_path / "drill.json", tmp_path / "drill.html", tmp_path / "none.json"
     none.write_text(json.dumps({"rules": []}), encoding="utf-8")
@@ -116,7 +117,7 @@ def test_what_was_driven_under_both_tables_before_somebody_ended_it_is_compared_
         try:
             while int(running.stderr.readline().split(" of ")[0]) < 4:
                 pass
-            os.killpg(running.pid, signal.SIGINT)  # as a terminal does it
+            os.killpg(running.pid, sent)  # as a terminal does it, or a container
             told, errors = running.communicate(timeout=patient(30))
         finally:
             if running.poll() is None:
@@ -134,6 +135,21 @@ def test_what_was_driven_under_both_tables_before_somebody_ended_it_is_compared_
     assert note in errors
     assert told.splitlines()[0] == f"! {note}"
     assert note in page.read_text(encoding="utf-8")
+
+
+def test_a_report_that_cannot_be_written_is_told_of_and_the_other_is_written(
+    drill: Drill, tmp_path: Path
+) -> None:
+    page = tmp_path / "drill.html"
+    one = (GUARDED, "--seeds", "1", "--faults", "", "--report", page)
+    done = drill(*one, "--json", "/dev/full")
+    assert done.returncode == 2
+    (line,) = (one for one in done.stderr.splitlines() if "--json" in one)
+    assert line.endswith(
+        "--json /dev/full: it cannot be written (No space left on device); give another file"
+    )
+    assert "No fault disturbed any drive." in done.stdout
+    assert page.exists()
 
 
 def test_what_was_driven_before_a_drive_could_not_be_made_is_told_and_written(

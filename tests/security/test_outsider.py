@@ -468,6 +468,34 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return certificate, key
 
 
+@pytest.mark.parametrize("path", ["/scene/x", "/api/state", "/nowhere"])
+@pytest.mark.parametrize(
+    "header",
+    [
+        b"Sec-WebSocket-Extensions: permessage-deflate; \xe9=1",
+        b"Sec-WebSocket-Protocol: \xe9",
+        b"Sec-WebSocket-Key: \xff\xfe",
+    ],
+)
+def test_a_websocket_header_that_is_no_text_is_refused_and_no_error_of_the_console_s(
+    console: Served, caplog: pytest.LogCaptureFixture, path: str, header: bytes
+) -> None:
+    usual = {
+        b"Sec-WebSocket-Key": b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
+        b"Sec-WebSocket-Version": b"Sec-WebSocket-Version: 13",
+    }
+    usual[header.partition(b":")[0]] = header
+    asked = [
+        f"GET {path} HTTP/1.1\r\nHost: {LOOPBACK}:{console.port}".encode(),
+        f"Origin: {console.origin}".encode(),
+        *(b"Connection: Upgrade", b"Upgrade: websocket"),
+        *usual.values(),
+    ]
+    answer = answer_to(console, b"\r\n".join(asked) + b"\r\n\r\n")
+    assert answer.startswith(b"HTTP/1.1 400 ")
+    assert not [record for record in caplog.records if record.levelno >= logging.ERROR]
+
+
 def test_with_a_certificate_nothing_is_said_in_the_clear(
     tmp_path: Path, domain: int, pair: tuple[Path, Path]
 ) -> None:

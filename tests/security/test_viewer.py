@@ -18,7 +18,8 @@ import httpx
 import msgspec
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import ClientConnection
+from websockets.extensions.permessage_deflate import ClientPerMessageDeflateFactory
+from websockets.sync.client import ClientConnection, connect
 
 from kompass_console.scene.client_messages import allowed
 from kompass_console.schema.roles import Role
@@ -75,6 +76,25 @@ def test_a_large_scene_message_is_refused_by_its_size_alone(
         with contextlib.suppress(ConnectionClosed):
             page.send(**large)
         assert scene_closed_with(page) in TOO_LARGE
+
+
+def test_a_window_that_nothing_can_be_packed_with_is_not_agreed_to(console: Served) -> None:
+    with (
+        console.client(Role.VIEWER) as client,
+        connect(
+            f"ws://127.0.0.1:{console.port}/scene/{new_view(client)}",
+            origin=console.origin,
+            additional_headers={"Cookie": cookie_of(client)},
+            subprotocols=["viser-v1.1.1"],
+            extensions=[ClientPerMessageDeflateFactory(server_max_window_bits=8)],
+            compression=None,
+        ) as page,
+    ):
+        agreed = page.response
+        assert agreed is not None
+        assert "Sec-WebSocket-Extensions" not in agreed.headers
+        page.send(msgspec.msgpack.encode(camera_message()))
+        assert page.recv(timeout=patient(5.0)), "the scene comes as it is"
 
 
 @pytest.mark.parametrize("path", ["/api/state", "/api/rules/live", "/api/map/live", "/api/camera"])

@@ -4,12 +4,16 @@ It ends with who asks for the drives, and imports all that a drive needs, once f
 """
 
 import os
+import signal
 
 from kompass.drills.runner.lifeline import ASKS, end_with
 
 # Before all else: the imports take seconds, in which who asks may end.
 end_with(int(os.environ[ASKS]))
 SERVER = os.getpid()
+# Ctrl-C of a terminal is for all of a command's processes. Who asks ends the drill; those who drive
+# end at once and say nothing, where Python would have each tell in many lines where it was.
+signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 import kompass.drills.runner.run  # noqa: E402
 import kompass.launch.launcher  # noqa: E402, F401

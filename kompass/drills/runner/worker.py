@@ -8,18 +8,15 @@ import runpy
 import sys
 import tempfile
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from kompass.drills.draw import check_targets, expand_faults
-from kompass.drills.runner.lifeline import ASKS, end_with
+from kompass.drills.runner.pool import ProcessEnded, in_processes
 from kompass.drills.runner.repeated import difference
 from kompass.drills.scenario import Scenario
 from kompass.printable import printable
@@ -28,26 +25,7 @@ from kompass.rules.schema.table import Table
 if TYPE_CHECKING:
     from kompass.launch.stack import Stack
 
-AGAIN = -1  # stands for the index of the drive that is made a second time
 NICENESS = 19  # whatever else runs on the machine goes first
-# In every process of a drill: what would make two runs of one seed differ, or one slower.
-ENVIRONMENT = {
-    "PYTHONHASHSEED": "0",
-    "OPENBLAS_NUM_THREADS": "1",
-    "OMP_NUM_THREADS": "1",
-    "KOMPASS_ROBOT_NAME": "drill",
-    "KOMPASS_ROS_CONTROL": "read",
-}
-
-# What the process imports that all drives are forked from: what they are made with, what recipes
-# import, which lies above, and at last what warms all of it up.
-PRELOADED = [
-    "kompass.drills.runner.preloaded",
-    "kompass.actions",
-    "kompass.control",
-    "kompass.ros",
-    "kompass.drills.runner.warm",
-]
 
 
 @dataclass(frozen=True)
@@ -118,34 +96,26 @@ def make_drives(
     DriveFailed
         When one cannot be made; the others are not waited for.
     """
-    with worker_pool(jobs) as pool:
-        twice = differs is not None and bool(orders)
-        futures = {
-            pool.submit(_make, order, facts=twice and not index): index
-            for index, order in enumerate(orders)
-        }
-        if twice:
-            again = replace(orders[0], recording=None)
-            futures[pool.submit(_make, again, facts=True)] = AGAIN
-        first: list[_Made] = []
-        try:
-            for future in as_completed(futures):
-                index = futures[future]
-                order = orders[max(index, 0)]
-                try:
-                    made = future.result()
-                except (Exception, SystemExit) as error:
-                    raise DriveFailed(f"drive {order.scenario.name}: {_why(error)}") from error
-                if twice and index in (0, AGAIN):
-                    first.append(made)
-                    if len(first) == 2 and differs is not None:
-                        said = difference(order.scenario.name, first[0].facts, first[1].facts)
-                        if said:
-                            differs(said)
-                if index != AGAIN:
-                    yield index, made.result
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+    twice = differs is not None and bool(orders)
+    calls = [(order, twice and not index) for index, order in enumerate(orders)]
+    if twice:
+        calls.append((replace(orders[0], recording=None), True))
+    first: list[_Made] = []
+    with closing(in_processes(_make, calls, jobs)) as drives:
+        for ended in drives:
+            order, facts = calls[ended.index]
+            try:
+                made = ended.result
+            except (Exception, SystemExit) as error:
+                raise DriveFailed(f"drive {order.scenario.name}: {_why(error)}") from error
+            if facts:
+                first.append(made)
+                if len(first) == 2 and differs is not None:
+                    said = difference(order.scenario.name, first[0].facts, first[1].facts)
+                    if said:
+                        differs(said)
+            if ended.index < len(orders):
+                yield ended.index, made.result
 
 
 def _why(error: BaseException) -> str:
@@ -153,7 +123,7 @@ def _why(error: BaseException) -> str:
     if isinstance(error, SystemExit):
         # Not ours to pass on: a drill that ends with the recipe's 0 counts as passed.
         return f"the recipe, or a function of it, calls sys.exit({error.code!r}); leave that out"
-    if isinstance(error, BrokenProcessPool):
+    if isinstance(error, ProcessEnded):
         return (
             "its process ended; look whether the recipe, or a function of it, ends it (os._exit), "
             "and whether memory ran out"
@@ -162,34 +132,7 @@ def _why(error: BaseException) -> str:
     return text if isinstance(error, ValueError) else f"{type(error).__name__}: {text}"
 
 
-def worker_pool(jobs: int, *also: str) -> ProcessPoolExecutor:
-    """So many processes at a time, a new one for each call, which all end with this one.
-
-    Those who drive in them keep to what the module's ENVIRONMENT and NICENESS say.
-
-    Parameters
-    ----------
-    also
-        Modules that the calls need besides.
-    """
-    # Taken over by the process that all others are forked from.
-    os.environ |= ENVIRONMENT | {ASKS: str(os.getpid())}
-    context = get_context("forkserver")
-    *first, warm = PRELOADED
-    context.set_forkserver_preload([*first, *also, warm])
-    return ProcessPoolExecutor(
-        jobs, mp_context=context, max_tasks_per_child=1, initializer=_end_with_server
-    )
-
-
-def _end_with_server() -> None:
-    """In a process of its own, before it waits for what to do."""
-    from kompass.drills.runner.preloaded import SERVER
-
-    end_with(SERVER)
-
-
-def _make(order: Order, *, facts: bool) -> _Made:
+def _make(order: Order, facts: bool) -> _Made:
     """In a process of its own."""
     from kompass.drills.runner.run import run_drive
     from kompass.virtual.action_clients import action_clients_on_any_node
@@ -291,9 +234,9 @@ def look_at(recipe: Path, table: Table | None = None) -> Looked:
     DriveFailed
         When it cannot be drilled, or the table is not for it.
     """
-    with worker_pool(1) as pool:
+    with closing(in_processes(_look, [(recipe, table)], 1)) as looking:
         try:
-            return pool.submit(_look, recipe, table).result()
+            return next(looking).result
         except (Exception, SystemExit) as error:
             raise DriveFailed(f"{recipe.name}: {_why(error)}") from error
 

@@ -21,6 +21,7 @@ _UNKNOWN, _HATCH, _FREE, _OCCUPIED = 0, 1, 2, 3
 
 _TILE = 1024  # px; the smallest texture limit still met on tablets is 4096
 _SHARP = 2048  # px; small maps are magnified up to this, or their cells blur into each other
+_LONGEST = 16_383  # px of a side of a WebP
 _HATCH_PITCH = 12  # px between the hatching lines of unknown space
 
 WALL_HEIGHT = 0.08  # m; low, so that a point on a wall's top is near the point on the floor
@@ -141,7 +142,7 @@ def _hatched(classes: _Bytes, row: int, column: int) -> _Bytes:
 
 
 def whole_picture(drawing: MapDrawing, theme: Theme) -> bytes:
-    """WebP of a map in one piece, a pixel for each cell, north up."""
+    """WebP, or PNG of a very long map, in one piece, a pixel for each cell, north up."""
     return _encoded(drawing.classes[::-1], theme)
 
 
@@ -153,7 +154,11 @@ def _encoded(classes: _Bytes, theme: Theme) -> bytes:
         [colours.unknown, colours.unknown_line, colours.free, colours.occupied], np.uint8
     )
     encoded = io.BytesIO()
-    Image.fromarray(colour[classes]).save(encoded, "WEBP", lossless=True, method=4, quality=60)
+    picture = Image.fromarray(colour[classes])
+    if max(classes.shape) > _LONGEST:
+        picture.save(encoded, "PNG")
+    else:
+        picture.save(encoded, "WEBP", lossless=True, method=4, quality=60)
     return encoded.getvalue()
 
 
