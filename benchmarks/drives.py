@@ -24,10 +24,12 @@ def driven(scenarios: Iterable[Scenario], robot: str, follower: str) -> Iterator
     """
     calls = [(robot, follower, scenario) for scenario in scenarios]
     made: dict[int, str] = {}
+    following = 0
     for ended in in_processes(_drive, calls, os.cpu_count() or 1):
         made[ended.index] = ended.result
-    for index in range(len(calls)):
-        yield DriveResult.model_validate_json(made[index])
+        while following in made:
+            yield DriveResult.model_validate_json(made.pop(following))
+            following += 1
 
 
 def _drive(robot: str, follower: str, scenario: Scenario) -> str:
