@@ -10,17 +10,22 @@ from typing import TYPE_CHECKING, Annotated, get_args
 import typer
 
 from kompass_console.cli_error import CliError
-from kompass_console.driving import ended_as_by_hand, write_all
-from kompass_console.progress import with_progress
+from kompass_console.driving import (
+    BAD_INPUT,
+    INTERRUPTED,
+    NOT_DRIVEN,
+    ended_as_by_hand,
+    with_progress,
+    write_all,
+)
 
 if TYPE_CHECKING:
     from kompass.bench.barn_file import BarnFile, BarnWorld
     from kompass.bench.drive import BenchDrive
 
-BAD_INPUT, FAILED, INTERRUPTED = 2, 3, 130
 EXIT_CODES = """
 Exit codes: 0 all drives were made, whatever became of them, 2 something in the command is wrong,
-3 a drive could not be made, 130 ended by hand (Ctrl-C). With 3 and 130 the files have the drives
+3 a drive could not be made, 130 ended by hand (Ctrl-C, SIGTERM). With 3 and 130 the files have the drives
 that were made until then.
 """
 
@@ -128,7 +133,7 @@ def bench_nav(
                 made[index] = drive
                 typer.echo(drive.model_dump_json(exclude={"track"}))
     except DriveFailed as error:
-        ended = CliError(FAILED, str(error))
+        ended = CliError(NOT_DRIVEN, str(error))
     except KeyboardInterrupt:
         ended = CliError(INTERRUPTED, f"ended by hand after {len(made)} of {len(orders)} drives")
     # What was driven until then may have taken hours: it is not lost with what was not.

@@ -11,8 +11,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kompass_console.cli_error import CliError
-from kompass_console.driving import ended_as_by_hand, write_all
-from kompass_console.progress import with_progress
+from kompass_console.driving import (
+    BAD_INPUT,
+    INTERRUPTED,
+    NOT_DRIVEN,
+    ended_as_by_hand,
+    with_progress,
+    write_all,
+)
 
 if TYPE_CHECKING:
     from kompass.drills.draw import DrawOptions
@@ -22,14 +28,13 @@ if TYPE_CHECKING:
     from kompass.drills.scenario import Scenario
     from kompass.rules.schema.table import Table
 
-FAILED, BAD_INPUT, NOT_DRIVEN, NOT_REPEATABLE, INTERRUPTED = 1, 2, 3, 4, 130
+FAILED, NOT_REPEATABLE = 1, 4
 DRIVES = 20  # that are drawn where nobody says how many
 EXIT_CODES = """
 Exit codes: 0 the drill was made and all that --require asks for is met, 1 something of that is
 not met, 2 something in the command is wrong, 3 a drive could not be made, 4 the recipe is not the
-same twice: results are shown, and may be chance, 130 ended by hand (Ctrl-C, or
-SIGTERM). With 3 and 130 the
-results are those of the drives that were made until then.
+same twice: results are shown, and may be chance, 130 ended by hand (Ctrl-C, or SIGTERM). With 3
+and 130 the results are those of the drives that were made until then.
 """
 
 app = typer.Typer(

@@ -64,7 +64,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     ),
     "kompass_console": (
         ("control", "version"),
-        ("audit", "cli_error", "private_file", "progress", "recordings", "schema"),
+        ("audit", "cli_error", "private_file", "recordings", "schema"),
         ("accounts", "domain", "drills", "driving", "webhooks"),
         ("settings",),
         ("link", "scene"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import signal
 import subprocess
@@ -17,7 +16,7 @@ import pytest
 
 from kompass.bench.barn_file import BadWorlds, read_barn
 from tests.bench.worlds import world_file
-from tests.support.commands import Commands, Done
+from tests.support.commands import Commands, Done, ended_by
 from tests.support.patience import patient
 
 Bench = Callable[..., Done]
@@ -76,22 +75,14 @@ def test_it_drives_through_what_it_was_not_told_of_and_says_why_it_gave_up(
 def test_what_was_driven_before_somebody_ended_it_is_written(tmp_path: Path) -> None:
     lines, page = tmp_path / "found.jsonl", tmp_path / "found.html"
     given = ["--worlds", str(world_file(tmp_path)), "--only", "1", "--seeds", "50", "--jobs", "1"]
-    with subprocess.Popen(
-        [*BENCH, *given, "--json", str(lines), "--report", str(page)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    ) as running:
+    files = ["--json", str(lines), "--report", str(page)]
+
+    def first_drive(running: subprocess.Popen[str]) -> Any:
         assert running.stdout is not None
-        try:
-            first = json.loads(running.stdout.readline())
-            os.killpg(running.pid, signal.SIGINT)  # as a terminal does it
-            told, errors = running.communicate(timeout=patient(30))
-        finally:
-            if running.poll() is None:
-                os.killpg(running.pid, signal.SIGKILL)
-    assert running.returncode == 130, errors
+        return json.loads(running.stdout.readline())
+
+    first, code, told, errors = ended_by(signal.SIGINT, [*BENCH, *given, *files], first_drive)
+    assert code == 130, errors
     made = len(told.splitlines())  # the first has been read, and the last is the sentence
     assert f"ended by hand after {made} of 50 drives" in errors
     assert "Traceback" not in errors, errors

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import socket
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import msgspec
@@ -12,6 +14,8 @@ import viser.transforms as tf
 import zstandard
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
+
+from tests.support.processes import wait_until
 
 
 def camera_message(
@@ -128,3 +132,14 @@ class SceneClient:
                 self.camera[kind] = tuple(value)
         elif "props" in message:
             self.nodes.add(name)
+
+
+@contextmanager
+def drawn(scene: SceneClient, **look: Any) -> Iterator[SceneClient]:
+    """A scene once it is drawn, looked at from somewhere."""
+    try:
+        scene.look(**look)
+        wait_until(lambda: "/world/robot" in scene.nodes, 5.0, "the scene is drawn")
+        yield scene
+    finally:
+        scene.close()

@@ -16,7 +16,7 @@ from kompass_console.scene.layers.map import map_drawing, whole_picture
 from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, cookie_of, running_stack, serving
 from tests.console.fake_stack import building
-from tests.console.scene_client import SceneClient
+from tests.console.scene_client import SceneClient, drawn
 from tests.support.processes import wait_until
 
 MOST = 60_000  # bytes
@@ -33,13 +33,8 @@ def drawn_scene(own: Served, **settings: object) -> Iterator[SceneClient]:
     with own.client(Role.VIEWER) as client:
         view = client.post("/api/views").json()["id"]
         client.patch(f"/api/views/{view}", json=settings)
-        scene = SceneClient(own.port, view, cookie_of(client))
-        try:
-            scene.look()
-            wait_until(lambda: "/world/robot" in scene.nodes, 5.0, "the scene is drawn")
+        with drawn(SceneClient(own.port, view, cookie_of(client))) as scene:
             yield scene
-        finally:
-            scene.close()
 
 
 @pytest.mark.ros

@@ -14,7 +14,7 @@ from websockets.sync.client import connect
 from kompass_console.scene.client_messages import allowed
 from kompass_console.schema.roles import Role
 from tests.console.conftest import Served, cookie_of, running_stack
-from tests.console.scene_client import SceneClient, camera_message
+from tests.console.scene_client import SceneClient, camera_message, drawn
 from tests.support.processes import wait_until
 
 pytestmark = pytest.mark.ros
@@ -22,13 +22,8 @@ pytestmark = pytest.mark.ros
 
 @contextmanager
 def page(console: Served, client: httpx.Client, view: str, **look: object) -> Iterator[SceneClient]:
-    scene = SceneClient(console.port, view, cookie_of(client))
-    try:
-        scene.look(**look)  # type: ignore[arg-type]
-        wait_until(lambda: "/world/robot" in scene.nodes, 5.0, "the scene is drawn")
+    with drawn(SceneClient(console.port, view, cookie_of(client)), **look) as scene:
         yield scene
-    finally:
-        scene.close()
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -16,7 +15,7 @@ import pytest
 from kompass.drills.report_json import read_report
 from kompass.drills.scenario_file import read_scenarios
 from tests.drills.test_runner import WITHOUT_PLANNER
-from tests.support.commands import Commands, Done
+from tests.support.commands import Commands, Done, ended_by
 from tests.support.patience import patient
 
 pytestmark = pytest.mark.slow
@@ -32,12 +31,12 @@ faults: [{name: "kill:mapper", at: 6.0}]
 
 
 Drill = Callable[..., Done]
+DRILL = (str(Path(sys.executable).with_name("kompass-console")), "drill")
 
 
 def drill_of_its_own(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [str(Path(sys.executable).with_name("kompass-console")), "drill"]
     return subprocess.run(
-        [*command, *map(str, arguments)],
+        [*DRILL, *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=patient(60),  # drives give way to whatever else runs
@@ -103,26 +102,18 @@ def test_what_was_driven_under_both_tables_before_somebody_ended_it_is_compared_
 ) -> None:
     found, page, none = tmp_path / "drill.json", tmp_path / "drill.html", tmp_path / "none.json"
     none.write_text(json.dumps({"rules": []}), encoding="utf-8")
-    command = [str(Path(sys.executable).with_name("kompass-console")), "drill", str(GUARDED)]
     given = ["--rules", str(none), "--against", "recipe", "--seeds", "50", "--jobs", "1"]
     files = ["--json", str(found), "--report", str(page)]
-    with subprocess.Popen(
-        [*command, *given, *files, "--faults", "kill:mapper"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    ) as running:
+
+    def four_drives(running: subprocess.Popen[str]) -> None:
         assert running.stderr is not None
-        try:
-            while int(running.stderr.readline().split(" of ")[0]) < 4:
-                pass
-            os.killpg(running.pid, sent)  # as a terminal does it, or a container
-            told, errors = running.communicate(timeout=patient(30))
-        finally:
-            if running.poll() is None:
-                os.killpg(running.pid, signal.SIGKILL)
-    assert running.returncode == 130, errors
+        while int(running.stderr.readline().split(" of ")[0]) < 4:
+            pass
+
+    _, code, told, errors = ended_by(
+        sent, [*DRILL, str(GUARDED), *given, *files, "--faults", "kill:mapper"], four_drives
+    )
+    assert code == 130, errors
     assert "Traceback" not in errors, errors
     report = read_report(found.read_text(encoding="utf-8"))
     assert 1 <= len(report.drives) < 50

@@ -28,7 +28,7 @@ from kompass_console.web.auth import Authenticator
 from kompass_console.web.session_records import MOST_REVOKED, MOST_SEEN, SessionRecords
 from tests.console.conftest import TOKENS, Served, cookie_of, serving
 from tests.console.rules_client import closed_with, opened, until
-from tests.console.scene_client import SceneClient, camera_message
+from tests.console.scene_client import SceneClient, camera_message, drawn
 from tests.support.patience import patient
 from tests.support.processes import wait_until
 
@@ -45,12 +45,8 @@ def scene(
 ) -> Iterator[SceneClient]:
     """A page's scene that is drawn."""
     page = SceneClient(console.port, view or new_view(client), cookie_of(client), packing)
-    try:
-        page.look()
-        wait_until(lambda: "/world/robot" in page.nodes, 5.0, "the scene is drawn")
+    with drawn(page):
         yield page
-    finally:
-        page.close()
 
 
 def new_view(client: httpx.Client) -> str:

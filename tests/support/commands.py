@@ -9,14 +9,18 @@ from __future__ import annotations
 import json
 import os
 import select
+import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from tests.support.patience import patient
 from tests.support.processes import end_with_parent
+
+T = TypeVar("T")
 
 _PROGRAM = """
 import json, os, sys
@@ -86,3 +90,27 @@ class Commands:
         self._process.wait(patient(10.0))
         os.close(self._answers)
         self._folder.cleanup()
+
+
+def ended_by(
+    sent: signal.Signals, command: Sequence[str], begun: Callable[[subprocess.Popen[str]], T]
+) -> tuple[T, int, str, str]:
+    """A command that gets a signal, with all its processes, as of a terminal or a container.
+
+    What ``begun`` returned, which waits until the signal is due; exit code, output and errors.
+    """
+    with subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as running:
+        try:
+            seen = begun(running)
+            os.killpg(running.pid, sent)
+            told, errors = running.communicate(timeout=patient(30))
+        finally:
+            if running.poll() is None:
+                os.killpg(running.pid, signal.SIGKILL)
+    return seen, running.returncode, told, errors

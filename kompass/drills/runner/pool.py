@@ -40,6 +40,7 @@ _PRELOADED = [
 ]
 _WARM = "kompass.drills.runner.warm"
 
+_ENDED = "a process ended and had not answered"
 _GOING = 5.0  # s that a process has to go once it has answered
 
 
@@ -97,8 +98,13 @@ def in_processes(
                     process = context.Process(
                         target=_answer, args=(theirs, folder, function, arguments)
                     )
-                    with theirs:
-                        process.start()
+                    try:
+                        with theirs:
+                            process.start()
+                    except (EOFError, OSError):  # it, or what it is forked from, has ended
+                        ours.close()
+                        yield Ended(index, ProcessEnded(_ENDED))
+                        continue
                     live[ours] = index, process
                 if not live:
                     return
@@ -119,7 +125,7 @@ def _heard(connection: Connection) -> object:
     try:
         return connection.recv()
     except (EOFError, OSError):
-        return ProcessEnded("a process ended and had not answered")
+        return ProcessEnded(_ENDED)
 
 
 def _leave(connection: Connection, process: ForkServerProcess) -> None:

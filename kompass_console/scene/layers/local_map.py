@@ -14,7 +14,7 @@ import viser
 
 from kompass.algorithms.grid import OCCUPIED_FROM, Grid
 from kompass.algorithms.rectangles import rectangles
-from kompass_console.scene.layers.cells import blocks
+from kompass_console.scene.layers.cells import tops
 from kompass_console.scene.layers.map import WALL_HEIGHT
 from kompass_console.scene.layers.palette import palette
 from kompass_console.scene.layers.shapes import Faces, Vertices, placed
@@ -43,7 +43,7 @@ class LocalMapDrawing:
 def local_map_drawing(grid: Grid) -> LocalMapDrawing:
     """Drawing of a local occupancy grid."""
     areas = rectangles(grid.cells >= OCCUPIED_FROM)[:_MOST_AREAS] * grid.resolution
-    vertices, faces = blocks(areas, 0.0, _HEIGHT, sides=False)
+    vertices, faces = tops(areas, _HEIGHT)
     return LocalMapDrawing(placed(vertices, Pose(*grid.origin)), faces, grid.origin, areas)
 
 
