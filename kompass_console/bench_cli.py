@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 EXIT_CODES = """
 Exit codes: 0 all drives were made, whatever became of them, 2 something in the command is wrong,
-3 a drive could not be made, 130 ended by hand (Ctrl-C, SIGTERM). With 3 and 130 the files have the drives
-that were made until then.
+3 a drive could not be made, 130 ended by hand (Ctrl-C, SIGTERM). With 3 and 130 the files have the
+drives that were made until then.
 """
 
 
