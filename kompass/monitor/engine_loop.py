@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 from kompass.backtest.event_log import (
@@ -86,7 +87,7 @@ class EngineLoop:
         self.table, self.revision, self.epoch = table, revision, epoch
         self._handle, self._wake, self._clock = handle, wake, clock
         self._event_log = event_log
-        self._unlogged: deque[tuple[Firing, int]] = deque()  # with the time of their step
+        self._unlogged: deque[Callable[[], None]] = deque()  # in the order in which it happened
         began = clock.monotonic_ns()
         self.state: EngineState = initial_state(table, began * 1e-9)
         used = tuple(rule_id for rule_id in used if rule_id in table.by_id)
@@ -111,23 +112,23 @@ class EngineLoop:
 
     def heard(self, topic: str, type_name: str, message: Any, raw: bytes) -> None:
         """Take a message of ROS."""
-        self._log_firings()
+        self._catch_up_log()
         now = self._clock.monotonic_ns()
         if self._event_log is not None:
-            self._event_log.message(topic, type_name, raw, now)
+            self._unlogged.append(partial(self._event_log.message, topic, type_name, raw, now))
         self._step(Sample(topic, message), now)
 
     def answered(self, topic: str, answer: Any) -> None:
         """Take the answer of a polled function (topic ``callable/<name>``)."""
         now = self._clock.monotonic_ns()
-        self._log_firings()
+        self._catch_up_log()
         self._log(Heard(now * 1e-9, topic, "", _plain(answer)), now)
         self._step(Sample(topic, answer), now)
 
     def ended(self, rule_id: str, run_id: int, ok: bool, error: str) -> None:
         """Take the end of a run."""
         now = self._clock.monotonic_ns()
-        self._log_firings()
+        self._catch_up_log()
         self._log(Ended(now * 1e-9, rule_id, run_id, ok, error), now)
         self._step(RunEnded(rule_id, run_id, ok, error), now)
 
@@ -151,8 +152,8 @@ class EngineLoop:
         begun = self._clock.monotonic_ns()
         now, before = begun * 1e-9, self.revision
         self.state, carried, outputs = swap(plan, self.state, now)
-        self._unlogged += [(output, begun) for output in outputs if isinstance(output, Firing)]
-        self._log_firings()
+        self._to_log(outputs, begun)
+        self._catch_up_log()
         self.table, self.revision = plan.new, revision
         if self._event_log is not None:
             event = Swapped(now, revision, plan.new.table, tuple(reset))
@@ -170,16 +171,25 @@ class EngineLoop:
         self.state, outputs = step(self.table, self.state, event, now * 1e-9)
         if outputs:
             # Handled first, logged afterwards: logging takes about as long as all the rest.
-            self._unlogged += [(output, now) for output in outputs if isinstance(output, Firing)]
+            self._to_log(outputs, now)
             self._handle(outputs, self.table, self.revision)
-            self._log_firings()
+        self._catch_up_log()
         self._schedule()
 
-    def _log_firings(self) -> None:
-        """Log what has fired, before anything that follows from it."""
+    def _to_log(self, outputs: Iterable[Output], now: int) -> None:
+        self._unlogged += [
+            partial(self._log_firing, output, now)
+            for output in outputs
+            if isinstance(output, Firing)
+        ]
+
+    def _log_firing(self, firing: Firing, now: int) -> None:
+        self._log(fired_event(firing, self.revision), now)
+
+    def _catch_up_log(self) -> None:
+        """Log what came and what has fired, before anything that follows from it."""
         while self._unlogged:
-            firing, now = self._unlogged.popleft()
-            self._log(fired_event(firing, self.revision), now)
+            self._unlogged.popleft()()
 
     def _log(self, event: LoggedEvent, now: int) -> None:
         if self._event_log is not None:

@@ -141,3 +141,19 @@ def test_a_swap_is_logged_after_what_the_old_table_let_fire() -> None:
     # It is not the new table's, though that is in force when it is carried out.
     assert (world.firings[-1].rule_id, world.revisions[-1]) == ("silent", 1)
     assert world.loop.revision == 2
+
+
+def test_a_message_is_logged_before_what_it_made_fire_and_that_before_its_end() -> None:
+    class AtOnce(World):
+        """Runs end while the engine's output is being handled."""
+
+        def _handle(self, outputs: list[Output], table: CompiledTable, revision: int) -> None:
+            super()._handle(outputs, table, revision)
+            for each in outputs:
+                if isinstance(each, Firing):
+                    self.loop.ended(each.rule_id, each.run_id, True, "")
+
+    world = AtOnce(Table.model_validate({"rules": [rule("level", compare("a", ">", 2))]}))
+    world.say("a", 3)
+    kinds = [type(event).__name__ for event in world.event_log.events]
+    assert kinds == ["Began", "Heard", "Fired", "Ended"]
