@@ -217,7 +217,7 @@ def opens_on(files: Files, folder: Path) -> int:
     try:
         assert not notice, notice
         revisions = Revisions(connection)
-        newest = revisions.before(0, 1)[0]
+        (newest,), _ = revisions.before(0, 1)
         pointers = revisions.pointers(newest.recipe)
         assert pointers == (newest.number, newest.number)
         return number_of(revisions.table(newest.number))

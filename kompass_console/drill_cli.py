@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
+from random import Random
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -29,6 +31,9 @@ if TYPE_CHECKING:
     from kompass.rules.schema.table import Table
 
 FAILED, NOT_REPEATABLE = 1, 4
+NOT_LOOKED_TWICE = (
+    "whether the recipe is the same twice was not found out: the first drive was not made again"
+)
 DRIVES = 20  # that are drawn where nobody says how many
 EXIT_CODES = """
 Exit codes: 0 the drill was made and all that --require asks for is met, 1 something of that is
@@ -126,12 +131,18 @@ def run(
         compared = None if against is None else (_name(against, other or own), other)
     except DriveFailed as error:
         raise CliError(NOT_DRIVEN, str(error)) from None
-    differences: list[str] = []
+    looked_twice: list[str] = []
     drives, drives_against, ended = _make(
-        *(recipe, chosen, tried, compared, jobs or os.cpu_count() or 1), differences.append
+        *(recipe, chosen, tried, compared, jobs or os.cpu_count() or 1), looked_twice.append
     )
     if ended is not None and not drives:
         raise ended
+    differences = [said for said in looked_twice if said]
+    notes = list(differences)
+    if ended is not None:
+        notes.append(str(ended))
+        if not looked_twice:
+            notes.append(NOT_LOOKED_TWICE)
     report = make_report(
         recipe=recipe.name,
         table=tried[0],
@@ -141,7 +152,7 @@ def run(
         seed=None if options is None else seed,
         options=options,
         requirements=requirements,
-        notes=differences if ended is None else [*differences, str(ended)],
+        notes=notes,
         names={
             rule.id: rule.name for table in (other or own, proposed or own) for rule in table.rules
         },
@@ -196,6 +207,7 @@ def replay(
         )
         order = Order(recipe, scenario, proposed, made.absolute())
         (((_, text)),) = make_drives([order], os.cpu_count() or 1, said.append)
+        said = [difference for difference in said if difference]
         made.rename(output)
     except DriveFailed as error:
         raise CliError(NOT_DRIVEN, str(error)) from None
@@ -385,8 +397,10 @@ def _make(
     from kompass.drills.runner.worker import DriveFailed, Order, make_drives
 
     tables = [tried[1]] if compared is None else [tried[1], compared[1]]
-    # Both tables of a scenario one after the other: a drill that is ended early compares, too.
-    orders = [Order(recipe, scenario, table) for scenario in scenarios for table in tables]
+    # Drawn ones go through the faults in their order: one that is ended early has met some of all.
+    turns = Random(0).sample(range(len(scenarios)), len(scenarios))
+    # Both tables of a scenario one after the other: what was driven until then compares, too.
+    orders = [Order(recipe, scenarios[turn], table) for turn in turns for table in tables]
     made: dict[int, DriveResult] = {}
     ended: CliError | None = None
     try:
@@ -398,12 +412,15 @@ def _make(
         ended = CliError(NOT_DRIVEN, str(error))
     except KeyboardInterrupt:
         ended = CliError(INTERRUPTED, f"ended by hand after {len(made)} of {len(orders)} drives")
+        if made:
+            begin = "\n" if sys.stderr.isatty() else ""  # of a terminal's line of progress
+            typer.echo(f"{begin}ended by hand: comparing what was driven …", err=True)
     step = len(tables)
     # A scenario that was driven under one of two tables only compares nothing.
     whole = [
-        first
-        for first in range(0, len(orders), step)
-        if all(each in made for each in range(first, first + step))
+        place * step
+        for place in sorted(range(len(turns)), key=turns.__getitem__)
+        if all(each in made for each in range(place * step, (place + 1) * step))
     ]
     against = [made[first + 1] for first in whole] if compared else []
     return [made[first] for first in whole], against, ended
@@ -423,6 +440,11 @@ def _tell(report: Report) -> None:
         for drive in report.drives:
             broken = ", ".join(f.name for f in drive.scenario.faults) or "no fault"
             typer.echo(f"  {drive.scenario.name}  {broken}: {drive.why}")
+    for summary, table in ((report.summary, ""), (report.summary_against, " of the other table")):
+        for rule in () if summary is None else summary.rules:
+            if rule.failed:
+                times = f"{rule.failed} of its {rule.firings} firings"
+                typer.echo(f"  {rule.rule_id}{table}: {times} did not do what they should")
     for drive in (*report.drives, *report.drives_against):
         for fault in drive.refused:
             name, what = drive.scenario.name, f"{fault.name} did not begin at {fault.at:g} s"

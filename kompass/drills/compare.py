@@ -54,6 +54,8 @@ class Comparison(Model):
     disturbed
         Those in which a fault disturbed the robot under one table or the other; of these
         ``through_before`` and ``through_after`` reached their goals without touching anything.
+    calm_before, calm_after
+        Those of the others that did: a rule may hold a robot back that nothing disturbs.
     gained, lost
         Pairs that came through under the proposed table only, and under the other only.
     slower
@@ -68,6 +70,8 @@ class Comparison(Model):
     disturbed: int
     through_before: int
     through_after: int
+    calm_before: int = 0
+    calm_after: int = 0
     gained: int
     lost: int
     contacts_before: int
@@ -113,6 +117,8 @@ def compare(
         disturbed=len(felt),
         through_before=sum(a.came_through for a, _ in felt),
         through_after=sum(b.came_through for _, b in felt),
+        calm_before=sum(a.came_through for a, b in pairs if not (a.disturbed or b.disturbed)),
+        calm_after=sum(b.came_through for a, b in pairs if not (a.disturbed or b.disturbed)),
         gained=gained,
         lost=lost,
         contacts_before=sum(len(a.contacts) for a, _ in pairs),
@@ -124,10 +130,9 @@ def compare(
         faster_pairs=sum(delay <= -NOTICED for delay in delays),
         changes=tuple(sorted(changes, key=lambda one: (_ORDER[one.change], natural(one.scenario)))),
     )
-    through = sum(b.came_through for _, b in pairs)
     said = {
         "verdict": _verdict(found),
-        "sentence": _sentence(found, through),
+        "sentence": _sentence(found),
         "chance": _chance(found),
     }
     return found.model_copy(update=said)
@@ -259,10 +264,11 @@ def _chance(found: Comparison) -> str:
     return ""
 
 
-def _sentence(found: Comparison, through: int) -> str:
+def _sentence(found: Comparison) -> str:
     if not found.pairs:
         return "No drive was compared."
     parts: list[str] = []
+    through = found.through_after + found.calm_after
     if not found.changes:
         # Neither table did better; whether both did well is another matter.
         parts.append(f"No difference in {_several(found.pairs, 'drive')}")
@@ -273,15 +279,20 @@ def _sentence(found: Comparison, through: int) -> str:
             if through < found.pairs:
                 parts.append(f"reaches its goals in {through} of {found.pairs}")
         return "; ".join(parts) + "."
+    if found.calm_after != found.calm_before:
+        # Of a robot that nothing disturbs: what a rule does to it comes before all else.
+        before = found.through_before + found.calm_before
+        instead = f" instead of {before or 'none'}" if before != through else ", as before"
+        parts.append(f"reaches its goals in {through} of {found.pairs}{instead}")
     if found.disturbed:
         instead = (
             f" instead of {found.through_before or 'none'}"
             if found.through_after != found.through_before
             else ", as before"
         )
-        parts.append(f"Recovers in {found.through_after} of {found.disturbed}{instead}")
+        parts.append(f"recovers in {found.through_after} of {found.disturbed}{instead}")
     else:
-        parts.append("No fault disturbed any drive")
+        parts.append("no fault disturbed any drive")
     if found.slower is not None and abs(found.slower) >= NOTICED:
         # Of the whole way, which is not the recovery: a fallback may drive faster ever after.
         parts.append(
@@ -295,7 +306,8 @@ def _sentence(found: Comparison, through: int) -> str:
             parts.append(_several(new - old, f"more {name}" if old else f"new {name}"))
         elif new < old:
             parts.append(_several(old - new, f"{name} fewer", f"{name}s fewer"))
-    return "; ".join(parts) + "."
+    said = "; ".join(parts)
+    return f"{said[0].upper()}{said[1:]}."
 
 
 _WORDS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")

@@ -174,10 +174,13 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
     # Not of the options: an option that is added later leaves what was drawn without it as it was.
     digest = hashlib.sha256(f"{seed}/{number}".encode()).digest()
     random = Random(int.from_bytes(digest[:16], "big"))
-    # Faults alternate first, then worlds: few drives already meet every fault.
-    place = options.worlds[number // max(len(options.faults), 1) % len(options.worlds)]
+    # Faults alternate first, then worlds: few drives already meet every fault. Which come first is
+    # of the seed: with fewer drives than faults it is not always the same ones that are left out.
+    turn, place_in_turn = divmod(number, max(len(options.faults), 1))
+    place = options.worlds[turn % len(options.worlds)]
     faults = [name for name in options.faults if fits(name, world(place))]
-    first = faults[number % len(faults)] if faults else ""
+    order = _shuffled(faults, f"{seed}/turn {turn}")
+    first = order[place_in_turn % len(order)] if order else ""
     room = _room(place, options.radius, options.clearance)
 
     here = room.place(random)
@@ -238,6 +241,16 @@ def fits(fault: str, place: World) -> bool:
     except UnknownFault:
         return False
     return True
+
+
+def _shuffled(items: Sequence[_T], of: str) -> list[_T]:
+    """Fisher's and Yates' way, with :meth:`random.Random.random` alone."""
+    random = Random(int.from_bytes(hashlib.sha256(of.encode()).digest()[:16], "big"))
+    found = list(items)
+    for last in range(len(found) - 1, 0, -1):
+        other = int(random.random() * (last + 1))
+        found[last], found[other] = found[other], found[last]
+    return found
 
 
 def _choose(first: str, faults: Sequence[str], count: int, random: Random) -> list[str]:

@@ -175,23 +175,23 @@ def _outcome_bar(name: str, summary: Summary) -> str:
 
 
 def _by_fault(report: Report) -> str:
-    if not report.summary.faults:
-        return ""
     other = report.summary_against
+    after = {tally.name: tally for tally in report.summary.faults}
     before = {tally.name: tally for tally in other.faults} if other else {}
+    if not after and not before:
+        return ""
     rows = []
-    for tally in report.summary.faults:
-        cells = []
-        if other:
-            old = before.get(tally.name)
-            cells.append(f"{old.came_through} of {old.drives}" if old else "–")
-        cells += [f"{tally.came_through} of {tally.drives}", _seconds(tally.recovery_median)]
-        rows.append((escape(tally.name), cells))
+    for name in sorted(after.keys() | before.keys()):
+        found = [before.get(name), after.get(name)] if other else [after.get(name)]
+        cells = [f"{one.came_through} of {one.drives}" if one else "–" for one in found]
+        new = after.get(name)
+        rows.append((escape(name), [*cells, _seconds(new.recovery_median if new else None)]))
     names = ["fault", escape(report.table.name), "recovery"]
     if report.against is not None:
         names.insert(1, escape(report.against.name))
     return (
-        "<section><h2>By fault</h2><p>Drives that reached their goals and touched nothing; the "
+        "<section><h2>By fault</h2><p>Of the drives in which it began, before the robot had "
+        "arrived or stood for good, those that reached their goals and touched nothing; the "
         f"recovery is the median under {escape(report.table.name)}.</p>"
         f"{_grid(names, rows, numbers=True)}</section>"
     )
@@ -321,17 +321,20 @@ def _again(report: Report) -> str:
 
 
 def _rules(report: Report) -> str:
+    found = _fired(report.table, report.summary)
+    if report.against is not None and report.summary_against is not None:
+        found += _fired(report.against, report.summary_against)
+    return found
+
+
+def _fired(table: TableName, summary: Summary) -> str:
     rows = [
         (escape(tally.rule_id), [str(tally.firings), str(tally.drives), str(tally.failed)])
-        for tally in report.summary.rules
+        for tally in summary.rules
     ]
-    if not rows:
-        return "<section><h2>Rules</h2><p>No rule fired.</p></section>"
     names = ["rule", "firings", "in drives", "failed"]
-    return (
-        f"<section><h2>Rules that fired, {escape(report.table.name)}</h2>"
-        f"{_grid(names, rows, numbers=True)}</section>"
-    )
+    told = _grid(names, rows, numbers=True) if rows else "<p>None.</p>"
+    return f"<section><h2>Rules that fired, {escape(table.name)}</h2>{told}</section>"
 
 
 def _foot(report: Report) -> str:

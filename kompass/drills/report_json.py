@@ -7,20 +7,21 @@ nothing of who ran it where.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, ValidationError, field_validator
 
 from kompass.drills.compare import Comparison, compare
-from kompass.drills.draw import DrawOptions
+from kompass.drills.draw import DrawOptions, fits
 from kompass.drills.drive import DriveResult
 from kompass.drills.names import natural
 from kompass.drills.requirement import Checked, Requirement, check_requirements
 from kompass.drills.summary import Summary, summarize
 from kompass.rules.schema.model import Model
 from kompass.rules.schema.table import Table, table_hash
+from kompass.simulation.worlds.registry import world
 
 SCHEMA: Literal["kompass-drill/1"] = "kompass-drill/1"
 
@@ -148,10 +149,24 @@ def make_report(
         summary=summary,
         summary_against=None if against is None else summarize(drives_against),
         requirements=tuple(map(_result, check_requirements(requirements, summary))),
-        notes=tuple(notes),
+        notes=(*notes, *_left_out(options, drives)),
         drives=_sorted(drives),
         drives_against=_sorted(drives_against),
     )
+
+
+def _left_out(options: DrawOptions | None, drives: Sequence[DriveResult]) -> Iterator[str]:
+    """That there were fewer drives than faults."""
+    if options is not None:
+        places = [world(name) for name in options.worlds]
+        given = {name for name in options.faults if any(fits(name, place) for place in places)}
+        drawn = given & {fault.name for drive in drives for fault in drive.scenario.faults}
+        if drawn != given:
+            whole = len(options.faults) * len(options.worlds)
+            yield (
+                f"{len(drawn)} of {len(given)} faults were drawn in these drives, and the others "
+                f"not tried; {whole} drives have each of them"
+            )
 
 
 def report_json(report: Report) -> str:

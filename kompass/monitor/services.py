@@ -251,7 +251,7 @@ class Services:
                 response, self._tables.queries.diff(request.diff_from, request.diff_to)
             )
         count = min(request.count or REVISIONS, MOST)
-        history = self._tables.queries.history(request.before, count)
+        history = self._tables.queries.history(request.before, count, LARGEST)
         return answer_in_parts(response, history, "revisions")
 
     def _explain(self, request: Any, response: Any) -> Any:

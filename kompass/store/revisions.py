@@ -28,6 +28,7 @@ _COLUMNS = f"""
     number, parent, author, role, time, reason, origin, table_hash, recipe, restores, diff,
     COALESCE({_OUTCOME}, 'active') AS outcome
 """
+_DIFF = 10  # where of these what was changed is
 
 
 class RevisionEntry(NamedTuple):
@@ -132,7 +133,7 @@ class Revisions:
         NoSuchRevision
             When there is none with this number.
         """
-        found = self.before(number + 1, 1)
+        found, _ = self.before(number + 1, 1)
         if not found or found[0].number != number:
             (newest,) = self._sql.execute("SELECT MAX(number) FROM revisions").fetchone()
             raise NoSuchRevision(
@@ -154,14 +155,35 @@ class Revisions:
         ).fetchone()
         return read_table(self._sql, content, f"revision {number}")
 
-    def before(self, number: int, count: int) -> list[Revision]:
-        """Read revisions below a number, newest first; from the newest if it is 0."""
+    def before(
+        self, number: int, count: int, largest: int | None = None
+    ) -> tuple[list[Revision], bool]:
+        """Read revisions below a number, newest first; from the newest if it is 0.
+
+        Parameters
+        ----------
+        largest
+            No further one is read once what they changed has so many characters; None for no such
+            bound.
+
+        Returns
+        -------
+        list of Revision, bool
+            At most ``count``, and whether there are older ones.
+        """
         rows = self._sql.execute(
             f"SELECT {_COLUMNS} FROM revisions r WHERE ? = 0 OR number < ? "
             "ORDER BY number DESC LIMIT ?",
-            (number, number, count),
+            (number, number, count + 1),
         )
-        return [_revision(row) for row in rows]
+        found: list[Revision] = []
+        size = 0
+        for row in rows:
+            if len(found) == count or (largest is not None and size >= largest):
+                return found, True
+            found.append(_revision(row))
+            size += len(row[_DIFF])
+        return found, False
 
     # -- for a start ----------------------------------------------------------------------------
 

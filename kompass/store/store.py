@@ -387,15 +387,15 @@ class RuleStore:
         with self._reading():
             return self._revisions.table(number)
 
-    def history(self, before: int = 0, count: int = 50) -> History:
-        """Revisions below a number, newest first; from the newest if it is 0."""
+    def history(self, before: int = 0, count: int = 50, largest: int | None = None) -> History:
+        """Revisions below a number, newest first; from the newest if it is 0.
+
+        Fewer than ``count`` where what they changed has more than ``largest`` characters.
+        """
         with self._reading():
-            found = self._revisions.before(before, count + 1)
+            found, more = self._revisions.before(before, count, largest)
         return History(
-            active=self._active,
-            confirmed=self._confirmed,
-            revisions=tuple(found[:count]),
-            more=len(found) > count,
+            active=self._active, confirmed=self._confirmed, revisions=tuple(found), more=more
         )
 
     # -- the journal, of this session of the monitor and of this stack ------------------------

@@ -13,11 +13,14 @@ from __future__ import annotations
 import asyncio
 import queue
 import selectors
+import sys
+import sysconfig
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, SupportsIndex
 
 from kompass.virtual.process import VirtualProcess
@@ -131,12 +134,28 @@ class Blocking:
                 _running = None
         if not back:
             raise NeverReturned(
-                f"a function in the thread {self._name!r} of {self.process.name} has neither "
-                f"returned nor slept for {PATIENCE:g} s: in virtual time it may sleep, await and "
-                "wait for the stack, but not for locks, sockets or threads of its own"
+                f"{_function_in(self.ident)} in the thread {self._name!r} of {self.process.name} "
+                f"has neither returned nor slept for {PATIENCE:g} s: in virtual time it may sleep, "
+                "await and wait for the stack, but not for locks, sockets or threads of its own"
             )
         if self._over:
             self._done()
+
+
+_OURS = (str(Path(__file__).parents[1]), sysconfig.get_path("stdlib"))
+
+
+def _function_in(thread: int) -> str:
+    """What of a recipe a thread is in, and where, for people."""
+    frame, found = sys._current_frames().get(thread), None
+    while frame is not None:
+        if not frame.f_code.co_filename.startswith(_OURS):
+            found = frame  # the outermost one is what the recipe gave
+        frame = frame.f_back
+    if found is None:
+        return "a function"
+    file = Path(found.f_code.co_filename).name
+    return f"{found.f_code.co_name} (now in line {found.f_lineno} of {file})"
 
 
 _running: Blocking | None = None

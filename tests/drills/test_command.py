@@ -117,15 +117,49 @@ def test_what_was_driven_under_both_tables_before_somebody_ended_it_is_compared_
     assert "Traceback" not in errors, errors
     report = read_report(found.read_text(encoding="utf-8"))
     assert 1 <= len(report.drives) < 50
-    assert [d.scenario.name for d in report.drives] == [
-        d.scenario.name for d in report.drives_against
-    ]
-    (note,) = report.notes
+    names = [d.scenario.name for d in report.drives]
+    assert names == [d.scenario.name for d in report.drives_against]
+    numbers = [int(name.rpartition("-")[2]) for name in names]
+    assert numbers == sorted(numbers)
+    assert numbers[-1] >= len(numbers)  # of all that was drawn, and not the first ones
+    assert "ended by hand: comparing what was driven" in errors
+    (note,) = report.notes  # and none that the first drive was not made twice
     assert note.startswith("ended by hand after ")
     assert note.endswith(" of 100 drives")
     assert note in errors
     assert told.splitlines()[0] == f"! {note}"
     assert note in page.read_text(encoding="utf-8")
+
+
+def test_a_drill_that_is_ended_before_its_first_drive_was_made_twice_says_so(
+    tmp_path: Path,
+) -> None:
+    recipe, found = tmp_path / "slow.py", tmp_path / "drill.json"
+    # From its third start on, which is that of the second making, it does not come to an end.
+    recipe.write_text(
+        "import pathlib, threading\n"
+        "runs = pathlib.Path(__file__).with_name('runs')\n"
+        "with runs.open('a') as file:\n"
+        "    print('another', file=file)\n"
+        "if len(runs.read_text().splitlines()) > 2:\n"
+        "    threading.Event().wait()\n" + GUARDED.read_text(encoding="utf-8"),
+        encoding="utf-8",
+    )
+
+    def one_drive(running: subprocess.Popen[str]) -> None:
+        assert running.stderr is not None
+        assert running.stderr.readline().startswith("1 of 1")
+
+    _, code, told, errors = ended_by(
+        signal.SIGINT,
+        [*DRILL, str(recipe), "--seeds", "1", "--faults", "", "--jobs", "1", "--json", str(found)],
+        one_drive,
+    )
+    assert code == 130, errors
+    notes = read_report(found.read_text(encoding="utf-8")).notes
+    assert notes[0] == "ended by hand after 1 of 1 drives"
+    assert "whether the recipe is the same twice was not found out" in notes[1]
+    assert f"! {notes[1]}" in told
 
 
 def test_a_report_that_cannot_be_written_is_told_of_and_the_other_is_written(

@@ -102,6 +102,32 @@ def test_the_sentence_says_what_matters() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "sentence"),
+    [
+        (
+            "uuuu",
+            "nnnn",
+            "Reaches its goals in 0 of 4 instead of 4; no fault disturbed any drive.",
+        ),
+        (
+            "nur",
+            "uur",
+            "Reaches its goals in 3 of 3 instead of 2; recovers in 1 of 1, as before.",
+        ),
+        (
+            "uuuurrrg",
+            "uunurrrr",
+            "Reaches its goals in 7 of 8, as before; recovers in 4 of 4 instead of 3.",
+        ),
+    ],
+)
+def test_a_rule_that_holds_a_robot_back_which_nothing_disturbs_is_told_first(
+    before: str, after: str, sentence: str
+) -> None:
+    assert compare(drives(before), drives(after)).sentence == sentence
+
+
 def test_slower_ways_are_told() -> None:
     before = [recovered(f"1-{n}", halt=8.0) for n in range(6)]
     after = [

@@ -163,6 +163,8 @@ def test_it_explains_why_a_rule_fired_and_why_not(made: Made) -> None:
     before = explain_recorded(made.first, "blind", at=told.at - 0.5)
     assert before.text.startswith("false: controller/status.status == 3")
     assert before.time == pytest.approx(then.time - 0.5, abs=0.05)
+    with pytest.raises(NoRecording, match=r"at = 999 s is after its end, at \d+\.\d s"):
+        explain_recorded(made.first, "blind", at=999.0)
     with pytest.raises(NoRecording, match="its runs are"):
         explain_recorded(made.first, "blind", run=77)
     with pytest.raises(NoRecording, match="there were: blind, clicked"):

@@ -102,7 +102,33 @@ def test_a_drill_under_one_table_shows_what_went_badly() -> None:
     assert make_report(recipe="r.py", table=NEW, drives=[]).sentence == "No drive was made."
     calm = make_report(recipe="r.py", table=NEW, drives=[undisturbed()])
     assert calm.sentence == "No fault disturbed any drive."
-    assert "No rule fired." in report_html(calm)
+    assert "<h2>Rules that fired, &lt;proposed&gt;.yaml</h2><p>None.</p>" in report_html(calm)
+
+
+def test_the_rules_of_both_tables_are_told_and_every_fault_that_began_under_either() -> None:
+    report = make_report(
+        recipe="r.py",
+        table=NEW,
+        drives=[undisturbed("1-0")],
+        against=OLD,
+        drives_against=[undisturbed("1-0").model_copy(update={"firings": recovered().firings})],
+    )
+    body = report_html(report)
+    assert "<h2>Rules that fired, &lt;proposed&gt;.yaml</h2><p>None.</p>" in body
+    assert body.index("<h2>Rules that fired, in force</h2>") < body.rindex("stuck-unblock")
+
+
+def test_faults_that_were_not_drawn_are_told() -> None:
+    # A door of another world is nothing that these drives could have met.
+    options = DrawOptions(
+        worlds=("hexagon",), faults=("way_blocked", "scan_frozen", "door_closed:kitchen")
+    )
+    few = make_report(recipe="r.py", table=NEW, drives=[recovered()], seed=1, options=options)
+    (note,) = few.notes
+    assert note.startswith("1 of 2 faults were drawn in these drives, and the others not tried")
+    one = options.model_copy(update={"faults": ("way_blocked",)})
+    whole = make_report(recipe="r.py", table=NEW, drives=[recovered()], seed=1, options=one)
+    assert whole.notes == ()
 
 
 def test_the_page_says_how_to_make_a_drive_of_it_again() -> None:

@@ -50,6 +50,23 @@ def test_history_comes_in_pages_newest_first(robot: Robot) -> None:
     assert (page.active, page.confirmed) == (7, 1)
 
 
+def test_a_page_of_large_changes_is_cut_and_goes_on_where_it_ended(robot: Robot) -> None:
+    robot.start()
+    for number in range(6):
+        robot.store.append(edited(str(number)), **BY)
+    found, before = [], 0
+    while True:
+        page = robot.store.history(before, 50, largest=1)  # one alone has more than that
+        found += [revision.number for revision in page.revisions]
+        assert len(page.revisions) == 1
+        if not page.more:
+            break
+        before = found[-1]
+    assert found == [7, 6, 5, 4, 3, 2, 1]
+    whole = robot.store.history(0, 50, largest=1_000_000)
+    assert ([r.number for r in whole.revisions], whole.more) == (found, False)
+
+
 def test_a_change_from_an_old_revision_is_refused(robot: Robot) -> None:
     robot.start()
     robot.store.append(edited("first"), parent=1, **BY)

@@ -154,8 +154,15 @@ def test_what_virtual_time_cannot_wait_for_is_told_instead_of_hanging(
     monkeypatch.setattr(waiting, "PATIENCE", 0.2)
     lock = threading.Lock()
     lock.acquire()
-    with pytest.raises(NeverReturned, match="thread 'helper' of one has neither returned"):
-        made(lock.acquire)
+
+    def stuck() -> None:
+        lock.acquire()
+
+    named = (
+        r"stuck \(now in line \d+ of test_waiting.py\) in the thread 'helper' of one has neither"
+    )
+    with pytest.raises(NeverReturned, match=named):
+        made(stuck)
     lock.release()
 
 

@@ -81,8 +81,9 @@ def make_drives(
     jobs
         How many at a time.
     differs
-        When given, the first drive is made twice, and this is told a sentence if the second is not
-        the same: then there is something in the recipe that no seed decides.
+        When given, the first drive is made twice, and this is told once both are there: a sentence
+        if the second is not the same, for then there is something in the recipe that no seed
+        decides; nothing ("") if it is.
 
     Yields
     ------
@@ -98,8 +99,11 @@ def make_drives(
     """
     twice = differs is not None and bool(orders)
     calls = [(order, twice and not index) for index, order in enumerate(orders)]
+    places: list[int | None] = list(range(len(orders)))  # of the calls among the orders
     if twice:
-        calls.append((replace(orders[0], recording=None), True))
+        # Soon, so that a drill that is ended early has looked at it, too.
+        calls.insert(1, (replace(orders[0], recording=None), True))
+        places.insert(1, None)
     first: list[_Made] = []
     with closing(in_processes(_make, calls, jobs)) as drives:
         for ended in drives:
@@ -112,10 +116,10 @@ def make_drives(
                 first.append(made)
                 if len(first) == 2 and differs is not None:
                     said = difference(order.scenario.name, first[0].facts, first[1].facts)
-                    if said:
-                        differs(said)
-            if ended.index < len(orders):
-                yield ended.index, made.result
+                    differs(said)
+            place = places[ended.index]
+            if place is not None:
+                yield place, made.result
 
 
 def _why(error: BaseException) -> str:

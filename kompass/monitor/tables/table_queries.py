@@ -76,7 +76,7 @@ class TableQueries:
             safe_mode=self._safe_mode,
         )
 
-    def history(self, before: int, count: int) -> History:
+    def history(self, before: int, count: int, largest: int | None = None) -> History:
         """The revisions, newest first.
 
         Parameters
@@ -85,13 +85,15 @@ class TableQueries:
             Number of the one that follows; 0 for the newest.
         count
             How many, at most.
+        largest
+            Fewer where what they changed has more characters than this.
 
         Raises
         ------
         StoreError
             When nothing can be stored on this robot.
         """
-        return self._history.store.history(before, count)
+        return self._history.store.history(before, count, largest)
 
     def diff(self, before: int, after: int) -> TableDiff:
         """What differs between two revisions.

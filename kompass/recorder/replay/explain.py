@@ -17,6 +17,7 @@ from kompass.rules.schema.table import Rule, Table
 
 DRIVE = "kompass drive"  # metadata of the recording of a drive of a drill
 BEGAN = "began"  # in it: when the drive began [ns of the recording]
+_ROUNDED = 0.1  # s by which whoever reads the end of a recording and asks for it may be beyond
 
 
 def beginning(recording: Recording) -> int:
@@ -52,6 +53,11 @@ def explain_recorded(
         if run:
             return _fired(_events(recording), rule_id, run)
         first, last = beginning(recording), recording.end_time
+        length = (last - first) * 1e-9
+        if at is not None and at > length + _ROUNDED:
+            raise NoRecording(
+                f"at = {at:g} s is after its end, at {length:.1f} s; choose an earlier moment"
+            )
         moment = last if at is None else min(first + round(at * 1e9), last)
         if moment <= recording.start_time:
             raise NoRecording(f"at = {at:g} s is before its beginning; choose a later moment")
