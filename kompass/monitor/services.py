@@ -44,7 +44,7 @@ FIRINGS = 100
 MOST = 1_000
 # Characters of an answer that can be asked for in parts. The middleware keeps the last ten of each
 # service for good: without a bound, a look at a long history costs the monitor its memory tenfold.
-LARGEST = 1_000_000
+LARGEST = 250_000
 # What only looks, and may be asked without ROS, too.
 LOOKS = {"get_rules", "get_history", "explain_rule", "get_firings"}
 _OUTCOMES = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import importlib
 import os
 import time
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from kompass.monitor.local_socket import LocalMonitor, Question, local_monitors
 from kompass.store.robot_key import GIVEN
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from kompass.rulebook.schema.table_view import TableView
     from kompass_console.rules_cli.connection import MonitorConnection
 
+_Page = TypeVar("_Page", "History", "Journal")
 AGAIN = 0.1  # s until one is asked once more that does not listen
 _SCHEMA = "kompass.rulebook.schema"
 
@@ -53,6 +54,16 @@ class Looking(Protocol):
         """Entries of the journal below ``before`` (0: from the newest), newest first."""
 
 
+def in_parts(ask: Callable[[int, int], _Page], items: str, before: int, count: int) -> _Page:
+    """Ask on where an answer ends before it has as many items as are wanted: it has its size."""
+    whole = ask(before, count)
+    while whole.more and 0 < len(found := getattr(whole, items)) < count:
+        page = ask(found[-1].number, count - len(found))
+        more = page.more and bool(getattr(page, items))
+        whole = whole.model_copy(update={items: found + getattr(page, items), "more": more})
+    return whole
+
+
 class LookingOverRos:
     """Asks over ROS; finding the robot there takes a second or more."""
 
@@ -66,7 +77,10 @@ class LookingOverRos:
         return self._connection.statuses(revision)
 
     def history(self, before: int, count: int) -> History:
-        return self._connection.get(self._monitor.history(before, count))
+        return in_parts(
+            lambda before, count: self._connection.get(self._monitor.history(before, count)),
+            *("revisions", before, count),
+        )
 
     def diff(self, before: int, after: int) -> TableDiff:
         after = after or self.table().active
@@ -76,7 +90,12 @@ class LookingOverRos:
         return self._connection.get(self._monitor.explain(rule_id, run_id, epoch))
 
     def firings(self, before: int, count: int, rule_id: str) -> Journal:
-        return self._connection.get(self._monitor.firings(before, count, rule_id))
+        return in_parts(
+            lambda before, count: self._connection.get(
+                self._monitor.firings(before, count, rule_id)
+            ),
+            *("firings", before, count),
+        )
 
 
 class LookingHere:
@@ -102,9 +121,12 @@ class LookingHere:
         return {status.rule_id: status for status in told}
 
     def history(self, before: int, count: int) -> History:
-        request = {"before": before, "count": count}
-        history: History = self._ask("revision.History", "get_history", request)
-        return history
+        def ask(before: int, count: int) -> History:
+            request = {"before": before, "count": count}
+            history: History = self._ask("revision.History", "get_history", request)
+            return history
+
+        return in_parts(ask, "revisions", before, count)
 
     def diff(self, before: int, after: int) -> TableDiff:
         request = {"diff_from": before, "diff_to": after or self.table().active}
@@ -117,9 +139,12 @@ class LookingHere:
         return why
 
     def firings(self, before: int, count: int, rule_id: str) -> Journal:
-        request = {"before": before, "count": count, "rule_id": rule_id}
-        journal: Journal = self._ask("journal.Journal", "get_firings", request)
-        return journal
+        def ask(before: int, count: int) -> Journal:
+            request = {"before": before, "count": count, "rule_id": rule_id}
+            journal: Journal = self._ask("journal.Journal", "get_firings", request)
+            return journal
+
+        return in_parts(ask, "firings", before, count)
 
     def _ask(
         self, kind: str, service: str, request: Mapping[str, Any], *, many: bool = False
