@@ -18,6 +18,7 @@ from kompass.rclpy_ext.action_server import ForgetfulActionServer
 from kompass.recorder.replay.worker import Worker, WorkerFailed
 
 AT_ONCE = 2
+FETCHED = 60  # s in which whoever waits for a report has asked for it; rclpy keeps it for 15 min
 LARGEST_TABLE = 16 << 20  # characters
 
 
@@ -48,6 +49,7 @@ class BacktestServer:
             goal_callback=self._consider,
             handle_accepted_callback=self._begin,
             cancel_callback=self._cancel,
+            result_timeout=FETCHED,
         )
 
     def close(self) -> None:
