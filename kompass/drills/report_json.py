@@ -162,7 +162,9 @@ def _left_out(options: DrawOptions | None, drives: Sequence[DriveResult]) -> Ite
         given = {name for name in options.faults if any(fits(name, place) for place in places)}
         drawn = given & {fault.name for drive in drives for fault in drive.scenario.faults}
         if drawn != given:
-            whole = len(options.faults) * len(options.worlds)
+            # Each world has its turn of as many drives as there are faults, whether all fit or not.
+            several = len(options.worlds) > 1
+            whole = len(options.faults) * len(options.worlds) if several else len(given)
             yield (
                 f"{len(drawn)} of {len(given)} faults were drawn in these drives, and the others "
                 f"not tried; {whole} drives have each of them"

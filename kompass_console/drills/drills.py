@@ -285,6 +285,7 @@ def _summary(report: Report) -> DrillSummary:
     return DrillSummary(
         sentence=report.sentence,
         chance=comparison.chance,
+        notes=list(report.notes),
         verdict=comparison.verdict,
         recipe=report.recipe,
         proposed=report.table.name,

@@ -114,11 +114,13 @@ class DrillDrive(BaseModel):
 class DrillSummary(BaseModel):
     """What a drill comes to. `drives` are those that differ, the worse ones first, then the rest.
 
-    `chance` is empty where there is no difference that chance could make.
+    `chance` is empty where there is no difference that chance could make; `notes` are sentences
+    that one must know to judge it.
     """
 
     sentence: str
     chance: str
+    notes: list[str]
     verdict: Verdict
     recipe: str
     proposed: str

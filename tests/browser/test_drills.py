@@ -170,7 +170,9 @@ def lines(page: ConsolePage) -> tuple[int, int]:
     return proposed, in_force
 
 
-def test_a_drill_is_cancelled_by_hand_on_a_phone(new_page: OpenPage) -> None:
+def test_a_drill_is_cancelled_by_hand_on_a_phone_and_a_short_one_says_what_it_left_out(
+    new_page: OpenPage,
+) -> None:
     rules = RulesPage.opened(new_page(1280, 800, has_touch=True), TOKEN)
     propose(rules)
     rules.page.page.set_viewport_size({"width": 390, "height": 844})
@@ -182,3 +184,13 @@ def test_a_drill_is_cancelled_by_hand_on_a_phone(new_page: OpenPage) -> None:
     rules.get("drill-cancel").tap()
     expect(rules.get("drill-canceled")).to_contain_text("cancelled it")
     expect(rules.get("drill-start")).to_be_enabled()
+
+    # Four drives cannot meet them all, which is told beside what they come to.
+    rules.choose(rules.get("drill-count"), "4")
+    rules.get("drill-start").tap()
+    note = rules.get("drill-note")
+    expect(note).to_have_text(
+        re.compile(r"^4 of \d+ faults were drawn .*\.$"), timeout=patient(180) * 1000
+    )
+    note.scroll_into_view_if_needed()
+    rules.page.keep("drill-note-phone")

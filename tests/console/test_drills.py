@@ -147,6 +147,7 @@ def test_a_proposed_table_is_compared_drive_by_drive_with_the_one_in_force(
     assert (told["state"], told["error"], told["done"]) == ("done", None, 4)
     report = told["report"]
     assert report["sentence"] == "Recovers in 2 of 2, as before."
+    assert report["notes"] == []  # its only fault was drawn
     broken = [[fault["name"] for fault in drive["faults"]] for drive in report["drives"]]
     assert broken == [["kill:controller"]] * 2
     assert {drive["change"] for drive in report["drives"]} == {"other"}

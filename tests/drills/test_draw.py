@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from kompass.algorithms.planning.planner import GlobalPlanner
-from kompass.drills.draw import DrawOptions, check_targets, draw, expand_faults, repeated
+from kompass.drills.draw import DrawOptions, check_targets, draw, expand_faults, fits, repeated
 from kompass.drills.scenario_file import parse_scenario, scenario_text
 from kompass.simulation.faults.fault_names import FAULTS, NEEDS_CAMERA, UnknownFault
 from kompass.simulation.worlds.rasterize import rasterize
@@ -115,6 +115,19 @@ def test_every_fault_and_every_world_comes_up_equally_often() -> None:
     assert all(faults[name] >= len(ALL.worlds) for name in set(faults) - doors)
     assert max(faults.values()) <= len(ALL.worlds) + len(doors)
     assert len(set(Counter(one.world for one in found).values())) == 1
+
+
+def test_as_many_drives_as_fit_a_world_have_each_fault_in_an_order_of_the_seed() -> None:
+    options = DrawOptions(worlds=("hexagon",), faults=ALL.faults)
+    fitting = [name for name in ALL.faults if fits(name, world("hexagon"))]
+    assert len(fitting) < len(ALL.faults)
+
+    def first(seed: int) -> list[str]:
+        return [draw(seed, number, options).faults[0].name for number in range(len(fitting))]
+
+    assert sorted(first(1)) == sorted(first(2)) == sorted(fitting)
+    assert first(1) != first(2)
+    assert first(1)[:20] != fitting[:20]
 
 
 def test_numbers_and_seeds_draw_different_drives() -> None:

@@ -125,7 +125,10 @@ def test_faults_that_were_not_drawn_are_told() -> None:
     )
     few = make_report(recipe="r.py", table=NEW, drives=[recovered()], seed=1, options=options)
     (note,) = few.notes
-    assert note.startswith("1 of 2 faults were drawn in these drives, and the others not tried")
+    assert note == (
+        "1 of 2 faults were drawn in these drives, and the others not tried; 2 drives have each of "
+        "them"
+    )
     one = options.model_copy(update={"faults": ("way_blocked",)})
     whole = make_report(recipe="r.py", table=NEW, drives=[recovered()], seed=1, options=one)
     assert whole.notes == ()

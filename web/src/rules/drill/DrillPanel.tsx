@@ -9,6 +9,7 @@ import { Choice } from "../../ui/controls/Choice";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
 import { useRules } from "../context/RulesContext";
+import { sentence } from "../model/words";
 import { FindingList } from "../parts/FindingList";
 import classes from "./Drill.module.css";
 import { DriveList } from "./DriveList";
@@ -301,6 +302,11 @@ function Summary(props: { drill: Drill; report: DrillSummary; fresh: boolean }) 
           {report.chance}
         </p>
       )}
+      {report.notes.map((note) => (
+        <p key={note} className={page.note} data-testid="drill-note">
+          {sentence(note)}
+        </p>
+      ))}
       <p className={page.muted}>
         {tallyText(report.drives)}, against {report.in_force}.{" "}
         <a className={page.link} href={drillReportAddress(drill.id)} download>
