@@ -7,7 +7,6 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
-from random import Random
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -397,10 +396,8 @@ def _make(
     from kompass.drills.runner.worker import DriveFailed, Order, make_drives
 
     tables = [tried[1]] if compared is None else [tried[1], compared[1]]
-    # Drawn ones go through the faults in their order: one that is ended early has met some of all.
-    turns = Random(0).sample(range(len(scenarios)), len(scenarios))
-    # Both tables of a scenario one after the other: what was driven until then compares, too.
-    orders = [Order(recipe, scenarios[turn], table) for turn in turns for table in tables]
+    # Both tables of a scenario one after the other: a drill that is ended early compares, too.
+    orders = [Order(recipe, scenario, table) for scenario in scenarios for table in tables]
     made: dict[int, DriveResult] = {}
     ended: CliError | None = None
     try:
@@ -418,9 +415,9 @@ def _make(
     step = len(tables)
     # A scenario that was driven under one of two tables only compares nothing.
     whole = [
-        place * step
-        for place in sorted(range(len(turns)), key=turns.__getitem__)
-        if all(each in made for each in range(place * step, (place + 1) * step))
+        first
+        for first in range(0, len(orders), step)
+        if all(each in made for each in range(first, first + step))
     ]
     against = [made[first + 1] for first in whole] if compared else []
     return [made[first] for first in whole], against, ended

@@ -21,10 +21,14 @@ Drive = TypeVar("Drive")
 
 
 def with_progress(drives: Iterator[Drive], total: int) -> Iterator[Drive]:
-    """Say how far it is: in one line of a terminal, or a line now and then."""
+    """Say how far it is: in one line of a terminal, or a line now and then.
+
+    A drive is told once whoever makes something of it has done so: what was told is not lost.
+    """
     terminal = sys.stderr.isatty()
     told, begun = time.monotonic(), time.monotonic()
     for done, drive in enumerate(drives, 1):
+        yield drive
         now = time.monotonic()
         if terminal or now - told >= PERIOD or done == total:
             told = now
@@ -32,7 +36,6 @@ def with_progress(drives: Iterator[Drive], total: int) -> Iterator[Drive]:
             text = f"{done} of {total} drives" + (f", {left:.0f} s left" if done < total else "")
             end = "\n" if not terminal or done == total else ""
             typer.echo(f"\r{text}  {end}" if terminal else text, err=True, nl=not terminal)
-        yield drive
 
 
 @contextmanager

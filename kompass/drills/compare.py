@@ -70,8 +70,8 @@ class Comparison(Model):
     disturbed: int
     through_before: int
     through_after: int
-    calm_before: int = 0
-    calm_after: int = 0
+    calm_before: int
+    calm_after: int
     gained: int
     lost: int
     contacts_before: int
@@ -100,6 +100,7 @@ def compare(
     """
     pairs = list(_pairs(before, after))
     felt = [pair for pair in pairs if pair[0].disturbed or pair[1].disturbed]
+    calm = [pair for pair in pairs if not (pair[0].disturbed or pair[1].disturbed)]
     gained = sum(b.came_through and not a.came_through for a, b in pairs)
     lost = sum(a.came_through and not b.came_through for a, b in pairs)
     delays = [
@@ -117,8 +118,8 @@ def compare(
         disturbed=len(felt),
         through_before=sum(a.came_through for a, _ in felt),
         through_after=sum(b.came_through for _, b in felt),
-        calm_before=sum(a.came_through for a, b in pairs if not (a.disturbed or b.disturbed)),
-        calm_after=sum(b.came_through for a, b in pairs if not (a.disturbed or b.disturbed)),
+        calm_before=sum(a.came_through for a, _ in calm),
+        calm_after=sum(b.came_through for _, b in calm),
         gained=gained,
         lost=lost,
         contacts_before=sum(len(a.contacts) for a, _ in pairs),
@@ -281,15 +282,10 @@ def _sentence(found: Comparison) -> str:
         return "; ".join(parts) + "."
     if found.calm_after != found.calm_before:
         # Of a robot that nothing disturbs: what a rule does to it comes before all else.
-        before = found.through_before + found.calm_before
-        instead = f" instead of {before or 'none'}" if before != through else ", as before"
+        instead = _instead(found.through_before + found.calm_before, through)
         parts.append(f"reaches its goals in {through} of {found.pairs}{instead}")
     if found.disturbed:
-        instead = (
-            f" instead of {found.through_before or 'none'}"
-            if found.through_after != found.through_before
-            else ", as before"
-        )
+        instead = _instead(found.through_before, found.through_after)
         parts.append(f"recovers in {found.through_after} of {found.disturbed}{instead}")
     else:
         parts.append("no fault disturbed any drive")
@@ -308,6 +304,10 @@ def _sentence(found: Comparison) -> str:
             parts.append(_several(old - new, f"{name} fewer", f"{name}s fewer"))
     said = "; ".join(parts)
     return f"{said[0].upper()}{said[1:]}."
+
+
+def _instead(before: int, after: int) -> str:
+    return f" instead of {before or 'none'}" if after != before else ", as before"
 
 
 _WORDS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")

@@ -24,11 +24,12 @@ SESSIONS = 10
 _OUTCOME = """
     (SELECT outcome FROM outcomes o WHERE o.revision = r.number ORDER BY o.rowid DESC LIMIT 1)
 """
-_COLUMNS = f"""
-    number, parent, author, role, time, reason, origin, table_hash, recipe, restores, diff,
-    COALESCE({_OUTCOME}, 'active') AS outcome
-"""
-_DIFF = 10  # where of these what was changed is
+_STORED = (
+    *("number", "parent", "author", "role", "time", "reason", "origin", "table_hash", "recipe"),
+    *("restores", "diff"),
+)
+_COLUMNS = f"{', '.join(_STORED)}, COALESCE({_OUTCOME}, 'active') AS outcome"
+_DIFF = _STORED.index("diff")
 
 
 class RevisionEntry(NamedTuple):
@@ -265,11 +266,7 @@ class Revisions:
 
 
 def _revision(row: tuple[object, ...]) -> Revision:
-    names = (
-        "number", "parent", "author", "role", "time", "reason", "origin", "table_hash", "recipe",
-        "restores", "diff", "outcome",
-    )  # fmt: skip
-    data = dict(zip(names, row, strict=True))
+    data = dict(zip((*_STORED, "outcome"), row, strict=True))
     diff = TableDiff.model_validate_json(str(data["diff"]))
     data["diff"] = diff.model_copy(update={"after": data["number"]})
     return Revision.model_validate(data)

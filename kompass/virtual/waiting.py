@@ -142,7 +142,8 @@ class Blocking:
             self._done()
 
 
-_OURS = (str(Path(__file__).parents[1]), sysconfig.get_path("stdlib"))
+# Folders of what is not the recipe's, with their ends: another name may begin with theirs.
+_OURS = tuple(f"{folder}/" for folder in (Path(__file__).parents[1], sysconfig.get_path("stdlib")))
 
 
 def _function_in(thread: int) -> str:

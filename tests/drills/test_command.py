@@ -117,11 +117,9 @@ def test_what_was_driven_under_both_tables_before_somebody_ended_it_is_compared_
     assert "Traceback" not in errors, errors
     report = read_report(found.read_text(encoding="utf-8"))
     assert 1 <= len(report.drives) < 50
-    names = [d.scenario.name for d in report.drives]
-    assert names == [d.scenario.name for d in report.drives_against]
-    numbers = [int(name.rpartition("-")[2]) for name in names]
-    assert numbers == sorted(numbers)
-    assert numbers[-1] >= len(numbers)  # of all that was drawn, and not the first ones
+    assert [d.scenario.name for d in report.drives] == [
+        d.scenario.name for d in report.drives_against
+    ]
     assert "ended by hand: comparing what was driven" in errors
     (note,) = report.notes  # and none that the first drive was not made twice
     assert note.startswith("ended by hand after ")
