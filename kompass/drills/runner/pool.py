@@ -9,8 +9,11 @@ from __future__ import annotations
 
 import os
 import pickle
+import signal
 import tempfile
-from collections.abc import Callable, Generator, Iterable
+import threading
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
@@ -98,14 +101,17 @@ def in_processes(
                     process = context.Process(
                         target=_answer, args=(theirs, folder, function, arguments)
                     )
-                    try:
-                        with theirs:
-                            process.start()
-                    except (EOFError, OSError):  # it, or what it is forked from, has ended
-                        ours.close()
+                    started = True
+                    with _undisturbed():
+                        try:
+                            with theirs:
+                                process.start()
+                            live[ours] = index, process
+                        except (EOFError, OSError):  # it, or what it is forked from, has ended
+                            ours.close()
+                            started = False
+                    if not started:
                         yield Ended(index, ProcessEnded(_ENDED))
-                        continue
-                    live[ours] = index, process
                 if not live:
                     return
                 ready = wait(list(live))
@@ -119,6 +125,30 @@ def in_processes(
         finally:
             for ours, (_, process) in live.items():
                 _leave(ours, process)
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Ctrl-C and SIGTERM come after what is inside.
+
+    What is half asked for would have the process that all are forked from tell of an error; and
+    a process that has begun and is not known of yet would be ended by nobody.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals come to the main thread
+        return
+    came: list[int] = []
+    before = {
+        number: signal.signal(number, lambda number, _: came.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for number in came[:1]:
+            signal.raise_signal(number)
 
 
 def _heard(connection: Connection) -> object:
