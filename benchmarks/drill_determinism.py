@@ -32,7 +32,7 @@ def burn() -> None:
 def drives(folder: Path, recipe: Path, seeds: int, jobs: int) -> str:
     """Make them, each with a recording in the folder; the report."""
     looked = look_at(recipe)
-    options = DrawOptions(worlds=("hexagon",), faults=looked.faults(["all"]))
+    options = DrawOptions(worlds=("hexagon",), faults=looked.faults(["all"], looked.robot))
     scenarios = [draw(1, number, options) for number in range(seeds)]
     orders = [Order(recipe, each, None, folder / f"{each.name}.mcap") for each in scenarios]
     table = TableName.of("recipe", Table.model_validate_json(looked.table))

@@ -1,13 +1,15 @@
 """The same drives on the real stack and in virtual time: outcome, firings, recovery.
 
-.venv/bin/python benchmarks/drill_fidelity.py [COUNT] [FIRST] [FILE]
+.venv/bin/python benchmarks/drill_fidelity.py [COUNT] [FIRST] [FILE] [TURNS]
 
-Real drives take their time, some 40 s each; COUNT of them, from number FIRST on. FILE keeps them:
-what is in it was driven before, and is only compared once more.
+Real drives take their time, some 40 s each; COUNT of them, from number FIRST on, each TURNS times:
+how far reality agrees with itself is as much as a drill can agree with it. FILE keeps them: what
+is in it was driven before, and is only compared once more.
 """
 
 from __future__ import annotations
 
+import itertools
 import os
 import statistics
 import sys
@@ -174,10 +176,16 @@ def fired(drive: DriveResult) -> list[str]:
     return [firing.rule_id for firing in drive.firings]
 
 
+def agree(one: DriveResult, other: DriveResult) -> tuple[bool, bool]:
+    """Whether two drives ended alike, and whether the same rules fired in the same order."""
+    return one.outcome == other.outcome, fired(one) == fired(other)
+
+
 def main() -> None:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 40
     first = int(sys.argv[2]) if len(sys.argv) > 2 else 0
     file = Path(sys.argv[3]) if len(sys.argv) > 3 else None
+    turns = int(sys.argv[4]) if len(sys.argv) > 4 else 1
     kept = _kept(file)
     drives = [scenario(number) for number in range(first, first + count)]
     orders = [Order(RECIPE, drive) for drive in drives]
@@ -189,40 +197,48 @@ def main() -> None:
     described = stack_of(RECIPE)
     same_outcome = same_firings = 0
     apart: list[float] = []
+    real_pairs: list[tuple[bool, bool]] = []
     for number, drive in enumerate(drives):
         virtual = DriveResult.model_validate_json(made[number])
-        real = kept.get(drive.name)
-        if real is None or real.scenario != drive:
-            load = os.getloadavg()[0]
-            real = real_drive(described, drive)
-            print(f"(load {load:.0f}) ", end="")
+        reals = [each for each in kept.get(drive.name, []) if each.scenario == drive][:turns]
+        while len(reals) < turns:
+            reals.append(real_drive(described, drive))
             if file is not None:
                 with file.open("a") as lines:
-                    lines.write(real.model_dump_json() + "\n")
-        outcome, firings = real.outcome == virtual.outcome, fired(real) == fired(virtual)
-        same_outcome += outcome
-        same_firings += firings
-        there, here = (
-            each.faults[0].recovered_after if each.faults else None for each in (real, virtual)
-        )
-        if there is not None and here is not None:
-            apart.append(there - here)
-        print(
-            f"{drive.name:26} {real.outcome:>13} {virtual.outcome:>13} {'' if outcome else '✗':1}  "
-            f"recovery {_seconds(there)} {_seconds(here)}  "
-            f"to the goal {_seconds(real.time_to_goal)} {_seconds(virtual.time_to_goal)}  "
-            f"{len(real.firings)} {len(virtual.firings)} fired {'' if firings else '✗'}",
-            flush=True,
-        )
-        if os.environ.get("SHOW") or not (outcome and firings):
-            for each, where in ((real, "real"), (virtual, "virtual")):
-                print(f"    {where}: {each.why}")
-                for moment in each.moments:
-                    print(f"      {moment.at:7.2f} {moment.kind:9} {moment.text}")
+                    lines.write(reals[-1].model_dump_json() + "\n")
+        for real in reals:
+            outcome, firings = agree(real, virtual)
+            same_outcome += outcome
+            same_firings += firings
+            there, here = (
+                each.faults[0].recovered_after if each.faults else None for each in (real, virtual)
+            )
+            if there is not None and here is not None:
+                apart.append(there - here)
+            print(
+                f"{drive.name:26} {real.outcome:>13} {virtual.outcome:>13} "
+                f"{'' if outcome else '✗':1}  recovery {_seconds(there)} {_seconds(here)}  "
+                f"to the goal {_seconds(real.time_to_goal)} {_seconds(virtual.time_to_goal)}  "
+                f"{len(real.firings)} {len(virtual.firings)} fired {'' if firings else '✗'}  "
+                f"(load {os.getloadavg()[0]:.0f})",
+                flush=True,
+            )
+            if os.environ.get("SHOW") or not (outcome and firings):
+                for each, where in ((real, "real"), (virtual, "virtual")):
+                    print(f"    {where}: {each.why}")
+                    for moment in each.moments:
+                        print(f"      {moment.at:7.2f} {moment.kind:9} {moment.text}")
+        real_pairs += [agree(*pair) for pair in itertools.combinations(reals, 2)]
     print(
-        f"\n{same_outcome} of {count} with the same outcome, {same_firings} with the same firings "
-        "in the same order"
+        f"\n{same_outcome} of {count * turns} with the same outcome, {same_firings} with the same "
+        "firings in the same order"
     )
+    if real_pairs:
+        outcomes, sequences = (sum(same) for same in zip(*real_pairs, strict=True))
+        print(
+            f"real drives of one scenario with each other: of {len(real_pairs)} pairs {outcomes} "
+            f"with the same outcome, {sequences} with the same firings"
+        )
     if apart:
         sizes = [abs(each) for each in apart]
         print(
@@ -232,11 +248,13 @@ def main() -> None:
         )
 
 
-def _kept(file: Path | None) -> dict[str, DriveResult]:
-    if file is None or not file.exists():
-        return {}
-    drives = map(DriveResult.model_validate_json, file.read_text().splitlines())
-    return {drive.scenario.name: drive for drive in drives}
+def _kept(file: Path | None) -> dict[str, list[DriveResult]]:
+    kept: dict[str, list[DriveResult]] = {}
+    if file is not None and file.exists():
+        for line in file.read_text().splitlines():
+            drive = DriveResult.model_validate_json(line)
+            kept.setdefault(drive.scenario.name, []).append(drive)
+    return kept
 
 
 def _seconds(value: float | None) -> str:

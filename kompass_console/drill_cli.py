@@ -65,6 +65,10 @@ def run(
     worlds: Annotated[
         str, typer.Option(help="Worlds of the embedded robot, separated by commas.")
     ] = "hexagon",
+    robot: Annotated[
+        str,
+        typer.Option(help="Which embedded robot; left out, one that moves as the recipe says."),
+    ] = "",
     faults: Annotated[
         str, typer.Option(help="Faults, separated by commas; 'all', or empty for none.")
     ] = "all",
@@ -115,13 +119,13 @@ def run(
         if file is not None and not file.absolute().parent.is_dir():
             raise CliError(BAD_INPUT, f"{option} {file}: there is no folder {file.parent}")
     if scenarios is not None:
-        _refuse_what_is_drawn(context, "worlds", "faults", "faults_per_drive", "lasting")
+        _refuse_what_is_drawn(context, "worlds", "robot", "faults", "faults_per_drive", "lasting")
     proposed = _table("--rules", rules)
     other = _table("--against", against)
     try:
         looked = look_at(recipe, proposed)
         chosen, options = _scenarios(
-            looked, scenarios, worlds, faults, faults_per_drive, lasting, seed, seeds
+            looked, scenarios, worlds, robot, faults, faults_per_drive, lasting, seed, seeds
         )
         if other is not None:
             look_at(recipe, other)
@@ -184,6 +188,7 @@ def replay(
         typer.Option("--scenario", "--scenarios", help="File or folder that it was read from."),
     ] = None,
     worlds: Annotated[str, typer.Option(help="As the drill had it.")] = "hexagon",
+    robot: Annotated[str, typer.Option(help="As the drill had it.")] = "",
     faults: Annotated[str, typer.Option(help="As the drill had it.")] = "all",
     faults_per_drive: Annotated[int, typer.Option(min=1, max=10, help="As the drill had it.")] = 1,
     lasting: Annotated[float, typer.Option(min=0.0, max=1.0, help="As the drill had it.")] = 0.0,
@@ -202,7 +207,7 @@ def replay(
     try:
         looked = look_at(recipe, proposed)
         scenario = _scenario(
-            looked, drive, scenarios, worlds, faults, faults_per_drive, lasting, seed
+            looked, drive, scenarios, worlds, robot, faults, faults_per_drive, lasting, seed
         )
         order = Order(recipe, scenario, proposed, made.absolute())
         (((_, text)),) = make_drives([order], os.cpu_count() or 1, said.append)
@@ -284,6 +289,7 @@ def _scenario(
     drive: str,
     files: Path | None,
     worlds: str,
+    robot: str,
     faults: str,
     faults_per_drive: int,
     lasting: float,
@@ -293,7 +299,9 @@ def _scenario(
     from kompass.drills.draw import repeated
 
     if files is not None:
-        chosen, _ = _scenarios(looked, files, worlds, faults, faults_per_drive, lasting, seed, 1)
+        chosen, _ = _scenarios(
+            looked, files, worlds, robot, faults, faults_per_drive, lasting, seed, 1
+        )
         found = [each for each in chosen if each.name == drive]
         _, _, number = drive.rpartition("-")
         if number.isdecimal() and len(number) < 6 and not found:
@@ -313,7 +321,7 @@ def _scenario(
             "the --scenario that it was read from",
         )
     chosen, _ = _scenarios(
-        looked, None, worlds, faults, faults_per_drive, lasting, seed, int(number) + 1
+        looked, None, worlds, robot, faults, faults_per_drive, lasting, seed, int(number) + 1
     )
     return chosen[-1]
 
@@ -339,6 +347,7 @@ def _scenarios(
     looked: Looked,
     files: Path | None,
     worlds: str,
+    robot: str,
     faults: str,
     faults_per_drive: int,
     lasting: float,
@@ -351,6 +360,7 @@ def _scenarios(
     from kompass.drills.draw import DrawOptions, check_targets, draw, repeated
     from kompass.drills.scenario_file import BadScenario, read_scenarios
     from kompass.simulation.faults.fault_names import UnknownFault
+    from kompass.simulation.physics.robot_model import robot_names
 
     if files is not None:
         try:
@@ -363,10 +373,15 @@ def _scenarios(
             except UnknownFault as error:
                 raise CliError(BAD_INPUT, f"--scenarios: scenario {one.name}: {error}") from None
         return [drive for one in read for drive in repeated(one, seed, count or 1)], None
+    kind = robot or looked.robot
+    if kind not in robot_names():
+        known = ", ".join(robot_names())
+        raise CliError(BAD_INPUT, f"--robot {kind}: there is no such robot; known are {known}")
     try:
         options = DrawOptions(
             worlds=tuple(_parts(worlds)),
-            faults=looked.faults(_parts(faults)),
+            robot=kind,
+            faults=looked.faults(_parts(faults), kind),
             faults_per_drive=faults_per_drive,
             lasting=lasting,
         )
@@ -375,7 +390,10 @@ def _scenarios(
     except ValidationError as error:
         text = error.errors()[0]["msg"].removeprefix("Value error, ")
         raise CliError(BAD_INPUT, f"--worlds: {text}") from None
-    return [draw(seed, number, options) for number in range(count or DRIVES)], options
+    try:
+        return [draw(seed, number, options) for number in range(count or DRIVES)], options
+    except ValueError as error:
+        raise CliError(BAD_INPUT, f"--worlds: {error}") from None
 
 
 def _parts(text: str) -> list[str]:

@@ -29,6 +29,7 @@ from kompass.launch.processes import run_processes
 from kompass.launch.stack import Stack, stacks_go_to
 from kompass.printable import log_to_terminal
 from kompass.settings import value_text
+from kompass.simulation.physics.robot_model import robot_that_moves
 from kompass.supervisor.instance_lock import AlreadyRunning
 from kompass.supervisor.oversight import StartupError
 from kompass.supervisor.process import ProcessSpec, Report
@@ -348,6 +349,10 @@ def run_recipe(
 
     def run(stack: Stack) -> None:
         brought_up.append(stack)
+        assert console.drill is not None
+        moves = robot_that_moves(stack.model_type).name if sim is None else robot
+        if moves is not None:
+            console.drill = console.drill.model_copy(update={"robot": moves})
         console.announce()
         run_processes(stack)
 
@@ -407,7 +412,7 @@ def _add_robot(world_name: str, faults: Sequence[str], robot: str | None) -> Non
         )
     kind = robot_model(robot or robot_names()[0])
     try:
-        orders = parse_faults(faults, world(world_name))
+        orders = parse_faults(faults, world(world_name), kind)
     except UnknownFault as error:
         raise CliError(2, f"--fault: {error}") from None
     map_file = None if withholds_map(orders) else str(map_path(world_name))

@@ -110,7 +110,7 @@ def drive(order: BenchOrder, folder: Path) -> BenchDrive:
     robot = robot_model(order.robot)
     add_world(order.world.place(order.start, order.goal))
     stack = stack_by(lambda: bring_up(robot, order.follower), "the benchmark's stack")
-    embedded = Embedded(robot, map_file(order, folder), has_map=order.map != "none")
+    embedded = Embedded(map_file=map_file(order, folder), has_map=order.map != "none")
     observed = run_drive(stack, scenario_of(order), embedded=embedded)
     return measured(order, observed)
 
@@ -134,6 +134,7 @@ def scenario_of(order: BenchOrder) -> Scenario:
     return Scenario(
         name=f"{order.world.name}-{order.seed}",
         world=order.world.name,
+        robot=order.robot,
         seed=order.seed,
         goals=(Goal(x=x, y=y, tolerance=GOAL_TOLERANCE),),
         limit=min(time_limit(top), LONGEST),

@@ -17,26 +17,32 @@ from kompass.robot import (
     RobotGeometry,
     RobotType,
 )
-from kompass.simulation.physics.robot_model import RobotModel
+from kompass.simulation.physics.robot_model import (
+    ACKERMANN,
+    JACKAL,
+    OMNI,
+    TURTLEBOT3,
+    RobotModel,
+)
 
 COMPONENTS = ("planner", "controller", "mapper", "drive_manager")
 # What a robot is driven with: top speed, acceleration, braking, of driving and of turning.
 LIMITS: dict[str, tuple[LinearCtrlLimits, AngularCtrlLimits]] = {
     "turtlebot3": (
-        LinearCtrlLimits(max_vel=0.22, max_acc=1.5, max_decel=2.5),
+        LinearCtrlLimits(max_vel=TURTLEBOT3.usual_speed, max_acc=1.5, max_decel=2.5),
         AngularCtrlLimits(max_vel=1.5, max_acc=3.0, max_decel=3.0),
     ),
     "jackal": (
-        LinearCtrlLimits(max_vel=2.0, max_acc=3.0, max_decel=4.0),
+        LinearCtrlLimits(max_vel=JACKAL.usual_speed, max_acc=3.0, max_decel=4.0),
         # What its wheels do while it brakes as hard as it can, too.
         AngularCtrlLimits(max_vel=4.0, max_acc=5.0, max_decel=5.0),
     ),
     "ackermann": (
-        LinearCtrlLimits(max_vel=1.0, max_acc=1.5, max_decel=2.5),
+        LinearCtrlLimits(max_vel=ACKERMANN.usual_speed, max_acc=1.5, max_decel=2.5),
         AngularCtrlLimits(max_vel=1.7, max_acc=5.0, max_decel=5.0, max_steer=0.6),
     ),
     "omni": (
-        LinearCtrlLimits(max_vel=1.0, max_acc=1.5, max_decel=2.5),
+        LinearCtrlLimits(max_vel=OMNI.usual_speed, max_acc=1.5, max_decel=2.5),
         AngularCtrlLimits(max_vel=2.0, max_acc=5.0, max_decel=5.0),
     ),
 }

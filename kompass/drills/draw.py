@@ -15,11 +15,20 @@ from random import Random
 from typing import Annotated, TypeVar
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from kompass.algorithms.distance_field import DistanceField
 from kompass.algorithms.planning.free_space import FreeSpace
-from kompass.drills.scenario import LONGEST, Goal, Scenario, ScheduledFault, Start
+from kompass.drills.scenario import (
+    LONGEST,
+    START_CLEARANCE,
+    USUAL_ROBOT,
+    Goal,
+    RobotName,
+    Scenario,
+    ScheduledFault,
+    Start,
+)
 from kompass.rules.schema.model import Model
 from kompass.simulation.faults.fault_names import (
     AT_ONCE,
@@ -31,10 +40,12 @@ from kompass.simulation.faults.fault_names import (
     TARGETED,
     WRONG,
     UnknownFault,
+    check_camera,
     check_fault,
     check_place,
 )
 from kompass.simulation.faults.fault_parameters import PARAMETERS
+from kompass.simulation.physics.robot_model import RobotModel, robot_model
 from kompass.simulation.worlds.rasterize import rasterize
 from kompass.simulation.worlds.registry import world, world_names
 from kompass.simulation.worlds.world import World
@@ -54,7 +65,9 @@ _DURATIONS = (3.0, 20.0)  # s
 _T = TypeVar("_T")
 
 
-def expand_faults(names: Iterable[str], nodes: Sequence[str]) -> tuple[str, ...]:
+def expand_faults(
+    names: Iterable[str], nodes: Sequence[str], robot: str = USUAL_ROBOT
+) -> tuple[str, ...]:
     """Names of faults, with ``all`` and what takes a parameter written out, each once.
 
     Parameters
@@ -63,14 +76,17 @@ def expand_faults(names: Iterable[str], nodes: Sequence[str]) -> tuple[str, ...]
         As after ``--faults``: names, ``all``, or ``kill`` and the like for every parameter.
     nodes
         Of the recipe's components: each of them is killed, stopped and so on.
+    robot
+        Which drives: ``all`` are those that can happen to it.
 
     Raises
     ------
     UnknownFault
-        There is no such fault, or its parameter cannot be read.
+        There is no such fault, its parameter cannot be read, or it is not for that robot.
     """
     kinds = {whole.partition(":")[0]: whole for whole in (*FAULTS, *MACHINE_FAULTS)}
-    usual = [kind for kind in kinds if kind not in NEEDS_CAMERA]
+    model = robot_model(robot)
+    usual = [kind for kind in kinds if model.camera is not None or kind not in NEEDS_CAMERA]
     found: list[str] = []
     for name in names:
         for one in usual if name == ALL else (name,):
@@ -80,6 +96,8 @@ def expand_faults(names: Iterable[str], nodes: Sequence[str]) -> tuple[str, ...]
                 found += [f"{kind}:{value}" for value in values]
             else:
                 found.append(one)
+    for name in found:
+        check_camera(name, model)
     return tuple(dict.fromkeys(map(check_fault, found)))
 
 
@@ -132,22 +150,22 @@ class DrawOptions(Model):
     lasting
         Share of the faults that never end, 0 to 1. From most of them nothing recovers: the best
         is to stand and say why.
-    radius, clearance
-        Of the robot, and what it keeps from walls beyond that [m]: where it can go.
-    speed
-        The robot's highest [m/s], by which times are estimated.
+    robot
+        Which embedded one drives: its size is where it can go, its usual speed what times are
+        estimated by.
+    clearance
+        What it keeps from walls beyond its body [m].
     shortest
         Least length of the way to a goal [m], where the world has room for it.
     """
 
     worlds: Annotated[tuple[str, ...], Field(min_length=1)] = USUAL_WORLDS
+    robot: RobotName = USUAL_ROBOT
     faults: tuple[str, ...] = ()
     faults_per_drive: Annotated[int, Field(ge=1, le=10)] = 1
     goals: Annotated[int, Field(ge=1, le=20)] = 1
     lasting: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
-    radius: Annotated[float, Field(gt=0.0, le=1.0)] = 0.10
     clearance: Annotated[float, Field(ge=0.0, le=1.0)] = 0.10
-    speed: Annotated[float, Field(gt=0.0, le=10.0)] = 0.22
     shortest: Annotated[float, Field(ge=0.0, le=100.0)] = 2.0
 
     @field_validator("worlds")
@@ -157,7 +175,11 @@ class DrawOptions(Model):
 
     @field_validator("faults")
     @classmethod
-    def _faults_exist(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+    def _faults_exist(cls, names: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        # Of what was given before it; a robot that there is not is refused for itself.
+        if (robot := info.data.get("robot")) is not None:
+            for name in names:
+                check_camera(name, robot_model(robot))
         return tuple(map(check_fault, names))
 
 
@@ -181,7 +203,8 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
     faults = [name for name in options.faults if fits(name, world(place))]
     order = _shuffled(faults, f"{seed}/turn {turn}")
     first = order[place_in_turn % len(order)] if order else ""
-    room = _room(place, options.radius, options.clearance)
+    robot = robot_model(options.robot)
+    room = _room(place, options.robot, options.clearance)
 
     here = room.place(random)
     start = Start(x=here.x, y=here.y, yaw=_heading(random))
@@ -192,7 +215,7 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
         there, length = room.another_place(here, options.shortest, random)
         yaw = _heading(random) if random.random() < 0.5 else None
         goals.append(Goal(x=there.x, y=there.y, yaw=yaw, at=None if index else _FIRST_GOAL))
-        ways.append((begin, _STRAIGHTER * length / options.speed))
+        ways.append((begin, _STRAIGHTER * length / robot.usual_speed))
         begin += ways[-1][1]
         here = there
     chosen = _choose(first, faults, options.faults_per_drive, random)
@@ -200,13 +223,14 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
     limit = math.ceil(3.0 * begin + 60.0 + _DURATIONS[1] * len(chosen))
     if limit > LONGEST:
         raise ValueError(
-            f"goals: {options.goals} at {options.speed:g} m/s may take {limit} s, and no drive "
+            f"goals: {options.goals} at {robot.usual_speed:g} m/s may take {limit} s, and no drive "
             f"lasts longer than {LONGEST:g} s; give fewer goals"
         )
     broken = [_schedule(name, ways, options.lasting, random) for name in chosen]
     return Scenario(
         name=f"{seed}-{number}",
         world=place,
+        robot=options.robot,
         seed=int.from_bytes(digest[16:20], "big") >> 1,
         start=start,
         goals=tuple(goals),
@@ -294,20 +318,26 @@ class _Place:
 class _Room:
     """Where a robot can get to in a world from where the world has it start."""
 
-    def __init__(self, name: str, required: float) -> None:
+    def __init__(self, name: str, robot: RobotModel, clearance: float) -> None:
         place = world(name)
         field = DistanceField(rasterize(place))
+        required = robot.half_width + clearance
         self._free = FreeSpace(field, required)
         start = (place.start[0], place.start[1])
         entry = self._free.entry(start, 1.0, 0.0)
         if entry is None:
-            raise ValueError(
-                f"world {name!r} has no room for a robot that needs {required:.2f} m on every "
-                "side; give a smaller radius or clearance"
-            )
+            raise _no_room(name, robot, required)
         self._cells = self._free.region(entry)
+        if robot.box is not None:
+            # It goes through where it is narrow, but begins, and ends, where it can stand any way.
+            required = robot.radius + START_CLEARANCE
+            wide = place.distance(self._free.centres(self._cells)) >= required
+            self._cells = self._cells[wide]
+            if not len(self._cells):
+                raise _no_room(name, robot, required)
 
     def place(self, random: Random) -> _Place:
+        """Anywhere in it."""
         cell = int(self._cells[int(random.random() * len(self._cells))])
         x, y = self._free.centres(np.array([cell]))[0]
         return _Place(cell, float(x), float(y))
@@ -329,8 +359,15 @@ class _Room:
 
 
 @lru_cache(maxsize=16)
-def _room(name: str, radius: float, clearance: float) -> _Room:
-    return _Room(name, radius + clearance)
+def _room(name: str, robot: str, clearance: float) -> _Room:
+    return _Room(name, robot_model(robot), clearance)
+
+
+def _no_room(name: str, robot: RobotModel, required: float) -> ValueError:
+    return ValueError(
+        f"world {name!r} has no room for a {robot.name}, which needs {required:.2f} m on every "
+        "side; take another world, or a smaller robot or clearance"
+    )
 
 
 def _one(items: Sequence[_T], random: Random) -> _T:

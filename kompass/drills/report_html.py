@@ -97,9 +97,10 @@ def _head(report: Report) -> str:
     if report.against is not None:
         drives += " under each"
     seed = "" if report.seed is None else f", seed {report.seed}"
+    on = f" on a {escape(report.robots)}" if report.robots else ""
     notes = "".join(f'<p class="unknown">▲ {escape(note)}</p>' for note in report.notes)
     return (
-        f'<header><p class="brand">◆ Kompass drill <span>{escape(report.recipe)}</span></p>'
+        f'<header><p class="brand">◆ Kompass drill <span>{escape(report.recipe)}{on}</span></p>'
         f"{notes}<h1>{escape(report.sentence)}</h1>{_verdict(found)}{chance}"
         f'<p class="setup">{tables}; {drives}{seed}.</p></header>'
     )
@@ -304,7 +305,8 @@ def _again(report: Report) -> str:
         return ""
     words = ["kompass-console", "drill", "replay", report.drives[0].scenario.name]
     words += ["--recipe", report.recipe, "--seed", str(report.seed)]
-    words += ["--worlds", ",".join(options.worlds), "--faults", ",".join(options.faults)]
+    words += ["--worlds", ",".join(options.worlds), "--robot", options.robot]
+    words += ["--faults", ",".join(options.faults)]
     if options.faults_per_drive != 1:
         words += ["--faults-per-drive", str(options.faults_per_drive)]
     if options.lasting:

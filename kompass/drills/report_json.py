@@ -58,8 +58,8 @@ class Report(Model):
 
     Attributes
     ----------
-    recipe, robot
-        What drove; names, no paths.
+    recipe
+        What drove; a name, no path.
     table, drives, summary
         The rules that were tried, and what came of them.
     against, drives_against, summary_against, comparison
@@ -78,7 +78,6 @@ class Report(Model):
 
     schema_version: Annotated[Literal["kompass-drill/1"], Field(alias="schema")] = SCHEMA
     recipe: str
-    robot: str = ""
     seed: int | None = None
     options: DrawOptions | None = None
     table: TableName
@@ -91,12 +90,17 @@ class Report(Model):
     drives: tuple[DriveResult, ...]
     drives_against: tuple[DriveResult, ...] = ()
 
-    @field_validator("recipe", "robot")
+    @field_validator("recipe")
     @classmethod
     def _is_no_path(cls, name: str) -> str:
         if "/" in name or "\\" in name:
             raise ValueError(f"{name!r} is a path of some machine; give the name of the file alone")
         return name
+
+    @property
+    def robots(self) -> str:
+        """Names of the embedded robots that drove it."""
+        return ", ".join(sorted({drive.scenario.robot for drive in self.drives}))
 
     @property
     def sentence(self) -> str:
@@ -121,7 +125,6 @@ def make_report(
     drives: Sequence[DriveResult],
     against: TableName | None = None,
     drives_against: Sequence[DriveResult] = (),
-    robot: str = "",
     seed: int | None = None,
     options: DrawOptions | None = None,
     requirements: Sequence[Requirement] = (),
@@ -140,7 +143,6 @@ def make_report(
     summary = summarize(drives)
     return Report(
         recipe=recipe,
-        robot=robot,
         seed=seed,
         options=options,
         table=table,

@@ -18,13 +18,15 @@ from kompass.simulation.faults.fault_names import (
     AT_ONCE,
     MAP_WITHHELD,
     UnknownFault,
+    check_camera,
     check_fault,
     check_place,
 )
+from kompass.simulation.physics.robot_model import robot_model, robot_names
 from kompass.simulation.worlds.registry import world, world_names
-from kompass.simulation.worlds.world import START_CLEARANCE
 
 LONGEST = 3600.0  # s that a drive may last
+START_CLEARANCE = 0.05  # m between the robot's body and anything solid where it begins
 _FAR = 1000.0  # m; beyond it no world of ours has anything
 
 
@@ -59,6 +61,16 @@ def _known_world(name: str) -> str:
     return name
 
 
+def _known_robot(name: str) -> str:
+    if name not in robot_names():
+        raise PydanticCustomError(
+            "scenario_robot",
+            "there is no such robot; choose one of: {known}",
+            {"known": ", ".join(robot_names())},
+        )
+    return name
+
+
 def _known_fault(name: str) -> str:
     try:
         return check_fault(name)
@@ -72,6 +84,8 @@ Length = Annotated[float, Field(strict=True, gt=0.0, le=_FAR)]
 Radians = Annotated[float, Field(strict=True, ge=-math.tau, le=math.tau)]
 Moment = Annotated[float, Field(strict=True, ge=0.0, le=LONGEST)]
 Name = Annotated[str, Field(min_length=1, max_length=100), AfterValidator(_named)]
+RobotName = Annotated[str, AfterValidator(_known_robot)]
+USUAL_ROBOT = robot_names()[0]
 
 
 class Start(Model):
@@ -151,6 +165,8 @@ class Scenario(Model):
         What reports call it, and what pairs the drives of two tables.
     world
         Of the embedded robot.
+    robot
+        Which embedded robot drives, as after ``run --sim --robot``.
     seed
         Of all that is random in the drive: noise of sensors, delays of messages.
     start
@@ -161,6 +177,7 @@ class Scenario(Model):
 
     name: Name
     world: Annotated[str, AfterValidator(_known_world)]
+    robot: RobotName = USUAL_ROBOT
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
     start: Start | None = None
     goals: Annotated[tuple[Goal, ...], Field(min_length=1, max_length=100)]
@@ -191,18 +208,23 @@ class Scenario(Model):
         return self
 
     def _check_start(self) -> None:
-        if self.start is None:
-            return
-        place = world(self.world)
-        point = np.array([[self.start.x, self.start.y]])
-        if not place.on_floor(point)[0]:
+        if self.start is None and self.robot == USUAL_ROBOT:
+            return  # a world has room for it where it starts
+        place, kind = world(self.world), robot_model(self.robot)
+        x, y, yaw = pose = self.first_pose
+        if not place.on_floor(np.array([[x, y]]))[0]:
             raise _said("start", f"that is off the floor of the {place.name}; move it")
-        clearance = float(place.distance(point)[0])
-        if clearance < START_CLEARANCE:
+        middle = [[x + kind.middle * math.cos(yaw), y + kind.middle * math.sin(yaw)]]
+        points = np.concatenate([middle, kind.outline(pose)]) if kind.box else np.array(middle)
+        required = START_CLEARANCE + (0.0 if kind.box else kind.radius)
+        clearance = float(place.distance(points).min())
+        if clearance < required:
+            who = "a side of its body" if kind.box else "it"
             raise _said(
                 "start",
-                f"that is {max(clearance, 0.0):.2f} m from something solid; keep it "
-                f"{START_CLEARANCE:g} m away",
+                f"that is {max(clearance, 0.0):.2f} m from something solid; keep {who} "
+                f"{required:g} m away"
+                + ("" if self.start else f": the {place.name} has no room for a {kind.name} there"),
             )
 
     def _check_goals(self) -> None:
@@ -228,6 +250,7 @@ class Scenario(Model):
         for index, fault in enumerate(self.faults):
             try:
                 check_place(fault.name, world(self.world))
+                check_camera(fault.name, robot_model(self.robot))
             except UnknownFault as error:
                 raise _said(f"faults[{index}].name", str(error)) from None
         for index, fault in sorted(enumerate(self.faults), key=lambda item: item[1].at):

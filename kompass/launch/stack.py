@@ -56,6 +56,12 @@ class Stack:
         return [component for group in self.groups for component in group]
 
     @property
+    def model_type(self) -> str:
+        """A :class:`kompass.robot.RobotType`; empty where nobody described the robot."""
+        described = (component.robot for component in self.components)
+        return next((robot.model_type for robot in described if robot is not None), "")
+
+    @property
     def inactive(self) -> list[str]:
         """Names of those of which it is known that they come up without becoming active."""
         return [

@@ -52,7 +52,9 @@ from kompass.virtual.node import VirtualNode
 from kompass.virtual.process import VirtualProcess, World
 from kompass.virtual.scheduler import nanoseconds
 
-STARTING = 0.2  # s from the fork of a process to its first callback
+# s from the fork of a process to its first callback. By chance, for the periods of no two processes
+# are in step with each other: how old what one reads of another is, differs from start to start.
+STARTING = (0.15, 0.25)
 DYING = 0.01  # s that a process takes to be gone, and its supervisor to learn of it
 CALLBACK = 0.0003  # s that a callback takes in rclpy, with all that is done around it
 TOLD = 0.0005  # s after which a process reads what the supervisor tells it
@@ -298,7 +300,8 @@ class VirtualStack:
             program.name, program.nodes, pid, pid, program.starts - 1, self._now
         )
         self._oversight.tell(life, "starting")
-        process.later(nanoseconds(STARTING), self._begin, program, process, life)
+        chance = self._world.scheduler.random(f"start {program.starts} of {program.name}")
+        process.later(nanoseconds(chance.uniform(*STARTING)), self._begin, program, process, life)
 
     def _begin(self, program: Program, process: VirtualProcess, life: Life) -> None:
         program.ears = program.main(process, life)

@@ -17,6 +17,8 @@ COMMON = {
     "/initialpose": "geometry_msgs/msg/PoseWithCovarianceStamped",
     # Of the embedded robot: a recorded drive can be made a scenario of, with what broke in it.
     "/simulator/faults": "std_msgs/msg/String",
+    # Which robot it was; and what shows a recording can draw it.
+    "/robot_description": "std_msgs/msg/String",
 }
 # Large, and alike from one message to the next.
 THINNED = {"nav_msgs/msg/OccupancyGrid": 1.0}

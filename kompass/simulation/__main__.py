@@ -31,7 +31,7 @@ def main() -> None:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     options = parser.parse_args()
     try:
-        parse_faults(options.fault, world(options.world))
+        parse_faults(options.fault, world(options.world), robot_model(options.robot))
     except UnknownFault as error:
         parser.error(f"--fault: {error}")
     run_simulator(

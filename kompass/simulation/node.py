@@ -41,16 +41,15 @@ def run_simulator(
     faults
         To begin by themselves, each as ``NAME`` or ``NAME:SECONDS[:DURATION]`` after the start; see
         ``kompass.simulation.faults.fault_names``. More come from ``/simulator/set_fault``.
-
     kind
         Which of the embedded robots it is.
 
     Raises
     ------
     ValueError
-        There is no such fault in this world.
+        There is no such fault in this world, or for this robot.
     """
-    orders = parse_faults(faults, place)
+    orders = parse_faults(faults, place, kind)
     # Imported here, so that the process that forks this one stays small and without threads.
     import rclpy
     from rclpy.signals import SignalHandlerOptions

@@ -21,9 +21,11 @@ from kompass.simulation.faults.fault_names import (
     AT_ONCE,
     FAULTS,
     MACHINE_FAULTS,
+    NEEDS_CAMERA,
     UnknownFault,
 )
 from kompass.simulation.faults.fault_parameters import PARAMETERS, WHEELS
+from kompass.simulation.physics.robot_model import RobotModel
 from kompass.simulation.worlds.registry import world, world_names
 from kompass_console.api.access import CurrentConsole, LoggedIn, Operator
 from kompass_console.api.monitor import asked, body_of, read_table, refusal, sentence
@@ -69,8 +71,13 @@ def drill_room(_: LoggedIn, console: CurrentConsole) -> DrillRoom:
         remedy="" if refused is None else refused.remedy,
         recipe=console.drills.recipe,
         own_world=console.drills.own_world,
+        robot=console.drills.robot.name,
         worlds=[DrillWorld(name=name, title=world(name).title) for name in world_names()],
-        faults=[_fault(name, text) for name, text in (FAULTS | MACHINE_FAULTS).items()],
+        faults=[
+            _fault(name, text)
+            for name, text in (FAULTS | MACHINE_FAULTS).items()
+            if console.drills.robot.camera is not None or name not in NEEDS_CAMERA
+        ],
         most_drives=MOST_DRIVES,
         newest=console.drills.newest,
     )
@@ -96,7 +103,7 @@ async def start_drill(
         console.audit.record(session, "drill", error.title, **what)
         return error
 
-    if (unknown := _unknown_name(options)) is not None:
+    if (unknown := _unknown_name(options, console.drills.robot)) is not None:
         raise refuse(unknown)
     try:
         remedy = "Correct the table and drill again."
@@ -268,12 +275,12 @@ def _notice(console: Console) -> None:
         console.drills.overtaken(said.revision)
 
 
-def _unknown_name(options: DrillOptions) -> ConsoleError | None:
+def _unknown_name(options: DrillOptions, robot: RobotModel) -> ConsoleError | None:
     """Why worlds or faults cannot be drawn from."""
     if options.world is not None and options.world not in world_names():
         return _unknown_world(options.world)
     try:
-        expand_faults(options.faults, ())  # whose they are, only the recipe knows
+        expand_faults(options.faults, (), robot.name)  # whose they are, only the recipe knows
     except UnknownFault as error:
         return ConsoleError(422, sentence(str(error)), "Choose other faults.")
     return None

@@ -11,7 +11,9 @@ from dataclasses import dataclass, field
 
 from kompass.drills.report_json import Report
 from kompass.drills.runner.program import DrillOrder, Failed, Finished, Progress
+from kompass.drills.scenario import USUAL_ROBOT
 from kompass.rules.schema.table import Table
+from kompass.simulation.physics.robot_model import RobotModel, robot_model
 from kompass.simulation.worlds.registry import world, world_names
 from kompass.simulation.worlds.shapes import Box, Shape
 from kompass_console.drills.process import DrillNews, DrillProcess
@@ -136,6 +138,11 @@ class Drills:
         return None if self._subject is None else self._subject.world
 
     @property
+    def robot(self) -> RobotModel:
+        """The embedded one that drives in drills."""
+        return robot_model(USUAL_ROBOT if self._subject is None else self._subject.robot)
+
+    @property
     def recipe(self) -> str:
         """Name of the recipe's file; empty when there is none."""
         return "" if self._subject is None else self._subject.recipe.name
@@ -177,6 +184,7 @@ class Drills:
             in_force_name=f"revision {revision}",
             scenario=options.scenario,
             worlds=(options.world or self.own_world or world_names()[0],),
+            robot=self._subject.robot,
             faults=tuple(options.faults),
             faults_per_drive=options.faults_per_drive,
             lasting=options.lasting,

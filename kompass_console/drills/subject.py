@@ -8,6 +8,8 @@ from typing import Self
 
 from pydantic import BaseModel, ConfigDict
 
+from kompass.drills.scenario import USUAL_ROBOT
+
 
 class DrillSubject(BaseModel):
     """A recipe as it was when the robot started.
@@ -20,6 +22,8 @@ class DrillSubject(BaseModel):
         Of what the file held.
     world
         Of the embedded robot that drives there now; None for a robot of the user's own.
+    robot
+        Name of that embedded robot, or of one that moves as the user's own.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -27,9 +31,10 @@ class DrillSubject(BaseModel):
     recipe: Path
     digest: str
     world: str | None = None
+    robot: str = USUAL_ROBOT
 
     @classmethod
-    def of(cls, recipe: Path, world: str | None) -> Self:
+    def of(cls, recipe: Path, world: str | None, robot: str = USUAL_ROBOT) -> Self:
         """A recipe as it is now.
 
         Raises
@@ -37,7 +42,7 @@ class DrillSubject(BaseModel):
         OSError
             It cannot be read.
         """
-        return cls(recipe=recipe.absolute(), digest=_digest(recipe), world=world)
+        return cls(recipe=recipe.absolute(), digest=_digest(recipe), world=world, robot=robot)
 
     @property
     def changed(self) -> str:

@@ -153,13 +153,14 @@ class DrillRoom(BaseModel):
     """Whether there are drills here, of what, and the newest.
 
     `refusal` is null when there are; else why not, with the remedy. `own_world` is null when the
-    robot at hand is not the embedded one.
+    robot at hand is not the embedded one. `robot` is the name of the embedded one that drives.
     """
 
     refusal: str | None
     remedy: str
     recipe: str
     own_world: str | None
+    robot: str
     worlds: list[DrillWorld]
     faults: list[DrillFault]
     most_drives: int

@@ -470,5 +470,7 @@ def test_the_page_is_told_which_faults_and_worlds_there_are(operator: httpx.Clie
     assert (kinds["glass"]["parameter"], kinds["glass"]["example"]) == ("SHARE", "0.3")
     assert kinds["wheel_slip"]["choices"] == ["left", "right", "both"]
     assert kinds["way_blocked"]["parameter"] == ""
+    assert room["robot"] == "turtlebot3"
+    assert "low_box" not in kinds  # which only a camera sees
     assert TOKENS  # nothing of them in what was said
     assert not any(token in str(room) for token in TOKENS.values())

@@ -30,6 +30,15 @@ faults: [{name: "kill:mapper", at: 6.0}]
 """
 
 
+CAR = f"""\
+import os
+import runpy
+
+os.environ |= {{"ROBOT": "ackermann", "FOLLOWER": "MPPI"}}
+runpy.run_path({str(ROOT / "benchmarks/recipes/followed.py")!r}, run_name="__main__")
+"""
+
+
 Drill = Callable[..., Done]
 DRILL = (str(Path(sys.executable).with_name("kompass-console")), "drill")
 
@@ -243,6 +252,35 @@ def test_several_faults_strike_in_one_drive_and_it_is_made_again_with_them(
     assert scenario.faults == drive.scenario.faults
 
 
+def test_a_recipe_of_a_car_is_driven_by_a_car_and_its_drive_is_made_again_with_one(
+    drill: Drill, tmp_path: Path
+) -> None:
+    recipe, found = tmp_path / "car.py", tmp_path / "drill.json"
+    recipe.write_text(CAR, encoding="utf-8")
+    options = ("--worlds", "apartment", "--faults", "")
+    made = drill(recipe, *options, "--seeds", "1", "--json", found)
+    assert made.returncode == 0, made.stderr
+    (drive,) = read_report(found.read_text(encoding="utf-8")).drives
+    assert (drive.scenario.robot, drive.outcome) == ("ackermann", "arrived")
+    again, kept = tmp_path / "again.mcap", tmp_path / "again.yaml"
+    done = drill("replay", drive.scenario.name, "--recipe", recipe, *options, "-o", again)
+    assert drive.why in done.stdout
+    assert drill("scenario", again, "--from", "0", "-o", kept).returncode == 0
+    (scenario,) = read_scenarios(kept)
+    assert scenario.robot == "ackermann"
+
+
+def test_another_robot_drives_where_somebody_names_it(drill: Drill, tmp_path: Path) -> None:
+    found, page = tmp_path / "drill.json", tmp_path / "drill.html"
+    plus = ("--robot", "turtlebot3-plus", "--faults", "low_box", "--seeds", "1")
+    done = drill(GUARDED, *plus, "--json", found, "--report", page)
+    assert done.returncode in (0, 1), done.stderr
+    (drive,) = read_report(found.read_text(encoding="utf-8")).drives
+    assert drive.scenario.robot == "turtlebot3-plus"
+    assert not drive.refused
+    assert "03_events_and_actions.py on a turtlebot3-plus" in page.read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -254,6 +292,9 @@ def test_several_faults_strike_in_one_drive_and_it_is_made_again_with_them(
         ),
         ([GUARDED, "--faults", "hang:simulator"], "no process or node 'simulator'"),
         ([GUARDED, "--worlds", "mars"], "--worlds: world is 'mars', which does not exist"),
+        ([GUARDED, "--robot", "jackl"], "--robot jackl: there is no such robot; known are turtleb"),
+        ([GUARDED, "--faults", "low_box"], "--faults: fault 'low_box': a turtlebot3 has no camera"),
+        ([GUARDED, "--robot", "omni", "--scenarios", "."], "--robot: the scenarios of"),
         ([GUARDED, "--rules", "none.json"], "--rules none.json: there is no such file"),
         ([GUARDED, "--require", "speed > 1"], "--require: "),
         ([GUARDED, "--json", "no/where.json"], "--json no/where.json: there is no folder no"),

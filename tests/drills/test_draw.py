@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -14,6 +15,11 @@ from kompass.algorithms.planning.planner import GlobalPlanner
 from kompass.drills.draw import DrawOptions, check_targets, draw, expand_faults, fits, repeated
 from kompass.drills.scenario_file import parse_scenario, scenario_text
 from kompass.simulation.faults.fault_names import FAULTS, NEEDS_CAMERA, UnknownFault
+from kompass.simulation.physics.robot_model import (
+    TURTLEBOT3,
+    robot_model,
+    robot_names,
+)
 from kompass.simulation.worlds.rasterize import rasterize
 from kompass.simulation.worlds.registry import world
 
@@ -49,6 +55,7 @@ def test_the_first_drive_of_a_seed_stays_the_one_it_is() -> None:
 WRITTEN = """\
 name: 7-0
 world: warehouse
+robot: turtlebot3
 seed: 1520939677
 start:
   x: 10.075
@@ -66,6 +73,29 @@ faults:
 operators: []
 limit: 209.0
 """
+
+
+@pytest.mark.parametrize("place", ["hexagon", "apartment", "warehouse", "depot"])
+@pytest.mark.parametrize("robot", robot_names())
+def test_every_embedded_robot_begins_and_ends_where_it_has_room(robot: str, place: str) -> None:
+    options = DrawOptions(worlds=(place,), robot=robot)
+    model, solid = robot_model(robot), world(place)
+    for number in range(4):
+        scenario = draw(11, number, options)  # refuses a start without room
+        assert scenario.robot == robot
+        (goal,) = scenario.goals
+        around = np.linspace(0.0, math.tau, 36)
+        reach = [model.outline((goal.x, goal.y, yaw)) for yaw in around]
+        assert min(float(solid.distance(points).min()) for points in reach) >= 0.04
+
+
+def test_what_only_a_camera_sees_is_drawn_for_robots_that_have_one() -> None:
+    seeing = expand_faults(["all"], NODES, "turtlebot3-plus")
+    assert set(seeing) - set(expand_faults(["all"], NODES)) == set(NEEDS_CAMERA)
+    with pytest.raises(UnknownFault, match="a omni has no camera"):
+        expand_faults(["low_box"], NODES, "omni")
+    with pytest.raises(ValueError, match="turtlebot3 has no camera"):
+        DrawOptions(faults=("low_box",))
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +119,7 @@ def test_the_robot_can_get_to_every_goal_and_a_fault_begins_on_the_way(
     for goal in scenario.goals:
         plan = planners[scenario.world].plan((x, y, 0.0), (goal.x, goal.y, goal.yaw))
         assert plan.length >= 1.5
-        ways.append((begin, begin + plan.length / options.speed))
+        ways.append((begin, begin + plan.length / TURTLEBOT3.usual_speed))
         begin, x, y = ways[-1][1], goal.x, goal.y
     for fault in scenario.faults:
         ends = fault.at + fault.duration
@@ -184,9 +214,9 @@ def test_what_cannot_be_drawn_is_refused() -> None:
     with pytest.raises(ValueError, match="number: -1; give 0 or more"):
         draw(1, -1, ALL)
     with pytest.raises(ValueError, match="give fewer goals"):
-        draw(1, 0, ALL.model_copy(update={"goals": 20, "speed": 0.01}))
-    with pytest.raises(ValueError, match="give a smaller radius"):
-        draw(1, 0, DrawOptions(radius=1.0, clearance=1.0))
+        draw(1, 0, DrawOptions(worlds=("depot",), goals=20))
+    with pytest.raises(ValueError, match=r"no room for a turtlebot3, which needs 1.10 m on every"):
+        draw(1, 0, DrawOptions(clearance=1.0))
 
 
 def test_drives_of_two_scenarios_with_long_names_are_told_apart() -> None:

@@ -121,6 +121,12 @@ def test_a_file_says_all_of_it(tmp_path: Path) -> None:
     [
         ("world: warehouse", "world: warehous",
          'crate.yaml:2: world = "warehous": there is no such world; choose one of: hexagon'),
+        ("world: warehouse", "world: warehouse\nrobot: jackl",
+         'crate.yaml:3: robot = "jackl": there is no such robot; choose one of: turtlebot3, '),
+        ("start: {x: 1.2, y: 1.0}", "robot: jackal\nstart: {x: 1.2, y: 0.24}",
+         "that is 0.02 m from something solid; keep a side of its body 0.05 m away"),
+        ("name: way_blocked", "name: low_box",
+         "faults[0].name = \"low_box\": fault 'low_box': a turtlebot3 has no camera"),
         ("name: way_blocked", "name: way_bloked",
          "crate.yaml:9: faults[0].name = \"way_bloked\": there is no fault 'way_bloked'; "
          "did you mean 'way_blocked'?"),

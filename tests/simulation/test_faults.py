@@ -20,7 +20,7 @@ from kompass.simulation.faults.fault_names import (
 from kompass.simulation.faults.fault_parameters import PARAMETERS
 from kompass.simulation.faults.robot_faults import RobotFaults
 from kompass.simulation.physics.parts import NoReading
-from kompass.simulation.physics.robot_model import TURTLEBOT3_PLUS
+from kompass.simulation.physics.robot_model import TURTLEBOT3, TURTLEBOT3_PLUS
 from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.registry import world
 from tests.simulation.hall import PERIOD, drive
@@ -138,9 +138,12 @@ def test_a_wall_across_the_way_stands_ahead_and_nowhere_else(
 def test_a_low_box_is_for_robots_that_have_a_camera(
     robot: SimulatedRobot, faults: RobotFaults
 ) -> None:
-    with pytest.raises(NotYet, match=r"a turtlebot3 has no camera.*--robot turtlebot3-plus"):
+    with pytest.raises(UnknownFault, match=r"a turtlebot3 has no camera.*take.*-plus"):
         faults.begin("low_box")
     assert faults.active == ()
+    with pytest.raises(UnknownFault, match="a turtlebot3 has no camera"):
+        parse_faults(["low_box:2"], world("hexagon"), TURTLEBOT3)
+    assert parse_faults(["low_box:2"], world("hexagon"), TURTLEBOT3_PLUS)
     seeing = SimulatedRobot(world("hexagon"), kind=TURTLEBOT3_PLUS)
     assert seeing.camera is not None
 
@@ -366,9 +369,11 @@ def test_every_fault_can_be_ordered_and_is_known_to_somebody(robot: SimulatedRob
 
 def test_a_door_that_the_world_does_not_have_is_refused_before_the_start() -> None:
     order = ["door_closed:kitchen:20"]
-    assert parse_faults(order, world("apartment")) == [FaultOrder("door_closed:kitchen", 20.0)]
+    assert parse_faults(order, world("apartment"), TURTLEBOT3) == [
+        FaultOrder("door_closed:kitchen", 20.0)
+    ]
     with pytest.raises(UnknownFault, match="'hexagon' has no doorway 'kitchen'; take a world that"):
-        parse_faults(order, world("hexagon"))
+        parse_faults(order, world("hexagon"), TURTLEBOT3)
 
 
 def test_the_recipes_tell_newcomers_of_every_fault() -> None:

@@ -23,7 +23,7 @@ from kompass.drills.drive import DriveResult
 from kompass.drills.report_json import Report, TableName, make_report
 from kompass.drills.runner.lifeline import end_with
 from kompass.drills.runner.worker import DriveFailed, Looked, Order, look_at, make_drives
-from kompass.drills.scenario import Scenario
+from kompass.drills.scenario import USUAL_ROBOT, Scenario
 from kompass.rules.schema.model import Model
 from kompass.rules.schema.table import Table
 
@@ -46,6 +46,8 @@ class DrillOrder(Model):
         What is driven again and again, with other noise each time; None for drawn ones.
     worlds, faults
         To draw from; faults as after ``--faults``.
+    robot
+        Which embedded one drives what is drawn.
     faults_per_drive
         How many break in each.
     lasting
@@ -67,6 +69,7 @@ class DrillOrder(Model):
     in_force_name: str
     scenario: Scenario | None = None
     worlds: tuple[str, ...] = ()
+    robot: str = USUAL_ROBOT
     faults: tuple[str, ...] = ()
     faults_per_drive: Annotated[int, Field(ge=1)] = 1
     lasting: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
@@ -169,7 +172,8 @@ def _scenarios(order: DrillOrder, looked: Looked) -> tuple[Sequence[Scenario], D
         return repeated(order.scenario, order.seed, order.drives), None
     options = DrawOptions(
         worlds=order.worlds,
-        faults=looked.faults(order.faults),
+        robot=order.robot,
+        faults=looked.faults(order.faults, order.robot),
         faults_per_drive=order.faults_per_drive,
         lasting=order.lasting,
     )

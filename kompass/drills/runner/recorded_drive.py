@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,7 +21,15 @@ from std_msgs.msg import String
 from kompass.algorithms.map_file import load_map
 from kompass.backtest.event_log import Began, Resumed, Swapped
 from kompass.drills.runner.recording import SCENARIO
-from kompass.drills.scenario import LONGEST, Goal, OperatorAct, Scenario, ScheduledFault, Start
+from kompass.drills.scenario import (
+    LONGEST,
+    USUAL_ROBOT,
+    Goal,
+    OperatorAct,
+    Scenario,
+    ScheduledFault,
+    Start,
+)
 from kompass.drills.scenario_file import parse_scenario
 from kompass.recorder.clip import is_event
 from kompass.recorder.mcap.reader import Recording, Track, messages
@@ -30,6 +39,7 @@ from kompass.recorder.streams import REPEAT, read_event
 from kompass.rules.schema.table import Table
 from kompass.share import map_path
 from kompass.simulation.faults.fault_names import AT_ONCE, MAP_WITHHELD, UnknownFault, check_fault
+from kompass.simulation.physics.robot_model import robot_names
 from kompass.simulation.worlds.registry import world_names
 
 MARGIN = 30.0  # s that the drive may take longer than the recorded one
@@ -39,7 +49,7 @@ SAME_PLACE = 0.05  # m between two goals that are one
 MOVES = 0.02  # m/s
 MAP, POSE, SCAN, PLAN = "/map", "/odometry/filtered", "/scan", "/plan"
 FAULTS, STACK, DRIVE = "/simulator/faults", "/monitor/stack_state", "/drive_state"
-INITIAL_POSE = "/initialpose"
+INITIAL_POSE, DESCRIPTION = "/initialpose", "/robot_description"
 _CLICKS: Mapping[str, type[Any]] = {"/clicked_point": PointStamped, "/goal_pose": PoseStamped}
 _KINDS: Mapping[str, type[Any]] = {
     MAP: OccupancyGrid,
@@ -47,6 +57,7 @@ _KINDS: Mapping[str, type[Any]] = {
     SCAN: LaserScan,
     PLAN: PathMessage,
     FAULTS: String,
+    DESCRIPTION: String,
     STACK: StackState,
     DRIVE: DriveState,
     **_CLICKS,
@@ -184,6 +195,7 @@ class _Stretch:
         made = Scenario(
             name=name,
             world=place,
+            robot=self._robot(),
             start=start,
             goals=tuple(self._goals()),
             faults=tuple(sorted(faults, key=lambda fault: fault.at)),
@@ -227,6 +239,17 @@ class _Stretch:
             f"none of the worlds ({', '.join(world_names())}): there is no physics to drive in; "
             "draw scenarios for a world instead"
         )
+
+    def _robot(self) -> str:
+        """Which embedded robot it was, or else the usual one."""
+        described = self._heard.of(DESCRIPTION)
+        text = described[-1].message.data if described else ""
+        found = re.search(r"<robot\b[^>]*\bname=[\"']([^\"']*)", text)
+        if found is not None and found[1] in robot_names():
+            return found[1]
+        why = f"{DESCRIPTION} is not in it" if found is None else f"there is no {found[1]} to drive"
+        self._remarks.append(f"{why}: a {USUAL_ROBOT} drives; change robot in the scenario")
+        return USUAL_ROBOT
 
     def _start(self) -> Start:
         poses = self._heard.of(POSE)

@@ -18,6 +18,7 @@ from kompass.launch.stack import Stack
 from kompass.launch.virtual_stack import USUAL, Embedded, VirtualStack
 from kompass.recorder.topics import standard_topics
 from kompass.rules.schema.table import Table
+from kompass.simulation.physics.robot_model import robot_model
 from kompass.simulation.worlds.registry import world
 from kompass.supervisor.news import ProcessNews
 from kompass.virtual.executor import VirtualExecutor
@@ -68,7 +69,7 @@ def run_drive(
         File to write the drive to, as the flight recorder does; nothing when left out. The drive
         goes the same way.
     embedded
-        The robot, and its map.
+        The robot's map; which robot it is, the scenario says.
 
     Raises
     ------
@@ -116,7 +117,7 @@ def _drive(
         seed=scenario.seed,
         table=table,
         recording=recorded,
-        embedded=embedded,
+        embedded=replace(embedded, kind=robot_model(scenario.robot)),
     )
     executor = VirtualExecutor(process)
     executor.add_node(node)

@@ -21,6 +21,7 @@ from kompass.drills.runner.repeated import difference
 from kompass.drills.scenario import Scenario
 from kompass.printable import printable
 from kompass.rules.schema.table import Table
+from kompass.simulation.physics.robot_model import robot_that_moves
 
 if TYPE_CHECKING:
     from kompass.launch.stack import Stack
@@ -216,16 +217,17 @@ class Looked:
     planner: str
     nodes: tuple[str, ...]  # of its components
     targets: tuple[str, ...]  # processes and nodes that something can happen to
+    robot: str  # the embedded one that moves as the recipe describes its own
 
-    def faults(self, names: Iterable[str]) -> tuple[str, ...]:
-        """Names of faults as after ``--faults``, written out for this recipe.
+    def faults(self, names: Iterable[str], robot: str) -> tuple[str, ...]:
+        """Names of faults as after ``--faults``, written out for this recipe and an embedded robot.
 
         Raises
         ------
         UnknownFault
             There is no such fault, or nobody of that name that it could strike.
         """
-        found = expand_faults(names, self.nodes)
+        found = expand_faults(names, self.nodes, robot)
         check_targets(found, self.targets)
         return found
 
@@ -260,5 +262,9 @@ def _look(recipe: Path, table: Table | None) -> Looked:
     own = stack.monitored.rules.table
     nodes = tuple(component.node_name for component in stack.components)
     return Looked(
-        *(own.model_dump_json(), planner_node(stack.components), nodes), process_names(stack)
+        table=own.model_dump_json(),
+        planner=planner_node(stack.components),
+        nodes=nodes,
+        targets=process_names(stack),
+        robot=robot_that_moves(stack.model_type).name,
     )

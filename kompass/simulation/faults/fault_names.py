@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from kompass.simulation.faults.fault_parameters import PARAMETERS
 
 if TYPE_CHECKING:
+    from kompass.simulation.physics.robot_model import RobotModel
     from kompass.simulation.worlds.world import World
 
 FAULTS = {
@@ -62,7 +63,7 @@ SIGNALLED = ("stop", "kill")
 WRONG = "wrong:"
 TARGETED = (*SIGNALLED, "starve", "hang", "flicker", "wrong")
 DOOR_CLOSED = "door_closed"
-# Others would run into it. Drills are drawn for robots without one.
+# Others would run into it.
 NEEDS_CAMERA = ("low_box",)
 _ALL = {**FAULTS, **MACHINE_FAULTS}
 _MACHINE_KINDS = {name.partition(":")[0] for name in MACHINE_FAULTS}
@@ -152,6 +153,21 @@ def check_place(name: str, place: World) -> None:
         )
 
 
+def check_camera(name: str, robot: RobotModel) -> None:
+    """Refuse a fault that only a robot with a camera can see.
+
+    Raises
+    ------
+    UnknownFault
+        The robot has none.
+    """
+    if name in NEEDS_CAMERA and robot.camera is None:
+        raise UnknownFault(
+            f"fault {name!r}: a {robot.name} has no camera, and would run into it; take the robot "
+            "turtlebot3-plus"
+        )
+
+
 def parse_fault(text: str) -> FaultOrder:
     """Read ``NAME``, ``NAME:SECONDS`` or ``NAME:SECONDS:DURATION``, as on a command line.
 
@@ -195,17 +211,18 @@ def _split(text: str) -> tuple[str, list[float]]:
     return name, times
 
 
-def parse_faults(texts: Iterable[str], place: World) -> list[FaultOrder]:
-    """Read orders for the robot in a world.
+def parse_faults(texts: Iterable[str], place: World, robot: RobotModel) -> list[FaultOrder]:
+    """Read orders for a robot in a world.
 
     Raises
     ------
     UnknownFault
-        One of them cannot be read, or not be carried out in that world.
+        One of them cannot be read, or not be carried out in that world or with that robot.
     """
     orders = [parse_fault(text) for text in texts]
     for order in orders:
         check_place(order.name, place)
+        check_camera(order.name, robot)
     return orders
 
 

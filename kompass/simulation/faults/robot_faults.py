@@ -10,7 +10,7 @@ import numpy as np
 
 from kompass.simulation.faults import faulty_parts as faulty
 from kompass.simulation.faults.fault_manager import NotYet
-from kompass.simulation.faults.fault_names import DOOR_CLOSED, NEEDS_CAMERA, check_place
+from kompass.simulation.faults.fault_names import DOOR_CLOSED, check_camera, check_place
 from kompass.simulation.physics import person
 from kompass.simulation.physics.barriers import Barriers
 from kompass.simulation.robot import SimulatedRobot
@@ -171,18 +171,13 @@ class RobotFaults:
         Raises
         ------
         UnknownFault
-            The world has no such doorway.
+            The world has no such doorway, or the robot no camera to see with what stands there.
         NotYet
-            There is no room for a person ahead of the robot, it stands in the doorway, or it has no
-            camera to see with what stands there.
+            There is no room for a person ahead of the robot, or it stands in the doorway.
         """
         if name in self._active:
             return True
-        if name in NEEDS_CAMERA and self._robot.camera is None:
-            raise NotYet(
-                f"{name}: a {self._robot.kind.name} has no camera, and would run into it; take "
-                "--robot turtlebot3-plus"
-            )
+        check_camera(name, self._robot.kind)
         kind, _, argument = name.partition(":")
         random = self._robot.chance(f"{name} {self._begun.get(name, 0)}")
         parts: _Parts = {}

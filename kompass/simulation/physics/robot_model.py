@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+
+_SPACING = 0.02  # m between points of an outline
 
 
 @dataclass(frozen=True)
@@ -209,6 +212,8 @@ class RobotModel:
         Above the floor [m].
     max_speed, max_turn_rate
         To which commands are cut [m/s], [rad/s].
+    usual_speed
+        That those who drive it allow it [m/s].
     lidar
         On top.
     rear, camera
@@ -236,12 +241,37 @@ class RobotModel:
     imu_height: float
     max_speed: float
     max_turn_rate: float
+    usual_speed: float
     lidar: LidarModel
     rear: RearScanner | None = None
     camera: CameraModel | None = None
     middle: float = 0.0
     steering: Steering | None = None
     omni: OmniWheels | None = None
+
+    @property
+    def half_width(self) -> float:
+        """From the middle of the body to its nearest side: what a way must be wider than [m]."""
+        return self.radius if self.box is None else min(self.box) / 2
+
+    def outline(self, pose: tuple[float, float, float]) -> NDArray[np.float64]:
+        """Points around the body at a pose (x, y, yaw) in the map, (N, 2), 2 cm or less apart."""
+        x, y, yaw = pose
+        if self.box is None:
+            count = math.ceil(math.tau * self.radius / _SPACING)
+            angles = np.arange(count) * (math.tau / count)
+            return np.column_stack(
+                [x + self.radius * np.cos(angles), y + self.radius * np.sin(angles)]
+            )
+        half = np.array(self.box) / 2
+        corners = half * [[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]] + [self.middle, 0.0]
+        sides = [
+            np.linspace(one, other, math.ceil(math.dist(one, other) / _SPACING), endpoint=False)
+            for one, other in itertools.pairwise(corners)
+        ]
+        body = np.concatenate(sides)
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        return np.asarray(body @ np.array([[cos, sin], [-sin, cos]]) + (x, y))
 
     def gap(self, pose: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Distance between the body and points [m]; negative for points inside of it.
@@ -289,6 +319,7 @@ TURTLEBOT3 = RobotModel(
     imu_height=0.07,
     max_speed=0.3,
     max_turn_rate=1.9,
+    usual_speed=0.22,
     # Like the LDS-01.
     lidar=LidarModel(360, 0.0, math.tau / 360, 0.12, 3.5, 0.005, 0.17),
 )
@@ -315,6 +346,7 @@ JACKAL = RobotModel(
     imu_height=0.07,
     max_speed=2.0,
     max_turn_rate=4.0,
+    usual_speed=2.0,
     lidar=LidarModel(541, -math.radians(135.0), math.radians(0.5), 0.10, 10.0, 0.005, 0.30),
 )
 
@@ -367,6 +399,7 @@ ACKERMANN = RobotModel(
     imu_height=0.07,
     max_speed=1.5,
     max_turn_rate=math.inf,  # what speed and steering make of it
+    usual_speed=1.0,
     lidar=LidarModel(720, 0.0, math.tau / 720, 0.10, 10.0, 0.005, 0.285),
     steering=Steering(wheel_base=0.40, most=0.6, rate=4.0, gain=30.0),
 )
@@ -393,6 +426,7 @@ OMNI = RobotModel(
     imu_height=0.07,
     max_speed=1.0,
     max_turn_rate=3.0,
+    usual_speed=1.0,
     lidar=LidarModel(720, 0.0, math.tau / 720, 0.10, 10.0, 0.005, 0.265),
     omni=OmniWheels(0.16, (math.pi / 3, -math.pi / 3, math.pi), max_side_speed=1.0),
 )
@@ -403,6 +437,11 @@ _ROBOTS = {model.name: model for model in (TURTLEBOT3, JACKAL, TURTLEBOT3_PLUS, 
 def robot_names() -> tuple[str, ...]:
     """The names that :func:`robot_model` knows, the default first."""
     return tuple(_ROBOTS)
+
+
+def robot_that_moves(model_type: str) -> RobotModel:
+    """The embedded robot for a recipe's ``model_type``, where nobody has chosen one."""
+    return {"ACKERMANN": ACKERMANN, "OMNI": OMNI}.get(model_type, TURTLEBOT3)
 
 
 def robot_model(name: str) -> RobotModel:

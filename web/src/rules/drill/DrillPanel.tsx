@@ -37,6 +37,7 @@ const UNTOLD: DrillRoom = {
   remedy: "",
   recipe: "",
   own_world: null,
+  robot: "",
   worlds: [],
   faults: [],
   most_drives: Number.POSITIVE_INFINITY,
@@ -61,7 +62,8 @@ export function DrillPanel({ table, ready }: Props) {
   const [each, setEach] = useState("1");
   const [chosen, setChosen] = useState<string | null>(null);
   const drawnIn = chosen ?? room.own_world ?? room.worlds[0]?.name ?? "";
-  const scenario = wish.own && told !== null ? (wish.scenario ?? newScenario(drawnIn)) : null;
+  const scenario =
+    wish.own && told !== null ? (wish.scenario ?? newScenario(drawnIn, room.robot)) : null;
   const world = scenario?.world ?? drawnIn;
   const lacks = scenario === null ? "" : missing(scenario);
   const running = drill?.state === "running";
@@ -83,7 +85,7 @@ export function DrillPanel({ table, ready }: Props) {
               {silent && "The console does not answer. "}
               {told === null
                 ? "Asking the console what can be drilled…"
-                : subjectText(room.recipe, world, room.own_world)}
+                : subjectText(room.recipe, scenario?.robot ?? room.robot, world, room.own_world)}
             </p>
             <SegmentedControl
               size="sm"

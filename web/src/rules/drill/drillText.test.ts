@@ -52,6 +52,6 @@ test("only what there is is counted", () => {
 });
 
 test("whose robot drives is said, and whether that is the one at hand", () => {
-  expect(subjectText("patrol.py", "hexagon", null)).toContain("It is not your robot");
-  expect(subjectText("patrol.py", "hexagon", "hexagon")).not.toContain("not your robot");
+  expect(subjectText("patrol.py", "omni", "hexagon", null)).toContain("It is not your robot");
+  expect(subjectText("patrol.py", "omni", "hexagon", "hexagon")).not.toContain("not your robot");
 });

@@ -55,8 +55,13 @@ export function faultsText(faults: readonly ScheduledFault[]): string {
 }
 
 /** Which robot, where, and that it may not be the one at hand. */
-export function subjectText(recipe: string, world: string, ownWorld: string | null): string {
-  const place = `The embedded robot drives ${recipe} in the world "${world}", in virtual time on this machine.`;
+export function subjectText(
+  recipe: string,
+  robot: string,
+  world: string,
+  ownWorld: string | null,
+): string {
+  const place = `The embedded robot ${robot} drives ${recipe} in the world "${world}", in virtual time on this machine.`;
   return ownWorld === null
     ? `${place} It is not your robot, and those are not your rooms.`
     : `${place} The robot that you see is left alone.`;

@@ -6,6 +6,7 @@ const drive = (more: Partial<Drive> = {}): Drive => ({
   scenario: {
     name: "1-0",
     world: "hexagon",
+    robot: "turtlebot3",
     seed: 1,
     start: { x: 0, y: 0, yaw: 1.5 },
     goals: [],

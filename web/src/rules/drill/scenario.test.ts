@@ -26,13 +26,13 @@ const kind = (name: string, parameter: string, example: string, at_once = false)
 const blocked = { name: "way_blocked", at: 12, duration: 8 };
 
 test("a scenario without a goal cannot be driven, and says what is missing", () => {
-  const empty = newScenario("hexagon");
+  const empty = newScenario("hexagon", "turtlebot3");
   expect(missing(empty)).toContain("press on the map");
   expect(missing(goalAt(empty, 0, { x: 1, y: 2 }))).toBe("");
 });
 
 test("a press adds a goal, a figure moves one, to the millimetre", () => {
-  const one = goalAt(newScenario("hexagon"), 0, { x: 1.23456, y: 2 });
+  const one = goalAt(newScenario("hexagon", "turtlebot3"), 0, { x: 1.23456, y: 2 });
   const two = goalAt(one, 1, { x: -1, y: 0 });
   expect(two.goals.map(({ x, y }) => [x, y])).toEqual([
     [1.235, 2],
@@ -44,7 +44,7 @@ test("a press adds a goal, a figure moves one, to the millimetre", () => {
 });
 
 test("what a scenario of a file says beside places stays when a goal is moved", () => {
-  const read = newScenario("hexagon");
+  const read = newScenario("hexagon", "turtlebot3");
   read.goals = [
     { x: 0, y: 0, yaw: 1, topic: null, tolerance: 0.2, heading_tolerance: null, at: 3 },
   ];
@@ -65,7 +65,10 @@ test("another kind of fault comes with what it needs, at the time of the one bef
 });
 
 test("faults are added, changed and taken away", () => {
-  const two = faultAt(faultAt(newScenario("hexagon"), 0, blocked), 1, { ...blocked, at: 40 });
+  const two = faultAt(faultAt(newScenario("hexagon", "turtlebot3"), 0, blocked), 1, {
+    ...blocked,
+    at: 40,
+  });
   expect(faultAt(two, 0, { ...blocked, at: 1 }).faults.map(({ at }) => at)).toEqual([1, 40]);
   expect(withoutFault(two, 0).faults.map(({ at }) => at)).toEqual([40]);
 });
@@ -89,14 +92,21 @@ test("a goal in a pillar or beside the floor is told before it is driven", () =>
     doorways: [],
   };
   const goals = (...spots: [number, number][]) =>
-    spots.reduce((made, [x, y], index) => goalAt(made, index, { x, y }), newScenario("room"));
+    spots.reduce(
+      (made, [x, y], index) => goalAt(made, index, { x, y }),
+      newScenario("room", "turtlebot3"),
+    );
   expect(outOfPlace(goals([1, 1], [3.3, 1]), place)).toBe("");
   expect(outOfPlace(goals([1, 1], [2.2, 2]), place)).toContain("Goal 2 lies off the floor");
   expect(outOfPlace(goals([3, 1.4], [5, 1]), place)).toContain("Goals 1, 2 lie");
 });
 
 test("in another world there are none of the places of this one", () => {
-  const here = startAt(goalAt(newScenario("hexagon"), 0, { x: 1, y: 1 }), { x: 0, y: 0, yaw: 0 });
+  const here = startAt(goalAt(newScenario("hexagon", "turtlebot3"), 0, { x: 1, y: 1 }), {
+    x: 0,
+    y: 0,
+    yaw: 0,
+  });
   const there = inWorld(faultAt(here, 0, blocked), "warehouse");
   expect([there.start, there.goals, there.faults]).toEqual([null, [], [blocked]]);
   expect(inWorld(here, "hexagon")).toBe(here);

@@ -18,9 +18,10 @@ export const MOST_FAULTS = 10;
 const near = (value: number) => Math.round(value * 1000) / 1000;
 
 /** A first scenario in a world: from where its robot starts, to where nobody has said yet. */
-export const newScenario = (world: string): Scenario => ({
+export const newScenario = (world: string, robot: string): Scenario => ({
   name: "my own",
   world,
+  robot,
   seed: 1,
   start: null,
   goals: [],

@@ -5,7 +5,7 @@ import { keepWish, keptWish } from "./wish";
 beforeEach(() => sessionStorage.clear());
 
 test("what was made up is there when the page is loaded again", () => {
-  const wish = { own: true, count: "4", scenario: newScenario("hexagon") };
+  const wish = { own: true, count: "4", scenario: newScenario("hexagon", "turtlebot3") };
   keepWish(wish);
   expect(keptWish()).toEqual(wish);
 });
