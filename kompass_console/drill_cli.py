@@ -43,7 +43,8 @@ and 130 the results are those of the drives that were made until then.
 
 app = typer.Typer(
     name="drill",
-    help="Try a recipe and its rules in many faulted drives, in virtual time.",
+    help="Try a recipe and its rules in many faulted drives, in virtual time.\n\n"
+    "drill RECIPE is drill run RECIPE: its options are told by drill run --help.",
     epilog=EXIT_CODES,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -105,7 +106,7 @@ def run(
     """Make drives, and say what became of the robot."""
     from kompass.drills.report_html import report_html
     from kompass.drills.report_json import make_report, report_json
-    from kompass.drills.requirement import BadRequirement, parse_requirements
+    from kompass.drills.requirement import BadRequirement, parse_requirements, refuse_impossible
     from kompass.drills.runner.worker import DriveFailed, look_at
     from kompass.rules.schema.table import Table
 
@@ -127,11 +128,14 @@ def run(
         chosen, options = _scenarios(
             looked, scenarios, worlds, robot, faults, faults_per_drive, lasting, seed, seeds
         )
+        refuse_impossible(requirements, len(chosen))
         if other is not None:
             look_at(recipe, other)
         own = Table.model_validate_json(looked.table)
         tried = (_name(rules, proposed or own), proposed)
         compared = None if against is None else (_name(against, other or own), other)
+    except BadRequirement as error:
+        raise CliError(BAD_INPUT, f"--require: {error}") from None
     except DriveFailed as error:
         raise CliError(NOT_DRIVEN, str(error)) from None
     looked_twice: list[str] = []

@@ -32,12 +32,12 @@ def sign_test(ups: int, downs: int) -> float:
     return float(min(Fraction(2 * tail, 2**pairs), Fraction(1)))
 
 
-def in_words(ups: int, downs: int) -> str:
-    """What :func:`sign_test` says of a difference, as a sentence."""
+def in_words(ups: int, downs: int, drives: str) -> str:
+    """What :func:`sign_test` says of a difference, as a sentence; ``drives`` says of which."""
     chance = sign_test(ups, downs)
     if not ups + downs:
         return "No pair of drives differs in this."
-    of = f"{max(ups, downs)} of {ups + downs} drives that differ point the same way"
+    of = f"{max(ups, downs)} of {ups + downs} drives {drives} point the same way"
     if chance < RARE:
         return f"Hardly chance: {of} (p = {_number(chance)}, exact sign test)."
     return (

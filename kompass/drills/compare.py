@@ -258,9 +258,9 @@ def _verdict(found: Comparison) -> Verdict:
 
 def _chance(found: Comparison) -> str:
     if found.gained + found.lost:
-        return in_words(found.gained, found.lost)
+        return in_words(found.gained, found.lost, "that come through under one table only")
     if found.slower_pairs + found.faster_pairs:
-        said = in_words(found.faster_pairs, found.slower_pairs)
+        said = in_words(found.faster_pairs, found.slower_pairs, "that take longer under one")
         return f"Of the time it takes: {said[0].lower()}{said[1:]}"
     return ""
 

@@ -116,6 +116,25 @@ def parse_requirements(text: str) -> tuple[Requirement, ...]:
     return tuple(map(_parse, parts))
 
 
+def refuse_impossible(requirements: Sequence[Requirement], drives: int) -> None:
+    """Refuse what so many drives cannot come to, whatever becomes of them.
+
+    Raises
+    ------
+    BadRequirement
+        Naming the requirement.
+    """
+    for one in requirements:
+        if one.kind != "count" or (one.name not in SHARES and one.name != "drives"):
+            continue
+        possible = range(drives, drives + 1) if one.name == "drives" else range(drives + 1)
+        if not any(OPERATORS[one.operator](Fraction(count), one.value) for count in possible):
+            raise BadRequirement(
+                f"'{one}' cannot be met: there are {drives} drives. Make more, or give a share, "
+                "with a point or as per cent"
+            )
+
+
 def check_requirements(requirements: Sequence[Requirement], summary: Summary) -> list[Checked]:
     """Which requirements a summary meets.
 

@@ -22,7 +22,7 @@ MARK = uuid.uuid4().hex
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Stack]:
-    with closing(Stack.simulated(DRILLED_BY=MARK)) as running:
+    with closing(Stack.simulated("--robot", "turtlebot3-plus", DRILLED_BY=MARK)) as running:
         yield running
 
 
@@ -39,11 +39,15 @@ def begin(client: httpx.Client, processes_up: int = 4) -> None:
     wait_until(lambda: len(processes()) >= processes_up, 60.0, "the processes that make drives")
 
 
-def test_the_console_of_a_recipe_drills_that_recipe_in_the_world_at_hand(stack: Stack) -> None:
+def test_the_console_of_a_recipe_drills_that_recipe_with_world_and_robot_at_hand(
+    stack: Stack,
+) -> None:
     with logged_in(stack, "Console") as client:
         room = client.get("/api/drills").json()
     assert room["refusal"] is None
     assert (room["recipe"], room["own_world"]) == ("01_point_navigation.py", "hexagon")
+    assert room["robot"] == "turtlebot3-plus"
+    assert "low_box" in [fault["name"] for fault in room["faults"]]
 
 
 @pytest.mark.parametrize(

@@ -297,6 +297,10 @@ def test_another_robot_drives_where_somebody_names_it(drill: Drill, tmp_path: Pa
         ([GUARDED, "--robot", "omni", "--scenarios", "."], "--robot: the scenarios of"),
         ([GUARDED, "--rules", "none.json"], "--rules none.json: there is no such file"),
         ([GUARDED, "--require", "speed > 1"], "--require: "),
+        (
+            [GUARDED, "--seeds", "9", "--require", "contacts == 0, recovered >= 10"],
+            "--require: 'recovered >= 10' cannot be met: there are 9 drives",
+        ),
         ([GUARDED, "--json", "no/where.json"], "--json no/where.json: there is no folder no"),
         ([GUARDED, "--scenarios", "no"], "--scenarios: "),
         (
@@ -347,7 +351,15 @@ def test_a_recipe_that_cannot_be_drilled_says_why(drill: Drill, tmp_path: Path) 
     ("text", "said"),
     [
         ("import sys; sys.exit(0)", "calls sys.exit(0); leave that out"),
-        ("import os; os._exit(0)", "its process ended; look whether the recipe"),
+        ("import os; os._exit(0)", "its process ended with code 0; look whether the recipe"),
+        (
+            "import os; os.kill(os.getpid(), 9)",
+            "its process was killed (SIGKILL); look whether",
+        ),
+        (
+            "import ctypes; ctypes.string_at(0)",
+            "its process ended by SIGSEGV, an error in",
+        ),
         ("raise RuntimeError('red: \\x1b[31m\\nnext')", r"RuntimeError: red: \x1b[31m\nnext"),
     ],
 )

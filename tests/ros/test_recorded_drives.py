@@ -26,11 +26,12 @@ pytestmark = pytest.mark.ros
 RECIPE = Path(__file__).parents[1] / "drills" / "recipes" / "slow_functions.py"
 GOAL = (-1.5, 0.5)
 BROKEN = 5.0  # s
+ROBOT = "turtlebot3-plus"  # not the usual one
 
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Stack]:
-    with closing(Stack.simulated(recipe=RECIPE)) as running:
+    with closing(Stack.simulated("--robot", ROBOT, recipe=RECIPE)) as running:
         yield running
 
 
@@ -69,7 +70,7 @@ def test_a_recorded_drive_is_drilled_with_the_same_outcome_and_the_same_rules(
     done = cli("scenario", str(recording), "-o", str(scenario))
     assert done.returncode == 0, done.stderr
     made = read_scenario(scenario)
-    assert made.world == "hexagon"
+    assert (made.world, made.robot) == ("hexagon", ROBOT)
     (goal,) = made.goals
     assert (goal.x, goal.y, goal.topic) == (*GOAL, "/clicked_point")
     (fault,) = made.faults

@@ -197,6 +197,7 @@ def test_by_depth_the_distance_and_what_is_off_are_told(measuring: TrackingRobot
     measuring.person = lambda _now: (-0.6, -0.3)
     handle = measuring.follow_person()
     measuring.is_under_way()
+    measuring.wait_until(lambda: measuring.feedback[-1].feedback.orientation_error, 5, "a sight")
     told = measuring.feedback[-1].feedback
     assert 0.1 < told.distance_error < 0.8
     assert 0.0 < told.orientation_error < 0.3

@@ -43,12 +43,22 @@ _PRELOADED = [
 ]
 _WARM = "kompass.drills.runner.warm"
 
-_ENDED = "a process ended and had not answered"
 _GOING = 5.0  # s that a process has to go once it has answered
 
 
 class ProcessEnded(RuntimeError):
-    """A process ended and had not answered."""
+    """A process ended and had not answered.
+
+    Attributes
+    ----------
+    code
+        With which it did; the negative number of the signal that ended it. None if nobody knows.
+    """
+
+    code: int | None = None
+
+    def __str__(self) -> str:
+        return "a process ended and had not answered"
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +121,7 @@ def in_processes(
                             ours.close()
                             started = False
                     if not started:
-                        yield Ended(index, ProcessEnded(_ENDED))
+                        yield Ended(index, ProcessEnded())
                 if not live:
                     return
                 ready = wait(list(live))
@@ -119,6 +129,8 @@ def in_processes(
                     index, process = live[ours]
                     ended = Ended(index, cast("T | BaseException", _heard(ours)))
                     process.join(_GOING)
+                    if isinstance(ended.outcome, ProcessEnded):
+                        ended.outcome.code = process.exitcode
                     _leave(ours, process)
                     del live[ours]
                     yield ended
@@ -155,7 +167,7 @@ def _heard(connection: Connection) -> object:
     try:
         return connection.recv()
     except (EOFError, OSError):
-        return ProcessEnded(_ENDED)
+        return ProcessEnded()
 
 
 def _leave(connection: Connection, process: ForkServerProcess) -> None:

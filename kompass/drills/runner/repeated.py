@@ -38,6 +38,11 @@ def _time(fact: str) -> str:
 
 
 def _short(fact: str) -> str:
+    """``Motion(at=8.2, x=-1.69)`` as people read it: "motion (x -1.69)"."""
     if not fact:
         return "nothing more"
+    if (parts := re.fullmatch(r"(\w+)\((?:at=[0-9.e-]+(?:, )?)?(.*)\)", fact)) is not None:
+        kind = re.sub(r"(?<!^)([A-Z])", r" \1", parts[1]).lower()
+        values = re.sub(r"\b(\w+)=", r"\1 ", parts[2])
+        fact = f"{kind} ({values})" if values else kind
     return fact if len(fact) <= _LONGEST else f"{fact[:_LONGEST]}…"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import runpy
+import signal
 import sys
 import tempfile
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
@@ -129,12 +130,32 @@ def _why(error: BaseException) -> str:
         # Not ours to pass on: a drill that ends with the recipe's 0 counts as passed.
         return f"the recipe, or a function of it, calls sys.exit({error.code!r}); leave that out"
     if isinstance(error, ProcessEnded):
-        return (
-            "its process ended; look whether the recipe, or a function of it, ends it (os._exit), "
-            "and whether memory ran out"
-        )
+        return f"its process {_ended(error.code)}"
     text = printable(str(error))
     return text if isinstance(error, ValueError) else f"{type(error).__name__}: {text}"
+
+
+def _ended(code: int | None) -> str:
+    """With what, and where to look."""
+    if code is None:
+        return "ended; look whether memory ran out, and whether the recipe ends it (os._exit)"
+    if code >= 0:
+        return f"ended with code {code}; look whether the recipe ends it (os._exit)"
+    if -code == signal.SIGKILL:
+        return "was killed (SIGKILL); look whether memory ran out (kernel's log), or who did it"
+    if -code in (signal.SIGSEGV, signal.SIGBUS, signal.SIGABRT, signal.SIGFPE, signal.SIGILL):
+        return (
+            f"ended by {signal.Signals(-code).name}, an error in compiled code; set "
+            "PYTHONFAULTHANDLER=1 to see which line of the recipe, or of a function, calls it"
+        )
+    return f"was ended by {_name(-code)}; look who sent it"
+
+
+def _name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
 
 
 def _make(order: Order, facts: bool) -> _Made:
