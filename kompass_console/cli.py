@@ -133,9 +133,8 @@ Robot = Annotated[
     str | None,
     typer.Option(
         metavar="NAME",
-        help="Which embedded robot (turtlebot3 if not named, jackal, turtlebot3-plus, ackermann or "
-        "omni); the recipe must describe it.",
-        show_default=False,
+        help="Which embedded robot: turtlebot3, jackal, turtlebot3-plus, ackermann or omni. Left "
+        "out, it is a car or an omni where the recipe describes one, else a turtlebot3.",
     ),
 ]
 

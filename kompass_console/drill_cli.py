@@ -466,8 +466,8 @@ def _tell(report: Report) -> None:
                 typer.echo(f"  {rule.rule_id}{table}: {times} did not do what they should")
     for drive in (*report.drives, *report.drives_against):
         for fault in drive.refused:
-            name, what = drive.scenario.name, f"{fault.name} did not begin at {fault.at:g} s"
-            typer.echo(f"  {name}: {what}: {fault.reason}")
+            what = f"{fault.name} did not begin at {round(fault.at, 2):g} s"
+            typer.echo(f"  {drive.scenario.name}: {what}: {fault.reason}")
     for drive in report.drives:
         for each in drive.broken:
             typer.echo(f"  {drive.scenario.name}: {each.invariant} at {each.at:g} s: {each.text}")

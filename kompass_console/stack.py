@@ -29,7 +29,7 @@ from kompass.launch.processes import run_processes
 from kompass.launch.stack import Stack, stacks_go_to
 from kompass.printable import log_to_terminal
 from kompass.settings import value_text
-from kompass.simulation.physics.robot_model import robot_that_moves
+from kompass.simulation.physics.robot_model import RobotModel, robot_that_moves
 from kompass.supervisor.instance_lock import AlreadyRunning
 from kompass.supervisor.oversight import StartupError
 from kompass.supervisor.process import ProcessSpec, Report
@@ -325,15 +325,17 @@ def run_recipe(
     """Run a recipe with the console beside it, until Ctrl-C.
 
     ``faults`` are those of the embedded robot (:mod:`kompass.simulation.faults.fault_names`), which
-    is the one called ``robot`` (:mod:`kompass.simulation.physics.robot_model`).
+    is the one called ``robot`` (:mod:`kompass.simulation.physics.robot_model`), or one that moves
+    as the recipe describes its own.
 
     Raises
     ------
     CliError
         When it cannot run, with the reason in one line.
     """
+    kind: list[RobotModel] = []  # known before any process is forked
     if sim is not None:
-        _add_robot(sim, faults, robot)
+        _add_robot(sim, faults, robot, kind)
     elif robot is not None:
         raise CliError(2, f"--robot {robot} is for the embedded robot; add --sim")
     elif faults:
@@ -349,10 +351,10 @@ def run_recipe(
 
     def run(stack: Stack) -> None:
         brought_up.append(stack)
+        if not kind:
+            kind.append(robot_that_moves(stack.model_type))
         assert console.drill is not None
-        moves = robot_that_moves(stack.model_type).name if sim is None else robot
-        if moves is not None:
-            console.drill = console.drill.model_copy(update={"robot": moves})
+        console.drill = console.drill.model_copy(update={"robot": kind[0].name})
         console.announce()
         run_processes(stack)
 
@@ -395,11 +397,16 @@ def _meant(error: Exception) -> str:
     return f"; did you mean '{close[0]}'?" if close else ""
 
 
-def _add_robot(world_name: str, faults: Sequence[str], robot: str | None) -> None:
-    """The embedded robot and its map, as processes beside the recipe's."""
+def _add_robot(
+    world_name: str, faults: Sequence[str], robot: str | None, kind: list[RobotModel]
+) -> None:
+    """The embedded robot and its map, as processes beside the recipe's.
+
+    ``kind`` is to have the robot by the time that they are forked; one that is named comes here.
+    """
     from kompass.share import map_path
     from kompass.simulation.faults.fault_names import UnknownFault, parse_faults, withholds_map
-    from kompass.simulation.physics.robot_model import robot_model, robot_names
+    from kompass.simulation.physics.robot_model import TURTLEBOT3, robot_model, robot_names
     from kompass.simulation.worlds.registry import world, world_names
 
     if world_name not in world_names():
@@ -410,9 +417,10 @@ def _add_robot(world_name: str, faults: Sequence[str], robot: str | None) -> Non
         raise CliError(
             2, f"--robot {robot}: there is no such robot; known are {', '.join(robot_names())}"
         )
-    kind = robot_model(robot or robot_names()[0])
+    if robot is not None:
+        kind.append(robot_model(robot))
     try:
-        orders = parse_faults(faults, world(world_name), kind)
+        orders = parse_faults(faults, world(world_name), kind[0] if kind else TURTLEBOT3)
     except UnknownFault as error:
         raise CliError(2, f"--fault: {error}") from None
     map_file = None if withholds_map(orders) else str(map_path(world_name))
@@ -421,7 +429,7 @@ def _add_robot(world_name: str, faults: Sequence[str], robot: str | None) -> Non
         from kompass.simulation.node import run_simulator
 
         report("active simulator")
-        run_simulator(world(world_name), faults=faults, kind=kind)
+        run_simulator(world(world_name), faults=faults, kind=kind[0])
 
     def serve_map(report: Report) -> None:
         from kompass.components import MapServer, MapServerConfig

@@ -77,6 +77,19 @@ def drilling(
             yield served
 
 
+def test_of_a_robot_with_a_camera_there_is_what_only_a_camera_sees(
+    tmp_path: Path, domain: int, recipe: Path
+) -> None:
+    subject = DrillSubject.of(recipe, "hexagon", "turtlebot3-plus")
+    with (
+        serving(tmp_path / "audit", domain, drill=subject) as served,
+        served.client(Role.VIEWER) as client,
+    ):
+        room = client.get("/api/drills").json()
+    assert room["robot"] == "turtlebot3-plus"
+    assert "low_box" in [fault["name"] for fault in room["faults"]]
+
+
 @pytest.fixture(scope="module")
 def monitor(drilling: Served) -> Iterator[subprocess.Popen[bytes]]:
     with running_monitor() as process, drilling.client(Role.VIEWER) as client:

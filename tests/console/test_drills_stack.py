@@ -7,6 +7,7 @@ import signal
 import uuid
 from collections.abc import Iterator
 from contextlib import closing
+from pathlib import Path
 
 import httpx
 import pytest
@@ -18,11 +19,13 @@ from tests.support.stack import Stack
 pytestmark = pytest.mark.ros
 
 MARK = uuid.uuid4().hex
+RECIPE = Path(__file__).parents[2] / "benchmarks" / "recipes" / "followed.py"
 
 
 @pytest.fixture(scope="module")
 def stack() -> Iterator[Stack]:
-    with closing(Stack.simulated("--robot", "turtlebot3-plus", DRILLED_BY=MARK)) as running:
+    car = {"ROBOT": "ackermann", "FOLLOWER": "MPPI"}
+    with closing(Stack.simulated(recipe=RECIPE, DRILLED_BY=MARK, **car)) as running:
         yield running
 
 
@@ -45,9 +48,8 @@ def test_the_console_of_a_recipe_drills_that_recipe_with_world_and_robot_at_hand
     with logged_in(stack, "Console") as client:
         room = client.get("/api/drills").json()
     assert room["refusal"] is None
-    assert (room["recipe"], room["own_world"]) == ("01_point_navigation.py", "hexagon")
-    assert room["robot"] == "turtlebot3-plus"
-    assert "low_box" in [fault["name"] for fault in room["faults"]]
+    assert (room["recipe"], room["own_world"]) == (RECIPE.name, "hexagon")
+    assert room["robot"] == "ackermann"
 
 
 @pytest.mark.parametrize(
