@@ -13,7 +13,6 @@ from xdist.scheduler import LoadFileScheduling
 from kompass.rclpy_ext.middleware import prepare_middleware
 from kompass.store.robot_key import GIVEN
 from tests.support.domains import next_domain
-from tests.support.fork_server import MARKED, left, serve
 from tests.support.keys import give_key
 from tests.support.order import TESTS, rank, scope
 from tests.support.processes import ended, marked
@@ -21,7 +20,7 @@ from tests.support.stack import Stack
 from tests.support.tester import Tester
 
 # Inherited by everything that a test starts, so that orphans can be told from strangers.
-MARK = f"{MARKED}={uuid.uuid4().hex}"
+MARK = f"KOMPASS_TEST_RUN={uuid.uuid4().hex}"
 
 # Folders of tests of what is pure: as in pyproject.toml's `tool.coverage.run.source`.
 PURE = {"rules", "rulebook", "algorithms", "store", "drills"}
@@ -42,7 +41,6 @@ def pytest_configure() -> None:
     os.environ["ROS_DOMAIN_ID"] = str(next_domain())
     os.environ.pop(GIVEN, None)  # never one of a robot that somebody uses
     give_key()
-    serve()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -87,5 +85,5 @@ def pytest_runtest_makereport(
 def no_orphans() -> Iterator[None]:
     """A module that leaves a process behind has failed."""
     yield
-    found = ended(lambda: marked(MARK) + left(), timeout=5.0)
-    assert not found, f"processes left behind: {found}"
+    left = ended(lambda: marked(MARK), timeout=5.0)
+    assert not left, f"processes left behind: {left}"

@@ -11,7 +11,7 @@ from pathlib import Path
 from tests.support.patience import patient
 
 PR_SET_PDEATHSIG = 1
-LIBC = ctypes.CDLL(None)  # opened here: between fork and exec nothing must be loaded
+_LIBC = ctypes.CDLL(None)  # opened here: between fork and exec nothing must be loaded
 
 
 def end_with_parent() -> None:
@@ -19,7 +19,7 @@ def end_with_parent() -> None:
 
     What has a session of its own hears of no Ctrl-C, and a run that is killed closes nothing.
     """
-    LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+    _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 @contextmanager

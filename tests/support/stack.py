@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tests.support.domains import give_back, next_domain
-from tests.support.fork_server import Forked, server
 from tests.support.keys import give_key
 from tests.support.patience import patient
 from tests.support.processes import end_with_parent, wait_until
@@ -26,8 +25,7 @@ class Stack:
     Parameters
     ----------
     through
-        A command that starts it, with its arguments. Else it is forked where there is a fork server
-        (:mod:`tests.support.fork_server`).
+        A command that starts it, with its arguments.
     """
 
     def __init__(
@@ -42,28 +40,23 @@ class Stack:
         self.domain = next_domain(stack=True) if domain is None else domain
         self._data = tempfile.TemporaryDirectory(prefix="kompass-data-")
         self.data_dir = Path(environment.get("KOMPASS_DATA_DIR", self._data.name))
-        environment = {
-            **os.environ,
-            "PYTHONUNBUFFERED": "1",
-            "KOMPASS_CONSOLE_TOKEN": TOKEN,
-            "KOMPASS_DATA_DIR": str(self.data_dir),
-            **environment,
-            "ROS_DOMAIN_ID": str(self.domain),
-        }
-        forks = None if through else server()
-        self.process: Forked | subprocess.Popen[str]
-        if forks is not None:
-            self.process = forks.start(arguments, environment)
-        else:
-            self.process = subprocess.Popen(
-                [*through, str(Path(sys.executable).with_name("kompass-console")), *arguments],
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-                start_new_session=True,
-                preexec_fn=end_with_parent,
-                env=environment,
-            )
+        command = [*through, str(Path(sys.executable).with_name("kompass-console")), *arguments]
+        self.process = subprocess.Popen(
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+            preexec_fn=end_with_parent,
+            env={
+                **os.environ,
+                "PYTHONUNBUFFERED": "1",
+                "KOMPASS_CONSOLE_TOKEN": TOKEN,
+                "KOMPASS_DATA_DIR": str(self.data_dir),
+                **environment,
+                "ROS_DOMAIN_ID": str(self.domain),
+            },
+        )
         self.output = ""
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
