@@ -20,8 +20,8 @@ from pydantic import Field, ValidationInfo, field_validator
 from kompass.algorithms.distance_field import DistanceField
 from kompass.algorithms.planning.free_space import FreeSpace
 from kompass.drills.scenario import (
+    BODY_CLEARANCE,
     LONGEST,
-    START_CLEARANCE,
     USUAL_ROBOT,
     Goal,
     RobotName,
@@ -330,7 +330,7 @@ class _Room:
         self._cells = self._free.region(entry)
         if robot.box is not None:
             # It goes through where it is narrow, but begins, and ends, where it can stand any way.
-            required = robot.radius + START_CLEARANCE
+            required = robot.radius + BODY_CLEARANCE
             wide = place.distance(self._free.centres(self._cells)) >= required
             self._cells = self._cells[wide]
             if not len(self._cells):
@@ -365,8 +365,8 @@ def _room(name: str, robot: str, clearance: float) -> _Room:
 
 def _no_room(name: str, robot: RobotModel, required: float) -> ValueError:
     return ValueError(
-        f"world {name!r} has no room for a {robot.name}, which needs {required:.2f} m on every "
-        "side; take another world, or a smaller robot or clearance"
+        f"world {name!r} has no room for the robot {robot.name}, which needs {required:.2f} m on "
+        "every side; take another world, or a smaller robot or clearance"
     )
 
 

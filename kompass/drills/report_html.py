@@ -97,7 +97,7 @@ def _head(report: Report) -> str:
     if report.against is not None:
         drives += " under each"
     seed = "" if report.seed is None else f", seed {report.seed}"
-    on = f" on a {escape(report.robots)}" if report.robots else ""
+    on = f", driven by {escape(report.robots)}" if report.robots else ""
     notes = "".join(f'<p class="unknown">▲ {escape(note)}</p>' for note in report.notes)
     return (
         f'<header><p class="brand">◆ Kompass drill <span>{escape(report.recipe)}{on}</span></p>'

@@ -26,7 +26,7 @@ from kompass.simulation.physics.robot_model import robot_model, robot_names
 from kompass.simulation.worlds.registry import world, world_names
 
 LONGEST = 3600.0  # s that a drive may last
-START_CLEARANCE = 0.05  # m between the robot's body and anything solid where it begins
+BODY_CLEARANCE = 0.05  # m between the robot's body and anything solid where it begins
 _FAR = 1000.0  # m; beyond it no world of ours has anything
 
 
@@ -216,7 +216,7 @@ class Scenario(Model):
             raise _said("start", f"that is off the floor of the {place.name}; move it")
         middle = [[x + kind.middle * math.cos(yaw), y + kind.middle * math.sin(yaw)]]
         points = np.concatenate([middle, kind.outline(pose)]) if kind.box else np.array(middle)
-        required = START_CLEARANCE + (0.0 if kind.box else kind.radius)
+        required = BODY_CLEARANCE + (0.0 if kind.box else kind.radius)
         clearance = float(place.distance(points).min())
         if clearance < required:
             who = "a side of its body" if kind.box else "it"
@@ -224,7 +224,7 @@ class Scenario(Model):
                 "start",
                 f"that is {max(clearance, 0.0):.2f} m from something solid; keep {who} "
                 f"{required:g} m away"
-                + ("" if self.start else f": the {place.name} has no room for a {kind.name} there"),
+                + ("" if self.start else f": the {place.name} has no room for {kind.name} there"),
             )
 
     def _check_goals(self) -> None:

@@ -229,6 +229,17 @@ def test_a_dead_console_freezes_the_view_visibly_and_comes_back_by_itself(
     assert page.picture()[round(down), round(across)].mean() < 160
 
 
+def test_rules_that_have_fallen_silent_are_told_of_until_another_monitor_speaks(
+    page: ConsolePage, stack: Stack
+) -> None:
+    hung = stack.pid_of("monitor")
+    os.kill(hung, signal.SIGSTOP)
+    expect(page.get("overall")).to_contain_text("Rules silent for")
+    expect(page.get("overall")).to_have_attribute("data-level", "degraded")
+    wait_until(lambda: stack.pid_of("monitor") != hung, 30, "another monitor")
+    expect(page.get("overall")).to_contain_text(re.compile("All well|No faults"))
+
+
 def test_stop_that_is_pressed_while_the_console_is_dead_arrives_when_it_is_back(
     page: ConsolePage, stack: Stack
 ) -> None:

@@ -278,7 +278,7 @@ def test_another_robot_drives_where_somebody_names_it(drill: Drill, tmp_path: Pa
     (drive,) = read_report(found.read_text(encoding="utf-8")).drives
     assert drive.scenario.robot == "turtlebot3-plus"
     assert not drive.refused
-    assert "03_events_and_actions.py on a turtlebot3-plus" in page.read_text(encoding="utf-8")
+    assert "03_events_and_actions.py, driven by turtlebot3-plus" in page.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
@@ -293,7 +293,7 @@ def test_another_robot_drives_where_somebody_names_it(drill: Drill, tmp_path: Pa
         ([GUARDED, "--faults", "hang:simulator"], "no process or node 'simulator'"),
         ([GUARDED, "--worlds", "mars"], "--worlds: world is 'mars', which does not exist"),
         ([GUARDED, "--robot", "jackl"], "--robot jackl: there is no such robot; known are turtleb"),
-        ([GUARDED, "--faults", "low_box"], "--faults: fault 'low_box': a turtlebot3 has no camera"),
+        ([GUARDED, "--faults", "low_box"], "--faults: fault 'low_box': the robot turtlebot3 has"),
         ([GUARDED, "--robot", "omni", "--scenarios", "."], "--robot: the scenarios of"),
         ([GUARDED, "--rules", "none.json"], "--rules none.json: there is no such file"),
         ([GUARDED, "--require", "speed > 1"], "--require: "),

@@ -92,7 +92,7 @@ def test_every_embedded_robot_begins_and_ends_where_it_has_room(robot: str, plac
 def test_what_only_a_camera_sees_is_drawn_for_robots_that_have_one() -> None:
     seeing = expand_faults(["all"], NODES, "turtlebot3-plus")
     assert set(seeing) - set(expand_faults(["all"], NODES)) == set(NEEDS_CAMERA)
-    with pytest.raises(UnknownFault, match="a omni has no camera"):
+    with pytest.raises(UnknownFault, match="robot omni has no camera"):
         expand_faults(["low_box"], NODES, "omni")
     with pytest.raises(ValueError, match="turtlebot3 has no camera"):
         DrawOptions(faults=("low_box",))
@@ -215,7 +215,7 @@ def test_what_cannot_be_drawn_is_refused() -> None:
         draw(1, -1, ALL)
     with pytest.raises(ValueError, match="give fewer goals"):
         draw(1, 0, DrawOptions(worlds=("depot",), goals=20))
-    with pytest.raises(ValueError, match=r"no room for a turtlebot3, which needs 1.10 m on every"):
+    with pytest.raises(ValueError, match=r"no room for the robot turtlebot3, which needs 1.10 m"):
         draw(1, 0, DrawOptions(clearance=1.0))
 
 

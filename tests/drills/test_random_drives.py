@@ -24,6 +24,7 @@ FOUND = {
     12: "the robot drove on for 0.6 s without a scan",
     16: "the journal never said what came of the runs of a monitor that died",
     231: "a release that was asked for before STOP was heard of was taken for nobody's",
+    2000079: "of a monitor that hung nobody said so: neither the page, nor could anybody else",
     20261122113: "goals that a held planner never took over were not ended with its death",
 }
 POINT_NAVIGATION = RECIPES / "01_point_navigation.py"

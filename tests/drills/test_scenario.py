@@ -126,7 +126,7 @@ def test_a_file_says_all_of_it(tmp_path: Path) -> None:
         ("start: {x: 1.2, y: 1.0}", "robot: jackal\nstart: {x: 1.2, y: 0.24}",
          "that is 0.02 m from something solid; keep a side of its body 0.05 m away"),
         ("name: way_blocked", "name: low_box",
-         "faults[0].name = \"low_box\": fault 'low_box': a turtlebot3 has no camera"),
+         "faults[0].name = \"low_box\": fault 'low_box': the robot turtlebot3 has no camera"),
         ("name: way_blocked", "name: way_bloked",
          "crate.yaml:9: faults[0].name = \"way_bloked\": there is no fault 'way_bloked'; "
          "did you mean 'way_blocked'?"),

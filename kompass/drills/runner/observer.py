@@ -81,6 +81,8 @@ class Observer:
         self.place: tuple[float, float] | None = None
         self._node = node
         self._began: float | None = None
+        components = list(components)
+        self._components = frozenset(components)
         self._silent: set[str] = set()
         self._stopped = False
         self._releasing = ""
@@ -148,7 +150,9 @@ class Observer:
         if news.state in ("dead", "stuck"):
             self._silent.update(news.nodes)
             hangs = news.state == "stuck"
-            self.note(ProcessEnded, news.name, tuple(news.nodes), news.reason, hangs=hangs)
+            # What has no status, as the monitor, nobody can speak for on its topic.
+            components = tuple(name for name in news.nodes if name in self._components)
+            self.note(ProcessEnded, news.name, components, news.reason, hangs=hangs)
         elif news.state == "active" and self._silent & set(news.nodes):
             self._silent.difference_update(news.nodes)
             self.note(ProcessStarted, news.name)

@@ -247,8 +247,8 @@ class _Stretch:
         found = re.search(r"<robot\b[^>]*\bname=[\"']([^\"']*)", text)
         if found is not None and found[1] in robot_names():
             return found[1]
-        why = f"{DESCRIPTION} is not in it" if found is None else f"there is no {found[1]} to drive"
-        self._remarks.append(f"{why}: a {USUAL_ROBOT} drives; change robot in the scenario")
+        why = f"{DESCRIPTION} is not in it" if found is None else f"{found[1]} is not embedded"
+        self._remarks.append(f"{why}: the robot is {USUAL_ROBOT}; name another in the scenario")
         return USUAL_ROBOT
 
     def _start(self) -> Start:

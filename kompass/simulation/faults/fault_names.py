@@ -163,7 +163,7 @@ def check_camera(name: str, robot: RobotModel) -> None:
     """
     if name in NEEDS_CAMERA and robot.camera is None:
         raise UnknownFault(
-            f"fault {name!r}: a {robot.name} has no camera, and would run into it; take the robot "
+            f"fault {name!r}: the robot {robot.name} has no camera, and would run into it; take "
             "turtlebot3-plus"
         )
 

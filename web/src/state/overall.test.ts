@@ -79,6 +79,15 @@ test("no path is the calm state of a robot without a goal, no map is not", () =>
   ).toBe("unknown");
 });
 
+test("a robot whose rules have fallen silent is not well, one that never had any is", () => {
+  const rules = { ...robot().rules, available: false, age: 4 };
+  expect(overall(robot({ rules }), 1, null)).toEqual({
+    level: "degraded",
+    text: "Rules silent for 5 s",
+  });
+  expect(overall(robot({ rules: { ...rules, age: null } }), 0, null).level).toBe("healthy");
+});
+
 test("an alarm that stands, or a low battery, is not all well", () => {
   const rules = { ...robot().rules, alarms: 1 };
   expect(overall(robot({ rules }), 0, null)).toEqual({ level: "degraded", text: "One alarm" });

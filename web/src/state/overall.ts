@@ -114,7 +114,12 @@ export function overall(
     return { level, text: t(text, { n: bad.length, first: first.label }) };
   }
   if (state.pose === null) return { level: "unknown", text: t("Position unknown") };
-  const { alarms } = state.rules;
+  const { alarms, available, age } = state.rules;
+  // Who heals the robot is dead or hangs: a component that fails now is not answered.
+  if (!available && age !== null) {
+    const silence = wholeAgeText(age + elapsed);
+    return { level: "degraded", text: t("Rules silent for {age}", { age: silence }) };
+  }
   if (alarms > 0) {
     return {
       level: "degraded",

@@ -22,6 +22,7 @@ export const ROBOT = {
   "Position unknown": "Position unbekannt",
   "{alarms, plural, one {One alarm} other {# alarms}}":
     "{alarms, plural, one {Ein Alarm} other {# Alarme}}",
+  "Rules silent for {age}": "Regeln schweigen seit {age}",
   "Battery low": "Akku schwach",
   "No faults": "Fehlerfrei",
   "All well": "Alles OK",
