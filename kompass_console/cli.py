@@ -134,7 +134,7 @@ Robot = Annotated[
     typer.Option(
         metavar="NAME",
         help="Which embedded robot: turtlebot3, jackal, turtlebot3-plus, ackermann or omni. Left "
-        "out, it is a car or an omni where the recipe describes one, else a turtlebot3.",
+        "out, it is one that moves as the recipe describes, with the sensors that it listens to.",
     ),
 ]
 

@@ -16,6 +16,7 @@ from kompass_console.driving import (
     BAD_INPUT,
     INTERRUPTED,
     NOT_DRIVEN,
+    check_writable,
     ended_as_by_hand,
     with_progress,
     write_all,
@@ -33,6 +34,7 @@ FAILED, NOT_REPEATABLE = 1, 4
 NOT_LOOKED_TWICE = (
     "whether the recipe is the same twice was not found out: the first drive was not made again"
 )
+NONE_MADE = "ended by hand before a drive was made"
 DRIVES = 20  # that are drawn where nobody says how many
 EXIT_CODES = """
 Exit codes: 0 the drill was made and all that --require asks for is met, 1 something of that is
@@ -68,7 +70,7 @@ def run(
     ] = "hexagon",
     robot: Annotated[
         str,
-        typer.Option(help="Which embedded robot; left out, one that moves as the recipe says."),
+        typer.Option(help="Which embedded robot; left out, one like that of the recipe."),
     ] = "",
     faults: Annotated[
         str, typer.Option(help="Faults, separated by commas; 'all', or empty for none.")
@@ -117,23 +119,26 @@ def run(
     except BadRequirement as error:
         raise CliError(BAD_INPUT, f"--require: {error}") from None
     for option, file in (("--json", json_file), ("--report", report_file)):
-        if file is not None and not file.absolute().parent.is_dir():
-            raise CliError(BAD_INPUT, f"{option} {file}: there is no folder {file.parent}")
+        if file is not None:
+            check_writable(option, file)
     if scenarios is not None:
         _refuse_what_is_drawn(context, "worlds", "robot", "faults", "faults_per_drive", "lasting")
     proposed = _table("--rules", rules)
     other = _table("--against", against)
     try:
-        looked = look_at(recipe, proposed)
-        chosen, options = _scenarios(
-            looked, scenarios, worlds, robot, faults, faults_per_drive, lasting, seed, seeds
-        )
-        refuse_impossible(requirements, len(chosen))
-        if other is not None:
-            look_at(recipe, other)
+        with ended_as_by_hand():
+            looked = look_at(recipe, proposed)
+            chosen, options = _scenarios(
+                looked, scenarios, worlds, robot, faults, faults_per_drive, lasting, seed, seeds
+            )
+            refuse_impossible(requirements, len(chosen))
+            if other is not None:
+                look_at(recipe, other)
         own = Table.model_validate_json(looked.table)
         tried = (_name(rules, proposed or own), proposed)
         compared = None if against is None else (_name(against, other or own), other)
+    except KeyboardInterrupt:
+        raise CliError(INTERRUPTED, NONE_MADE) from None
     except BadRequirement as error:
         raise CliError(BAD_INPUT, f"--require: {error}") from None
     except DriveFailed as error:
@@ -145,7 +150,7 @@ def run(
     if ended is not None and not drives:
         raise ended
     differences = [said for said in looked_twice if said]
-    notes = list(differences)
+    notes = [*looked.unlike(scenario.robot for scenario in chosen), *differences]
     if ended is not None:
         notes.append(str(ended))
         if not looked_twice:
@@ -209,14 +214,17 @@ def replay(
     said: list[str] = []
     made = output.with_name(f".{output.name}.{os.getpid()}.partial")
     try:
-        looked = look_at(recipe, proposed)
-        scenario = _scenario(
-            looked, drive, scenarios, worlds, robot, faults, faults_per_drive, lasting, seed
-        )
-        order = Order(recipe, scenario, proposed, made.absolute())
-        (((_, text)),) = make_drives([order], os.cpu_count() or 1, said.append)
+        with ended_as_by_hand():
+            looked = look_at(recipe, proposed)
+            scenario = _scenario(
+                looked, drive, scenarios, worlds, robot, faults, faults_per_drive, lasting, seed
+            )
+            order = Order(recipe, scenario, proposed, made.absolute())
+            (((_, text)),) = make_drives([order], os.cpu_count() or 1, said.append)
         said = [difference for difference in said if difference]
         made.rename(output)
+    except KeyboardInterrupt:
+        raise CliError(INTERRUPTED, NONE_MADE) from None
     except DriveFailed as error:
         raise CliError(NOT_DRIVEN, str(error)) from None
     finally:
@@ -386,6 +394,8 @@ def _scenarios(
             worlds=tuple(_parts(worlds)),
             robot=kind,
             faults=looked.faults(_parts(faults), kind),
+            half_width=looked.half_width,
+            radius=looked.radius,
             faults_per_drive=faults_per_drive,
             lasting=lasting,
         )

@@ -52,6 +52,26 @@ def ended_as_by_hand() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
+def check_writable(option: str, file: Path) -> None:
+    """Refuse a file that cannot be written before the drives take hours.
+
+    Raises
+    ------
+    CliError
+        When there is no such folder, or nobody may write there.
+    """
+    if not file.absolute().parent.is_dir():
+        raise CliError(BAD_INPUT, f"{option} {file}: there is no folder {file.parent}")
+    there = file.exists()
+    try:
+        file.open("a", encoding="utf-8").close()
+        if not there:
+            file.unlink()
+    except OSError as error:
+        said = f"{option} {file}: it cannot be written ({error.strerror}); give another file"
+        raise CliError(BAD_INPUT, said) from None
+
+
 def write_all(*files: tuple[str, Path | None, Callable[[], str]]) -> CliError | None:
     """Write what drives have told to the files of options; what one that cannot be written says.
 

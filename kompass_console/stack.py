@@ -29,7 +29,7 @@ from kompass.launch.processes import run_processes
 from kompass.launch.stack import Stack, stacks_go_to
 from kompass.printable import log_to_terminal
 from kompass.settings import value_text
-from kompass.simulation.physics.robot_model import RobotModel, robot_that_moves
+from kompass.simulation.physics.robot_model import RobotModel, robot_like
 from kompass.supervisor.instance_lock import AlreadyRunning
 from kompass.supervisor.oversight import StartupError
 from kompass.supervisor.process import ProcessSpec, Report
@@ -352,7 +352,7 @@ def run_recipe(
     def run(stack: Stack) -> None:
         brought_up.append(stack)
         if not kind:
-            kind.append(robot_that_moves(stack.model_type))
+            kind.append(robot_like(stack.model_type, stack.heard))
         assert console.drill is not None
         console.drill = console.drill.model_copy(update={"robot": kind[0].name})
         console.announce()

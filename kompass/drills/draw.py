@@ -62,6 +62,7 @@ _EARLY, _LATE = 0.15, 0.75
 # A way along eight directions of a grid is up to so much longer than the one that is driven.
 _STRAIGHTER = math.cos(math.pi / 8.0)
 _DURATIONS = (3.0, 20.0)  # s
+_SWEPT = 0.10  # m beside its way that a body which is no circle passes over where it turns
 _T = TypeVar("_T")
 
 
@@ -153,6 +154,9 @@ class DrawOptions(Model):
     robot
         Which embedded one drives: its size is where it can go, its usual speed what times are
         estimated by.
+    half_width, radius
+        Of the body that the recipe describes [m]: from its middle to its nearest side, and of the
+        circle around it. The embedded robot's own count where they are larger.
     clearance
         What it keeps from walls beyond its body [m].
     shortest
@@ -165,6 +169,8 @@ class DrawOptions(Model):
     faults_per_drive: Annotated[int, Field(ge=1, le=10)] = 1
     goals: Annotated[int, Field(ge=1, le=20)] = 1
     lasting: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    half_width: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
+    radius: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
     clearance: Annotated[float, Field(ge=0.0, le=1.0)] = 0.10
     shortest: Annotated[float, Field(ge=0.0, le=100.0)] = 2.0
 
@@ -196,15 +202,20 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
     # Not of the options: an option that is added later leaves what was drawn without it as it was.
     digest = hashlib.sha256(f"{seed}/{number}".encode()).digest()
     random = Random(int.from_bytes(digest[:16], "big"))
-    # Faults alternate first, then worlds: few drives already meet every fault. Which come first is
-    # of the seed: with fewer drives than faults it is not always the same ones that are left out.
-    turn, place_in_turn = divmod(number, max(len(options.faults), 1))
-    place = options.worlds[turn % len(options.worlds)]
+    # Faults and worlds alternate: few drives already meet every one of both. Which come first is of
+    # the seed: with fewer drives than faults it is not always the same ones that are left out.
+    possible = [name for name in options.faults if _fitting(name, options.worlds)]
+    turn, place_in_turn = divmod(number, max(len(possible), 1))
+    order = _shuffled(possible, f"{seed}/turn {turn}")
+    first = order[place_in_turn] if order else ""
+    places = _fitting(first, options.worlds) if first else options.worlds
+    place = places[(place_in_turn + turn) % len(places)]
     faults = [name for name in options.faults if fits(name, world(place))]
-    order = _shuffled(faults, f"{seed}/turn {turn}")
-    first = order[place_in_turn % len(order)] if order else ""
     robot = robot_model(options.robot)
-    room = _room(place, options.robot, options.clearance)
+    room = _room(
+        *(place, options.robot, options.clearance),
+        *(max(options.half_width, robot.half_width), max(options.radius, robot.radius)),
+    )
 
     here = room.place(random)
     start = Start(x=here.x, y=here.y, yaw=_heading(random))
@@ -256,6 +267,11 @@ def repeated(scenario: Scenario, seed: int, count: int) -> tuple[Scenario, ...]:
         name = f"{stem}-{number}"
         found.append(scenario.model_copy(update={"name": name, "seed": chance}))
     return tuple(found)
+
+
+def _fitting(fault: str, names: Sequence[str]) -> list[str]:
+    """Those of some worlds that have what a fault breaks."""
+    return [name for name in names if fits(fault, world(name))]
 
 
 def fits(fault: str, place: World) -> bool:
@@ -318,19 +334,23 @@ class _Place:
 class _Room:
     """Where a robot can get to in a world from where the world has it start."""
 
-    def __init__(self, name: str, robot: RobotModel, clearance: float) -> None:
+    def __init__(
+        self, name: str, robot: RobotModel, clearance: float, half_width: float, radius: float
+    ) -> None:
         place = world(name)
         field = DistanceField(rasterize(place))
-        required = robot.half_width + clearance
+        required = half_width + clearance
+        if radius > half_width:
+            required += _SWEPT
         self._free = FreeSpace(field, required)
         start = (place.start[0], place.start[1])
         entry = self._free.entry(start, 1.0, 0.0)
         if entry is None:
             raise _no_room(name, robot, required)
         self._cells = self._free.region(entry)
-        if robot.box is not None:
+        if radius > half_width:
             # It goes through where it is narrow, but begins, and ends, where it can stand any way.
-            required = robot.radius + BODY_CLEARANCE
+            required = radius + BODY_CLEARANCE
             wide = place.distance(self._free.centres(self._cells)) >= required
             self._cells = self._cells[wide]
             if not len(self._cells):
@@ -359,8 +379,8 @@ class _Room:
 
 
 @lru_cache(maxsize=16)
-def _room(name: str, robot: str, clearance: float) -> _Room:
-    return _Room(name, robot_model(robot), clearance)
+def _room(name: str, robot: str, clearance: float, half_width: float, radius: float) -> _Room:
+    return _Room(name, robot_model(robot), clearance, half_width, radius)
 
 
 def _no_room(name: str, robot: RobotModel, required: float) -> ValueError:

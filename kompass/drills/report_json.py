@@ -111,7 +111,10 @@ class Report(Model):
         if not found.drives:
             return "No drive was made."
         if not found.disturbed:
-            return "No fault disturbed any drive."
+            calm = "No fault disturbed any drive"
+            if found.came_through < found.drives:
+                calm += f"; reaches its goals in {found.came_through} of {found.drives}"
+            return f"{calm}."
         said = f"Recovers in {found.recovered} of {found.disturbed} disturbed drives"
         if found.contacts:
             said += f"; {found.contacts} contact{'s' if found.contacts > 1 else ''}"

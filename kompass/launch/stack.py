@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from kompass.components.base.component import Component
 from kompass.monitor.introspection.catalog import RecipeCatalog
 from kompass.recipe.table import RecipeRules
+from kompass.robot import RobotConfig
 from kompass.supervisor.liveness import LivenessLimits
 
 
@@ -56,10 +57,27 @@ class Stack:
         return [component for group in self.groups for component in group]
 
     @property
+    def robot(self) -> RobotConfig | None:
+        """As the recipe describes it; None where nobody did."""
+        described = (component.robot for component in self.components)
+        return next((robot for robot in described if robot is not None), None)
+
+    @property
     def model_type(self) -> str:
         """A :class:`kompass.robot.RobotType`; empty where nobody described the robot."""
-        described = (component.robot for component in self.components)
-        return next((robot.model_type for robot in described if robot is not None), "")
+        return "" if self.robot is None else self.robot.model_type
+
+    @property
+    def heard(self) -> frozenset[str]:
+        """Full names of the topics that components listen to."""
+        found = set()
+        for one in self.components:
+            for key in one.inputs_keys:
+                given = one.get_in_topic(key)
+                for topic in given if isinstance(given, list) else [given]:
+                    if topic is not None:
+                        found.add(f"/{topic.name.removeprefix('/')}")
+        return frozenset(found)
 
     @property
     def inactive(self) -> list[str]:

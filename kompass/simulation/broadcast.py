@@ -21,6 +21,7 @@ from kompass.simulation import messages
 from kompass.simulation.battery import voltage
 from kompass.simulation.description import description
 from kompass.simulation.physics.parts import NoReading
+from kompass.simulation.physics.robot_model import PICTURE, POINTS, REAR_SCAN
 from kompass.simulation.robot import SimulatedRobot
 
 MAP, ODOM, BASE, LIDAR, IMU = "map", "odom", "base_link", "LDS-01", "imu_link"
@@ -47,11 +48,11 @@ class Broadcast:
         self._scan = publisher(LaserScan, "/scan", _SENSOR)
         self._rear = self._cloud = self._picture = None
         if robot.rear is not None:
-            self._rear = publisher(LaserScan, "/rear_scan", _SENSOR)
+            self._rear = publisher(LaserScan, REAR_SCAN, _SENSOR)
         if robot.camera is not None:
-            self._cloud = publisher(PointCloud2, "/camera/points", _SENSOR)
+            self._cloud = publisher(PointCloud2, POINTS, _SENSOR)
         if robot.picture_camera is not None:
-            self._picture = publisher(Image, "/camera/image", _SENSOR)
+            self._picture = publisher(Image, PICTURE, _SENSOR)
         self._imu = publisher(Imu, "/imu", _SENSOR)
         self._filtered = publisher(Odometry, "/odometry/filtered", _RELIABLE)
         self._wheels = publisher(Odometry, "/odom", _RELIABLE)

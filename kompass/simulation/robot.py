@@ -173,9 +173,10 @@ class SimulatedRobot:
         """
         self.localizer.relocate(pose)
 
-    def put_up(self, barriers: Iterable[Barrier]) -> None:
-        """Have walls stand beside the robot, where it is now."""
-        pose = self.truth().pose
+    def put_up(self, barriers: Iterable[Barrier], *, ahead: float = 0.0) -> None:
+        """Have walls stand beside the robot, where it is now, or where it is so far ahead [m]."""
+        x, y, yaw = self.truth().pose
+        pose = (x + ahead * math.cos(yaw), y + ahead * math.sin(yaw), yaw)
         for barrier in barriers:
             self._put(barrier.name, barrier.place(pose))
 

@@ -17,6 +17,7 @@ from kompass.drills.scenario_file import read_scenarios
 from tests.drills.test_runner import WITHOUT_PLANNER
 from tests.support.commands import Commands, Done, ended_by
 from tests.support.patience import patient
+from tests.support.processes import wait_until
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
@@ -136,6 +137,22 @@ def test_what_was_driven_under_both_tables_before_somebody_ended_it_is_compared_
     assert note in errors
     assert told.splitlines()[0] == f"! {note}"
     assert note in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_a_drill_that_is_ended_while_the_recipe_is_read_says_so(
+    tmp_path: Path, sent: signal.Signals
+) -> None:
+    recipe, begun = tmp_path / "endless.py", tmp_path / "begun"
+    recipe.write_text(f"open({str(begun)!r}, 'w').close()\nwhile True:\n    pass\n")
+    _, code, told, errors = ended_by(
+        sent,
+        [*DRILL, str(recipe)],
+        lambda _: wait_until(begun.exists, 60, "that the recipe is read"),
+    )
+    assert (code, told) == (130, "")
+    assert errors.strip().endswith("ended by hand before a drive was made")
+    assert len(errors.splitlines()) == 1
 
 
 def test_a_drill_that_is_ended_before_its_first_drive_was_made_twice_says_so(
@@ -270,6 +287,31 @@ def test_a_recipe_of_a_car_is_driven_by_a_car_and_its_drive_is_made_again_with_o
     assert scenario.robot == "ackermann"
 
 
+def test_a_robot_that_is_not_like_the_one_of_the_recipe_is_told_of(
+    drill: Drill, tmp_path: Path
+) -> None:
+    short = ("--faults", "", "--seeds", "1", "--jobs", "1", "--json", tmp_path / "drill.json")
+    done = drill(GUARDED, *short, "--robot", "omni")
+    assert done.stdout.startswith("! The recipe describes a robot that moves as DIFFERENTIAL_DRIVE")
+    done = drill(GUARDED, *short, "--robot", "jackal")
+    assert done.stdout.startswith("! jackal reaches 0.33 m from its middle, and the recipe descri")
+    (note,) = read_report((tmp_path / "drill.json").read_text(encoding="utf-8")).notes
+    assert "describes 0.10 m" in note
+    assert not drill(GUARDED, *short).stdout.startswith("!")
+
+
+def test_a_recipe_of_several_sensors_is_driven_by_a_robot_that_has_them(
+    drill: Drill, tmp_path: Path
+) -> None:
+    several = ROOT / "recipes/09_several_sensors.py"
+    short = ("--faults", "", "--seeds", "1", "--jobs", "1")
+    done = drill(several, *short)
+    assert done.stdout.startswith("No fault disturbed any drive.\n")
+    done = drill(several, *short, "--robot", "turtlebot3")
+    assert done.stdout.startswith("! The recipe listens to /camera/points and /rear_scan, which")
+    assert "No fault disturbed any drive; reaches its goals in 0 of 1." in done.stdout
+
+
 def test_another_robot_drives_where_somebody_names_it(drill: Drill, tmp_path: Path) -> None:
     found, page = tmp_path / "drill.json", tmp_path / "drill.html"
     plus = ("--robot", "turtlebot3-plus", "--faults", "low_box", "--seeds", "1")
@@ -302,6 +344,7 @@ def test_another_robot_drives_where_somebody_names_it(drill: Drill, tmp_path: Pa
             "--require: 'recovered >= 10' cannot be met: there are 9 drives",
         ),
         ([GUARDED, "--json", "no/where.json"], "--json no/where.json: there is no folder no"),
+        ([GUARDED, "--report", "/proc/x.html"], "--report /proc/x.html: it cannot be written ("),
         ([GUARDED, "--scenarios", "no"], "--scenarios: "),
         (
             [GUARDED, "--scenarios", ".", "--lasting", "0.5"],
@@ -360,6 +403,7 @@ def test_a_recipe_that_cannot_be_drilled_says_why(drill: Drill, tmp_path: Path) 
             "import ctypes; ctypes.string_at(0)",
             "its process ended by SIGSEGV, an error in",
         ),
+        ("raise KeyboardInterrupt", "RuntimeError: KeyboardInterrupt is raised"),
         ("raise RuntimeError('red: \\x1b[31m\\nnext')", r"RuntimeError: red: \x1b[31m\nnext"),
     ],
 )

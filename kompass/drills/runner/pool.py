@@ -196,7 +196,9 @@ def _answer(
 
 
 def _as_it_travels(error: BaseException) -> BaseException:
-    """An error without what cannot be told to another process."""
+    """An error without what cannot be told to another process, or would be somebody's Ctrl-C."""
+    if isinstance(error, KeyboardInterrupt):
+        return RuntimeError("KeyboardInterrupt is raised")
     try:
         pickle.loads(pickle.dumps(error))
     except Exception:  # noqa: BLE001 - whatever its own methods raise

@@ -161,6 +161,7 @@ def drill(order: DrillOrder, progress: Callable[[int, int], None]) -> Report:
         drives_against=[made[index] for index in range(1, len(orders), 2)],
         seed=order.seed,
         options=options,
+        notes=looked.unlike(scenario.robot for scenario in scenarios),
         names={rule.id: rule.name for table in tables[::-1] for rule in table.rules},
     )
 
@@ -174,6 +175,8 @@ def _scenarios(order: DrillOrder, looked: Looked) -> tuple[Sequence[Scenario], D
         worlds=order.worlds,
         robot=order.robot,
         faults=looked.faults(order.faults, order.robot),
+        half_width=looked.half_width,
+        radius=looked.radius,
         faults_per_drive=order.faults_per_drive,
         lasting=order.lasting,
     )

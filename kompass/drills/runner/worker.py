@@ -22,11 +22,13 @@ from kompass.drills.runner.repeated import difference
 from kompass.drills.scenario import Scenario
 from kompass.printable import printable
 from kompass.rules.schema.table import Table
-from kompass.simulation.physics.robot_model import robot_that_moves
+from kompass.simulation.physics.robot_model import SENSORS, robot_like, robot_model
 
 if TYPE_CHECKING:
     from kompass.launch.stack import Stack
+    from kompass.robot import RobotConfig
 
+_ALIKE = 0.03  # m by which bodies may differ
 NICENESS = 19  # whatever else runs on the machine goes first
 
 
@@ -238,7 +240,38 @@ class Looked:
     planner: str
     nodes: tuple[str, ...]  # of its components
     targets: tuple[str, ...]  # processes and nodes that something can happen to
-    robot: str  # the embedded one that moves as the recipe describes its own
+    model_type: str  # of the robot that the recipe describes; empty where it describes none
+    half_width: float  # m from the middle of its body to its nearest side
+    radius: float  # m, of the circle around it
+    heard: tuple[str, ...]  # topics that components listen to
+
+    @property
+    def robot(self) -> str:
+        """The embedded one that moves as the recipe describes its own, and sees what it hears."""
+        return robot_like(self.model_type, self.heard).name
+
+    def unlike(self, robots: Iterable[str]) -> list[str]:
+        """What embedded robots have not in common with the one that is described, in sentences."""
+        said = []
+        for model in map(robot_model, sorted(set(robots))):
+            if missing := sorted((SENSORS & set(self.heard)) - model.sensors):
+                said.append(
+                    f"The recipe listens to {' and '.join(missing)}, which {model.name} does not "
+                    "have: what waits for it is never well."
+                )
+            if self.model_type and model.model_type != self.model_type:
+                said.append(
+                    f"The recipe describes a robot that moves as {self.model_type}, and "
+                    f"{model.name} moves as {model.model_type}: it cannot carry out what it is "
+                    "told, and these drives tell little."
+                )
+            elif self.radius and model.radius > self.radius + _ALIKE:
+                said.append(
+                    f"{model.name} reaches {model.radius:.2f} m from its middle, and the recipe "
+                    f"describes {self.radius:.2f} m: it touches what the recipe takes to be far "
+                    "enough away."
+                )
+        return said
 
     def faults(self, names: Iterable[str], robot: str) -> tuple[str, ...]:
         """Names of faults as after ``--faults``, written out for this recipe and an embedded robot.
@@ -282,10 +315,19 @@ def _look(recipe: Path, table: Table | None) -> Looked:
         check_recipe(table, stack.monitored.catalog)
     own = stack.monitored.rules.table
     nodes = tuple(component.node_name for component in stack.components)
+    robot = stack.robot
     return Looked(
         table=own.model_dump_json(),
         planner=planner_node(stack.components),
         nodes=nodes,
         targets=process_names(stack),
-        robot=robot_that_moves(stack.model_type).name,
+        model_type=stack.model_type,
+        half_width=0.0 if robot is None else round(_half_width(robot), 3),
+        radius=0.0 if robot is None else round(robot.radius, 3),
+        heard=tuple(sorted(stack.heard)),
     )
+
+
+def _half_width(robot: RobotConfig) -> float:
+    x, y = robot.footprint.T
+    return float(min(np.abs(y).max(), np.ptp(x) / 2.0))

@@ -12,13 +12,15 @@ from kompass.simulation.faults import faulty_parts as faulty
 from kompass.simulation.faults.fault_manager import NotYet
 from kompass.simulation.faults.fault_names import DOOR_CLOSED, check_camera, check_place
 from kompass.simulation.physics import person
-from kompass.simulation.physics.barriers import Barriers
+from kompass.simulation.physics.barriers import ACROSS_GAP, Barriers
 from kompass.simulation.robot import SimulatedRobot
 from kompass.simulation.worlds.shapes import Box
 
 SLIP = 0.4  # share of its turning that a slipping wheel loses
 HEADING_JUMP = math.radians(20.0)  # at most, of a localizer that loses its place
 _DOOR_CLEARANCE = 0.05  # m from the robot's shell to a door that closes
+# Of a robot that brakes for what has come into its way: s until it does, and how hard [m/s²].
+_NOTICED, _BRAKES = 0.3, 1.5
 _TRAVELS = 0.01  # m/s; faster backwards, and the way ahead is behind
 
 
@@ -121,6 +123,7 @@ _PARTS: dict[str, _Break] = {
     "battery_low": _battery_low,
 }
 _WALLS = ("way_blocked", "low_box", "boxed_in")
+_AHEAD = ("way_blocked", "low_box")
 _SURFACES = ("glass", "mirrors")
 # Who comes, how the way is found, and whether it ends with the person's being through.
 _PEOPLE = {
@@ -184,7 +187,7 @@ class RobotFaults:
         if kind in _PARTS:
             parts = _PARTS[kind](self._robot, argument, random)
         elif kind in _WALLS:
-            self._robot.put_up(self._walls[kind])
+            self._robot.put_up(self._walls[kind], ahead=self._braking() if kind in _AHEAD else 0.0)
         elif kind in _SURFACES:
             self._surfaces[name] = self._some_solids(float(argument), random)
         elif kind in _PEOPLE:
@@ -241,6 +244,11 @@ class RobotFaults:
             for kind in _SURFACES
         )
         robot.set_surfaces(glass, mirrors)
+
+    def _braking(self) -> float:
+        """By how much farther ahead of a fast robot a wall must be to be no ambush [m]."""
+        speed = max(0.0, float(self._robot.truth().twist[0]))
+        return max(0.0, speed * _NOTICED + speed**2 / (2.0 * _BRAKES) - ACROSS_GAP)
 
     def _some_solids(self, share: float, random: np.random.Generator) -> frozenset[str]:
         names = [shape.name for shape in self._robot.world.solids]

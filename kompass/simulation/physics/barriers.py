@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 _BOX_GAP = 0.05  # m between the shell and each wall of the box
-# Far enough that a robot at full speed comes to rest before the wall, near enough to be in its way.
-_ACROSS_GAP = 0.15
+# Far enough that a slow robot comes to rest before the wall, near enough to be in its way.
+ACROSS_GAP = 0.15
 _THICKNESS = 0.02
 # Far enough to be gone round by who sees it, and lower than the plane of any lidar here.
 _LOW_GAP, _LOW_DEPTH, _LOW_HEIGHT = 0.5, 0.2, 0.1
@@ -68,7 +68,7 @@ class Barriers:
             Barrier(f"barrier_{name}", radius + _BOX_GAP, index * math.pi / 2, side)
             for index, name in enumerate(("ahead", "left", "behind", "right"))
         )
-        self.across = (Barrier("barrier_across", radius + _ACROSS_GAP, 0.0, 0.3 + 2 * radius),)
+        self.across = (Barrier("barrier_across", radius + ACROSS_GAP, 0.0, 0.3 + 2 * radius),)
 
         self.low = (Barrier("barrier_low", radius + _LOW_GAP, 0.0, 0.3, _LOW_DEPTH, _LOW_HEIGHT),)
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+REAR_SCAN, POINTS, PICTURE = "/rear_scan", "/camera/points", "/camera/image"
+SENSORS = frozenset({REAR_SCAN, POINTS, PICTURE})  # that some of the robots have
 _SPACING = 0.02  # m between points of an outline
 
 
@@ -250,6 +253,23 @@ class RobotModel:
     omni: OmniWheels | None = None
 
     @property
+    def model_type(self) -> str:
+        """How it moves, as a recipe's ``model_type`` has it."""
+        if self.steering is not None:
+            return "ACKERMANN"
+        return "DIFFERENTIAL_DRIVE" if self.omni is None else "OMNI"
+
+    @property
+    def sensors(self) -> frozenset[str]:
+        """Topics of those that not every robot has."""
+        found = {REAR_SCAN} if self.rear is not None else set()
+        if self.camera is not None:
+            found.add(POINTS)
+            if self.camera.picture is not None:
+                found.add(PICTURE)
+        return frozenset(found)
+
+    @property
     def half_width(self) -> float:
         """From the middle of the body to its nearest side: what a way must be wider than [m]."""
         return self.radius if self.box is None else min(self.box) / 2
@@ -439,9 +459,19 @@ def robot_names() -> tuple[str, ...]:
     return tuple(_ROBOTS)
 
 
-def robot_that_moves(model_type: str) -> RobotModel:
-    """The embedded robot for a recipe's ``model_type``, where nobody has chosen one."""
-    return {"ACKERMANN": ACKERMANN, "OMNI": OMNI}.get(model_type, TURTLEBOT3)
+def robot_like(model_type: str, heard: Iterable[str]) -> RobotModel:
+    """The embedded robot for a recipe, where nobody has chosen one.
+
+    Parameters
+    ----------
+    model_type
+        How the recipe's robot moves; empty where nobody described it.
+    heard
+        Topics that the recipe listens to: it has the sensors, if any robot that moves so has them.
+    """
+    alike = [one for one in _ROBOTS.values() if one.model_type == model_type] or [TURTLEBOT3]
+    wanted = SENSORS & set(heard)
+    return next((one for one in alike if wanted <= one.sensors), alike[0])
 
 
 def robot_model(name: str) -> RobotModel:
