@@ -109,7 +109,10 @@ def test_a_fallback_that_drives_into_glass_is_found_before_it_is_applied(
     kept = tmp_path / "glass.yaml"
     downloading.value.save_as(kept)
     rules.get("drill-which").get_by_text("Drives drawn by chance").click()
+    expect(rules.get("drill-earlier")).to_be_visible()
+    expect(rules.get("drill-start")).to_have_text("Drill")
     rules.get("drill-which").get_by_text("One of my own").click()
+    expect(rules.get("drill-earlier")).to_be_hidden()
     expect(rules.get("scenario-fault-2")).to_be_visible()  # nothing made up is lost by a look
     rules.get("goal-1-x").fill("-9")
     expect(rules.get("scenario-wrong")).to_contain_text("Goal 1 lies off the floor")

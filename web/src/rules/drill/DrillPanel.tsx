@@ -65,6 +65,19 @@ export function DrillPanel({ table, ready }: Props) {
   const scenario =
     wish.own && told !== null ? (wish.scenario ?? newScenario(drawnIn, room.robot)) : null;
   const world = scenario?.world ?? drawnIn;
+  const options =
+    scenario === null
+      ? {
+          faults: faults.length === 0 ? ["all"] : faults,
+          faults_per_drive: Number(each),
+          lasting: Number(lasting),
+          world: drawnIn,
+          drives: Number(count),
+        }
+      : { scenario, drives: Number(count) };
+  const [asked, setAsked] = useState<string | null>(null);
+  /** What is shown answers another question than the one that the form asks now. */
+  const earlier = drill !== null && asked !== null && asked !== JSON.stringify(options);
   const lacks = scenario === null ? "" : missing(scenario);
   const running = drill?.state === "running";
   const locked = running || told === null;
@@ -142,21 +155,12 @@ export function DrillPanel({ table, ready }: Props) {
                   disabled={!ready || lacks !== "" || told === null}
                   loading={starting}
                   data-testid="drill-start"
-                  onClick={() =>
-                    start(
-                      scenario === null
-                        ? {
-                            faults: faults.length === 0 ? ["all"] : faults,
-                            faults_per_drive: Number(each),
-                            lasting: Number(lasting),
-                            world: drawnIn,
-                            drives: Number(count),
-                          }
-                        : { scenario, drives: Number(count) },
-                    )
-                  }
+                  onClick={() => {
+                    setAsked(JSON.stringify(options));
+                    start(options);
+                  }}
                 >
-                  {drill === null ? "Drill" : "Drill again"}
+                  {drill === null || earlier ? "Drill" : "Drill again"}
                 </Button>
               )}
             </div>
@@ -174,6 +178,11 @@ export function DrillPanel({ table, ready }: Props) {
             <p className={page.note} data-testid="drill-others">
               {drill.by} began this drill
               {drill.report === null ? "." : `, of ${drill.report.recipe}.`}
+            </p>
+          )}
+          {earlier && !running && (
+            <p className={page.note} data-testid="drill-earlier">
+              What follows is of the drives that were asked for before.
             </p>
           )}
           <Outcome drill={drill} fresh={fresh} />
