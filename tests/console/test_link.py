@@ -297,6 +297,13 @@ def test_a_goal_that_was_asked_for_before_a_stop_is_not_sent_after_its_release(
     until(socket, lambda s: not s["drive"]["stopped"])
     answers: list[httpx.Response] = []
 
+    def is_checked() -> bool:
+        pressed = time.monotonic()
+        client.post("/api/goals/check", json={"x": 0.6, "y": 0.6})
+        return time.monotonic() - pressed > 1.0
+
+    wait_until(is_checked, 8.0, "the console has found the planner, too")
+
     def ask() -> None:
         answers.append(client.post("/api/goals", json={"x": -0.6, "y": 0.55}))
 
