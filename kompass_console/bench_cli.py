@@ -14,6 +14,7 @@ from kompass_console.driving import (
     BAD_INPUT,
     INTERRUPTED,
     NOT_DRIVEN,
+    check_writable,
     ended_as_by_hand,
     with_progress,
     write_all,
@@ -99,10 +100,8 @@ def bench_nav(
             )
         _check("--follower", follower, names)
     for option, each in (("--json", json_file), ("--report", report_file)):
-        if each is not None and not each.absolute().parent.is_dir():
-            raise CliError(
-                BAD_INPUT, f"{option} {each}: there is no folder {each.parent}; make it first"
-            )
+        if each is not None:
+            check_writable(option, each)
     orders = [
         BenchOrder(
             world=world,

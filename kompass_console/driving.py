@@ -61,7 +61,9 @@ def check_writable(option: str, file: Path) -> None:
         When there is no such folder, or nobody may write there.
     """
     if not file.absolute().parent.is_dir():
-        raise CliError(BAD_INPUT, f"{option} {file}: there is no folder {file.parent}")
+        raise CliError(
+            BAD_INPUT, f"{option} {file}: there is no folder {file.parent}; make it first"
+        )
     there = file.exists()
     try:
         file.open("a", encoding="utf-8").close()

@@ -29,7 +29,13 @@ from kompass.launch.processes import run_processes
 from kompass.launch.stack import Stack, stacks_go_to
 from kompass.printable import log_to_terminal
 from kompass.settings import value_text
-from kompass.simulation.physics.robot_model import RobotModel, robot_like
+from kompass.simulation.faults.fault_names import UnknownFault, check_camera
+from kompass.simulation.physics.robot_model import (
+    RobotModel,
+    robot_like,
+    robot_model,
+    robot_names,
+)
 from kompass.supervisor.instance_lock import AlreadyRunning
 from kompass.supervisor.oversight import StartupError
 from kompass.supervisor.process import ProcessSpec, Report
@@ -333,9 +339,9 @@ def run_recipe(
     CliError
         When it cannot run, with the reason in one line.
     """
-    kind: list[RobotModel] = []  # known before any process is forked
+    embedded = _Embedded()
     if sim is not None:
-        _add_robot(sim, faults, robot, kind)
+        _add_robot(sim, faults, robot, embedded)
     elif robot is not None:
         raise CliError(2, f"--robot {robot} is for the embedded robot; add --sim")
     elif faults:
@@ -351,10 +357,9 @@ def run_recipe(
 
     def run(stack: Stack) -> None:
         brought_up.append(stack)
-        if not kind:
-            kind.append(robot_like(stack.model_type, stack.heard))
+        kind = embedded.settle(stack)
         assert console.drill is not None
-        console.drill = console.drill.model_copy(update={"robot": kind[0].name})
+        console.drill = console.drill.model_copy(update={"robot": kind.name})
         console.announce()
         run_processes(stack)
 
@@ -363,6 +368,8 @@ def run_recipe(
             runpy.run_path(str(recipe), run_name="__main__")
     except (AlreadyRunning, EnvironmentProblem, StartupError) as error:
         raise CliError(1, str(error)) from None
+    except CliError:
+        raise
     except Exception as error:  # noqa: BLE001 - whatever a recipe raises is told in one line
         raise CliError(3, _where(recipe, error)) from None
     finally:
@@ -397,16 +404,39 @@ def _meant(error: Exception) -> str:
     return f"; did you mean '{close[0]}'?" if close else ""
 
 
-def _add_robot(
-    world_name: str, faults: Sequence[str], robot: str | None, kind: list[RobotModel]
-) -> None:
-    """The embedded robot and its map, as processes beside the recipe's.
+@dataclass
+class _Embedded:
+    """Which embedded robot drives: the recipe decides, where nobody else did, before any fork.
 
-    ``kind`` is to have the robot by the time that they are forked; one that is named comes here.
+    Attributes
+    ----------
+    kind
+        None until then.
+    faults
+        Names of those that are to strike it.
     """
+
+    kind: RobotModel | None = None
+    faults: Sequence[str] = ()
+
+    def settle(self, stack: Stack) -> RobotModel:
+        """Which it is; raises CliError where it cannot have the faults."""
+        if self.kind is None:
+            self.kind = robot_like(stack.model_type, stack.heard)
+        try:
+            for name in self.faults:
+                check_camera(name, self.kind)
+        except UnknownFault as error:
+            raise CliError(2, f"--fault: {error}") from None
+        return self.kind
+
+
+def _add_robot(
+    world_name: str, faults: Sequence[str], robot: str | None, embedded: _Embedded
+) -> None:
+    """The embedded robot and its map, as processes beside the recipe's."""
     from kompass.share import map_path
-    from kompass.simulation.faults.fault_names import UnknownFault, parse_faults, withholds_map
-    from kompass.simulation.physics.robot_model import TURTLEBOT3, robot_model, robot_names
+    from kompass.simulation.faults.fault_names import parse_faults, withholds_map
     from kompass.simulation.worlds.registry import world, world_names
 
     if world_name not in world_names():
@@ -417,19 +447,20 @@ def _add_robot(
         raise CliError(
             2, f"--robot {robot}: there is no such robot; known are {', '.join(robot_names())}"
         )
-    if robot is not None:
-        kind.append(robot_model(robot))
     try:
-        orders = parse_faults(faults, world(world_name), kind[0] if kind else TURTLEBOT3)
+        orders = parse_faults(faults, world(world_name))
     except UnknownFault as error:
         raise CliError(2, f"--fault: {error}") from None
+    embedded.kind = None if robot is None else robot_model(robot)
+    embedded.faults = [order.name for order in orders]
     map_file = None if withholds_map(orders) else str(map_path(world_name))
 
     def simulate(report: Report) -> None:
         from kompass.simulation.node import run_simulator
 
         report("active simulator")
-        run_simulator(world(world_name), faults=faults, kind=kind[0])
+        assert embedded.kind is not None
+        run_simulator(world(world_name), faults=faults, kind=embedded.kind)
 
     def serve_map(report: Report) -> None:
         from kompass.components import MapServer, MapServerConfig

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Iterable
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -51,24 +52,20 @@ def _topic(name: str) -> str:
     return name
 
 
-def _known_world(name: str) -> str:
-    if name not in world_names():
-        raise PydanticCustomError(
-            "scenario_world",
-            "there is no such world; choose one of: {known}",
-            {"known": ", ".join(world_names())},
-        )
-    return name
+def _one_of(names: Callable[[], Iterable[str]], kind: str) -> Callable[[str], str]:
+    """Checks a name against those that there are when it is read."""
 
+    def check(name: str) -> str:
+        known = tuple(names())
+        if name not in known:
+            raise PydanticCustomError(
+                "scenario_unknown",
+                "there is no such {kind}; choose one of: {known}",
+                {"kind": kind, "known": ", ".join(known)},
+            )
+        return name
 
-def _known_robot(name: str) -> str:
-    if name not in robot_names():
-        raise PydanticCustomError(
-            "scenario_robot",
-            "there is no such robot; choose one of: {known}",
-            {"known": ", ".join(robot_names())},
-        )
-    return name
+    return check
 
 
 def _known_fault(name: str) -> str:
@@ -84,7 +81,7 @@ Length = Annotated[float, Field(strict=True, gt=0.0, le=_FAR)]
 Radians = Annotated[float, Field(strict=True, ge=-math.tau, le=math.tau)]
 Moment = Annotated[float, Field(strict=True, ge=0.0, le=LONGEST)]
 Name = Annotated[str, Field(min_length=1, max_length=100), AfterValidator(_named)]
-RobotName = Annotated[str, AfterValidator(_known_robot)]
+RobotName = Annotated[str, AfterValidator(_one_of(robot_names, "robot"))]
 USUAL_ROBOT = robot_names()[0]
 
 
@@ -176,7 +173,7 @@ class Scenario(Model):
     """
 
     name: Name
-    world: Annotated[str, AfterValidator(_known_world)]
+    world: Annotated[str, AfterValidator(_one_of(world_names, "world"))]
     robot: RobotName = USUAL_ROBOT
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
     start: Start | None = None

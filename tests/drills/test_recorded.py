@@ -318,6 +318,7 @@ def test_a_recipe_that_is_not_the_same_twice_is_told_of_and_named(tmp_path: Path
     first = done.stdout.splitlines()[0]
     assert first.startswith("! The recipe is not the same twice: drive there, made twice, differs")
     assert "whim" in first
+    assert "at=" not in first, "what differs is told as people read it"
     assert "no seed decides" in first
     (note,) = read_report(report.read_text()).notes
     assert first == f"! {note}"

@@ -56,6 +56,19 @@ def test_an_unknown_world_lists_the_known_ones() -> None:
     assert "hexagon" in one_line(refused)
 
 
+def test_a_fault_that_only_a_camera_sees_is_refused_where_the_recipe_has_none() -> None:
+    command = ("--sim", "--fault", "low_box:9", "--no-browser", "--port", "0")
+    refused = Stack("run", str(RECIPE), *command)
+    assert refused.wait() == 2
+    assert "--fault: fault 'low_box': the robot turtlebot3 has no camera" in one_line(refused)
+    # The robot is the one that has the recipe's sensors.
+    several = Stack("run", str(RECIPE.with_name("09_several_sensors.py")), *command)
+    try:
+        several.wait_for_line("all components active", 30)
+    finally:
+        assert several.close() == 0, several.output
+
+
 def test_a_short_token_is_refused() -> None:
     refused = Stack("demo", "--no-browser", "--port", "0", "--token", "short")
     assert refused.wait() == 2

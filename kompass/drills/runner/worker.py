@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from kompass.algorithms.footprint import Footprint
 from kompass.drills.draw import check_targets, expand_faults
 from kompass.drills.runner.pool import ProcessEnded, in_processes
 from kompass.drills.runner.repeated import difference
@@ -301,6 +302,13 @@ def look_at(recipe: Path, table: Table | None = None) -> Looked:
             raise DriveFailed(f"{recipe.name}: {_why(error)}") from error
 
 
+def _half_width(robot: RobotConfig | None) -> float:
+    if robot is None:
+        return 0.0
+    body = Footprint(robot.footprint - (robot.geometry_offset, 0.0))
+    return round(body.radius if body.is_round else body.inscribed_radius, 3)
+
+
 def _look(recipe: Path, table: Table | None) -> Looked:
     from kompass.drills.runner.operator import planner_node
     from kompass.launch.virtual_stack import process_names
@@ -322,12 +330,7 @@ def _look(recipe: Path, table: Table | None) -> Looked:
         nodes=nodes,
         targets=process_names(stack),
         model_type=stack.model_type,
-        half_width=0.0 if robot is None else round(_half_width(robot), 3),
+        half_width=_half_width(stack.robot),
         radius=0.0 if robot is None else round(robot.radius, 3),
         heard=tuple(sorted(stack.heard)),
     )
-
-
-def _half_width(robot: RobotConfig) -> float:
-    x, y = robot.footprint.T
-    return float(min(np.abs(y).max(), np.ptp(x) / 2.0))

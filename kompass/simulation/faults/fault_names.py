@@ -211,8 +211,10 @@ def _split(text: str) -> tuple[str, list[float]]:
     return name, times
 
 
-def parse_faults(texts: Iterable[str], place: World, robot: RobotModel) -> list[FaultOrder]:
-    """Read orders for a robot in a world.
+def parse_faults(
+    texts: Iterable[str], place: World, robot: RobotModel | None = None
+) -> list[FaultOrder]:
+    """Read orders for a robot in a world; ``robot`` is None where it is not known yet.
 
     Raises
     ------
@@ -222,7 +224,8 @@ def parse_faults(texts: Iterable[str], place: World, robot: RobotModel) -> list[
     orders = [parse_fault(text) for text in texts]
     for order in orders:
         check_place(order.name, place)
-        check_camera(order.name, robot)
+        if robot is not None:
+            check_camera(order.name, robot)
     return orders
 
 
