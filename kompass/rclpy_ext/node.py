@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import struct
 import weakref
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor as Threads
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any
 
 from rclpy.action import (
@@ -22,12 +24,15 @@ from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallba
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node, NodeNameNonExistentError
+from rclpy.serialization import deserialize_message
 
 from kompass.bus.clock import SYSTEM, Clock
-from kompass.bus.node import Execute, NamesAndTypes
+from kompass.bus.node import Execute, HeardInPart, NamesAndTypes
+from kompass.expressions import type_name
 from kompass.rclpy_ext.action_server import ForgetfulActionServer
 from kompass.rclpy_ext.guarded import guarded
 from kompass.rclpy_ext.log import write_log
+from kompass.rclpy_ext.partial_decoder import partial_decoder
 
 
 def _deaf(message: Any) -> None:
@@ -60,6 +65,29 @@ class NodeOnDDS:
         """As of :class:`rclpy.node.Node`."""
         kwargs.setdefault("event_callbacks", _NO_SUBSCRIPTION_EVENTS)
         return super().create_subscription(*args, **kwargs)  # type: ignore[misc]
+
+    def create_partial_subscription(
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: HeardInPart,
+        qos_profile: Any,
+        paths: Iterable[tuple[str, ...]],
+    ) -> Any:
+        """As :meth:`kompass.bus.node.Node.create_partial_subscription`."""
+        decode = partial_decoder(type_name(msg_type), paths)
+        if decode is None:
+            raise ValueError(f"{topic}: {msg_type.__name__} cannot be read in part")
+
+        def take(data: bytes) -> None:
+            make = partial(deserialize_message, data, msg_type)
+            try:
+                fields = decode(data)
+            except (ValueError, struct.error):  # serialised otherwise than we know
+                fields = make()
+            callback(fields, make)
+
+        return self.create_subscription(msg_type, topic, take, qos_profile, raw=True)
 
     def destroy_subscription(self, subscription: Any) -> bool:
         """As of :class:`rclpy.node.Node`; its callback group forgets it too, and it hears no more.

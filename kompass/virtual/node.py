@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Executor as Threads
-from functools import cache
+from functools import partial
 from typing import Any, Protocol, TypeVar
 
 from rclpy.clock import ClockType
@@ -21,7 +21,8 @@ from rclpy.validate_node_name import validate_node_name
 from rclpy.validate_topic_name import validate_topic_name
 
 from kompass.bus.clock import Clock
-from kompass.bus.node import Execute, NamesAndTypes
+from kompass.bus.node import Execute, HeardInPart, NamesAndTypes
+from kompass.expressions import type_name
 from kompass.printable import printable
 from kompass.virtual.actions import VirtualActionClient, VirtualActionServer, action_names_and_types
 from kompass.virtual.executor import VirtualExecutor
@@ -39,7 +40,7 @@ from kompass.virtual.process import VirtualProcess
 from kompass.virtual.qos import QoS, qos_of
 from kompass.virtual.scheduler import Event, nanoseconds
 from kompass.virtual.threads import VirtualThreads
-from kompass.virtual.wire import Packet
+from kompass.virtual.wire import Packet, fields_of
 
 _SERVICE_QOS = qos_of(10, "services")  # rmw_qos_profile_services_default
 Header = tuple[int, int]  # of a request and its answer: the client, and its number there
@@ -51,13 +52,6 @@ class _Part(Protocol):
 
 
 P = TypeVar("P", bound=_Part)
-
-
-@cache
-def type_name(kind: type[Any]) -> str:
-    """Name of a class of ROS: "std_msgs/msg/Bool"."""
-    package, family = kind.__module__.split(".")[:2]
-    return f"{package}/{family}/{kind.__name__}"
 
 
 class NotOnThisBus(AttributeError):
@@ -107,21 +101,20 @@ class VirtualPublisher:
 
 
 class VirtualSubscription:
-    """Calls back for each message on a topic."""
+    """Calls back for each message on a topic, with what ``read`` makes of it."""
 
     def __init__(
         self,
         node: VirtualNode,
         msg_type: Any,
         topic: str,
-        callback: Callable[[Any], object],
+        callback: Callable[..., object],
         qos: QoS,
-        *,
-        raw: bool,
+        read: Callable[[Packet], tuple[Any, ...]],
     ) -> None:
         self.msg_type, self.topic_name, self.callback = msg_type, topic, callback
         self.qos_profile = qos.profile
-        self._raw = raw
+        self._read = read
         self._reader = Reader(
             *node.place("topic", topic, type_name(msg_type), qos), arrived=node.to_do(self.take)
         )
@@ -136,8 +129,11 @@ class VirtualSubscription:
         """Handle the oldest message, if there is one."""
         if self._reader.closed or not self._reader.queue:
             return
-        packet = self._reader.queue.popleft()
-        self.callback(packet.data if self._raw else packet.message(self.msg_type))
+        self.callback(*self._read(self._reader.queue.popleft()))
+
+
+def _bytes(packet: Packet) -> tuple[bytes]:
+    return (packet.data,)
 
 
 class VirtualService:
@@ -417,10 +413,42 @@ class VirtualNode:
         *,
         raw: bool = False,
     ) -> VirtualSubscription:
+        if raw:
+            return self._subscribe(msg_type, topic, callback, qos_profile, _bytes)
+        return self._subscribe(
+            msg_type, topic, callback, qos_profile, lambda packet: (packet.message(msg_type),)
+        )
+
+    def create_partial_subscription(
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: HeardInPart,
+        qos_profile: Any,
+        paths: Iterable[tuple[str, ...]],
+    ) -> VirtualSubscription:
+        try:
+            fields = fields_of(msg_type, paths)
+        except ValueError as error:
+            raise ValueError(f"{topic}: {error}") from None
+
+        def read(packet: Packet) -> tuple[Any, ...]:
+            return fields(packet), partial(packet.message, msg_type)
+
+        return self._subscribe(msg_type, topic, callback, qos_profile, read)
+
+    def _subscribe(
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[..., object],
+        qos_profile: Any,
+        read: Callable[[Packet], tuple[Any, ...]],
+    ) -> VirtualSubscription:
         check_is_valid_msg_type(msg_type)
         name = self.resolve_topic_name(topic)
         qos = qos_of(qos_profile, name)
-        return self._keep(VirtualSubscription(self, msg_type, name, callback, qos, raw=raw))
+        return self._keep(VirtualSubscription(self, msg_type, name, callback, qos, read))
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Any) -> VirtualService:
         check_is_valid_srv_type(srv_type)

@@ -27,6 +27,7 @@ from kompass.virtual.process import VirtualProcess
 from kompass.virtual.scheduler import nanoseconds
 
 PATIENCE = 60.0  # s of real time in which a function must sleep, wait or return
+_SLICE = 1.0  # s of it that are waited for at once
 _CLOCKS = ("monotonic", "monotonic_ns", "perf_counter", "perf_counter_ns", "time", "time_ns")
 _real: dict[str, Any] = {name: getattr(time, name) for name in (*_CLOCKS, "sleep")}
 _real_wait = threading.Condition.wait
@@ -123,13 +124,23 @@ class Blocking:
             self._for = None
             self._hand_over()
 
+    def _comes_back(self) -> bool:
+        """Whether it waits or is over in time. A while in which all of this process was stopped,
+        or did not get the processor, is nobody's fault: it counts as one slice."""
+        left = PATIENCE
+        while left > 0.0:
+            if self._yielded.acquire(timeout=min(_SLICE, left)):
+                return True
+            left -= _SLICE
+        return False
+
     def _hand_over(self) -> None:
         global _running
         with in_virtual_time():
             _running = self
             try:
                 self._turn.release()
-                back = self._yielded.acquire(timeout=PATIENCE)
+                back = self._comes_back()
             finally:  # Ctrl-C comes here, too
                 _running = None
         if not back:

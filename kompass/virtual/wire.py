@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import array
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Any
 
@@ -25,7 +25,9 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
     UnboundedString,
 )
 
+from kompass.expressions import type_name
 from kompass.rclpy_ext.messages import ros_class
+from kompass.rclpy_ext.partial_decoder import partial_decoder, picker
 
 Copy = Callable[[Any], Any]
 
@@ -61,6 +63,11 @@ class Packet:
         return cls(data=serialize_message(message))
 
     @property
+    def copied(self) -> Any:
+        """The message as it was sent, which all readers share; None where there are bytes only."""
+        return self._message
+
+    @property
     def data(self) -> bytes:
         """As it is on the network (CDR)."""
         if self._data is None:
@@ -74,6 +81,30 @@ class Packet:
         copy = copier(kind)
         assert copy is not None, "it was copied once already"
         return copy(self._message)
+
+
+def fields_of(kind: Any, paths: Iterable[tuple[str, ...]]) -> Callable[[Packet], Any]:
+    """Make a function that reads some fields of a message under way.
+
+    Raises
+    ------
+    ValueError
+        When messages of the type cannot be read in part.
+    """
+    chosen = tuple(paths)
+    decode, pick = partial_decoder(type_name(kind), chosen), picker(chosen)
+    if decode is None:
+        raise ValueError(f"{kind.__name__} cannot be read in part")
+
+    def read(packet: Packet) -> Any:
+        if packet.copied is not None:
+            return pick(packet.copied)
+        try:
+            return decode(packet.data)
+        except (ValueError, struct.error):  # published as bytes that are none
+            return packet.message(kind)
+
+    return read
 
 
 @cache

@@ -62,7 +62,7 @@ class Streams:
             "path": world.path,
         }
         self._readers: dict[StreamKey, Reader[Any]] = {
-            "odometry": Reader(node, Odometry, convert.motion, self._moved),
+            "odometry": Reader(node, Odometry, convert.motion, self._moved, paths=convert.MOTION),
             "scan": Reader(node, LaserScan, convert.scan, world.scan.set),
             "map": Reader(node, OccupancyGrid, convert.grid, world.map.set, latched=True),
             "local_map": Reader(node, OccupancyGrid, convert.grid, world.local_map.set),

@@ -14,8 +14,8 @@ from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Empty, String
 from tf2_msgs.msg import TFMessage
 
+from kompass.expressions import type_name
 from kompass.recorder.mcap.padding import without_padding
-from kompass.virtual.node import type_name
 
 
 def described() -> Iterator[Any]:

@@ -5,6 +5,7 @@ Where rclpy surprises it is right, and virtual time follows.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Iterable, Iterator
 from itertools import count, product
 from typing import Any
@@ -215,6 +216,50 @@ def test_bytes_are_sent_and_heard_as_they_are(bus: Bus, one: Node, other: Node, 
     bus.until(lambda: raw and heard)
     assert raw == [serialize_message(message)]
     assert heard == [message] == [deserialize_message(raw[0], Odometry)]
+
+
+def test_a_few_fields_are_heard_and_the_whole_message_when_it_is_asked_for(
+    bus: Bus, one: Node, other: Node, name: str
+) -> None:
+    publisher = one.create_publisher(Odometry, name, 10)
+    heard: list[tuple[Any, Any]] = []
+    paths = (("header", "frame_id"), ("pose", "pose", "position", "x"), ("twist", "covariance"))
+    other.create_partial_subscription(
+        Odometry, name, lambda fields, make: heard.append((fields, make)), 10, paths
+    )
+    bus.until(publisher.get_subscription_count)
+    message = Odometry(child_frame_id="base_link")
+    message.header.frame_id = "odom"
+    message.pose.pose.position.x = 1.5
+    message.twist.covariance = np.arange(36.0)
+    publisher.publish(message)
+    publisher.publish(serialize_message(message))
+    bus.until(lambda: len(heard) == 2)
+    for fields, make in heard:
+        assert fields.header.frame_id == "odom"
+        assert fields.pose.pose.position.x == 1.5
+        assert list(fields.twist.covariance) == list(range(36))
+        assert not hasattr(fields, "child_frame_id")
+        assert make() == message
+
+
+def test_bytes_that_are_laid_out_otherwise_are_read_as_a_whole(
+    bus: Bus, one: Node, other: Node, name: str
+) -> None:
+    publisher = one.create_publisher(Float32, name, 10)
+    heard: list[float] = []
+    other.create_partial_subscription(
+        Float32, name, lambda fields, _: heard.append(fields.data), 10, [("data",)]
+    )
+    bus.until(publisher.get_subscription_count)
+    publisher.publish(b"\x00\x00\x00\x00" + struct.pack(">f", 0.5))  # big endian
+    bus.until(lambda: heard)
+    assert heard == [0.5]
+
+
+def test_fields_that_cannot_be_read_alone_are_refused(one: Node, name: str) -> None:
+    with pytest.raises(ValueError, match=f"{name}: Odometry cannot be read in part"):
+        one.create_partial_subscription(Odometry, name, print, 10, [("pose", "pose")])
 
 
 def test_a_message_of_another_type_is_refused(one: Node, name: str) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import queue
+import subprocess
 import threading
 import time
 from collections.abc import Callable
@@ -164,6 +166,20 @@ def test_what_virtual_time_cannot_wait_for_is_told_instead_of_hanging(
     with pytest.raises(NeverReturned, match=named):
         made(stuck)
     lock.release()
+
+
+def test_a_while_in_which_the_whole_process_was_held_is_no_functions_fault(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(waiting, "PATIENCE", 3.0)
+    # Held for longer than all patience, in the middle of a turn of the function's.
+    script = f"kill -STOP {os.getpid()}; sleep 3.5; kill -CONT {os.getpid()}; sleep 0.3"
+
+    def held() -> str:
+        subprocess.run(["sh", "-c", script], check=True)
+        return "came to its end"
+
+    assert made(held)[0] == "came to its end"
 
 
 def test_a_hundred_sleepers_wake_in_the_same_order_every_time() -> None:

@@ -104,7 +104,7 @@ class LocationSource:
 
     def pose(self) -> Pose2D | None:
         """(x, y, yaw) in the world's frame, or None before it is known [m, m, rad]."""
-        message, frames = self._component.input("location").message, self._component.frames
+        message, frames = self._component.input("location").fields, self._component.frames
         if message is None:
             return None
         pose = pose_of(message)
@@ -127,7 +127,7 @@ class LocationSource:
 
         Without a location there is no fault.
         """
-        message = self._component.input("location").message
+        message = self._component.input("location").fields
         if message is None:
             return ""
         x, y, yaw = pose_of(message)
@@ -163,7 +163,7 @@ class LocationSource:
         stamp
             As of :meth:`pose_at`; of one that tells nothing the robot has not moved since.
         """
-        header = getattr(self._component.input("location").message, "header", None)
+        header = getattr(self._component.input("location").fields, "header", None)
         if header is None or stamp == 0.0:
             return 0.0, 0.0, 0.0
         step = header.stamp.sec + 1e-9 * header.stamp.nanosec - stamp
@@ -177,7 +177,7 @@ class LocationSource:
 
     def speed(self) -> tuple[float, float, float]:
         """(vx, vy, omega) of the robot; zero when the location does not tell [m/s, rad/s]."""
-        message = self._component.input("location").message
+        message = self._component.input("location").fields
         return speed_of(message) if hasattr(message, "twist") else (0.0, 0.0, 0.0)
 
     def mounting(self, frame: str, stamp: float) -> Matrix:

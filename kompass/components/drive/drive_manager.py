@@ -152,6 +152,7 @@ class DriveManager(Component):
         self._emergency = False
         self._emergency_sent = -float("inf")
         self._state = DriveState(speed_factor=1.0)
+        self._told: dict[str, Any] = {}
         self._state_sent = -float("inf")
         self._busy = ""
         self._held_since: float | None = None
@@ -751,24 +752,26 @@ class DriveManager(Component):
             self.publish("emergency_stop", Bool(data=emergency))
 
     def _publish_state(self, now: float, limited_by: str, factor: float) -> None:
-        state = DriveState(
-            stopped=self._latch.is_set,
-            standstill=self._standstill.reached(now, self.config.odometry_timeout),
-            stopped_by=self._latch.operator if self._latch.is_set else "",
-            reason=self._latch.account if self._latch.is_set else "",
-            speed_factor=round(factor, 2),
-            limited_by=limited_by,
-            driven_by=self._wheel.driver,
-            manoeuvre=self._busy,
-            hand_session=self._wheel.session,
-            interruptions=self._latch.interruptions,
-        )
+        told: dict[str, Any] = {
+            "stopped": self._latch.is_set,
+            "standstill": self._standstill.reached(now, self.config.odometry_timeout),
+            "stopped_by": self._latch.operator if self._latch.is_set else "",
+            "reason": self._latch.account if self._latch.is_set else "",
+            "speed_factor": round(factor, 2),
+            "limited_by": limited_by,
+            "driven_by": self._wheel.driver,
+            "manoeuvre": self._busy,
+            "hand_session": self._wheel.session,
+            "interruptions": self._latch.interruptions,
+        }
+        # A message is made when there is one to send: this comes with every turn of the loop.
+        if told == self._told and now - self._state_sent < STATE_PERIOD:
+            return
+        state = DriveState(**told)
         state.header.frame_id = self.frames.robot_base
-        state.header.stamp = self._state.header.stamp
-        if state != self._state or now - self._state_sent >= STATE_PERIOD:
-            state.header.stamp = self._stamp()
-            self._state, self._state_sent = state, now
-            self._state_publisher.publish(state)
+        state.header.stamp = self._stamp()
+        self._told, self._state, self._state_sent = told, state, now
+        self._state_publisher.publish(state)
 
     def _stamp(self) -> Time:
         return self.node.get_clock().now().to_msg()

@@ -376,7 +376,7 @@ class MotionServer(Component):
             self._recording, self._asked_for = None, ""
 
     def _feedback(self) -> Any:
-        feedback, message = RecordingAction.Feedback(), self.input("location").message
+        feedback, message = RecordingAction.Feedback(), self.input("location").fields
         if message is not None:
             x, y, feedback.heading = pose_of(message)
             feedback.position = Vector3(x=x, y=y)

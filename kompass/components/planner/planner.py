@@ -266,7 +266,7 @@ class Planner(Component):
         if live is None or pose is None:
             return
         now = self.clock.monotonic()
-        stamped = getattr(self.input("location").message, "header", None)
+        stamped = getattr(self.input("location").fields, "header", None)
         read = partial(read_seen, location=self._location, settings=self.config)
         for topic, message in live.locate(pose, stamped):
             try:

@@ -10,9 +10,9 @@ from rclpy.serialization import deserialize_message
 
 from kompass.backtest.event_log import Began, Heard, LoggedEvent, Resumed, Swapped
 from kompass.rclpy_ext.messages import ros_class
+from kompass.rclpy_ext.partial_decoder import Decode, Path, partial_decoder
 from kompass.recorder.clip import clip_messages, is_event
 from kompass.recorder.mcap.contents import NotMcap
-from kompass.recorder.mcap.partial_decoder import Decode, Path, partial_decoder
 from kompass.recorder.mcap.reader import File, Recorded, Recording, Track, messages, sessions_of
 from kompass.recorder.streams import REPEAT, read_event
 from kompass.rules.engine.compiled_table import CompiledTable, compile_table

@@ -35,6 +35,18 @@ def planar(pose: Any) -> Pose:
     return Pose(float(pose.position.x), float(pose.position.y), yaw)
 
 
+# What `motion` looks at.
+MOTION = (
+    ("header", "stamp", "sec"),
+    ("header", "stamp", "nanosec"),
+    ("header", "frame_id"),
+    *(("pose", "pose", "position", axis) for axis in "xy"),
+    *(("pose", "pose", "orientation", part) for part in "xyzw"),
+    ("twist", "twist", "linear", "x"),
+    ("twist", "twist", "angular", "z"),
+)
+
+
 def motion(message: Any) -> RobotMotion:
     """nav_msgs/Odometry."""
     twist = message.twist.twist

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Generic, TypeVar
 
 from rclpy.node import Node
@@ -29,6 +29,8 @@ class Reader(Generic[T]):
         is best effort, which every publisher can serve.
     depth
         Messages that may wait.
+    paths
+        To the fields that ``convert`` looks at; without them it is given the whole message.
 
     Attributes
     ----------
@@ -47,8 +49,10 @@ class Reader(Generic[T]):
         *,
         latched: bool = False,
         depth: int = 1,
+        paths: Iterable[tuple[str, ...]] | None = None,
     ) -> None:
         self._node = node
+        self._paths = paths
         self._type = message_type
         self._convert = convert
         self._store = store
@@ -71,9 +75,15 @@ class Reader(Generic[T]):
         moved = topic != self.topic
         self.close()
         self.topic, self._qos = topic, qos
-        self._subscription = self._node.create_subscription(
-            self._type, topic, self._received, qos.profile(self._depth)
-        )
+        profile = qos.profile(self._depth)
+        if self._paths is None:
+            self._subscription = self._node.create_subscription(
+                self._type, topic, self._received, profile
+            )
+        else:
+            self._subscription = self._node.create_partial_subscription(
+                self._type, topic, lambda fields, _: self._received(fields), profile, self._paths
+            )
         return moved
 
     def close(self) -> None:

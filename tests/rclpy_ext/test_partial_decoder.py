@@ -12,7 +12,7 @@ from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 from std_msgs.msg import ByteMultiArray
 
-from kompass.recorder.mcap.partial_decoder import Path, partial_decoder
+from kompass.rclpy_ext.partial_decoder import Path, partial_decoder
 from kompass.rules.schema.signals import reader
 from kompass.rules.schema.values import same
 
