@@ -160,7 +160,7 @@ def drill_world(name: WorldName, _: LoggedIn) -> DrillPlace:
         "requestBody": {"required": True, "content": {"text/plain": {"schema": {"type": "string"}}}}
     },
 )
-async def read_scenario_file(request: Request, _: LoggedIn) -> Scenario:
+async def read_scenario_file(request: Request, _: Operator) -> Scenario:
     """The scenario of a YAML file."""
     raw = await request.body()
     try:

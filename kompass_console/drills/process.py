@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
 
 from pydantic import ValidationError
 
 from kompass.drills.runner.program import DRILL_LINE, DrillOrder, Failed, Finished, Progress
 
+_PREFIX = "kompass-drills-"
 _LONGEST_LINE = 32 << 20  # bytes; the report of 200 pairs takes a fifth of that
 _MOST_LINES = 10_000
 
@@ -73,9 +78,7 @@ class DrillProcess:
         """Start the program and hear it to its end; what came of it."""
         # Who is killed tidies nothing up: what drives leave goes with this folder.
         with (
-            tempfile.TemporaryDirectory(
-                prefix="kompass-drills-", ignore_cleanup_errors=True
-            ) as folder,
+            _own_folder() as folder,
             subprocess.Popen(
                 [sys.executable, "-m", "kompass.drills.runner.program"],
                 stdin=subprocess.PIPE,
@@ -119,6 +122,33 @@ class DrillProcess:
             text="The drill said more than can be taken; make fewer drives, or use "
             "kompass-console drill."
         )
+
+
+@contextmanager
+def _own_folder() -> Iterator[str]:
+    """A folder for what drives leave; those of consoles that were killed go with it.
+
+    It is locked for as long as its owner lives, whoever that is and in whatever container.
+    """
+    for left in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
+        with suppress(OSError), _locked(left):
+            shutil.rmtree(left, ignore_errors=True)
+    with (
+        tempfile.TemporaryDirectory(prefix=_PREFIX, ignore_cleanup_errors=True) as folder,
+        _locked(Path(folder)),
+    ):
+        yield folder
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Raises OSError where somebody else has locked it, or it is not ours."""
+    opened = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    try:
+        fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    finally:
+        os.close(opened)
 
 
 def _without_a_word() -> Failed:

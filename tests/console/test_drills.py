@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import copy
+import fcntl
 import os
 import shutil
 import subprocess
+import tempfile
 import uuid
 from collections.abc import Iterator
 from contextlib import closing
@@ -303,6 +305,24 @@ def test_it_gives_way_to_whatever_else_the_machine_does(operator: httpx.Client) 
     assert not folder.exists()  # nothing of it is left
 
 
+def test_what_consoles_that_were_killed_have_left_goes_with_the_next_drill(
+    operator: httpx.Client,
+) -> None:
+    left, others = (Path(tempfile.mkdtemp(prefix="kompass-drills-")) for _ in range(2))
+    (left / "kompass-drill-1").mkdir()
+    locked = os.open(others, os.O_RDONLY)  # as by the console that it is of
+    fcntl.flock(locked, fcntl.LOCK_EX)
+    try:
+        drill = begin(operator)
+        wait_until(programs, 20.0, "processes")
+        operator.delete(f"/api/drills/{drill}")
+        assert not left.exists()
+        assert others.exists()
+    finally:
+        os.close(locked)
+        others.rmdir()
+
+
 def test_who_logs_out_takes_the_drill_along(drilling: Served, operator: httpx.Client) -> None:
     with drilling.client(Role.OPERATOR, user="ben") as other:
         drill = begin(other)
@@ -333,6 +353,7 @@ def test_a_viewer_looks_and_begins_nothing(drilling: Served, operator: httpx.Cli
         assert viewer.get(f"/api/drills/{drill}").json()["state"] == "running"
         assert viewer.post("/api/drills", json={"table": proposed()}).status_code == 403
         assert viewer.delete(f"/api/drills/{drill}").status_code == 403
+        assert viewer.post("/api/drills/scenarios", content=b"name: x").status_code == 403
     operator.delete(f"/api/drills/{drill}")
 
 
