@@ -8,7 +8,6 @@ import signal
 import socket
 import sys
 import threading
-import traceback
 from collections.abc import Callable, Mapping
 from functools import partial
 
@@ -26,7 +25,7 @@ from kompass.monitor.monitor import Memory, Monitor
 from kompass.monitor.recording import FlightRecording
 from kompass.monitor.settings import MonitorSettings
 from kompass.monitor.start import start_from_store
-from kompass.rclpy_ext.executor import MIDDLEWARE_ERRORS, TaskExecutor
+from kompass.rclpy_ext.executor import TaskExecutor
 from kompass.rclpy_ext.node import PlainNode
 from kompass.recipe.table import RecipeRules
 from kompass.store.errors import StoreError
@@ -116,7 +115,7 @@ def run_monitor(
     report(f"active {NAME}")
     try:
         while not ended.is_set():
-            _spin_once(node, executor)
+            executor.spin_on(node, SPIN_TIMEOUT)
             send_heartbeat(NAME)
         # Not after an exception: that is a crash, and counts as one.
         if store is not None:
@@ -140,12 +139,3 @@ def _local_socket(node: Node, monitor: Monitor) -> LocalSocket | None:
     except (OSError, StoreError) as error:
         node.get_logger().warning(f"the command line has to ask over ROS, which is slower: {error}")
         return None
-
-
-def _spin_once(node: Node, executor: TaskExecutor) -> None:
-    """Handle what comes next. A client that dies is no reason to leave the robot without rules."""
-    try:
-        executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-    except MIDDLEWARE_ERRORS as error:
-        where = "".join(traceback.format_tb(error.__traceback__)[-1:]).strip()
-        node.get_logger().error(f"the middleware refused something: {error} ({where})")

@@ -9,6 +9,7 @@ by nothing else.
 from __future__ import annotations
 
 import inspect
+import traceback
 from collections.abc import Callable, Coroutine, Generator
 from typing import Any, Protocol
 
@@ -17,10 +18,16 @@ from rclpy.context import Context
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.task import Future
 
+from kompass.bus.node import Node
+
 LONGEST_WAIT = 1.0  # s, for what comes next
 # What the middleware raises, without a public name in rclpy: mostly that whoever asked has gone
 # before the answer came.
-MIDDLEWARE_ERRORS = (rclpy_implementation.RCLError, rclpy_implementation.InvalidHandle)
+MIDDLEWARE_ERRORS = (
+    rclpy_implementation.RCLError,
+    rclpy_implementation.RMWError,  # of bytes that are no message of their type
+    rclpy_implementation.InvalidHandle,
+)
 
 
 class Cancelled(BaseException):
@@ -156,6 +163,17 @@ class TaskExecutor(rclpy_implementation.EventsExecutor):  # type: ignore[misc]
         if self._raised is not None:
             error, self._raised = self._raised, None
             raise error
+
+    def spin_on(self, node: Node, timeout_sec: float) -> None:
+        """As :meth:`spin_once`; what the middleware refuses is told in the node's log.
+
+        A client that dies, or a publisher of broken messages, is no reason to end a program.
+        """
+        try:
+            self.spin_once(timeout_sec=timeout_sec)
+        except MIDDLEWARE_ERRORS as error:
+            where = "".join(traceback.format_tb(error.__traceback__)[-1:]).strip()
+            node.get_logger().error(f"the middleware refused something: {error} ({where})")
 
     def create_task(self, callback: Any, *args: Any, **kwargs: Any) -> Future:
         """Have a function or a coroutine run.

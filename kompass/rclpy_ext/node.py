@@ -24,7 +24,6 @@ from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallba
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node, NodeNameNonExistentError
-from rclpy.serialization import deserialize_message
 
 from kompass.bus.clock import SYSTEM, Clock
 from kompass.bus.node import Execute, HeardInPart, NamesAndTypes
@@ -33,6 +32,7 @@ from kompass.rclpy_ext.action_server import ForgetfulActionServer
 from kompass.rclpy_ext.guarded import guarded
 from kompass.rclpy_ext.log import write_log
 from kompass.rclpy_ext.partial_decoder import partial_decoder
+from kompass.rclpy_ext.unreadable import LeftOut, Unreadable, read_message
 
 
 def _deaf(message: Any) -> None:
@@ -75,16 +75,22 @@ class NodeOnDDS:
         paths: Iterable[tuple[str, ...]],
     ) -> Any:
         """As :meth:`kompass.bus.node.Node.create_partial_subscription`."""
-        decode = partial_decoder(type_name(msg_type), paths)
+        decode = partial_decoder(type_name(msg_type), paths, to_the_end=True)
         if decode is None:
             raise ValueError(f"{topic}: {msg_type.__name__} cannot be read in part")
 
+        left_out = LeftOut(self, topic)
+
         def take(data: bytes) -> None:
-            make = partial(deserialize_message, data, msg_type)
+            make = partial(read_message, data, msg_type)
             try:
                 fields = decode(data)
             except (ValueError, struct.error):  # serialised otherwise than we know
-                fields = make()
+                try:
+                    fields = make()
+                except Unreadable as error:
+                    left_out.tell(error)
+                    return
             callback(fields, make)
 
         return self.create_subscription(msg_type, topic, take, qos_profile, raw=True)

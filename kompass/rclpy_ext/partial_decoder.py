@@ -85,8 +85,15 @@ _Values: TypeAlias = dict[tuple[str, ...], Any]
 _Step: TypeAlias = Callable[[bytes, int, _Values], int]
 
 
-def partial_decoder(type_name: str, paths: Iterable[Path]) -> Decode | None:
+def partial_decoder(
+    type_name: str, paths: Iterable[Path], *, to_the_end: bool = False
+) -> Decode | None:
     """Make a function that reads these fields into an object with the same attributes.
+
+    Parameters
+    ----------
+    to_the_end
+        Look whether all of the message is there, also what lies behind the last field.
 
     Returns None where a whole message is called for: a path leads to a message or into a sequence
     of messages, or the layout of the type is not known here. The function raises ``struct.error``
@@ -104,7 +111,7 @@ def partial_decoder(type_name: str, paths: Iterable[Path]) -> Decode | None:
         if path[: len(name)] != name or name not in leaves:
             return None
         wanted.add(name)
-    steps = _steps(fields, wanted)
+    steps = _steps(fields, wanted, to_the_end=to_the_end)
     build = _builder(wanted)
 
     def decode(data: bytes) -> Any:
@@ -114,6 +121,8 @@ def partial_decoder(type_name: str, paths: Iterable[Path]) -> Decode | None:
         at = _ENCAPSULATION
         for step in steps:
             at = step(data, at, values)
+        if at > len(data):
+            raise ValueError("it is cut short")
         return build(values)
 
     return decode
@@ -179,9 +188,13 @@ def _code(slot: Any) -> str:
 # -- reading ----------------------------------------------------------------------------------
 
 
-def _steps(fields: Sequence[_Field], wanted: set[tuple[str, ...]]) -> list[_Step]:
-    """Steps over the fields, up to the last that is wanted."""
+def _steps(
+    fields: Sequence[_Field], wanted: set[tuple[str, ...]], *, to_the_end: bool
+) -> list[_Step]:
+    """Steps over the fields, up to the last that is wanted, or that there is."""
     last = max((i for i, field in enumerate(fields) if field.name in wanted), default=-1)
+    if to_the_end:
+        last = len(fields) - 1
     made: list[_Step] = []
     run: list[_Fixed] = []
     for field in fields[: last + 1]:

@@ -69,7 +69,7 @@ def run_simulator(
             undo.callback(simulator.close)
             executor.add_node(node)
             while not (told_to_stop() or (stop is not None and stop())):
-                executor.spin_once(timeout_sec=0.1)
+                executor.spin_on(node, 0.1)
     finally:
         executor.shutdown()
         node.destroy_node()

@@ -15,7 +15,7 @@ STOP, HAND, BACK = "stop", "hand", "held back"  # keys
 
 _FAULTS: dict[str, str] = {
     "scan stale": "Held: a scanner or camera is silent",
-    "odometry stale": "Held: no odometry arrives",
+    "odometry stale": "Held: no fresh odometry arrives",
     "steered wheels": "Held: told to turn on the spot, which steered wheels cannot",
     "place unknown": "Held: its place is not known",
     "second publisher": "Held: somebody else commands the base",

@@ -24,6 +24,7 @@ from kompass.bus.clock import Clock
 from kompass.bus.node import Execute, HeardInPart, NamesAndTypes
 from kompass.expressions import type_name
 from kompass.printable import printable
+from kompass.rclpy_ext.unreadable import LeftOut, Unreadable
 from kompass.virtual.actions import VirtualActionClient, VirtualActionServer, action_names_and_types
 from kompass.virtual.executor import VirtualExecutor
 from kompass.virtual.log import VirtualLog
@@ -108,9 +109,9 @@ class VirtualSubscription:
         node: VirtualNode,
         msg_type: Any,
         topic: str,
-        callback: Callable[..., object],
+        callback: Callable[[Any], object],
         qos: QoS,
-        read: Callable[[Packet], tuple[Any, ...]],
+        read: Callable[[Packet], Any],
     ) -> None:
         self.msg_type, self.topic_name, self.callback = msg_type, topic, callback
         self.qos_profile = qos.profile
@@ -129,11 +130,15 @@ class VirtualSubscription:
         """Handle the oldest message, if there is one."""
         if self._reader.closed or not self._reader.queue:
             return
-        self.callback(*self._read(self._reader.queue.popleft()))
+        self.callback(self._read(self._reader.queue.popleft()))
 
 
-def _bytes(packet: Packet) -> tuple[bytes]:
-    return (packet.data,)
+def _bytes(packet: Packet) -> Any:
+    return packet.data
+
+
+def _as_it_is(packet: Packet) -> Any:
+    return packet
 
 
 class VirtualService:
@@ -416,7 +421,7 @@ class VirtualNode:
         if raw:
             return self._subscribe(msg_type, topic, callback, qos_profile, _bytes)
         return self._subscribe(
-            msg_type, topic, callback, qos_profile, lambda packet: (packet.message(msg_type),)
+            msg_type, topic, callback, qos_profile, lambda packet: packet.message(msg_type)
         )
 
     def create_partial_subscription(
@@ -432,18 +437,25 @@ class VirtualNode:
         except ValueError as error:
             raise ValueError(f"{topic}: {error}") from None
 
-        def read(packet: Packet) -> tuple[Any, ...]:
-            return fields(packet), partial(packet.message, msg_type)
+        left_out = LeftOut(self, topic)
 
-        return self._subscribe(msg_type, topic, callback, qos_profile, read)
+        def take(packet: Packet) -> None:
+            try:
+                found = fields(packet)
+            except Unreadable as error:
+                left_out.tell(error)
+                return
+            callback(found, partial(packet.message, msg_type))
+
+        return self._subscribe(msg_type, topic, take, qos_profile, _as_it_is)
 
     def _subscribe(
         self,
         msg_type: Any,
         topic: str,
-        callback: Callable[..., object],
+        callback: Callable[[Any], object],
         qos_profile: Any,
-        read: Callable[[Packet], tuple[Any, ...]],
+        read: Callable[[Packet], Any],
     ) -> VirtualSubscription:
         check_is_valid_msg_type(msg_type)
         name = self.resolve_topic_name(topic)

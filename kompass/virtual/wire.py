@@ -28,6 +28,7 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
 from kompass.expressions import type_name
 from kompass.rclpy_ext.messages import ros_class
 from kompass.rclpy_ext.partial_decoder import partial_decoder, picker
+from kompass.rclpy_ext.unreadable import read_message
 
 Copy = Callable[[Any], Any]
 
@@ -86,13 +87,16 @@ class Packet:
 def fields_of(kind: Any, paths: Iterable[tuple[str, ...]]) -> Callable[[Packet], Any]:
     """Make a function that reads some fields of a message under way.
 
+    The function raises Unreadable for what was published as bytes that are no such message.
+
     Raises
     ------
     ValueError
         When messages of the type cannot be read in part.
     """
     chosen = tuple(paths)
-    decode, pick = partial_decoder(type_name(kind), chosen), picker(chosen)
+    decode = partial_decoder(type_name(kind), chosen, to_the_end=True)
+    pick = picker(chosen)
     if decode is None:
         raise ValueError(f"{kind.__name__} cannot be read in part")
 
@@ -101,8 +105,8 @@ def fields_of(kind: Any, paths: Iterable[tuple[str, ...]]) -> Callable[[Packet],
             return pick(packet.copied)
         try:
             return decode(packet.data)
-        except (ValueError, struct.error):  # published as bytes that are none
-            return packet.message(kind)
+        except (ValueError, struct.error):  # serialised otherwise than we know
+            return read_message(packet.data, kind)
 
     return read
 

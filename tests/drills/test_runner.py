@@ -42,6 +42,27 @@ launcher.bringup()
 """
 
 
+TAKES_GOALS = """\
+from kompass.components import Controller, DriveManager, LocalMapper, Planner, PlannerConfig
+from kompass.launcher import Launcher
+from kompass.ros import Topic
+from tests.support.turtlebot import turtlebot
+
+planner = Planner("planner", config=PlannerConfig(goals_from_topics=True))
+planner.run_type = "ActionServer"
+planner.inputs(goal_point=Topic(name="/goals", msg_type="{kind}"))
+launcher = Launcher()
+launcher.kompass(
+    components=[
+        planner, Controller("controller"), LocalMapper("mapper"), DriveManager("drive_manager")
+    ]
+)
+launcher.robot = turtlebot()
+launcher.inputs(location=Topic(name="/odometry/filtered", msg_type="Odometry"))
+launcher.bringup()
+"""
+
+
 def scenario(*faults: ScheduledFault, **more: object) -> Scenario:
     given: dict[str, object] = {
         "name": "test",
@@ -209,6 +230,16 @@ def test_a_fault_that_is_refused_is_told_with_the_reason() -> None:
 @pytest.mark.parametrize("recipe", ["01_point_navigation.py", "02_self_healing.py"])
 def test_recipes_that_no_other_test_drills_drive(recipe: str) -> None:
     assert drive(scenario(), RECIPES / recipe).result.outcome == "arrived"
+
+
+@pytest.mark.parametrize("kind", ["PoseStamped", "PointStamped", "Odometry"])
+def test_a_goal_is_published_as_whatever_the_planner_takes_goals_as(
+    kind: str, tmp_path: Path
+) -> None:
+    recipe = tmp_path / "takes.py"
+    recipe.write_text(TAKES_GOALS.format(kind=kind), encoding="utf-8")
+    goal = Goal(x=-1.2, y=-0.5, at=2.0, topic="/goals")
+    assert drive(scenario(goals=(goal,)), recipe).result.outcome == "arrived"
 
 
 def test_a_recipe_without_a_planner_is_refused_with_the_remedy(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import serialize_message
 from std_msgs.msg import Int32
 
 from kompass.monitor.inputs.rule_inputs import RuleInputs
@@ -55,3 +56,23 @@ def test_equal_messages_are_counted_and_not_taken_for_one(spinning: Spinning) ->
         spinning.until(lambda count=count: len(heard.numbers) >= count)  # type: ignore[misc]
     spinning.rest(0.2)
     assert heard.numbers == [7] * 40
+
+
+def test_bytes_that_are_no_such_message_are_left_out_and_told_of(
+    spinning: Spinning, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(spinning.node, "write_log", lambda _, text: told.append(text))
+    heard = Heard(spinning, "cut")
+    publisher = spinning.node.create_publisher(Int32, "cut", 100)
+    spinning.until(lambda: publisher.get_subscription_count() == 1)
+    whole = serialize_message(Int32(data=7))
+    for _ in range(5):
+        publisher.publish(whole[:4])
+    publisher.publish(whole)
+    spinning.until(lambda: heard.numbers)
+    assert heard.numbers == [7]
+    assert told == [
+        "/cut: a message was left out: 4 bytes are no std_msgs/msg/Int32; "
+        "look at who publishes there"
+    ]

@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from kompass_interfaces.srv import ApplyRules, ExplainRule, GetRules
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import serialize_message
 from std_msgs.msg import Bool, Int32, String
 
 from kompass.rules.schema.table import Table
@@ -119,6 +120,22 @@ def phases(rules: Rules, rule_id: str, phase: str) -> int:
 
 def fired(rules: Rules, rule_id: str) -> list[Any]:
     return [f for f in rules.firings if f.rule_id == rule_id and f.phase == "fired"]
+
+
+def test_a_message_that_is_cut_short_takes_no_rules_away(
+    stack: Stack, robot: Robot, rules: Rules
+) -> None:
+    rules.add(rule("cut", compare("cut", "==", 7)))
+    monitor = stack.pid_of("monitor")
+    numbers = robot.node.create_publisher(Int32, "/cut", RELIABLE)
+    await_listener(robot, numbers)
+    whole = serialize_message(Int32(data=7))
+    numbers.publish(whole[:4])
+    numbers.publish(whole)
+    wait_until(lambda: fired(rules, "cut"), 5, "the firing by the whole message")
+    told = "/cut: a message was left out: 4 bytes are no std_msgs/msg/Int32"
+    wait_until(lambda: told in stack.output, 5, "a word on the one that was cut")
+    assert stack.pid_of("monitor") == monitor
 
 
 def test_a_rule_added_while_messages_rain_down_is_effective_within_50_ms(

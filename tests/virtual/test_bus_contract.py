@@ -257,6 +257,35 @@ def test_bytes_that_are_laid_out_otherwise_are_read_as_a_whole(
     assert heard == [0.5]
 
 
+def test_bytes_that_are_cut_short_are_left_out_and_told_of(
+    bus: Bus, one: Node, other: Node, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(other, "write_log", lambda _, text: told.append(text))
+    publisher = one.create_publisher(Odometry, name, 10)
+    heard: list[float] = []
+    other.create_partial_subscription(
+        Odometry,
+        name,
+        lambda fields, _: heard.append(fields.pose.pose.position.x),
+        10,
+        [("pose", "pose", "position", "x")],
+    )
+    bus.until(publisher.get_subscription_count)
+    message = Odometry()
+    whole = serialize_message(message)
+    publisher.publish(whole[:60])
+    publisher.publish(whole[:-8])  # behind what is read
+    message.pose.pose.position.x = 1.5
+    publisher.publish(message)
+    bus.until(lambda: heard)
+    assert heard == [1.5]
+    assert told == [
+        f"{name}: a message was left out: 60 bytes are no nav_msgs/msg/Odometry; "
+        "look at who publishes there"
+    ]
+
+
 def test_fields_that_cannot_be_read_alone_are_refused(one: Node, name: str) -> None:
     with pytest.raises(ValueError, match=f"{name}: Odometry cannot be read in part"):
         one.create_partial_subscription(Odometry, name, print, 10, [("pose", "pose")])

@@ -12,6 +12,7 @@ from action_msgs.msg import GoalStatus
 from geometry_msgs.msg import PointStamped, PoseStamped
 from kompass_interfaces.action import PlanPath
 from kompass_interfaces.srv import ReleaseStop, SetFault, StopRobot
+from nav_msgs.msg import Odometry
 
 from kompass.access.signer import Signer
 from kompass.bus.node import ActionClient, Node, Publisher
@@ -33,9 +34,11 @@ FOUND = 0.5  # s after which everybody has found a planner that was started agai
 TOLERANCE = 0.1  # m, where a goal says nothing of it
 
 
+# What planners take goals as.
 _GOALS: dict[str, type[Any]] = {
     "geometry_msgs/msg/PointStamped": PointStamped,
     "geometry_msgs/msg/PoseStamped": PoseStamped,
+    "nav_msgs/msg/Odometry": Odometry,
 }
 
 
@@ -184,8 +187,9 @@ class Operator:
         if kind is PointStamped:
             message.point.x, message.point.y = goal.x, goal.y
         else:
-            message.pose.position.x, message.pose.position.y = goal.x, goal.y
-            message.pose.orientation = quaternion_msg(goal.yaw or 0.0)
+            pose = message.pose.pose if kind is Odometry else message.pose
+            pose.position.x, pose.position.y = goal.x, goal.y
+            pose.orientation = quaternion_msg(goal.yaw or 0.0)
         self._near = (goal.x, goal.y, goal.tolerance or TOLERANCE)
         if self._ends is not None:
             self._ends.follow_next(partial(self._ended, number))

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from rclpy.serialization import deserialize_message
 from rclpy.task import Future
 
 from kompass.bus.node import Node
 from kompass.rclpy_ext.main_thread import MainThread
 from kompass.rclpy_ext.messages import ros_class
 from kompass.rclpy_ext.qos import best_for
+from kompass.rclpy_ext.unreadable import Unreadable, read_message
 from kompass.rulebook.outlook import Newest
 
 PATIENCE = 0.5  # s that a check waits for messages of topics that nobody listened to
@@ -100,7 +100,8 @@ class Previews:
             return found
 
         # Made a message of here, and only if it is asked for: most are replaced before that.
-        return {name: _newest(each) for name, each in self._main.call(copies).items()}
+        found = {name: _newest(each) for name, each in self._main.call(copies).items()}
+        return {name: newest for name, newest in found.items() if newest is not None}
 
     def tidy(self) -> None:
         """Listen no more to what was last asked for long ago; on the executor's thread."""
@@ -148,6 +149,10 @@ class Previews:
             done.set_result(None)
 
 
-def _newest(preview: _Preview) -> Newest:
-    message = deserialize_message(preview.raw, preview.kind)
+def _newest(preview: _Preview) -> Newest | None:
+    """The newest message; None where it is none of its type."""
+    try:
+        message = read_message(preview.raw, preview.kind)
+    except Unreadable:
+        return None
     return Newest(message, preview.received, preview.settled, preview.rate)

@@ -7,12 +7,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from rclpy.serialization import deserialize_message
-
 from kompass.bus.node import Node
 from kompass.rclpy_ext.messages import ros_class
 from kompass.rclpy_ext.node import of_others
 from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, ReaderQoS, best_for
+from kompass.rclpy_ext.unreadable import LeftOut, Unreadable, read_message
 from kompass.rules.engine.compiled_table import CompiledTable
 
 # Messages that wait for a monitor that is held up: a second of a fast topic. Of large ones fewer.
@@ -36,6 +35,7 @@ class _Input:
     kind: type[Any]
     subscription: Any
     offer: ReaderQoS
+    left_out: LeftOut
     count: int = 0
     # Messages that came before the table that asked for the topic; None once it is in force.
     early: deque[tuple[Any, bytes]] | None = field(default=None)
@@ -153,7 +153,12 @@ class RuleInputs:
         offer = self._offer(name, type_name)
         held: deque[tuple[Any, bytes]] | None = deque(maxlen=_depth(kind)) if early else None
         self._open[name] = _Input(
-            type_name, kind, self._subscribe(name, kind, offer), offer, early=held
+            type_name,
+            kind,
+            self._subscribe(name, kind, offer),
+            offer,
+            LeftOut(self._node, f"/{name}"),
+            early=held,
         )
 
     def _offer(self, name: str, type_name: str) -> ReaderQoS:
@@ -189,7 +194,11 @@ class RuleInputs:
             return
         each.count += 1
         each.recent.append(raw)
-        message = deserialize_message(raw, each.kind)
+        try:
+            message = read_message(raw, each.kind)
+        except Unreadable as error:
+            each.left_out.tell(error)
+            return
         if each.early is not None:
             each.early.append((message, raw))
         else:

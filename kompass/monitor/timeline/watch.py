@@ -9,7 +9,6 @@ from typing import Any
 from automatika_ros_sugar.msg import ComponentStatus
 from kompass_interfaces.msg import DriveState
 from pydantic import ValidationError
-from rclpy.serialization import deserialize_message
 from std_msgs.msg import String
 
 from kompass.bus.node import Node
@@ -19,6 +18,7 @@ from kompass.invalid import first_invalid
 from kompass.monitor.introspection.catalog import RecipeCatalog, status_topics
 from kompass.rclpy_ext.timers import Timers
 from kompass.rclpy_ext.topic import LATCHED
+from kompass.rclpy_ext.unreadable import LeftOut, Unreadable, read_message
 from kompass.supervisor.news import ProcessNews
 from kompass.timeline.drive import DriveObserver, DriveSaid
 from kompass.timeline.goal import GoalObserver, GoalReport
@@ -58,6 +58,7 @@ class RobotWatch:
         self._health, self._drive = HealthObserver(), DriveObserver()
         self._goals, self._processes = GoalObserver(), ProcessObserver()
         self._newest: dict[str, bytes] = {}
+        self._left_out = LeftOut(node, "the status of a component")
         self.people = People()
         for component in catalog.components():
             topic, _ = status_topics(component)
@@ -87,7 +88,11 @@ class RobotWatch:
         if self._newest.get(component) == raw:
             return
         self._newest[component] = raw
-        message: Any = deserialize_message(raw, ComponentStatus)
+        try:
+            message: Any = read_message(raw, ComponentStatus)
+        except Unreadable as error:
+            self._left_out.tell(error)
+            return
         said = Said(
             int(message.status),
             str(message.msg),

@@ -123,7 +123,7 @@ const HELD: Record<string, Phrase> = {
   "place unknown": "it does not know where it is, and there are zones",
   "second publisher": "another program commands it, too",
   "scan stale": "a scanner or camera is silent",
-  "odometry stale": "no odometry arrives",
+  "odometry stale": "no fresh odometry arrives",
   "steered wheels": "steered wheels turn only while it drives",
   "command stale": "no commands arrive",
 };

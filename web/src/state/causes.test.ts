@@ -89,6 +89,31 @@ test("a second scanner that is silent is named, with who waits for it, though th
   expect(cause?.effects).toContain("robot held");
 });
 
+test("what comes long after it was measured is named so, and not as unheard", () => {
+  const old = "it comes 0.8 s after its stamp (a slow way, or clocks that differ)";
+  const late = (told: string) => ({
+    status: "system_failure" as const,
+    message: `Failure: System Level - ${told} is too old: ${old}`,
+    src_topics: ["/odometry/filtered"],
+  });
+  const state = robot({
+    components: [
+      planner,
+      { ...controller, ...late("the location is unknown: what is on /odometry/filtered") },
+      { ...mapper, ...late("what is on /odometry/filtered") },
+      { ...gate, ...late("the odometry") },
+    ],
+    drive: HELD,
+  });
+  expect(rootCause(state, 0)).toMatchObject({
+    name: "Position comes too late",
+    text: `Position comes too late: ${old}`,
+    effects: ["robot held", "Controller, local map and drive wait for it"],
+    advice: "Check the network to the machine that sends it, and that machine's clock.",
+    others: 0,
+  });
+});
+
 test("a topic is late before it is lost, and counts on while no snapshot comes", () => {
   const late = { ...STREAMS.scan, age: 1.5, stale: true };
   expect(streamWord(late, 0)).toBe("late");

@@ -62,6 +62,7 @@ export function rootCause(state: State | null, elapsed: number): Cause | null {
   const waiting = whoWaits(root, ill);
   const covered = (other: Root) =>
     other === root ||
+    isOfSameTopics(other, root) ||
     other.components.some((name) => root.components.includes(name)) ||
     (other.components.length > 0 && other.components.every((name) => waiting.has(name)));
   const labels = ill.filter((c) => waiting.has(c.name)).map((c) => told(c.label));
@@ -76,6 +77,12 @@ export function rootCause(state: State | null, elapsed: number): Cause | null {
     others: roots.filter((other) => !covered(other)).length,
   };
 }
+
+/** What nobody of ours is to blame for is one thing, however many tell of it. */
+const isOfSameTopics = (one: Root, other: Root): boolean =>
+  one.components.length === 0 &&
+  one.topics.length > 0 &&
+  one.topics.every((topic) => other.topics.some(same(topic)));
 
 /** Who has just been started again and is well: what is left of a fault that healed by itself. */
 export function lastRestart(state: State | null): string | null {
@@ -278,6 +285,25 @@ function componentRoots(state: State, ill: Component[], elapsed: number): Root[]
         if (topics.some((topic) => isExplained(topic, state, ill, component.name, elapsed)))
           return [];
         const missing = topics.filter((topic) => !arrives(topic, state, elapsed));
+        const late = /too old: (it comes [^;]*)/.exec(said)?.[1];
+        if (late !== undefined && topics[0] !== undefined) {
+          // It does come, long after it was measured.
+          const what = topicLabel(topics[0], state);
+          const name = t("{what} comes too late", { what });
+          return [
+            {
+              ...base,
+              rank: 2,
+              name,
+              text: `${name}: ${told(late)}`,
+              advice: t(
+                "Check the network to the machine that sends it, and that machine's clock.",
+              ),
+              topics,
+              components: [],
+            },
+          ];
+        }
         if (topics.length > 0 && missing.length === 0) {
           // It does come: this one has not heard it yet.
           const restarted = component.process?.restarted ?? null;
@@ -351,13 +377,13 @@ function isExplained(
 ): boolean {
   const others = ill.filter((c) => c.name !== waits);
   if (publishedBy(topic, others)) return true;
-  const stream = state.streams.find((each) => each.topic !== null && same(each.topic)(topic));
+  const stream = streamOf(topic, state);
   return stream !== undefined && streamWord(stream, elapsed) !== "";
 }
 
 /** Whether the console hears this topic itself. */
 function arrives(topic: string, state: State, elapsed: number): boolean {
-  const stream = state.streams.find((each) => each.topic !== null && same(each.topic)(topic));
+  const stream = streamOf(topic, state);
   return stream !== undefined && streamWord(stream, elapsed) === "";
 }
 
@@ -411,11 +437,20 @@ function waitingText(labels: string[]): string[] {
 const inSentence = (label: string): string =>
   language.get() === "en" ? label.toLowerCase() : label;
 
-/** What the page calls a topic, where it has a word for it. */
+/** What the page calls a topic in a sentence, where it has a word for it. */
 function topicText(topic: string, state: State): string {
-  const stream = state.streams.find((each) => each.topic !== null && same(each.topic)(topic));
+  const stream = streamOf(topic, state);
   return stream === undefined ? topic : t("the {label}", { label: inSentence(told(stream.label)) });
 }
+
+/** The same at the beginning of one. */
+function topicLabel(topic: string, state: State): string {
+  const stream = streamOf(topic, state);
+  return stream === undefined ? topic : told(stream.label);
+}
+
+const streamOf = (topic: string, state: State): Stream | undefined =>
+  state.streams.find((each) => each.topic !== null && same(each.topic)(topic));
 
 /** A component's message without the level that it begins with: the page has words of its own. */
 function plainMessage(message: string): string {

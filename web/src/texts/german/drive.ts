@@ -135,7 +135,7 @@ export const DRIVE = {
     "er weiß nicht, wo er ist, und es gibt Zonen",
   "another program commands it, too": "ein anderes Programm steuert ihn auch",
   "a scanner or camera is silent": "ein Scanner oder eine Kamera schweigt",
-  "no odometry arrives": "es kommt keine Odometrie",
+  "no fresh odometry arrives": "es kommt keine frische Odometrie",
   "no commands arrive": "es kommen keine Fahrbefehle",
 
   // Where the robot is

@@ -69,6 +69,9 @@ export const ROBOT = {
     "{label}, vor {age} neu gestartet, hat noch nichts gehört von: {what}",
   "It is sent, so this should pass by itself; if not, restart this component.":
     "Es wird gesendet und sollte also von selbst kommen; sonst starten Sie diese Komponente neu.",
+  "{what} comes too late": "{what} kommt zu spät",
+  "Check the network to the machine that sends it, and that machine's clock.":
+    "Prüfen Sie das Netz zu dem Rechner, der es sendet, und dessen Uhr.",
   "{label} gets nothing": "{label} bekommt nichts",
   "{label} gets nothing on {what}": "{label} bekommt nichts auf {what}",
   "Place doubtful": "Ort zweifelhaft",

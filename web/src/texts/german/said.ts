@@ -234,8 +234,10 @@ export const SAID: Readonly<Record<string, string>> = {
   "{what} changed: {name}": "{what} geändert: {name}",
   "{what} deleted: {name}": "{what} gelöscht: {name}",
   "{what} restored: {name}": "{what} wiederhergestellt: {name}",
+  "it comes {late} s after its stamp (a slow way, or clocks that differ)":
+    "{late} s nach dem Stempel (ein langer Weg, oder Uhren, die voneinander abweichen)",
   "Held: a scanner or camera is silent": "Angehalten: ein Scanner oder eine Kamera schweigt",
-  "Held: no odometry arrives": "Angehalten: es kommt keine Odometrie",
+  "Held: no fresh odometry arrives": "Angehalten: es kommt keine frische Odometrie",
   "Held: its place is not known": "Angehalten: sein Ort ist nicht bekannt",
   "Held: somebody else commands the base": "Angehalten: jemand anders steuert das Fahrwerk",
   "Held: told to turn on the spot, which steered wheels cannot":
