@@ -228,7 +228,7 @@ def drill_drive(
     """A scenario's drives under both tables, from beginning to end."""
     pair = console.drills.pair(drill_id, scenario)
     if pair is None:
-        raise unknown_drill()
+        raise _without_result(console, drill_id)
     return pair
 
 
@@ -239,7 +239,7 @@ def drill_scenario(
     """The scenario of a drive as a file, to be kept and driven again."""
     pair = console.drills.pair(drill_id, scenario)
     if pair is None:
-        raise unknown_drill()
+        raise _without_result(console, drill_id)
     made = pair.proposed.scenario
     # What a person has called it is no name of a file everywhere.
     name = re.sub(r"[^A-Za-z0-9]+", "-", f"{made.world} {made.name}").strip("-")
@@ -253,7 +253,7 @@ def drill_report(drill_id: DrillId, _: LoggedIn, console: CurrentConsole) -> Res
     """All of it as one page to send around."""
     report = console.drills.report(drill_id)
     if report is None:
-        raise unknown_drill()
+        raise _without_result(console, drill_id)
     headers = {"Content-Disposition": f'attachment; filename="drill-{report.seed}.html"'}
     return Response(report_html(report), media_type="text/html", headers=headers)
 
@@ -301,6 +301,14 @@ def _fault(whole: str, text: str) -> DrillFault:
         choices=list(WHEELS) if parameter == "WHEEL" else [],
         at_once=f"{name}:" == AT_ONCE,
     )
+
+
+def _without_result(console: Console, drill_id: str) -> ConsoleError:
+    """Why there is no result, or none of this drive."""
+    told = console.drills.progress(drill_id)
+    if told is not None and told.state == "running":
+        return ConsoleError(409, "This drill has not come to its end yet.", "Wait until it has.")
+    return unknown_drill()
 
 
 def unknown_drill() -> ConsoleError:

@@ -278,6 +278,10 @@ def test_one_runs_at_a_time_and_one_that_is_cancelled_leaves_nothing_behind(
     refused = operator.post("/api/drills", json={"table": proposed()})
     assert refused.status_code == 429
     assert "A drill of ava's runs already" in refused.json()["detail"]["title"]
+    for result in ("report", "drives/1-0", "files/1-0"):
+        early = operator.get(f"/api/drills/{drill}/{result}")
+        assert early.status_code == 409, early.text
+        assert "has not come to its end yet" in early.json()["detail"]["title"]
     assert operator.delete(f"/api/drills/{drill}").status_code == 204
     told = operator.get(f"/api/drills/{drill}").json()
     assert (told["state"], told["error"]) == ("canceled", "ava cancelled it.")
