@@ -17,6 +17,7 @@ from pydantic import ValidationError
 
 from kompass.field_types import field_types
 from kompass.invalid import first_invalid
+from kompass.message_types import type_name
 from kompass.rules.checks.catalog import FieldType
 from kompass.rules.checks.field_values import sought_in_vain
 from kompass.rules.schema.conditions import AllOf, AnyOf, Compare, Not, Received
@@ -182,12 +183,6 @@ class MessageField:
 
 
 _METHODS = {name for name in vars(MessageField) if not name.startswith("_")}
-
-
-def type_name(message: type[Any]) -> str:
-    """``package/msg/Name`` of a message class (or srv, action)."""
-    package, kind = message.__module__.split(".")[:2]
-    return f"{package}/{kind}/{message.__name__}"
 
 
 def signal_of(field: MessageField) -> Signal:

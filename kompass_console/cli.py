@@ -315,11 +315,9 @@ def name_the_world(arguments: list[str]) -> list[str]:
 
 
 def main() -> None:
-    """Entry point of ``kompass-console``."""
+    """Run the command that was typed."""
     try:
         app(name_the_world(recipe_first(sys.argv[1:])), standalone_mode=True)
     except CliError as problem:
         typer.echo(f"kompass-console: {problem}", err=True)
         raise SystemExit(problem.code) from None
-    except KeyboardInterrupt:
-        raise SystemExit(130) from None

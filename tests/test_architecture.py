@@ -28,6 +28,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
             "signing",
             "supervisor",
             "json_once",
+            "message_types",
             "yaml_lines",
         ),
         ("channel", "field_types"),
@@ -74,6 +75,7 @@ LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
         ("audit_cli", "rules_cli", "stack", "users_cli"),
         ("bench_cli", "drill_cli"),
         ("cli",),
+        ("__main__",),
     ),
 }
 

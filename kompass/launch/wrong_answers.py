@@ -12,7 +12,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from kompass_interfaces.msg import TwistArray
 from nav_msgs.msg import OccupancyGrid, Path
 
-from kompass.rclpy_ext.messages import ros_class
+from kompass.message_types import ros_class
 from kompass.virtual.wire import Packet
 
 TURNED = math.pi / 2.0  # rad by which a path is turned about its first place

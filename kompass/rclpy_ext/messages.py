@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import array
 import enum
-import importlib
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from kompass.field_types import field_types
+from kompass.message_types import message_class
 from kompass.rules.checks.catalog import FieldType
 from kompass.rules.checks.field_values import (
     Misfit,
@@ -20,9 +19,6 @@ from kompass.rules.checks.field_values import (
     wrong_type,
 )
 
-_PARTS = {
-    f"_{part}": part for part in ("Request", "Response", "Goal", "Result", "Feedback", "Event")
-}
 _TOLD = 100  # characters of a value that is refused
 _ROWS = (list, tuple, array.array, np.ndarray, bytes, bytearray)
 # The type codes and dtypes of what rclpy makes of lists of numbers: these hold nothing else.
@@ -183,31 +179,3 @@ def _refused(misfit: Misfit, value: Any, where: str) -> ValueError:
     told = f"a {type(value).__name__}" if known else repr(value)
     told = told if len(told) <= _TOLD else f"{told[: _TOLD - 1]}…"
     return ValueError(f"{where} = {told}: it is {misfit.text}; {misfit.remedy}")
-
-
-@lru_cache(maxsize=2000)
-def message_class(type_name: str) -> type[Any] | None:
-    """The class of a message, request or goal (``…_Request``); None if it is not installed."""
-    part = next((suffix for suffix in _PARTS if type_name.endswith(suffix)), "")
-    try:
-        found = ros_class(type_name.removesuffix(part))
-    except ValueError:
-        return None
-    if part:
-        found = getattr(found, _PARTS[part], type(None))
-    return found if hasattr(found, "get_fields_and_field_types") else None
-
-
-def ros_class(name: str) -> type[Any]:
-    """The class of ``package/msg/Name`` (or srv, action).
-
-    Raises
-    ------
-    ValueError
-        When the package is not installed or has no such type.
-    """
-    package, kind, bare = name.split("/")
-    try:
-        return getattr(importlib.import_module(f"{package}.{kind}"), bare)  # type: ignore[no-any-return]
-    except (ImportError, AttributeError):
-        raise ValueError(f"there is no {name} here; install the package '{package}'") from None

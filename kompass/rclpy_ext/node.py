@@ -27,7 +27,7 @@ from rclpy.node import Node, NodeNameNonExistentError
 
 from kompass.bus.clock import SYSTEM, Clock
 from kompass.bus.node import Execute, HeardInPart, NamesAndTypes
-from kompass.expressions import type_name
+from kompass.message_types import type_name
 from kompass.rclpy_ext.action_server import ForgetfulActionServer
 from kompass.rclpy_ext.guarded import guarded
 from kompass.rclpy_ext.log import write_log

@@ -25,7 +25,7 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
     NamespacedType,
 )
 
-from kompass.rclpy_ext.messages import ros_class
+from kompass.message_types import ros_class
 
 Path: TypeAlias = tuple[str | int, ...]
 Decode: TypeAlias = Callable[[bytes], Any]

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from rclpy.serialization import deserialize_message
 
 from kompass.bus.clock import Clock
-from kompass.expressions import type_name
+from kompass.message_types import type_name
 
 AGAIN = 10.0  # s between two words on one topic
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from kompass.components.base.component import Component
 from kompass.components.base.parameter import with_values
-from kompass.expressions import type_name
+from kompass.message_types import type_name
 from kompass.named_arguments import named_arguments
 from kompass.rclpy_ext.messages import copy_fields
 from kompass.rclpy_ext.topic import Topic

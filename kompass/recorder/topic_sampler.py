@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from rclpy.node import Node
 
-from kompass.rclpy_ext.messages import ros_class
+from kompass.message_types import ros_class
 from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, best_for
 from kompass.rclpy_ext.subscription import take_all
 from kompass.recorder.topics import SampledTopic

@@ -22,7 +22,7 @@ from rclpy.validate_topic_name import validate_topic_name
 
 from kompass.bus.clock import Clock
 from kompass.bus.node import Execute, HeardInPart, NamesAndTypes
-from kompass.expressions import type_name
+from kompass.message_types import type_name
 from kompass.printable import printable
 from kompass.rclpy_ext.unreadable import LeftOut, Unreadable
 from kompass.virtual.actions import VirtualActionClient, VirtualActionServer, action_names_and_types

@@ -25,8 +25,7 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
     UnboundedString,
 )
 
-from kompass.expressions import type_name
-from kompass.rclpy_ext.messages import ros_class
+from kompass.message_types import ros_class, type_name
 from kompass.rclpy_ext.partial_decoder import partial_decoder, picker
 from kompass.rclpy_ext.unreadable import read_message
 

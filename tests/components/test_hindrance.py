@@ -129,7 +129,14 @@ def test_where_nothing_is_seen_that_is_said_with_the_place_of_the_robot() -> Non
     nothing = found(live)
     assert (nothing.kind, nothing.place) == ("unknown", (0.0, 0.0))
     assert "wheels and floor" in nothing.told(HERE, RADIUS, 0.0)
-    assert "scan stale" in found(live, held_by="scan stale").told(HERE, RADIUS, 0.0)
+
+
+def test_what_holds_the_robot_is_told_before_what_is_not_in_its_way() -> None:
+    assert found(None, held_by="scan stale").told(HERE, RADIUS, 0.0) == (
+        "The drive manager holds the robot back: scan stale. "
+        "Nothing is known to be in the way at (0.00, 0.00)."
+    )
+    assert found(None).told(HERE, RADIUS, 0.0).startswith("The planner has no scan to look at. ")
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,10 @@
 """The command line brings only what a command needs: heavy modules are a wait."""
 
 import json
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -81,3 +83,14 @@ def test_the_search_for_the_robot_begins_before_rules_are_known() -> None:
 def test_a_robot_starts_without_what_it_needs_only_to_fit_a_response() -> None:
     robot = "import kompass.ros, kompass.launch.launcher, kompass.monitor.process"
     assert loaded(robot) & {"scipy.optimize", "scipy.signal", "scipy.stats"} == set()
+
+
+def test_ctrl_c_during_the_imports_ends_the_command_without_a_traceback(tmp_path: Path) -> None:
+    (tmp_path / "typer.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n")
+    ended = subprocess.run(
+        [sys.executable, "-m", "kompass_console", "--help"],
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "")

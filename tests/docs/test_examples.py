@@ -14,7 +14,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import BatteryState, LaserScan, Temperature
 from std_msgs.msg import Bool, String
 
-from kompass.rclpy_ext.messages import fill, ros_class
+from kompass.message_types import ros_class
+from kompass.rclpy_ext.messages import fill
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.engine.firing import Firing, RunEnded, Sample, Tick
 from kompass.rules.engine.step import initial_state, step

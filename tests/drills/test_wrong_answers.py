@@ -13,8 +13,8 @@ from std_msgs.msg import Bool, Float32MultiArray, Float64, Int16, String
 
 from kompass.components.base.convert import quaternion_msg
 from kompass.drills.scenario import ScheduledFault
-from kompass.expressions import type_name
 from kompass.launch.wrong_answers import spoiler
+from kompass.message_types import type_name
 from kompass.virtual.wire import Packet
 from tests.drills.test_runner import RECIPES, drive, scenario
 

@@ -119,7 +119,7 @@ def test_a_recipe_goes_through_json_and_python_and_fires_as_before(
 
 def _stream(table: Table) -> list[tuple[float, str, Any]]:
     """Messages with every status in turn, on all that the table listens to."""
-    from kompass.rclpy_ext.messages import ros_class
+    from kompass.message_types import ros_class
 
     made: list[tuple[float, str, Any]] = []
     for turn in range(40):

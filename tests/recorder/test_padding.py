@@ -14,7 +14,7 @@ from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Empty, String
 from tf2_msgs.msg import TFMessage
 
-from kompass.expressions import type_name
+from kompass.message_types import type_name
 from kompass.recorder.mcap.padding import without_padding
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from kompass.field_types import field_types
-from kompass.rclpy_ext.messages import message_class
+from kompass.message_types import message_class
 from kompass.rules.checks.catalog import FieldType
 
 Values = st.SearchStrategy[Any]

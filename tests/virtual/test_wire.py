@@ -43,7 +43,7 @@ from tf2_msgs.msg import TFMessage
 from unique_identifier_msgs.msg import UUID
 from visualization_msgs.msg import MarkerArray
 
-from kompass.rclpy_ext.messages import ros_class
+from kompass.message_types import ros_class
 from kompass.virtual.wire import Packet, copier
 from tests.support.properties import property_test
 

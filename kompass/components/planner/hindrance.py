@@ -50,7 +50,7 @@ class Hindrance:
     since
         When it was first found in the way [s].
     what
-        In words.
+        In words; of an ``unknown`` one, why the robot may stand all the same.
     """
 
     kind: Kind
@@ -71,7 +71,7 @@ class Hindrance:
         """A sentence for people: what, where, and since when."""
         x, y = self.place
         if self.kind == "unknown":
-            return f"Nothing is known to be in the way at ({x:z.2f}, {y:z.2f}): {self.what}."
+            return f"{self.what}. Nothing is known to be in the way at ({x:z.2f}, {y:z.2f})."
         where = direction_in_words(self.direction(pose))
         lasted = f", for {now - self.since:.0f} s" if now - self.since >= 1.0 else ""
         away = self.distance(pose, radius)
@@ -125,11 +125,11 @@ def find(
         found = _nearest(_obstacles(live, zones, pose, now), route, pose, radius, room)
         found = found or _farther_on(live, zones, route, pose, radius + room, now)
     if found is None:
-        what = "the lidar sees nothing there; look at wheels and floor"
+        what = "Look at wheels and floor"
         if held_by:
-            what = f"the drive manager holds the robot back: {held_by}"
+            what = f"The drive manager holds the robot back: {held_by}"
         elif live is None:
-            what = "nobody looks"
+            what = "The planner has no scan to look at"
         since = before.since if before is not None and before.kind == "unknown" else now
         return Hindrance("unknown", pose[:2], since, what)
     kind, place, age = found

@@ -29,6 +29,7 @@ from kompass.access.signer import MOST_CALLS, Signer
 from kompass.bus.node import ActionClient, Executor, Node
 from kompass.channel.channels import Channels
 from kompass.components.base.people import People
+from kompass.message_types import ros_class
 from kompass.monitor.execution.component_channels import ComponentChannels
 from kompass.monitor.execution.publishers import Listeners, Publishers
 from kompass.monitor.execution.service_refusal import refusal
@@ -38,7 +39,7 @@ from kompass.monitor.reporting.entries import ActionOutcome
 from kompass.printable import printable
 from kompass.rclpy_ext.awaitables import Awaitables
 from kompass.rclpy_ext.executor import Cancelled
-from kompass.rclpy_ext.messages import checked, fill, part_to_plain, ros_class, to_plain
+from kompass.rclpy_ext.messages import checked, fill, part_to_plain, to_plain
 from kompass.rclpy_ext.timers import Timers
 from kompass.recipe.action import METHOD_TIMEOUT
 from kompass.recipe.fallbacks import FallbackSequence

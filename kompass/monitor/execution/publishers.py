@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from kompass.bus.node import Node
-from kompass.rclpy_ext.messages import ros_class
+from kompass.message_types import ros_class
 from kompass.rclpy_ext.node import of_others
 from kompass.rclpy_ext.qos import best_for
 from kompass.recipe.fallbacks import FallbackSequence

@@ -10,8 +10,8 @@ from typing import Any
 from rclpy.task import Future
 
 from kompass.bus.node import Node
+from kompass.message_types import ros_class
 from kompass.rclpy_ext.main_thread import MainThread
-from kompass.rclpy_ext.messages import ros_class
 from kompass.rclpy_ext.qos import best_for
 from kompass.rclpy_ext.unreadable import Unreadable, read_message
 from kompass.rulebook.outlook import Newest

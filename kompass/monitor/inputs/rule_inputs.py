@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from kompass.bus.node import Node
-from kompass.rclpy_ext.messages import ros_class
+from kompass.message_types import ros_class
 from kompass.rclpy_ext.node import of_others
 from kompass.rclpy_ext.qos import FOR_ANY_PUBLISHER, ReaderQoS, best_for
 from kompass.rclpy_ext.unreadable import LeftOut, Unreadable, read_message

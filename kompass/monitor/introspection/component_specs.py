@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 
 from kompass.components.base.actions import ActionSpec
 from kompass.components.base.component import Component
-from kompass.expressions import type_name
+from kompass.message_types import type_name
 from kompass.rclpy_ext.topic import Topic
 from kompass.rules.checks.catalog import (
     ArgumentSpec,

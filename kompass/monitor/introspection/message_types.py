@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from kompass.field_types import field_types
-from kompass.rclpy_ext.messages import message_class, part_to_plain
+from kompass.message_types import message_class
+from kompass.rclpy_ext.messages import part_to_plain
 from kompass.rules.checks.catalog import FieldType
 
 Path = tuple[str | int, ...]

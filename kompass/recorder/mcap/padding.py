@@ -21,7 +21,7 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
     UnboundedString,
 )
 
-from kompass.rclpy_ext.messages import ros_class
+from kompass.message_types import ros_class
 
 _ENCAPSULATION = 4  # bytes before the message, from which alignment counts
 _WIDTHS = {

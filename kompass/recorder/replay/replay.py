@@ -9,7 +9,7 @@ from typing import Any
 from rclpy.serialization import deserialize_message
 
 from kompass.backtest.event_log import Began, Heard, LoggedEvent, Resumed, Swapped
-from kompass.rclpy_ext.messages import ros_class
+from kompass.message_types import ros_class
 from kompass.rclpy_ext.partial_decoder import Decode, Path, partial_decoder
 from kompass.recorder.clip import clip_messages, is_event
 from kompass.recorder.mcap.contents import NotMcap

@@ -11,7 +11,7 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
-from kompass.rclpy_ext.messages import ros_class
+from kompass.message_types import ros_class
 from kompass_console.link.graph.discovery import Graph
 from kompass_console.link.graph.reader import Reader
 

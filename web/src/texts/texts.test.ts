@@ -136,5 +136,21 @@ test("what the robot says is put into words where the page knows them, and else 
   expect(told("Revision 3 in force, the rules of revision 1")).toBe(
     "Revision 3 in Kraft, die Regeln von Revision 1",
   );
+  expect(
+    told("In the way: an obstacle of the map at (2.41, -0.50), 0.14 m ahead to the left."),
+  ).toBe("Im Weg: ein Hindernis der Karte bei 2,41 | −0,50, 0,14 m voraus links.");
+  expect(
+    told("In the way: the keep-out zone 'Dock 2' at (2.41, 2.86), 0.14 m behind, for 23 s."),
+  ).toBe("Im Weg: die Sperrzone 'Dock 2' bei 2,41 | 2,86, 0,14 m hinten, seit 23 s.");
+  expect(
+    told(
+      "The drive manager holds the robot back: scan stale. Nothing is known to be in the way at (0.00, 1.50).",
+    ),
+  ).toBe(
+    "Die Fahrsteuerung hält den Roboter zurück: ein Scanner oder eine Kamera schweigt. Im Weg ist bei 0,00 | 1,50 nichts bekannt.",
+  );
+  expect(told("No progress for 15 s; the drive manager holds the robot back: scan stale.")).toBe(
+    "Seit 15 s kein Fortschritt; die Fahrsteuerung hält den Roboter zurück: ein Scanner oder eine Kamera schweigt.",
+  );
   expect([told("A cat."), langOf("A cat.")]).toEqual(["A cat.", "en"]);
 });

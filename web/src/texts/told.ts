@@ -27,6 +27,8 @@ function matcher(text: string): RegExp {
 
 /** Parts that people give names to: they stay as they are, also where one is "2.5". */
 const GIVEN = new Set(["name", "place", "reason", "topic", "frame", "scene", "parts"]);
+/** Parts that are said, too. */
+const SAID_TOO = new Set(["what", "why", "where", "side", "because"]);
 /** A figure, or a point on the floor. */
 const FIGURES = /^\(?-?\d+(\.\d+)?(, -?\d+(\.\d+)?)?\)?$/;
 
@@ -37,7 +39,7 @@ const FIGURES = /^\(?-?\d+(\.\d+)?(, -?\d+(\.\d+)?)?\)?$/;
 function filled(german: string, found: Record<string, string>): string {
   return german.replace(/\{(\w+)\}/g, (_, name) => {
     const part = found[name] ?? "";
-    if (name === "what" || name === "why") return germanOf(part) ?? part;
+    if (SAID_TOO.has(name)) return germanOf(part) ?? part;
     if (GIVEN.has(name) || !FIGURES.test(part)) return part;
     return part.replace(", ", " | ").replaceAll(".", ",").replaceAll("-", "−");
   });

@@ -145,6 +145,41 @@ export const SAID: Readonly<Record<string, string>> = {
   "The planner's process died and took the goal with it; the robot drives no farther than the path that it has. Send the goal again.":
     "Der Prozess des Planers ist abgestürzt und das Ziel mit ihm; der Roboter fährt nur noch den Weg, den er hat. Senden Sie das Ziel erneut.",
 
+  "In the way: {what} at ({x}, {y}), {away} m {where}, for {lasted} s.":
+    "Im Weg: {what} bei {x} | {y}, {away} m {where}, seit {lasted} s.",
+  "In the way: {what} at ({x}, {y}), {away} m {where}.":
+    "Im Weg: {what} bei {x} | {y}, {away} m {where}.",
+  "No progress for {seconds} s.": "Seit {seconds} s kein Fortschritt.",
+  "No progress for {seconds} s{because}.": "Seit {seconds} s kein Fortschritt{because}.",
+  "; the drive manager holds the robot back: {what}":
+    "; die Fahrsteuerung hält den Roboter zurück: {what}",
+  "Nothing is known to be in the way at ({x}, {y}).": "Im Weg ist bei {x} | {y} nichts bekannt.",
+  "The drive manager holds the robot back: {what}.":
+    "Die Fahrsteuerung hält den Roboter zurück: {what}.",
+  "Look at wheels and floor": "Sehen Sie nach Rädern und Boden",
+  "The planner has no scan to look at": "Der Planer hat keinen Scan, den er ansehen könnte",
+  "something that the lidar sees": "etwas, das der Laserscanner sieht,",
+  "somebody, or something that moved": "jemand, oder etwas, das sich bewegt hat,",
+  "what the lidar saw {age} s ago, and does not see from here,":
+    "was der Laserscanner vor {age} s sah und von hier nicht sieht,",
+  "an obstacle of the map": "ein Hindernis der Karte",
+  "the keep-out zone {name}": "die Sperrzone {name}",
+  "a keep-out zone": "eine Sperrzone",
+  ahead: "voraus",
+  "ahead to the {side}": "voraus {side}",
+  "behind to the {side}": "hinten {side}",
+  "to the {side}": "{side}",
+  behind: "hinten",
+  left: "links",
+  right: "rechts",
+  obstacle: "ein Hindernis",
+  "keep-out zone": "eine Sperrzone",
+  "scan stale": "ein Scanner oder eine Kamera schweigt",
+  "odometry stale": "es kommt keine frische Odometrie",
+  "place unknown": "sein Ort ist nicht bekannt",
+  "second publisher": "jemand anders steuert das Fahrwerk",
+  "steered wheels": "gelenkte Räder drehen nicht auf der Stelle",
+
   // The wheel and control
   "Nobody has the wheel: take it.": "Niemand hat das Steuer: Nehmen Sie es.",
   "Only an engineer takes the wheel over; ask whoever drives for it.":
