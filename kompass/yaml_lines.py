@@ -54,7 +54,10 @@ def read_yaml(text: str) -> tuple[Node | None, Any]:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else None
-        raise BadYaml(f"{error.problem or error}; correct it", line) from None
+        said = error.problem or str(error)
+        if said.startswith("but "):  # the second half of a sentence
+            said = f"{error.context}, {said}"
+        raise BadYaml(f"{said}; correct it", line) from None
     except RecursionError:
         raise BadYaml("it is nested too deeply to be read; write it with fewer levels") from None
     except yaml.YAMLError as error:

@@ -66,8 +66,12 @@ def run(
         typer.Option(help="Another table to compare it with; 'recipe' for the recipe's own."),
     ] = None,
     worlds: Annotated[
-        str, typer.Option(help="Worlds of the embedded robot, separated by commas.")
-    ] = "hexagon",
+        str,
+        typer.Option(
+            help="Worlds of the embedded robot, separated by commas; left out, the hexagon, or "
+            "the first one that has room for the robot."
+        ),
+    ] = "",
     robot: Annotated[
         str,
         typer.Option(help="Which embedded robot; left out, one like that of the recipe."),
@@ -102,10 +106,11 @@ def run(
         Path | None, typer.Option("--report", help="Write a page to look at (HTML) to this file.")
     ] = None,
     require: Annotated[
-        str, typer.Option(help="What must hold, as 'recovered >= 0.95, contacts == 0'.")
-    ] = "",
+        str | None, typer.Option(help="What must hold, as 'recovered >= 0.95, contacts == 0'.")
+    ] = None,
 ) -> None:
     """Make drives, and say what became of the robot."""
+    from kompass.drills.draw import USUAL_WORLDS
     from kompass.drills.report_html import report_html
     from kompass.drills.report_json import make_report, report_json
     from kompass.drills.requirement import BadRequirement, parse_requirements, refuse_impossible
@@ -115,12 +120,16 @@ def run(
     if not recipe.is_file():
         raise CliError(BAD_INPUT, f"there is no recipe {recipe}; give the path of a Python file")
     try:
-        requirements = parse_requirements(require) if require else ()
+        requirements = () if require is None else parse_requirements(require)
     except BadRequirement as error:
         raise CliError(BAD_INPUT, f"--require: {error}") from None
     for option, file in (("--json", json_file), ("--report", report_file)):
         if file is not None:
             check_writable(option, file)
+    if json_file and report_file and json_file.resolve() == report_file.resolve():
+        raise CliError(
+            BAD_INPUT, f"--report {report_file}: --json goes to the same file; give another"
+        )
     if scenarios is not None:
         _refuse_what_is_drawn(context, "worlds", "robot", "faults", "faults_per_drive", "lasting")
     proposed = _table("--rules", rules)
@@ -151,6 +160,11 @@ def run(
         raise ended
     differences = [said for said in looked_twice if said]
     notes = [*looked.unlike(scenario.robot for scenario in chosen), *differences]
+    if options is not None and not worlds and options.worlds[0] != USUAL_WORLDS[0]:
+        notes.append(
+            f"The {USUAL_WORLDS[0]} has no room for {options.robot}: these drives are in the "
+            f"{options.worlds[0]}."
+        )
     if ended is not None:
         notes.append(str(ended))
         if not looked_twice:
@@ -161,7 +175,7 @@ def run(
         drives=drives,
         against=None if compared is None else compared[0],
         drives_against=drives_against,
-        seed=None if options is None else seed,
+        seed=None if options is None and (seeds or 1) == 1 else seed,
         options=options,
         requirements=requirements,
         notes=notes,
@@ -196,7 +210,7 @@ def replay(
         Path | None,
         typer.Option("--scenario", "--scenarios", help="File or folder that it was read from."),
     ] = None,
-    worlds: Annotated[str, typer.Option(help="As the drill had it.")] = "hexagon",
+    worlds: Annotated[str, typer.Option(help="As the drill had it.")] = "",
     robot: Annotated[str, typer.Option(help="As the drill had it.")] = "",
     faults: Annotated[str, typer.Option(help="As the drill had it.")] = "all",
     faults_per_drive: Annotated[int, typer.Option(min=1, max=10, help="As the drill had it.")] = 1,
@@ -270,6 +284,10 @@ def scenario(
         first = error.errors()[0]
         where = str(first.get("ctx", {}).get("field") or ".".join(map(str, first["loc"])))
         raise CliError(BAD_INPUT, f"{recording.name}: {where}: {first['msg']}") from None
+    if rules is not None and found.table is None:
+        raise CliError(
+            BAD_INPUT, f"--rules {rules}: {recording.name} holds no rules of then; leave it out"
+        )
     output.write_text(scenario_text(found.scenario), encoding="utf-8")
     if rules is not None and found.table is not None:
         rules.write_text(found.table.model_dump_json(indent=1) + "\n", encoding="utf-8")
@@ -315,6 +333,8 @@ def _scenario(
             looked, files, worlds, robot, faults, faults_per_drive, lasting, seed, 1
         )
         found = [each for each in chosen if each.name == drive]
+        if len(chosen) == 1 and drive.isdecimal() and len(drive) < 6 and not found:
+            found = [repeated(chosen[0], seed, max(int(drive) + 1, 2))[int(drive)]]
         _, _, number = drive.rpartition("-")
         if number.isdecimal() and len(number) < 6 and not found:
             # One of several drives of a scenario, with other noise; of one alone none is numbered.
@@ -369,7 +389,7 @@ def _scenarios(
     """Those of files, or drawn ones with what they were drawn from."""
     from pydantic import ValidationError
 
-    from kompass.drills.draw import DrawOptions, check_targets, draw, repeated
+    from kompass.drills.draw import USUAL_WORLDS, DrawOptions, check_targets, draw, repeated, roomy
     from kompass.drills.scenario_file import BadScenario, read_scenarios
     from kompass.simulation.faults.fault_names import UnknownFault
     from kompass.simulation.physics.robot_model import robot_names
@@ -391,7 +411,7 @@ def _scenarios(
         raise CliError(BAD_INPUT, f"--robot {kind}: there is no such robot; known are {known}")
     try:
         options = DrawOptions(
-            worlds=tuple(_parts(worlds)),
+            worlds=tuple(_parts(worlds)) if worlds else USUAL_WORLDS,
             robot=kind,
             faults=looked.faults(_parts(faults), kind),
             half_width=looked.half_width,
@@ -404,6 +424,8 @@ def _scenarios(
     except ValidationError as error:
         text = error.errors()[0]["msg"].removeprefix("Value error, ")
         raise CliError(BAD_INPUT, f"--worlds: {text}") from None
+    if not worlds and (room := roomy(options)):
+        options = options.model_copy(update={"worlds": room[:1]})
     try:
         return [draw(seed, number, options) for number in range(count or DRIVES)], options
     except ValueError as error:

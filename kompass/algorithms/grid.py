@@ -18,6 +18,7 @@ OCCUPIED_FROM = 65  # as map_server and RViz draw it
 # Of cells a robot drives by [m]; beyond them a number is a slip, or in another unit.
 FINEST, COARSEST = 0.001, 10.0
 FARTHEST = 1e9  # m, of an origin
+OCCUPIED_FROM = 65  # what a cell is at the least that is taken for an obstacle
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +121,9 @@ class Grid:
         )
         return inside
 
-    def occupied(self, threshold: int = 65, unknown_is_obstacle: bool = False) -> NDArray[np.bool_]:
+    def occupied(
+        self, threshold: int = OCCUPIED_FROM, unknown_is_obstacle: bool = False
+    ) -> NDArray[np.bool_]:
         """Obstacle cells, bool (H, W): from ``threshold`` up, and unknown ones if asked."""
         blocked: NDArray[np.bool_] = self.cells >= threshold
         if unknown_is_obstacle:

@@ -26,8 +26,8 @@ class DriveChange(Model):
         Its name.
     change
         ``better`` and ``worse`` when the outcome is of another grade, a contact or a broken
-        invariant more or less, the recovery or the whole way faster or slower by ``NOTICED``; the
-        first of these that differs decides. Else ``other``.
+        invariant more or less, STOP is left in force, the recovery or the whole way faster or
+        slower by ``NOTICED``; the first of these that differs decides. Else ``other``.
     text
         How it differs.
     """
@@ -58,6 +58,10 @@ class Comparison(Model):
         Those of the others that did: a rule may hold a robot back that nothing disturbs.
     gained, lost
         Pairs that came through under the proposed table only, and under the other only.
+    stopped_before, stopped_after
+        Drives at whose end STOP was in force, those that had arrived among them.
+    spared
+        Whether in all of them the faults began when the robot had arrived.
     slower
         Median of how much longer the ways took [s], over pairs that came through under both.
     """
@@ -78,6 +82,9 @@ class Comparison(Model):
     contacts_after: int
     broken_before: int
     broken_after: int
+    stopped_before: int
+    stopped_after: int
+    spared: bool
     slower: float | None = None
     slower_pairs: int = 0
     faster_pairs: int = 0
@@ -126,6 +133,9 @@ def compare(
         contacts_after=sum(len(b.contacts) for _, b in pairs),
         broken_before=sum(len(a.broken) for a, _ in pairs),
         broken_after=sum(len(b.broken) for _, b in pairs),
+        stopped_before=sum(a.left_stopped for a, _ in pairs),
+        stopped_after=sum(b.left_stopped for _, b in pairs),
+        spared=bool(pairs) and all(a.spared and b.spared for a, b in pairs),
         slower=middle(sorted(delays)),
         slower_pairs=sum(delay >= NOTICED for delay in delays),
         faster_pairs=sum(delay <= -NOTICED for delay in delays),
@@ -184,6 +194,12 @@ def _change(
         if old != new:
             notes.append(f"{_several(new, name)} instead of {old or 'none'}")
         votes.append(new - old)
+    if before.left_stopped != after.left_stopped and "stopped" not in (
+        before.outcome,
+        after.outcome,
+    ):
+        notes.append("STOP at the end" if after.left_stopped else "no STOP at the end")
+    votes.append(after.left_stopped - before.left_stopped)
     if before.outcome == after.outcome == "recovered":
         assert before.recovery is not None
         assert after.recovery is not None
@@ -276,7 +292,7 @@ def _sentence(found: Comparison) -> str:
         if found.disturbed:
             parts.append(f"recovers in {found.through_after} of {found.disturbed} under either")
         else:
-            parts.append(f"no fault disturbed {'it' if found.pairs == 1 else 'any'}")
+            parts.append(_undisturbed(found, "it" if found.pairs == 1 else "any"))
             if through < found.pairs:
                 parts.append(f"reaches its goals in {through} of {found.pairs}")
         return "; ".join(parts) + "."
@@ -288,7 +304,10 @@ def _sentence(found: Comparison) -> str:
         instead = _instead(found.through_before, found.through_after)
         parts.append(f"recovers in {found.through_after} of {found.disturbed}{instead}")
     else:
-        parts.append("no fault disturbed any drive")
+        parts.append(_undisturbed(found, "any drive"))
+    if found.stopped_after != found.stopped_before:
+        instead = _instead(found.stopped_before, found.stopped_after)
+        parts.append(f"ends with STOP in {found.stopped_after} of {found.pairs}{instead}")
     if found.slower is not None and abs(found.slower) >= NOTICED:
         # Of the whole way, which is not the recovery: a fallback may drive faster ever after.
         parts.append(
@@ -304,6 +323,12 @@ def _sentence(found: Comparison) -> str:
             parts.append(_several(old - new, f"{name} fewer", f"{name}s fewer"))
     said = "; ".join(parts)
     return f"{said[0].upper()}{said[1:]}."
+
+
+def _undisturbed(found: Comparison, what: str) -> str:
+    if found.spared:
+        return "every fault began when the robot had arrived"
+    return f"no fault disturbed {what}"
 
 
 def _instead(before: int, after: int) -> str:

@@ -212,10 +212,12 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
     place = places[(place_in_turn + turn) % len(places)]
     faults = [name for name in options.faults if fits(name, world(place))]
     robot = robot_model(options.robot)
-    room = _room(
-        *(place, options.robot, options.clearance),
-        *(max(options.half_width, robot.half_width), max(options.radius, robot.radius)),
-    )
+    try:
+        room = _room_in(place, options)
+    except NoRoom as error:
+        others = ", ".join(roomy(options))
+        remedy = f"take one that has: {others}" if others else "no other one has, either"
+        raise ValueError(f"{error}; {remedy}") from None
 
     here = room.place(random)
     start = Start(x=here.x, y=here.y, yaw=_heading(random))
@@ -247,6 +249,26 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
         goals=tuple(goals),
         faults=tuple(sorted(broken, key=lambda fault: (fault.at, fault.name))),
         limit=float(limit),
+    )
+
+
+def roomy(options: DrawOptions) -> tuple[str, ...]:
+    """Worlds in which the robot of some options has room to drive; not the depot."""
+    found = []
+    for name in USUAL_WORLDS:
+        try:
+            _room_in(name, options)
+        except NoRoom:
+            continue
+        found.append(name)
+    return tuple(found)
+
+
+def _room_in(name: str, options: DrawOptions) -> _Room:
+    robot = robot_model(options.robot)
+    return _room(
+        *(name, options.robot, options.clearance),
+        *(max(options.half_width, robot.half_width), max(options.radius, robot.radius)),
     )
 
 
@@ -323,6 +345,10 @@ def _schedule(
     return ScheduledFault(name=name, at=round(at, 2), duration=round(duration, 2))
 
 
+class NoRoom(ValueError):
+    """A robot is too large for a world."""
+
+
 class _Place:
     """A cell where the robot has room."""
 
@@ -383,10 +409,10 @@ def _room(name: str, robot: str, clearance: float, half_width: float, radius: fl
     return _Room(name, robot_model(robot), clearance, half_width, radius)
 
 
-def _no_room(name: str, robot: RobotModel, required: float) -> ValueError:
-    return ValueError(
+def _no_room(name: str, robot: RobotModel, required: float) -> NoRoom:
+    return NoRoom(
         f"world {name!r} has no room for the robot {robot.name}, which needs {required:.2f} m on "
-        "every side; take another world, or a smaller robot or clearance"
+        "every side"
     )
 
 

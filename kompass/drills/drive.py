@@ -210,6 +210,8 @@ class DriveResult(Model):
         it recovered.
     refused
         Faults that did not come about.
+    left_stopped
+        Whether STOP was in force at its end, arrived or not.
     track
         The way that was driven: (time, x, y), thinned.
     """
@@ -227,12 +229,23 @@ class DriveResult(Model):
     broken: tuple[BrokenInvariant, ...] = ()
     unwell: tuple[DriveSpell, ...] = ()
     moments: tuple[DriveMoment, ...] = ()
+    left_stopped: bool = False
     track: tuple[tuple[float, float, float], ...] = ()
 
     @property
     def disturbed(self) -> bool:
         """Whether a fault made the robot unwell."""
         return any(fault.disturbed for fault in self.faults)
+
+    @property
+    def spared(self) -> bool:
+        """Whether all that broke did so when the robot had arrived already."""
+        arrivals = [goal.ended for goal in self.goals if goal.ended is not None]
+        return (
+            self.came_through
+            and bool(self.faults and arrivals)
+            and min(fault.began for fault in self.faults) > max(arrivals)
+        )
 
     @property
     def came_through(self) -> bool:

@@ -92,6 +92,7 @@ def judge(scenario: Scenario, facts: Iterable[Fact]) -> DriveResult:
             for one in union(unwell)
         ),
         moments=tuple(_moments(course)),
+        left_stopped=_left_stopped(course),
         track=tuple(_track(course)),
     )
 
@@ -209,16 +210,17 @@ def _outcome(
     if contacts:
         first = contacts[0]
         return "contact", f"Touched {first.what} after {first.at:.1f} s."
+    stop = _told_of_stop(course) if _left_stopped(course) else ""
     if arrived:
+        afterwards = f" {stop}" if stop else ""
         if not disturbing:
-            return "arrived", "Arrived; no fault disturbed it."
+            return "arrived", f"Arrived; no fault disturbed it.{afterwards}"
         worst = max(disturbing, key=lambda fault: fault.recovered_after or 0.0)
-        return "recovered", f"Recovered {worst.recovered_after:.1f} s after {worst.name} began."
+        took = f"{worst.recovered_after:.1f} s"
+        return "recovered", f"Recovered {took} after {worst.name} began.{afterwards}"
     missed = [goal for goal in wanted if not goal.reached]
-    if course.stops and course.stops[-1].end >= course.end:
-        pressed = course.of(StopPressed)[-1]
-        reason = f": {pressed.reason}" if pressed.reason else ""
-        return "stopped", f"STOP of {pressed.by} was in force at the end{reason}."
+    if stop:
+        return "stopped", stop
     if any(goal.outcome == "stopped" for goal in missed):
         return "stopped", "A goal was ended by STOP, and not sent again."
     if not missed or any(not goal.outcome for goal in missed):
@@ -228,6 +230,16 @@ def _outcome(
         return "stood_silent", f"A goal ended as {silent.outcome}, and nobody said why."
     last = missed[-1]
     return "gave_up", f"A goal ended as {last.outcome}: {last.message}"
+
+
+def _left_stopped(course: Course) -> bool:
+    return bool(course.stops) and course.stops[-1].end >= course.end
+
+
+def _told_of_stop(course: Course) -> str:
+    pressed = course.of(StopPressed)[-1]
+    reason = f": {pressed.reason}" if pressed.reason else ""
+    return f"STOP by {pressed.by} was in force at the end{reason}."
 
 
 def _at_a_loss(course: Course) -> tuple[Outcome, str]:

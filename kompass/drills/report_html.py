@@ -20,6 +20,7 @@ from kompass.drills.report_picture import (
 from kompass.drills.report_style import STYLE
 from kompass.drills.summary import Summary
 
+_SCENARIO = "SCENARIO.yaml"  # no path of a machine is in a report
 PICTURED = 40  # drives that are shown with pictures
 GLYPHS: dict[Outcome, str] = {
     "arrived": "●",
@@ -148,6 +149,7 @@ def _numbers(report: Report) -> str:
     ]
     rows += [
         ("drives that a fault disturbed", [str(s.disturbed) for _, s in columns]),
+        ("drives with STOP at the end", [str(s.left_stopped) for _, s in columns]),
         ("contacts", [str(s.contacts) for _, s in columns]),
         ("invariants broken", [str(s.invariants_broken) for _, s in columns]),
         ("actions that failed", [str(s.actions_failed) for _, s in columns]),
@@ -300,21 +302,28 @@ def _all_drives(report: Report) -> str:
 
 def _again(report: Report) -> str:
     """The command that makes a drive of this drill once more, to be looked at."""
-    options = report.options
-    if options is None or report.seed is None:
+    if not report.drives:
         return ""
+    options = report.options
     words = ["kompass-console", "drill", "replay", report.drives[0].scenario.name]
-    words += ["--recipe", report.recipe, "--seed", str(report.seed)]
-    words += ["--worlds", ",".join(options.worlds), "--robot", options.robot]
-    words += ["--faults", ",".join(options.faults)]
-    if options.faults_per_drive != 1:
-        words += ["--faults-per-drive", str(options.faults_per_drive)]
-    if options.lasting:
-        words += ["--lasting", f"{options.lasting:g}"]
+    words += ["--recipe", report.recipe]
+    if report.seed is not None:
+        words += ["--seed", str(report.seed)]
+    if options is None:
+        words += ["--scenario", _SCENARIO]
+    else:
+        words += ["--worlds", ",".join(options.worlds), "--robot", options.robot]
+        words += ["--faults", ",".join(options.faults)]
+        if options.faults_per_drive != 1:
+            words += ["--faults-per-drive", str(options.faults_per_drive)]
+        if options.lasting:
+            words += ["--lasting", f"{options.lasting:g}"]
     words += ["-o", f"{report.drives[0].scenario.name}.mcap"]
     told = ""
+    if options is None:
+        told = f", the file that it was read from for <code>{_SCENARIO}</code>"
     if report.table.name != "recipe":
-        told = f" and with <code>--rules</code> and the file that has {_table(report.table)}"
+        told += f" and with <code>--rules</code> and the file that has {_table(report.table)}"
     return (
         "<section><details><summary>One of the drives again</summary>"
         f"<p>With the name of the drive{told}:</p>"

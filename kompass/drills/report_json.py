@@ -65,7 +65,8 @@ class Report(Model):
     against, drives_against, summary_against, comparison
         The other rules, if there are any, on the same scenarios.
     seed, options
-        What the scenarios were drawn from; None for scenarios of a person's own.
+        What the scenarios were drawn from. Those of a person's own have no options, and a seed
+        where each was driven several times, with other noise.
     requirements
         Checked on ``summary``.
     notes
@@ -111,14 +112,24 @@ class Report(Model):
         if not found.drives:
             return "No drive was made."
         if not found.disturbed:
+            spared = all(drive.spared for drive in self.drives)
             calm = "No fault disturbed any drive"
+            if spared:
+                calm = "Every fault began when the robot had arrived"
             if found.came_through < found.drives:
                 calm += f"; reaches its goals in {found.came_through} of {found.drives}"
-            return f"{calm}."
+            return f"{calm}{self._stopped}."
         said = f"Recovers in {found.recovered} of {found.disturbed} disturbed drives"
         if found.contacts:
             said += f"; {found.contacts} contact{'s' if found.contacts > 1 else ''}"
-        return said + "."
+        return f"{said}{self._stopped}."
+
+    @property
+    def _stopped(self) -> str:
+        found = self.summary
+        if not found.left_stopped:
+            return ""
+        return f"; ends with STOP in {found.left_stopped} of {found.drives}"
 
 
 def make_report(

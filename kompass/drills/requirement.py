@@ -41,6 +41,7 @@ SHARES: dict[str, tuple[Callable[[Summary], int], str]] = {
     "out_of_time": (lambda s: s.outcomes["out_of_time"], _ALL),
     "stood_silent": (lambda s: s.outcomes["stood_silent"], _ALL),
     "touched": (lambda s: s.outcomes["contact"], _ALL),
+    "left_stopped": (lambda s: s.left_stopped, _ALL),
 }
 COUNTS: dict[str, Callable[[Summary], int]] = {
     "drives": lambda s: s.drives,

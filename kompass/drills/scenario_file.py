@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
@@ -203,6 +204,11 @@ def _problem(where: str, root: Node | None, item: ErrorDetails) -> ScenarioProbl
         value = "" if kind == "missing" else _told(item["input"])
     if kind == "extra_forbidden":
         text = _unknown(steps)
+    elif kind == "float_type" and _is_figure(node):
+        text = "YAML takes that for text; give it a point and a sign, as 1.0e+12"
+    elif kind == "string_too_long":
+        long, most = len(item["input"]), context["max_length"]
+        text = f"that has {long} characters; give at most {most}"
     elif kind in _REMEDIES:
         text = "; ".join(_REMEDIES[kind])
     elif kind.startswith("scenario"):
@@ -215,6 +221,16 @@ def _problem(where: str, root: Node | None, item: ErrorDetails) -> ScenarioProbl
         wanted = item["msg"].removeprefix("Input should be ")
         text = f"that is not allowed; give what is {wanted}"
     return ScenarioProblem(_at(where, node), field, value, text)
+
+
+def _is_figure(node: Node | None) -> bool:
+    """Whether what stands there is a number to people, though not to YAML: 1e12."""
+    if not isinstance(node, ScalarNode) or node.style is not None:
+        return False
+    try:
+        return math.isfinite(float(node.value))
+    except ValueError:
+        return False
 
 
 def _unknown(steps: tuple[str | int, ...]) -> str:

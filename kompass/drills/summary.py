@@ -50,6 +50,8 @@ class Summary(Model):
         Drives in which a fault made the robot unwell; ``recovered`` is counted among these.
     contacts
         Number of contacts, of which a drive may have several.
+    left_stopped
+        Drives at whose end STOP was in force, those that had arrived among them.
     time_to_goal_median, time_to_goal_max
         Seconds from sending to arriving, over the drives that came through; None for none.
     recovery_median, recovery_max
@@ -62,6 +64,7 @@ class Summary(Model):
     contacts: int
     invariants_broken: int
     actions_failed: int
+    left_stopped: int
     time_to_goal_median: float | None = None
     time_to_goal_max: float | None = None
     recovery_median: float | None = None
@@ -101,6 +104,7 @@ def summarize(drives: Sequence[DriveResult]) -> Summary:
             for firing in drive.firings
             for action in firing.actions
         ),
+        left_stopped=sum(drive.left_stopped for drive in drives),
         time_to_goal_median=middle(times),
         time_to_goal_max=times[-1] if times else None,
         recovery_median=middle(recoveries),

@@ -27,6 +27,7 @@ from kompass_console.schema.drill_models import (
     DrillState,
     DrillSummary,
     DrillWall,
+    DrillWish,
 )
 
 LIMIT = 1800.0  # s
@@ -53,6 +54,7 @@ class _Run:
     session: str
     revision: int
     total: int
+    wish: DrillWish
     enough: int  # drives after which it can be told how long the others take
     state: DrillState = "running"
     done: int = 0
@@ -96,6 +98,7 @@ class _Run:
                 elapsed=elapsed,
                 left=left,
                 error=self.error or None,
+                wish=self.wish,
                 report=None if self.report is None else _summary(self.report),
             )
 
@@ -205,7 +208,7 @@ class Drills:
                 raise CannotDrill("The console is ending.", "Start it again.")
             # The tables' drives may differ much in length: some of both must be over.
             enough, total = 2 * order.jobs, 2 * options.drives
-            run = _Run(secrets.token_hex(8), by, session, revision, total, enough)
+            run = _Run(secrets.token_hex(8), by, session, revision, total, _wish(order), enough)
             self._runs[run.id] = run
             while len(self._runs) > _KEPT:
                 self._runs.popitem(last=False)
@@ -252,26 +255,36 @@ class Drills:
         """A later revision is in force: what is compared with one before is of no use any more."""
         for run in self._listed():
             if run.revision < revision:
-                _end(run, f"Revision {revision} was put in force meanwhile.")
+                _end(run, f"Ended: revision {revision} was put in force meanwhile.")
 
     def left(self, session: str) -> None:
         """Somebody has logged out: nobody waits for their drill."""
         for run in self._listed():
             if run.session == session:
-                _end(run, f"{run.by} logged out.")
+                _end(run, f"Ended: {run.by} logged out.")
 
     def close(self) -> None:
         """End what runs, and wait until nothing is left of it."""
         with self._lock:
             self._closed = True
         for run in self._listed():
-            _end(run, "The console ended.")
+            _end(run, "Ended with the console.")
             if run.process is not None:
                 run.process.join()
 
     def _listed(self) -> list[_Run]:
         with self._lock:
             return [run for run in self._runs.values() if run.state == "running"]
+
+
+def _wish(order: DrillOrder) -> DrillWish:
+    own = order.scenario
+    return DrillWish(
+        faults=list(order.faults) if own is None else [fault.name for fault in own.faults],
+        world=order.worlds[0] if own is None else own.world,
+        drives=order.drives,
+        scenario=None if own is None else own.name,
+    )
 
 
 def _end(run: _Run, why: str) -> None:

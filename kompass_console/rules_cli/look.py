@@ -14,7 +14,7 @@ from kompass_console.rules_cli.options import ROLE, RobotOptions, command
 
 # ROS is imported when a command runs: help answers at once.
 if TYPE_CHECKING:
-    from kompass.rulebook.schema.explanation import ExplanationView
+    from kompass.recorder.replay.explain import Explained
     from kompass_console.rules_cli.looking import Looking
 
 FOLLOW_PERIOD = 0.5  # s between two looks at the journal
@@ -125,7 +125,7 @@ def explain(
 
     if recording is not None:
         then = _explain_recorded(recording, rule, run, at)
-        robot.tell(then, lambda: printing.show_explanation(then, was=True))
+        robot.tell(then.view, lambda: printing.show_explanation(then.view, at=then.at))
         return
     if at is not None:
         raise CliError(2, f"--at {at:g}: the past is in a --recording; give one")
@@ -134,7 +134,7 @@ def explain(
     robot.tell(answer, lambda: printing.show_explanation(answer))
 
 
-def _explain_recorded(recording: Path, rule: str, run: int, at: float | None) -> ExplanationView:
+def _explain_recorded(recording: Path, rule: str, run: int, at: float | None) -> Explained:
     from kompass.recorder.mcap.contents import NotMcap
     from kompass.recorder.replay.backtest import NoRecording
     from kompass.recorder.replay.explain import explain_recorded

@@ -195,10 +195,13 @@ def show_conflict(conflict: Conflict) -> None:
     out.print("to go on: export the revision in force, make your change in it, and apply again")
 
 
-def show_explanation(view: ExplanationView, *, was: bool = False) -> None:
-    """Why a rule fires, or not; ``was`` when that is not now."""
+def show_explanation(view: ExplanationView, *, at: float | None = None) -> None:
+    """Why a rule fires, or not; ``at`` is the second of a recording, None for now."""
     out = console()
+    was = at is not None
     when = f"at {moment(view.time)}" if view.firing or was else "now"
+    if at is not None:
+        when = f"at {at:.1f} s, {moment(view.time)}"
     out.print(Text.assemble((view.rule_id, "bold"), f" {when} (revision {view.revision})"))
     out.print(Text(f"  {view.text}"))
     out.print(Text(f"  condition: {view.condition}"))

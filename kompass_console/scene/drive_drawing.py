@@ -43,11 +43,17 @@ class SideDrawing:
     way: Way
     marks: tuple[Mark, ...]
     happened: tuple[tuple[float, str], ...]
+    stops: tuple[tuple[float, bool], ...]  # when STOP was pressed (True), and released
 
     def news(self, time: float) -> str:
-        """What has just happened; empty when nothing has."""
+        """What has just happened, and whether STOP is in force; empty when neither."""
         told = [text for at, text in self.happened if at <= time < at + _TOLD]
-        return told[-1] if told else ""
+        stopped = [pressed for at, pressed in self.stops if at <= time][-1:] == [True]
+        text = told[-1] if told else ""
+        # What pressed it is told first; then that it holds, whatever else happens.
+        if stopped and "STOP" not in text:
+            return f"STOP · {text}" if text else "STOP"
+        return text
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +93,21 @@ def _side(drive: DriveResult) -> SideDrawing:
     return SideDrawing(
         way=Way(drive.track, drive.scenario.first_pose[2]),
         marks=tuple(_apart(happened)),
-        happened=tuple((moment.at, moment.text) for moment in happened),
+        happened=tuple((moment.at, _words(moment)) for moment in happened),
+        stops=tuple(
+            (moment.at, moment.kind == "stop")
+            for moment in drive.moments
+            if moment.kind in ("stop", "release")
+        ),
     )
+
+
+def _words(moment: DriveMoment) -> str:
+    """As people say it: a fault without the signs of its name."""
+    if moment.kind != "fault":
+        return moment.text
+    name, _, rest = moment.text.partition(" ")
+    return f"{name.replace('_', ' ').replace(':', ' ')} {rest}"
 
 
 def _apart(moments: list[DriveMoment]) -> Iterator[Mark]:

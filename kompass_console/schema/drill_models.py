@@ -128,6 +128,18 @@ class DrillSummary(BaseModel):
     drives: list[DrillDrive]
 
 
+class DrillWish(BaseModel):
+    """What was asked for: `faults` as they were named, in which world, how many under each table.
+
+    `scenario` is the name of a person's own; null for drives that are drawn.
+    """
+
+    faults: list[str]
+    world: str
+    drives: int
+    scenario: str | None
+
+
 class DrillProgress(BaseModel):
     """How far a drill is, and what it came to or why it did not.
 
@@ -146,6 +158,7 @@ class DrillProgress(BaseModel):
     elapsed: float
     left: float | None
     error: str | None
+    wish: DrillWish
     report: DrillSummary | None
 
 

@@ -257,6 +257,7 @@ def test_near_a_place_the_map_and_what_was_seen_are_told_apart() -> None:
     assert known == pytest.approx(np.array([[0.925, 0.025]]))
     assert np.hypot(*(seen - (0.0, 0.5)).T).max() < 0.06
     assert len(model.near((0.0, 0.0), 0.2, now=0.0)[2]) == 0
+    assert [len(part) for part in model.near((90.0, 0.0), 2.0, now=0.0)] == [0, 0, 0]
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7])

@@ -80,7 +80,7 @@ def test_a_proposed_rule_is_drilled_and_a_drive_that_differs_is_played(
     expect(rules.get("drill-chance")).to_be_visible()
     first = rules.page.page.locator("[data-testid^=drive-1-]").first
     expect(first).to_contain_text("worse")
-    expect(first).to_contain_text("STOP of rule Shy")  # by name, before anything is opened
+    expect(first).to_contain_text("STOP by rule Shy")  # by name, before anything is opened
     first.get_by_role("button").first.click()
 
     # There is no scene to play in on this page, so it is played on a map.
@@ -106,6 +106,7 @@ def test_a_proposed_rule_is_drilled_and_a_drive_that_differs_is_played(
     moment.fill(f"{int(end)}")
     expect(rules.get("drive-clock")).to_contain_text(re.compile(rf"^{int(end)}\.0 s of"))
     moment.press("End")
+    expect(rules.get("drive-clock")).to_have_text(re.compile(r"^(\d+\.\d) s of \1 s$"))
     for place in ("drive-map", "side-proposed"):
         expect(rules.get(place).locator("[data-kind=firing]")).to_have_count(1)
         expect(rules.get(place).locator("[data-kind=stop]")).to_have_count(1)
@@ -171,7 +172,7 @@ def lines(page: ConsolePage) -> tuple[int, int]:
 
 
 def test_a_drill_is_cancelled_by_hand_on_a_phone_and_a_short_one_says_what_it_left_out(
-    new_page: OpenPage,
+    new_page: OpenPage, stack: Stack
 ) -> None:
     rules = RulesPage.opened(new_page(1280, 800, has_touch=True), TOKEN)
     propose(rules)
@@ -194,3 +195,13 @@ def test_a_drill_is_cancelled_by_hand_on_a_phone_and_a_short_one_says_what_it_le
     )
     note.scroll_into_view_if_needed()
     rules.page.keep("drill-note-phone")
+
+    # What came of it is there for who only looks.
+    found = re.search(r"To watch:\s+\S+#token=(\S+)", stack.output)
+    assert found
+    watching = RulesPage.opened(new_page(1280, 800), found[1])
+    watching.get("drill-link").click()
+    expect(watching.get("drill-sentence")).to_be_visible()
+    expect(watching.get("drill")).to_contain_text("any fault; 4 drives under each table")
+    expect(watching.get("drill-start")).to_have_count(0)
+    watching.page.keep("drill-viewer")

@@ -205,7 +205,7 @@ def test_a_rule_that_holds_a_parked_robot_for_good_is_found_before_it_is_applied
     expect(sentence).to_be_visible(timeout=patient(120) * 1000)
     expect(sentence).to_have_attribute("data-verdict", re.compile("worse|may be chance"))
     drive = rules.get("drive-my own")
-    expect(drive).to_contain_text("STOP of rule Too near")
+    expect(drive).to_contain_text("STOP by rule Too near")
     drive.get_by_role("button").first.click()
     rules.get("drive-moment").fill("5")
     expect(rules.get("side-proposed").locator("[data-kind=stop]")).to_have_count(1)

@@ -136,6 +136,9 @@ def test_what_holds_the_robot_is_told_before_what_is_not_in_its_way() -> None:
         "The drive manager holds the robot back: scan stale. "
         "Nothing is known to be in the way at (0.00, 0.00)."
     )
+    assert found(None, held_by="obstacle").told(HERE, RADIUS, 0.0) == (
+        "The drive manager holds the robot back: obstacle. What it is is not known yet."
+    )
     assert found(None).told(HERE, RADIUS, 0.0).startswith("The planner has no scan to look at. ")
 
 

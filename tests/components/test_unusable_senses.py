@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import Any
@@ -86,6 +87,38 @@ def test_nobody_drives_by_an_odometry_that_is_no_number(run: Run, field: str) ->
     assert scene.stands()
     scene.wait(lambda: f"{field} = " in scene.alive.statuses[-1].msg, "the reason")
     assert not scene.state.standstill  # which was not measured
+
+
+def test_nobody_drives_by_an_orientation_that_is_none(run: Run) -> None:
+    scene = Scene(run(DriveManager()))
+    scene.driven()
+
+    def worsen(odometry: Odometry) -> None:
+        odometry.pose.pose.orientation.w = odometry.pose.pose.orientation.z = 0.0
+
+    scene.robot.worsen = worsen
+    scene.wait(lambda: scene.state.limited_by == "odometry stale", "that it is held back")
+    assert scene.stands()
+    said = "its orientation (0, 0, 0, 0) is none"
+    scene.wait(lambda: said in scene.alive.statuses[-1].msg, "the reason")
+
+
+def test_nobody_drives_by_an_odometry_that_two_publish_who_contradict_each_other(run: Run) -> None:
+    scene = Scene(run(DriveManager()))
+    scene.driven()
+    turns = itertools.cycle((False, True))
+
+    def worsen(odometry: Odometry) -> None:
+        if next(turns):
+            odometry.pose.pose.position.x = 9.0
+
+    scene.robot.worsen = worsen
+    scene.wait(lambda: scene.state.limited_by == "odometry stale", "that it is held back")
+    assert scene.stands()
+    said = "the odometry cannot be used: it jumps to and fro, "
+    scene.wait(lambda: said in scene.alive.statuses[-1].msg, "the reason")
+    scene.robot.worsen = lambda _: None
+    scene.wait(lambda: not scene.state.limited_by, "that it may drive again")
 
 
 def test_one_list_of_commands_does_not_drive_for_ever(run: Callable[..., Virtual]) -> None:

@@ -332,7 +332,7 @@ def test_who_logs_out_takes_the_drill_along(drilling: Served, operator: httpx.Cl
         drill = begin(other)
         other.post("/api/logout")
     told = after(operator, drill)
-    assert (told["state"], told["error"]) == ("canceled", "ben logged out.")
+    assert (told["state"], told["error"]) == ("canceled", "Ended: ben logged out.")
 
 
 def test_applying_rules_ends_a_drill_against_the_ones_before(operator: httpx.Client) -> None:
@@ -348,7 +348,9 @@ def test_applying_rules_ends_a_drill_against_the_ones_before(operator: httpx.Cli
     assert ended(programs, 2.0) == []  # whether anybody asks for it or not
     told = after(operator, drill)
     assert told["state"] == "canceled"
-    assert told["error"] == f"Revision {answer.json()['revision']} was put in force meanwhile."
+    assert told["error"] == (
+        f"Ended: revision {answer.json()['revision']} was put in force meanwhile."
+    )
 
 
 def test_a_viewer_looks_and_begins_nothing(drilling: Served, operator: httpx.Client) -> None:

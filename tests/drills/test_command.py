@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from kompass.drills.report_json import read_report
+from kompass.drills.report_json import TableName, read_report
 from kompass.drills.scenario_file import read_scenarios
+from kompass.rules.schema.table import Table
 from tests.drills.test_runner import WITHOUT_PLANNER
 from tests.support.commands import Commands, Done, ended_by
 from tests.support.patience import patient
@@ -228,15 +229,20 @@ def test_a_scenario_is_driven_several_times_with_other_noise_and_replayed_by_nam
     drill: Drill, tmp_path: Path
 ) -> None:
     (tmp_path / "one.yaml").write_text(SCENARIO, encoding="utf-8")
-    found, again = tmp_path / "drill.json", tmp_path / "again.mcap"
-    made = drill(GUARDED, "--scenarios", tmp_path, "--seeds", "2", "--json", found)
+    found, page = tmp_path / "drill.json", tmp_path / "drill.html"
+    twice = ("--scenarios", tmp_path, "--seeds", "2")
+    made = drill(GUARDED, *twice, "--json", found, "--report", page)
     assert made.returncode == 0, made.stderr
     first, second = read_report(found.read_text(encoding="utf-8")).drives
     assert first.scenario.name == "mapper-0"
     assert first.scenario.seed != second.scenario.seed
-    done = drill("replay", "mapper-1", "--recipe", GUARDED, "--scenario", tmp_path, "-o", again)
-    assert done.returncode == 0, done.stderr
-    assert f"mapper-1: {second.why}" in done.stdout
+    for called in ("mapper-1", "1"):
+        again = tmp_path / f"{called}.mcap"
+        done = drill("replay", called, "--recipe", GUARDED, "--scenario", tmp_path, "-o", again)
+        assert done.returncode == 0, done.stderr
+        assert f"mapper-1: {second.why}" in done.stdout
+    command = f"replay mapper-0 --recipe {GUARDED.name} --seed 1 --scenario SCENARIO.yaml -o"
+    assert command in page.read_text(encoding="utf-8")
 
 
 def test_faults_that_never_end_are_drawn_and_the_report_says_how(
@@ -258,15 +264,18 @@ def test_several_faults_strike_in_one_drive_and_it_is_made_again_with_them(
     both = ("--faults", "way_blocked,kill:mapper", "--faults-per-drive", "2")
     made = drill(GUARDED, *both, "--seeds", "1", "--rules", "recipe", "--json", found)
     assert made.returncode == 0, made.stderr
-    (drive,) = read_report(found.read_text(encoding="utf-8")).drives
+    report = read_report(found.read_text(encoding="utf-8"))
+    (drive,) = report.drives
     assert {fault.name for fault in drive.scenario.faults} == {"way_blocked", "kill:mapper"}
     done = drill("replay", drive.scenario.name, "--recipe", GUARDED, *both, "-o", again)
     assert done.returncode == 0, done.stderr
     assert drive.why in done.stdout
-    kept = tmp_path / "again.yaml"
-    assert drill("scenario", again, "-o", kept).returncode == 0
+    kept, rules = tmp_path / "again.yaml", tmp_path / "then.json"
+    assert drill("scenario", again, "-o", kept, "--rules", rules).returncode == 0
     (scenario,) = read_scenarios(kept)
     assert scenario.faults == drive.scenario.faults
+    then = Table.model_validate_json(rules.read_text(encoding="utf-8"))
+    assert TableName.of("recipe", then) == report.table
 
 
 def test_a_recipe_of_a_car_is_driven_by_a_car_and_its_drive_is_made_again_with_one(
@@ -274,17 +283,34 @@ def test_a_recipe_of_a_car_is_driven_by_a_car_and_its_drive_is_made_again_with_o
 ) -> None:
     recipe, found = tmp_path / "car.py", tmp_path / "drill.json"
     recipe.write_text(CAR, encoding="utf-8")
-    options = ("--worlds", "apartment", "--faults", "")
+    options = ("--faults", "")
     made = drill(recipe, *options, "--seeds", "1", "--json", found)
     assert made.returncode == 0, made.stderr
     (drive,) = read_report(found.read_text(encoding="utf-8")).drives
     assert (drive.scenario.robot, drive.outcome) == ("ackermann", "arrived")
+    assert not made.stdout.startswith("!")
     again, kept = tmp_path / "again.mcap", tmp_path / "again.yaml"
     done = drill("replay", drive.scenario.name, "--recipe", recipe, *options, "-o", again)
     assert drive.why in done.stdout
     assert drill("scenario", again, "--from", "0", "-o", kept).returncode == 0
     (scenario,) = read_scenarios(kept)
     assert scenario.robot == "ackermann"
+
+
+def test_a_robot_that_is_too_large_for_the_usual_world_drives_in_another(
+    drill: Drill, tmp_path: Path
+) -> None:
+    recipe = tmp_path / "large.py"
+    small = "geometry_params=np.array([0.1, 0.3])"
+    text = GUARDED.read_text(encoding="utf-8")
+    assert small in text
+    recipe.write_text(text.replace(small, "geometry_params=np.array([0.7, 0.3])"))
+    options = ("--faults", "", "--seeds", "1", "--jobs", "1")
+    made = drill(recipe, *options)
+    assert made.stdout.startswith("! The hexagon has no room for turtlebot3: these drives are in ")
+    refused = drill(recipe, *options, "--worlds", "hexagon")
+    assert refused.returncode == 2
+    assert "which needs 0.80 m on every side; take one that has: " in refused.stderr
 
 
 def test_a_robot_that_is_not_like_the_one_of_the_recipe_is_told_of(
@@ -339,6 +365,8 @@ def test_another_robot_drives_where_somebody_names_it(drill: Drill, tmp_path: Pa
         ([GUARDED, "--robot", "omni", "--scenarios", "."], "--robot: the scenarios of"),
         ([GUARDED, "--rules", "none.json"], "--rules none.json: there is no such file"),
         ([GUARDED, "--require", "speed > 1"], "--require: "),
+        ([GUARDED, "--require", ""], "--require: nothing is required; give for example"),
+        ([GUARDED, "--json", "one", "--report", "./one"], "--report one: --json goes to the same"),
         (
             [GUARDED, "--seeds", "9", "--require", "contacts == 0, recovered >= 10"],
             "--require: 'recovered >= 10' cannot be met: there are 9 drives",
@@ -388,6 +416,27 @@ def test_a_recipe_that_cannot_be_drilled_says_why(drill: Drill, tmp_path: Path) 
     assert done.returncode == 3
     (line,) = done.stderr.splitlines()
     assert "halting.py: no component" in line
+
+
+def test_what_a_recipe_starts_ends_with_its_drive(drill: Drill, tmp_path: Path) -> None:
+    recipe, started = tmp_path / "starting.py", tmp_path / "started"
+    recipe.write_text(
+        "import subprocess\n"
+        # One of its own, and one that has left everybody.
+        "own = subprocess.Popen(['sleep', '1000'])\n"
+        "left = subprocess.run(['sh', '-c', 'setsid sleep 1000 >&- 2>&- & echo $!'],\n"
+        "    capture_output=True, text=True).stdout\n"
+        f"with open({str(started)!r}, 'a') as file:\n"
+        "    print(own.pid, left, file=file)\n" + GUARDED.read_text(encoding="utf-8"),
+        encoding="utf-8",
+    )
+    done = drill(recipe, "--seeds", "1", "--faults", "")
+    assert done.returncode == 0, done.stderr
+    pids = started.read_text().split()
+    assert len(pids) == 6  # the recipe was read, driven, and driven again
+    wait_until(
+        lambda: not any(Path("/proc", pid).exists() for pid in pids), 20, "that all have ended"
+    )
 
 
 @pytest.mark.parametrize(

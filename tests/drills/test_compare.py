@@ -12,8 +12,11 @@ from scipy.stats import binomtest
 from kompass.drills.chance import in_words, sign_test
 from kompass.drills.compare import compare
 from kompass.drills.drive import DriveResult
+from kompass.drills.facts import DriveEnded, StopPressed
 from kompass.drills.judge import judge
 from kompass.drills.names import natural
+from kompass.drills.report_json import TableName, make_report
+from kompass.drills.requirement import check_requirements, parse_requirements
 from kompass.drills.summary import summarize
 from tests.drills.drives import (
     arriving,
@@ -22,10 +25,12 @@ from tests.drills.drives import (
     gave_up,
     recovered,
     refused,
+    scenario,
     touched,
     undisturbed,
 )
 
+OLD = TableName(name="in force", hash="0" * 64, rules=3)
 MAKERS = (recovered, gave_up, touched)
 
 
@@ -253,3 +258,31 @@ def test_a_slower_way_of_an_undisturbed_robot_is_worse() -> None:
     assert found.sentence == "No fault disturbed any drive; arrives 2.0 s later."
     assert found.changes[0].text == "arrived after 23.0 s instead of 21.0 s"
     assert found.verdict == "may be chance"
+
+
+def late(name: str, *, stopped: bool) -> DriveResult:
+    """It had arrived when the wall came, and a rule may have pressed STOP for it."""
+    *drive, _ = arriving()
+    facts = [*drive, *faulted("way_blocked", 30.0, 38.0), DriveEnded(40.0)]
+    stop = [StopPressed(30.5, "rule shy", "too near")] if stopped else []
+    return judge(scenario(name, [("way_blocked", 30.0, 8.0)]), [*facts, *stop])
+
+
+def test_a_robot_that_arrives_and_is_left_in_stop_is_told_of() -> None:
+    before = [late(f"1-{n}", stopped=False) for n in range(20)]
+    after = [late(f"1-{n}", stopped=True) for n in range(20)]
+    found = compare(before, after)
+    told = "Every fault began when the robot had arrived; ends with STOP in 20 of 20"
+    assert found.sentence == f"{told} instead of none."
+    assert found.verdict == "worse"
+    assert {change.text for change in found.changes} == {"STOP at the end"}
+    assert after[0].outcome == "arrived"
+    assert after[0].why == (
+        "Arrived; no fault disturbed it. STOP by rule shy was in force at the end: too near."
+    )
+    assert compare(after, before).verdict == "better"
+    assert summarize(after).left_stopped == 20
+    (checked,) = check_requirements(parse_requirements("left_stopped == 0"), summarize(after))
+    assert not checked.met
+    report = make_report(recipe="r.py", table=OLD, drives=after)
+    assert report.sentence == f"{told}."

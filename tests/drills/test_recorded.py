@@ -139,6 +139,10 @@ def test_the_back_test_of_the_same_rules_gives_the_same_firings(made: Made) -> N
     fired = [event for event in events(made.first) if isinstance(event, Fired)]
     assert told == [(event.rule_id, round(event.now, 3)) for event in fired]
     assert {rule_id for rule_id, _ in told} == {"blind"}
+    # Its seconds are those of the drive, as in the drill's report.
+    assert [each.at for each in report.firings] == pytest.approx(
+        [each.at for each in made.result.firings], abs=0.05
+    )
 
 
 def test_foxglove_reads_it_with_all_that_a_robot_records(made: Made) -> None:
@@ -156,11 +160,13 @@ def test_foxglove_reads_it_with_all_that_a_robot_records(made: Made) -> None:
 def test_it_explains_why_a_rule_fired_and_why_not(made: Made) -> None:
     fired = next(event for event in events(made.first) if isinstance(event, Fired))
     told = next(each for each in made.result.firings if each.rule_id == "blind")
-    then = explain_recorded(made.first, "blind", run=fired.run_id)
+    then, at = explain_recorded(made.first, "blind", run=fired.run_id)
+    assert at == pytest.approx(told.at, abs=0.05)
     assert then.firing is not None
     assert then.firing.ok
     assert [leaf.verdict for leaf in then.leaves] == [True]
-    before = explain_recorded(made.first, "blind", at=told.at - 0.5)
+    before, at = explain_recorded(made.first, "blind", at=told.at - 0.5)
+    assert at == pytest.approx(told.at - 0.5, abs=0.001)
     assert before.text.startswith("false: controller/status.status == 3")
     assert before.time == pytest.approx(then.time - 0.5, abs=0.05)
     with pytest.raises(NoRecording, match=r"at = 999 s is after its end, at \d+\.\d s"):
@@ -169,6 +175,8 @@ def test_it_explains_why_a_rule_fired_and_why_not(made: Made) -> None:
         explain_recorded(made.first, "blind", run=77)
     with pytest.raises(NoRecording, match="there were: blind, clicked"):
         explain_recorded(made.first, "other")
+    with pytest.raises(NoRecording, match="no rule 'blnd' was in force in it; did you mean 'bli"):
+        explain_recorded(made.first, "blnd", run=fired.run_id)
 
 
 def test_the_recording_of_a_drill_gives_back_its_scenario(made: Made) -> None:

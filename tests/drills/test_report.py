@@ -147,7 +147,9 @@ def test_the_page_says_how_to_make_a_drive_of_it_again() -> None:
         "--worlds hexagon --robot turtlebot3 --faults way_blocked,glass:0.5 "
         "--faults-per-drive 2 -o 7-0.mcap"
     ) in report_html(drawn)
-    assert "drill replay" not in report_html(drill())  # its scenarios are not said to be drawn
+    of_files = report_html(drill())
+    assert "--scenario SCENARIO.yaml -o" in of_files
+    assert "--worlds" not in of_files
 
 
 def test_of_many_drives_some_are_drawn_and_the_rest_is_said() -> None:

@@ -85,10 +85,10 @@ def test_a_recorded_drive_is_drilled_with_the_same_outcome_and_the_same_rules(
 
 
 def test_rules_are_explained_from_the_recording_of_a_robot(recording: Path) -> None:
-    end = explain_recorded(recording, "blind")
+    end, _ = explain_recorded(recording, "blind")
     assert end.text.startswith("false: controller/status.status == 3")
     run = 2  # the click was the first
-    assert explain_recorded(recording, "blind", run=run).firing is not None
+    assert explain_recorded(recording, "blind", run=run).view.firing is not None
     done = subprocess.run(
         [
             *(str(Path(sys.executable).with_name("kompass-console")), "rules", "explain", "blind"),

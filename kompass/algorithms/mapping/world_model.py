@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kompass.algorithms.geometry import Floats, Pose2D, inverse, transform_points
-from kompass.algorithms.grid import FREE, OCCUPIED, Grid
+from kompass.algorithms.grid import FREE, OCCUPIED, OCCUPIED_FROM, Grid
 from kompass.algorithms.mapping.cloud_view import CloudView
 from kompass.algorithms.mapping.scan_points import read_rays
 
@@ -374,8 +374,7 @@ class WorldModel:
         ages = now - newest[seen]
         if self._static is None:
             return self._world(at), ages, np.empty((0, 2))
-        beside = Grid(self._static.cells[rows, cols], self._resolution)
-        known = np.argwhere(beside.occupied())[:, ::-1] + start
+        known = np.argwhere(self._static.cells[rows, cols] >= OCCUPIED_FROM)[:, ::-1] + start
         return self._world(at), ages, self._world(known)
 
     def forget(self, unseen_for: float, now: float) -> int:

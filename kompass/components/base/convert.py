@@ -14,15 +14,30 @@ from kompass.algorithms.grid import Grid
 
 def pose_of(message: Any) -> Pose2D:
     """(x, y, yaw) of an Odometry, PoseStamped or Pose [m, m, rad]."""
+    pose = _pose_in(message)
+    return pose.position.x, pose.position.y, yaw_of(pose.orientation)
+
+
+def orientation_of(message: Any) -> Quaternion:
+    """The orientation of an Odometry, PoseStamped or Pose."""
+    return _pose_in(message).orientation
+
+
+def _pose_in(message: Any) -> Any:
     pose = message
     while hasattr(pose, "pose"):
         pose = pose.pose
-    return pose.position.x, pose.position.y, yaw_of(pose.orientation)
+    return pose
 
 
 def yaw_of(q: Quaternion) -> float:
     """Yaw of an orientation [rad]."""
     return float(yaw_from_quaternion(q.x, q.y, q.z, q.w))
+
+
+def is_rotation(q: Quaternion) -> bool:
+    """Whether an orientation is one: of about length 1, which all zeros are not."""
+    return bool(abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) < 0.1)
 
 
 def quaternion_msg(yaw: float) -> Quaternion:

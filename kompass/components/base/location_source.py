@@ -11,7 +11,7 @@ from kompass.algorithms.geometry import Pose2D, compose, inverse
 from kompass.algorithms.transforms import Matrix, TransformError, TransformTree, matrix_of
 from kompass.bus.clock import Clock
 from kompass.bus.node import LifecycleNode
-from kompass.components.base.convert import pose_of, speed_of
+from kompass.components.base.convert import is_rotation, orientation_of, pose_of, speed_of
 from kompass.components.base.ports import Input
 from kompass.rclpy_ext.topic import LATCHED, QoSConfig
 from kompass.robot import RobotFrames
@@ -110,6 +110,8 @@ class LocationSource:
         pose = pose_of(message)
         if not all(math.isfinite(value) for value in pose):
             return None
+        if not is_rotation(orientation_of(message)):
+            return None
         frame = getattr(getattr(message, "header", None), "frame_id", "") or frames.odom
         if frame == frames.world:
             return pose
@@ -135,7 +137,13 @@ class LocationSource:
         told = {"x": x, "y": y, "yaw": yaw, "vx": vx, "vy": vy, "omega": omega}
         wrong = next((name for name, value in told.items() if not math.isfinite(value)), None)
         if wrong is None:
-            return ""
+            q = orientation_of(message)
+            if is_rotation(q):
+                return ""
+            return (
+                f"its orientation ({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g}) is none, which has the "
+                "length 1; look at who publishes it"
+            )
         return f"{wrong} = {told[wrong]} is no finite number; look at who publishes it"
 
     def pose_at(self, stamp: float) -> Pose2D | None:

@@ -22,12 +22,14 @@ from std_msgs.msg import Bool, String
 from kompass.access.gatekeeper import UNSIGNED_HAND, NotAdmitted
 from kompass.algorithms.footprint import Footprint
 from kompass.algorithms.geometry import inverse, transform_points
+from kompass.algorithms.safety.pose_jumps import PoseJumps
 from kompass.algorithms.safety.rhythm import Rhythm
 from kompass.algorithms.safety.standstill import Standstill
 from kompass.algorithms.safety.sweep import time_to_contact
 from kompass.components.base.actions import ActionRefused, component_action
 from kompass.components.base.component import Component
 from kompass.components.base.component_config import ComponentRunType
+from kompass.components.base.convert import pose_of
 from kompass.components.base.location_source import LocationSource
 from kompass.components.base.ports import Input
 from kompass.components.base.robot_limits import motion_model, velocity_limits
@@ -139,6 +141,7 @@ class DriveManager(Component):
         self._gate = None if self.lacks_robot else DriveGate(self._gate_limits())
         self._standstill = Standstill()
         self._odometries = Rhythm()
+        self._jumps = PoseJumps()
         self._sensors = [
             SensorWatch(
                 partial(self.input, "sensor_data", index),
@@ -570,6 +573,9 @@ class DriveManager(Component):
         now = self.clock.monotonic()
         self._odometries.heard(now)
         self._location_fault = self._location.fault()
+        if not self._location_fault:
+            self._jumps.heard(pose_of(self.input("location").fields), now)
+            self._location_fault = self._jumps.told
         if not self._location_fault:
             self._standstill.update(self._location.speed(), now)
 

@@ -50,7 +50,7 @@ class Hindrance:
     since
         When it was first found in the way [s].
     what
-        In words; of an ``unknown`` one, why the robot may stand all the same.
+        In words; of an ``unknown`` one all that is to be said.
     """
 
     kind: Kind
@@ -69,9 +69,9 @@ class Hindrance:
 
     def told(self, pose: Pose2D, radius: float, now: float) -> str:
         """A sentence for people: what, where, and since when."""
-        x, y = self.place
         if self.kind == "unknown":
-            return f"{self.what}. Nothing is known to be in the way at ({x:z.2f}, {y:z.2f})."
+            return self.what
+        x, y = self.place
         where = direction_in_words(self.direction(pose))
         lasted = f", for {now - self.since:.0f} s" if now - self.since >= 1.0 else ""
         away = self.distance(pose, radius)
@@ -125,13 +125,8 @@ def find(
         found = _nearest(_obstacles(live, zones, pose, now), route, pose, radius, room)
         found = found or _farther_on(live, zones, route, pose, radius + room, now)
     if found is None:
-        what = "Look at wheels and floor"
-        if held_by:
-            what = f"The drive manager holds the robot back: {held_by}"
-        elif live is None:
-            what = "The planner has no scan to look at"
         since = before.since if before is not None and before.kind == "unknown" else now
-        return Hindrance("unknown", pose[:2], since, what)
+        return Hindrance("unknown", pose[:2], since, _of_nothing(live, pose, held_by))
     kind, place, age = found
     is_same = before is not None and math.dist(before.place, place) <= SAME
     if kind == "seen" and live is not None:
@@ -157,6 +152,18 @@ def _in_words(kind: Kind, place: tuple[float, float], age: float, zones: ZonesIn
             zone = zones.barred(*place, SAME)
             return f"the keep-out zone {zone.name!r}" if zone else "a keep-out zone"
     return "something that the lidar sees"
+
+
+def _of_nothing(live: LiveMap | None, pose: Pose2D, held_by: str) -> str:
+    """Why a robot may stand in whose way nothing was found: first what holds it."""
+    if held_by and held_by not in NO_THINGS:
+        return f"The drive manager holds the robot back: {held_by}. What it is is not known yet."
+    why = "Look at wheels and floor"
+    if held_by:
+        why = f"The drive manager holds the robot back: {held_by}"
+    elif live is None:
+        why = "The planner has no scan to look at"
+    return f"{why}. Nothing is known to be in the way at ({pose[0]:z.2f}, {pose[1]:z.2f})."
 
 
 _Places: TypeAlias = tuple[Kind, Floats, Floats]  # kind, places (N, 2), ages (N,)

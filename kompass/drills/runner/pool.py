@@ -20,7 +20,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkServerProcess
 from typing import Generic, TypeVar, cast
 
-from kompass.drills.runner.lifeline import ASKS, end_with
+from kompass.drills.runner.lifeline import ASKS, end_children, end_with, keep_descendants
 
 T = TypeVar("T")
 
@@ -187,12 +187,14 @@ def _answer(
     from kompass.drills.runner.preloaded import SERVER
 
     end_with(SERVER)
+    keep_descendants()
     tempfile.tempdir = folder
     try:
         outcome = function(*arguments)
     except BaseException as error:  # noqa: BLE001 - it is told to who asked
         outcome = _as_it_travels(error)
     connection.send(outcome)
+    end_children()
 
 
 def _as_it_travels(error: BaseException) -> BaseException:

@@ -33,8 +33,8 @@ from kompass.drills.scenario import (
 from kompass.drills.scenario_file import parse_scenario
 from kompass.recorder.clip import is_event
 from kompass.recorder.mcap.reader import Recording, Track, messages
-from kompass.recorder.replay.explain import DRIVE as DRIVE_OF_DRILL
-from kompass.recorder.replay.explain import beginning
+from kompass.recorder.replay.beginning import DRIVE as DRIVE_OF_DRILL
+from kompass.recorder.replay.beginning import beginning
 from kompass.recorder.streams import REPEAT, read_event
 from kompass.rules.schema.table import Table
 from kompass.share import map_path
@@ -140,7 +140,7 @@ def scenario_of(path: Path, name: str, begin: float | None, end: float | None) -
         if begin is None and end is None:
             known = [file.contents.metadata.get(DRIVE_OF_DRILL) for file in recording.files]
             if known and known[0] is not None:
-                return _drilled(known[0][SCENARIO], name)
+                return _drilled(known[0][SCENARIO], name, _read(recording))
         heard = _read(recording)
     start = begin or 0.0
     stop = heard.length if end is None else min(end, heard.length)
@@ -152,10 +152,11 @@ def scenario_of(path: Path, name: str, begin: float | None, end: float | None) -
     return _Stretch(heard, start, stop).scenario(name)
 
 
-def _drilled(text: str, name: str) -> Found:
+def _drilled(text: str, name: str, heard: _Heard) -> Found:
     """What a drill has written down of its own."""
     scenario = parse_scenario(text).model_copy(update={"name": name})
-    return Found(scenario, ("it is a drive of a drill: this is its scenario as it was",), None)
+    table = next((table for _, table in heard.tables), None)
+    return Found(scenario, ("it is a drive of a drill: this is its scenario as it was",), table)
 
 
 def _read(recording: Recording) -> _Heard:

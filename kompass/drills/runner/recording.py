@@ -17,7 +17,7 @@ from kompass.drills.scenario_file import scenario_text
 from kompass.recorder.engine_memory import EngineMemory
 from kompass.recorder.mcap.padding import without_padding
 from kompass.recorder.mcap.writer import McapWriter
-from kompass.recorder.replay.explain import BEGAN, DRIVE
+from kompass.recorder.replay.beginning import BEGAN, DRIVE
 from kompass.recorder.streams import EVENTS, Stream, event_json, message_stream
 from kompass.recorder.topics import SampledTopic
 from kompass.rulebook.schema.journal import FiringRecord

@@ -12,6 +12,7 @@ from kompass.backtest.event_log import Began, LoggedEvent, Lost, Resumed, Swappe
 from kompass.backtest.report import BacktestReport
 from kompass.recorder.mcap.reader import Recording
 from kompass.recorder.places import known_recording, rotation_folder
+from kompass.recorder.replay.beginning import beginning
 from kompass.recorder.replay.replay import Replay
 from kompass.recorder.rotating_recording import rotation_files
 from kompass.rulebook.views.wording import seconds as seconds_text
@@ -86,6 +87,7 @@ def backtest_files(
             progress=_seldom(progress),
             clock=time.monotonic,
         )
+        report = _since(report, beginning(recording) * 1e-9) if not seconds else report
         if not replay.has_engine:
             return Backtested(
                 report,
@@ -93,6 +95,15 @@ def backtest_files(
             )
         remarks = (_of_another_recipe(report.start, did), _of_changes(report.start, did))
         return Backtested(report, "; ".join(filter(None, (*remarks, _of_losses(did)))))
+
+
+def _since(report: BacktestReport, begin: float) -> BacktestReport:
+    """With times from the drive's start on, as all else that tells of a drive of a drill."""
+    if begin <= report.start:
+        return report
+    before = begin - report.start
+    firings = (one.model_copy(update={"at": one.at - before}) for one in report.firings)
+    return report.model_copy(update={"start": begin, "firings": tuple(firings)})
 
 
 def _of_another_recipe(start: float, did: Sequence[LoggedEvent]) -> str:

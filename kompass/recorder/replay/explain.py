@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from pathlib import Path
+from typing import NamedTuple
 
 from kompass.backtest.event_log import Began, Ended, Fired, LoggedEvent, Resumed, Swapped
 from kompass.backtest.past import Past
 from kompass.recorder.mcap.reader import Recording
 from kompass.recorder.replay.backtest import NoRecording
+from kompass.recorder.replay.beginning import beginning
 from kompass.recorder.replay.replay import Replay
 from kompass.rulebook.schema.explanation import ExplanationView
 from kompass.rulebook.schema.journal import FiringRecord
@@ -15,23 +19,19 @@ from kompass.rulebook.views.views import explanation_view, firing_view
 from kompass.rules.engine.compiled_table import compile_table
 from kompass.rules.schema.table import Rule, Table
 
-DRIVE = "kompass drive"  # metadata of the recording of a drive of a drill
-BEGAN = "began"  # in it: when the drive began [ns of the recording]
 _ROUNDED = 0.1  # s by which whoever reads the end of a recording and asks for it may be beyond
 
 
-def beginning(recording: Recording) -> int:
-    """From when on times within a recording count [ns]: its first message, or its drive's start."""
-    for file in recording.files:
-        began = file.contents.metadata.get(DRIVE, {}).get(BEGAN)
-        if began is not None:
-            return int(began)
-    return recording.start_time
+class Explained(NamedTuple):
+    """Why, and when that was: seconds since the beginning (:func:`beginning`)."""
+
+    view: ExplanationView
+    at: float
 
 
 def explain_recorded(
     path: Path, rule_id: str, *, at: float | None = None, run: int = 0
-) -> ExplanationView:
+) -> Explained:
     """Explain a rule at a moment of a recording, or one of its runs.
 
     Parameters
@@ -50,9 +50,10 @@ def explain_recorded(
         When the file is damaged.
     """
     with Recording([path]) as recording:
-        if run:
-            return _fired(_events(recording), rule_id, run)
         first, last = beginning(recording), recording.end_time
+        if run:
+            view = _fired(_events(recording), rule_id, run)
+            return Explained(view, view.time - first * 1e-9)
         length = (last - first) * 1e-9
         if at is not None and at > length + _ROUNDED:
             raise NoRecording(
@@ -78,16 +79,24 @@ def explain_recorded(
         raise NoRecording("no rules were in force then, as far as is recorded")
     compiled = compile_table(table)
     if rule_id not in compiled.by_id:
-        known = ", ".join(sorted(compiled.by_id)) or "none"
-        raise NoRecording(f"no rule {rule_id!r} was in force then; there were: {known}")
+        raise NoRecording(_unknown(rule_id, compiled.by_id, "then"))
     offset = began.wall - began.now
     now = moment * 1e-9 - offset
     state = past.apply(compiled, now).state
-    return explanation_view(compiled, state, rule_id, now, offset, revision=revision)
+    view = explanation_view(compiled, state, rule_id, now, offset, revision=revision)
+    return Explained(view, (moment - first) * 1e-9)
 
 
 def _events(recording: Recording) -> list[LoggedEvent]:
     return list(Replay(recording, compile_table(Table())).recorded())
+
+
+def _unknown(rule_id: str, known: Iterable[str], when: str) -> str:
+    names = sorted(known)
+    near = difflib.get_close_matches(rule_id, names, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    told = ", ".join(names) or "none"
+    return f"no rule {rule_id!r} was in force {when}; {hint}there were: {told}"
 
 
 def _fired(events: list[LoggedEvent], rule_id: str, run: int) -> ExplanationView:
@@ -96,20 +105,24 @@ def _fired(events: list[LoggedEvent], rule_id: str, run: int) -> ExplanationView
     found: tuple[Fired, Rule, str, float] | None = None
     ended: Ended | None = None
     runs: list[str] = []
+    known: set[str] = set()
     for event in events:
         if isinstance(event, Began | Resumed):
             epoch, offset = event.epoch, event.wall - event.now
         if isinstance(event, Began | Resumed | Swapped):
             rules = {rule.id: rule for rule in event.table.rules}
+            known |= rules.keys()
         elif isinstance(event, Fired) and event.rule_id == rule_id:
             runs.append(str(event.run_id))
             if event.run_id == run and found is None:
                 found = event, rules[rule_id], epoch, offset
         elif isinstance(event, Ended) and (event.rule_id, event.run_id) == (rule_id, run):
             ended = ended or event
+    if found is None and rule_id not in known:
+        raise NoRecording(_unknown(rule_id, known, "in it"))
     if found is None:
-        known = f"its runs are {', '.join(runs)}" if runs else "it did not fire"
-        raise NoRecording(f"the rule {rule_id!r} has no run {run} in it: {known}")
+        known_runs = f"its runs are {', '.join(runs)}" if runs else "it did not fire"
+        raise NoRecording(f"the rule {rule_id!r} has no run {run} in it: {known_runs}")
     fired, rule, epoch, offset = found
     record = FiringRecord(
         number=0,

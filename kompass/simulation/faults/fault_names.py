@@ -115,7 +115,7 @@ def check_fault(name: str) -> str:
     if name in _ALL:
         return name
     known = [one.partition(":")[0] for one in _ALL]
-    near = difflib.get_close_matches(kind, known, n=1, cutoff=0.4)
+    near = difflib.get_close_matches(kind, known, n=1, cutoff=0.6)
     hint = f"did you mean {near[0]!r}? " if near else ""
     raise UnknownFault(f"there is no fault {name!r}; {hint}known are {', '.join(FAULTS)}")
 

@@ -126,6 +126,7 @@ interface AnswerProps {
 }
 
 function Answer({ check, draft, goal, stopped, drivenBy, others }: AnswerProps) {
+  const { cause } = useRobot();
   const { error } = draft;
   const gap =
     check?.nearest && !check.ok
@@ -165,6 +166,11 @@ function Answer({ check, draft, goal, stopped, drivenBy, others }: AnswerProps) 
       {check?.ok && !check.heading_used && check.yaw !== null && check.note === "" && (
         <p className={classes.note}>
           {t("The running recipe takes points only: the heading is not used.")}
+        </p>
+      )}
+      {check?.ok && !stopped && cause !== null && !cause.minor && (
+        <p className={classes.note}>
+          ▲ {cause.text}. {cause.advice}
         </p>
       )}
       {stopped && (

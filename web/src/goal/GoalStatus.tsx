@@ -55,15 +55,16 @@ export function GoalStatus() {
       aria-label={t("Goal")}
     >
       <div className={classes.statusText} role="status">
+        {/* Why it does not get on is read before how far it would be. */}
+        {goal.hindrance !== "" && (
+          <strong className={classes.limit} lang={langOf(goal.hindrance)}>
+            ▲ {told(goal.hindrance)}
+          </strong>
+        )}
         <strong lang={goal.phase === "failed" ? langOf(goal.message) : undefined}>
           {line.text}
         </strong>
         {line.more !== "" && <span className={classes.detail}>{line.more}</span>}
-        {goal.hindrance !== "" && (
-          <span className={classes.limit} lang={langOf(goal.hindrance)}>
-            ▲ {told(goal.hindrance)}
-          </span>
-        )}
         {limit !== null && <span className={classes.limit}>▲ {limit}</span>}
         {failure !== null && (
           <span className={classes.problem} lang={langOf(failure.title)}>

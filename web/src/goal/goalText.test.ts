@@ -45,6 +45,9 @@ test("a goal under way says what is left of it", () => {
   expect(goalLine(goal, null).text).toBe("2.1 m left, about 9 s");
   expect(goalLine({ ...goal, eta: null }, null).text).toBe("2.1 m left");
   expect(goalLine({ ...goal, distance_left: null }, null).text).toBe("On the way");
+  expect(goalLine({ ...goal, distance_left: 0, yaw: 1.5 }, null).text).toBe(
+    "There; turns to its heading",
+  );
 });
 
 test("an arrival says how far off it is", () => {

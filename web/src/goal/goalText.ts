@@ -80,9 +80,14 @@ export function goalLine(goal: Goal, drive: Drive | null, cause: Cause | null = 
   }
 }
 
+/** How what the robot has found begins, as it says it. */
+const IN_THE_WAY = "In the way: ";
+
 function afterwards(goal: Goal, drive: Drive | null, cause: Cause | null): string {
   if (drive === null || !drive.stopped) {
-    if (cause === null || cause.minor) return t("Pick another point, or send the goal again.");
+    // What stood in its way does not go by what else may be wrong.
+    if (cause === null || cause.minor || goal.message.includes(IN_THE_WAY))
+      return t("Pick another point, or send the goal again.");
     return t("{text}. When that is mended, send the goal again.", { text: cause.text });
   }
   const by = drive.stopped_by === "" ? t("somebody") : told(drive.stopped_by);
@@ -99,11 +104,15 @@ function offText(error: number): string {
     : distanceText(error);
 }
 
+/** Of the way that is left, m: less is told of no more, for what is left is to turn. */
+const THERE = 0.02;
+
 /** `1.2 m left, about 8 s`. */
 export function remaining(goal: Goal): string {
   if (goal.distance_left === null) return t("On the way");
+  if (goal.distance_left < THERE && goal.yaw !== null) return t("There; turns to its heading");
   const left = t("{distance} left", { distance: distanceText(goal.distance_left) });
-  return goal.eta === null
+  return goal.eta === null || goal.hindrance !== ""
     ? left
     : t("{left}, about {duration}", { left, duration: durationText(goal.eta) });
 }

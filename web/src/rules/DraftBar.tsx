@@ -2,7 +2,8 @@ import { Button } from "@mantine/core";
 import { english } from "../texts/language";
 import { useRules } from "./context/RulesContext";
 import { type Place, useNav } from "./context/RulesNav";
-import { useDrillRoom } from "./drill/useDrill";
+import { DrillLink } from "./drill/DrillLink";
+import { ROOM_MS, useDrillRoom } from "./drill/useDrill";
 import classes from "./Sheet.module.css";
 
 /** What the robot did and said, which nobody edits. */
@@ -12,13 +13,16 @@ const RECORDS: ReadonlySet<Place["at"]> = new Set(["timeline", "log"]);
 export function DraftBar() {
   const { draft, check, mayEdit } = useRules();
   const nav = useNav();
-  useDrillRoom({ enabled: mayEdit && draft.changes.length > 0 });
+  const { data: room } = useDrillRoom({ again: ROOM_MS });
   if (RECORDS.has(nav.place.at)) return null;
   if (!mayEdit) {
     return (
-      <p className={classes.muted} data-testid="viewer-note" lang={english()}>
-        Viewers read everything here. To change a rule, log in as an operator.
-      </p>
+      <div className={classes.draft} data-idle lang={english()}>
+        <span className={classes.muted} data-testid="viewer-note">
+          Viewers read everything here. To change a rule, log in as an operator.
+        </span>
+        <DrillLink drill={room?.newest ?? null} />
+      </div>
     );
   }
   const count = draft.changes.length;
@@ -28,6 +32,7 @@ export function DraftBar() {
         <span className={classes.muted} data-testid="draft-state">
           No unsaved changes
         </span>
+        <DrillLink drill={room?.newest ?? null} />
         {draft.undo !== null && (
           <Button variant="subtle" size="compact-md" onClick={draft.undo} data-testid="draft-undo">
             Undo

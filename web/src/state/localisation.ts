@@ -14,7 +14,7 @@ const UNKNOWN: Record<NonNullable<Localisation["problem"]>, Phrase> = {
 
 /** What to do for a robot that may be elsewhere. */
 export const SET_ITS_PLACE: Phrase =
-  "The robot may not be where it thinks. Set its place: the tool Locate, or O.";
+  "The robot may not be where it thinks, or things around it are not on the map. Set its place: the tool Locate, or O.";
 
 export interface FitTold {
   level: Level;

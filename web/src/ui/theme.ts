@@ -7,6 +7,7 @@ import {
   useComputedColorScheme,
   useMantineColorScheme,
 } from "@mantine/core";
+import { useColorScheme } from "@mantine/hooks";
 
 /** The one accent: shade 7 carries white text, shade 4 stands on dark ground, both above 4.5:1. */
 const blue: MantineColorsTuple = [
@@ -62,15 +63,20 @@ export const theme = createTheme({
 
 type ThemeChoice = "auto" | "light" | "dark";
 
-const NEXT: Record<ThemeChoice, ThemeChoice> = { auto: "light", light: "dark", dark: "auto" };
+/** From what the system says to its opposite: each press is to be seen. */
+const NEXT: Record<"light" | "dark", Record<ThemeChoice, ThemeChoice>> = {
+  light: { auto: "dark", dark: "light", light: "auto" },
+  dark: { auto: "light", light: "dark", dark: "auto" },
+};
 
 /** The chosen theme (kept in this browser) and what it comes to here and now. */
 export function useTheme(): { choice: ThemeChoice; dark: boolean; cycle: () => void } {
   const { colorScheme, setColorScheme } = useMantineColorScheme();
+  const system = useColorScheme("light", { getInitialValueInEffect: false });
   const computed = useComputedColorScheme("light", { getInitialValueInEffect: false });
   return {
     choice: colorScheme,
     dark: computed === "dark",
-    cycle: () => setColorScheme(NEXT[colorScheme]),
+    cycle: () => setColorScheme(NEXT[system][colorScheme]),
   };
 }

@@ -26,6 +26,11 @@ interface Drilled {
   of: Table | null;
 }
 
+interface Played {
+  drill: string;
+  scenario: string;
+}
+
 export interface Rules {
   view: TableView | null;
   graph: Graph | null;
@@ -36,6 +41,9 @@ export interface Rules {
   /** The drill that was last begun, here or by somebody else, and of which table. */
   drilled: Drilled | null;
   setDrilled: Dispatch<SetStateAction<Drilled | null>>;
+  /** The drive that is looked at; it stays open where the page is laid out anew. */
+  played: Played | null;
+  setPlayed: Dispatch<SetStateAction<Played | null>>;
   /** What a person wants to be drilled on this page; it stays while they look elsewhere. */
   wish: DrillWish;
   setWish: Dispatch<SetStateAction<DrillWish>>;
@@ -80,6 +88,7 @@ export function RulesProvider({ children }: { children: ReactNode }) {
 
   const draft = useDraft(view);
   const [drilled, setDrilled] = useState<Drilled | null>(null);
+  const [played, setPlayed] = useState<Played | null>(null);
   const [wish, setWish] = useState(keptWish);
   useEffect(() => keepWish(wish), [wish]);
   const check = useCheck(draft.draft, view);
@@ -92,6 +101,8 @@ export function RulesProvider({ children }: { children: ReactNode }) {
       check,
       drilled,
       setDrilled,
+      played,
+      setPlayed,
       wish,
       setWish,
       mayEdit: session.role !== "viewer",
@@ -99,7 +110,7 @@ export function RulesProvider({ children }: { children: ReactNode }) {
       reload,
       reloadGraph,
     }),
-    [view, graph, error, draft, check, drilled, wish, session.role, reload, reloadGraph],
+    [view, graph, error, draft, check, drilled, played, wish, session.role, reload, reloadGraph],
   );
   return (
     <RulesContext value={value}>

@@ -13,7 +13,7 @@ import { sentence } from "../model/words";
 import { FindingList } from "../parts/FindingList";
 import classes from "./Drill.module.css";
 import { DriveList } from "./DriveList";
-import { faultText, progressText, subjectText, tallyText } from "./drillText";
+import { faultText, progressText, subjectText, tallyText, wishText } from "./drillText";
 import { ScenarioEditor } from "./ScenarioEditor";
 import { inWords, missing, newScenario } from "./scenario";
 import { useDrill } from "./useDrill";
@@ -177,7 +177,7 @@ export function DrillPanel({ table, ready }: Props) {
           {others && (
             <p className={page.note} data-testid="drill-others">
               {drill.by} began this drill
-              {drill.report === null ? "." : `, of ${drill.report.recipe}.`}
+              {drill.report === null ? "" : `, of ${drill.report.recipe}`}: {wishText(drill.wish)}.
             </p>
           )}
           {earlier && !running && (
@@ -264,7 +264,8 @@ function Options(props: OptionsProps) {
   );
 }
 
-function Outcome({ drill, fresh }: { drill: Drill; fresh: boolean }) {
+/** How far it is, or what came of it. */
+export function Outcome({ drill, fresh }: { drill: Drill; fresh: boolean }) {
   if (drill.state === "running") {
     return (
       <div className={classes.progress} data-testid="drill-progress">

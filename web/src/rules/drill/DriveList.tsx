@@ -4,9 +4,10 @@ import { useState } from "react";
 import { scenarioAddress } from "../../api/drillsClient";
 import type { DrillDrive } from "../../api/drillTypes";
 import page from "../../ui/page.module.css";
+import { useRules } from "../context/RulesContext";
 import classes from "./Drill.module.css";
 import { DrivePlayer } from "./DrivePlayer";
-import { CHANGE_MARKS, CHANGE_WORDS, faultsText } from "./drillText";
+import { CHANGE_MARKS, CHANGE_WORDS, faultsText, toldText } from "./drillText";
 
 interface Props {
   drill: string;
@@ -15,7 +16,10 @@ interface Props {
 
 /** The drives that differ, the worse ones first, then the others; one is open at a time. */
 export function DriveList({ drill, drives }: Props) {
-  const [open, setOpen] = useState<string | null>(null);
+  const { played, setPlayed } = useRules();
+  const open = played?.drill === drill ? played.scenario : null;
+  const setOpen = (scenario: string | null) =>
+    setPlayed(scenario === null ? null : { drill, scenario });
   const [all, setAll] = useState(false);
   const same = drives.filter(({ change }) => change === "same").length;
   const shown = all ? drives : drives.filter(({ change }) => change !== "same");
@@ -36,9 +40,7 @@ export function DriveList({ drill, drives }: Props) {
                 <span>
                   <strong>{CHANGE_WORDS[drive.change]}</strong>, {faultsText(drive.faults)}
                 </span>
-                <span className={page.muted}>
-                  {drive.why === drive.text ? drive.text : `${drive.text}. ${drive.why}`}
-                </span>
+                <span className={page.muted}>{toldText(drive)}</span>
               </span>
               {open === drive.name ? (
                 <IconChevronDown size={18} aria-hidden />

@@ -41,9 +41,6 @@ export function DriveMap({ pair, time }: Props) {
         <g key={side} data-side={side} className={classes.side}>
           <polyline className={classes.ahead} points={line(ways[side].points)} />
           <polyline className={classes.driven} points={line(ways[side].upTo(time))} />
-          {marksOnMap(pair[side], time, 1.9 * unit).map((mark) => (
-            <MapMark key={`${mark.kind} ${mark.at} ${mark.text}`} mark={mark} r={0.9 * unit} />
-          ))}
         </g>
       ))}
       {(["in_force", "proposed"] as const).map((side) => {
@@ -63,6 +60,14 @@ export function DriveMap({ pair, time }: Props) {
           )
         );
       })}
+      {/* Above the robots: one that was stopped stands on what stopped it. */}
+      {(["in_force", "proposed"] as const).map((side) => (
+        <g key={side} data-side={side} className={classes.side}>
+          {marksOnMap(pair[side], time, 1.9 * unit).map((mark) => (
+            <MapMark key={`${mark.kind} ${mark.at} ${mark.text}`} mark={mark} r={0.9 * unit} />
+          ))}
+        </g>
+      ))}
     </svg>
   );
 }

@@ -12,7 +12,7 @@ import page from "../../ui/page.module.css";
 import { DriveMap } from "./DriveMap";
 import { DriveTimeline } from "./DriveTimeline";
 import classes from "./Player.module.css";
-import { going, marksOf, played, SHAPES, SPEEDS } from "./playback";
+import { going, inWords, marksOf, played, SHAPES, SPEEDS } from "./playback";
 
 /** One scenario under both tables, to be watched. */
 export function DrivePlayer({ drill, scenario }: { drill: string; scenario: string }) {
@@ -83,7 +83,7 @@ function Player({ drill, pair }: { drill: string; pair: DrillPair }) {
           type="range"
           className={classes.head}
           min={0}
-          max={end}
+          max={Math.ceil(10 * end) / 10}
           step={0.1}
           value={time}
           aria-label="Moment"
@@ -182,7 +182,7 @@ function Happenings({ pair, onSeek }: { pair: DrillPair; onSeek: (at: number) =>
 function Why({ drive, name }: { drive: Drive; name: string }) {
   return (
     <p>
-      {name}: {drive.why}
+      {name}: {inWords(drive, drive.why)}
     </p>
   );
 }

@@ -60,6 +60,13 @@ export function DriveTimeline({ drive, end, time, onSeek }: Props) {
             ))}
           </div>
         ))}
+        {drive.duration < end - 0.1 && (
+          <span
+            className={classes.over}
+            title={`This drive ended after ${drive.duration.toFixed(1)} s`}
+            style={{ left: share(drive.duration) }}
+          />
+        )}
         <span className={classes.needle} style={{ left: share(time) }} aria-hidden />
       </div>
     </div>

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Drill, DrillDrive } from "../../api/drillTypes";
-import { faultsText, progressText, roughText, subjectText, tallyText } from "./drillText";
+import { faultsText, progressText, roughText, subjectText, tallyText, wishText } from "./drillText";
 
 const drill = (done: number, total: number, left: number | null): Drill => ({
   id: "a",
@@ -12,6 +12,7 @@ const drill = (done: number, total: number, left: number | null): Drill => ({
   elapsed: 0,
   left,
   error: null,
+  wish: { faults: ["all"], world: "hexagon", drives: 20, scenario: null },
   report: null,
 });
 const drive = (change: DrillDrive["change"]): DrillDrive => ({
@@ -29,6 +30,15 @@ test("nothing is said of the time that is left before a drive has told how long 
   expect(progressText(drill(0, 40, null))).not.toContain("left");
   expect(progressText(drill(12, 40, 118))).toBe("12 of 40 drives, about 2 min left");
   expect(progressText(drill(40, 40, 0))).toBe("40 of 40 drives");
+});
+
+test("what was asked for is told as people say it", () => {
+  const { wish } = drill(0, 40, null);
+  expect(wishText(wish)).toBe("any fault; 20 drives under each table, in hexagon");
+  expect(wishText({ ...wish, faults: ["way_blocked", "kill:mapper"], drives: 1 })).toBe(
+    "way blocked, kill mapper; 1 drive under each table, in hexagon",
+  );
+  expect(wishText({ ...wish, scenario: "monday" })).toContain("monday; 20 drives");
 });
 
 test("an estimate is told in round numbers, and never as none", () => {

@@ -54,6 +54,19 @@ export function faultsText(faults: readonly ScheduledFault[]): string {
     .join(", ");
 }
 
+/** How a drive differs, and what became of it, with its faults as they are said. */
+export function toldText({ text, why, faults }: DrillDrive): string {
+  const said = why === text ? text : `${text}. ${why}`;
+  return faults.reduce((told, { name }) => told.replaceAll(name, faultText(name)), said);
+}
+
+/** `way blocked; 50 drives under each table, in hexagon`: what somebody asked for. */
+export function wishText({ faults, drives, world, scenario }: Drill["wish"]): string {
+  const broken = faults.map((name) => (name === "all" ? "any fault" : faultText(name)));
+  const what = scenario ?? (broken.join(", ") || "no fault");
+  return `${what}; ${drives === 1 ? "1 drive" : `${drives} drives`} under each table, in ${world}`;
+}
+
 /** Which robot, where, and that it may not be the one at hand. */
 export function subjectText(
   recipe: string,

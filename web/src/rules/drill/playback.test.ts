@@ -15,6 +15,7 @@ const drive = (more: Partial<Drive> = {}): Drive => ({
     limit: 60,
   },
   outcome: "recovered",
+  left_stopped: false,
   why: "Recovered 4.0 s after way_blocked began.",
   duration: 20,
   recovery: 4,
@@ -95,7 +96,7 @@ test("the line that was driven ends where the robot is", () => {
 
 test("a fault that never ends lasts to the end of the drive", () => {
   const fault = lanes(drive()).find(({ name }) => name === "fault");
-  expect(fault?.stretches).toEqual([{ from: 5, to: 20, text: "way_blocked" }]);
+  expect(fault?.stretches).toEqual([{ from: 5, to: 20, text: "way blocked" }]);
 });
 
 test("only what has a shape of its own is marked, and the same is marked once", () => {
@@ -121,8 +122,21 @@ test("marks of a kind that would lie over each other are one, on the map and on 
 test("what goes on is told for any moment, and at the end what became of it", () => {
   expect(going(drive(), 1)).toBe("no goal");
   expect(going(drive(), 3)).toBe("under way");
-  expect(going(drive(), 7.5)).toBe("under way · way_blocked on · standing · stuck fired");
-  expect(going(drive(), 20)).toBe("Recovered 4.0 s after way_blocked began.");
+  expect(going(drive(), 7.5)).toBe("under way · way blocked on · standing · stuck fired");
+  expect(going(drive(), 20)).toBe("Recovered 4.0 s after way blocked began.");
+});
+
+test("a STOP is seen from when it is pressed until somebody releases it, or to the end", () => {
+  const stop = (at: number) => ({ at, kind: "stop" as const, text: "STOP by ava", x: 1, y: 0 });
+  const release = { at: 6, kind: "release" as const, text: "STOP released by ava", x: 1, y: 0 };
+  const stopped = drive({ unwell: [], moments: [stop(3), release, stop(12), stop(13)] });
+  expect(lanes(stopped).find(({ name }) => name === "alert")?.stretches).toEqual([
+    { from: 3, to: 6, text: "STOP by ava" },
+    { from: 12, to: 20, text: "STOP by ava" },
+  ]);
+  expect(going(stopped, 4)).toBe("under way · STOP by ava");
+  expect(going(stopped, 8)).toBe("under way · way blocked on");
+  expect(going(stopped, 19)).toBe("no goal · way blocked on · STOP by ava");
 });
 
 test("it plays at its speed, and stops at the end", () => {

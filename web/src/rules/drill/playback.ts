@@ -1,5 +1,6 @@
 /** A drive at one moment of it: where the robot was, and what was going on. */
 import type { Drive, Moment } from "../../api/drillTypes";
+import { faultText } from "./drillText";
 
 export interface Place {
   x: number;
@@ -148,7 +149,7 @@ export function lanes(drive: Drive): Lane[] {
       stretches: drive.faults.map(({ began, ended, name }) => ({
         from: began,
         to: ended ?? end,
-        text: name,
+        text: faultText(name),
       })),
       marks: marks(["fault"]),
     },
@@ -162,8 +163,22 @@ export function lanes(drive: Drive): Lane[] {
       marks: [],
     },
     { name: "rules", stretches: [], marks: marks(["firing"]) },
-    { name: "alert", stretches: [], marks: marks(["stop", "contact"]) },
+    { name: "alert", stretches: stops(drive), marks: marks(["stop", "contact"]) },
   ];
+}
+
+/** When STOP was in force, until it was released or to the end. */
+function stops(drive: Drive): Stretch[] {
+  const found: Stretch[] = [];
+  let pressed: Moment | null = null;
+  for (const moment of drive.moments) {
+    if (moment.kind === "stop") pressed ??= moment;
+    if (moment.kind !== "release" || pressed === null) continue;
+    found.push({ from: pressed.at, to: moment.at, text: pressed.text });
+    pressed = null;
+  }
+  if (pressed !== null) found.push({ from: pressed.at, to: drive.duration, text: pressed.text });
+  return found;
 }
 
 /** What has a mark of its own, on the map and on the time line. */
@@ -171,14 +186,25 @@ export function marksOf(drive: Drive): Mark[] {
   const found = new Map<string, Mark>();
   for (const moment of drive.moments) {
     // The same at the same moment is one mark.
-    if (isMarked(moment)) found.set(`${moment.at} ${moment.kind} ${moment.text}`, moment);
+    if (isMarked(moment))
+      found.set(`${moment.at} ${moment.kind} ${moment.text}`, {
+        ...moment,
+        text: moment.kind === "fault" ? inWords(drive, moment.text) : moment.text,
+      });
   }
   return [...found.values()];
 }
 
+/** What is told of a drive, with its faults as they are said. */
+export const inWords = ({ scenario, faults }: Drive, text: string): string =>
+  [...scenario.faults, ...faults].reduce(
+    (said, { name }) => said.replaceAll(name, faultText(name)),
+    text,
+  );
+
 /** What was going on, in a line: the goal, what was broken, and what was wrong with the robot. */
 export function going(drive: Drive, time: number): string {
-  if (time >= drive.duration) return drive.why;
+  if (time >= drive.duration) return inWords(drive, drive.why);
   const during = (name: string) =>
     lanes(drive)
       .find((lane) => lane.name === name)
@@ -186,7 +212,7 @@ export function going(drive: Drive, time: number): string {
   const parts = [during("goal").length > 0 ? "under way" : "no goal"];
   const broken = during("fault").map(({ text }) => text);
   if (broken.length > 0) parts.push(`${[...new Set(broken)].join(", ")} on`);
-  const causes = during("unwell").map(({ text }) => text);
+  const causes = [...during("unwell"), ...during("alert")].map(({ text }) => text);
   if (causes.length > 0) parts.push([...new Set(causes)].join(", "));
   const fired = marksOf(drive).filter(
     ({ kind, at }) => kind === "firing" && at <= time && time - at < SHOWN,

@@ -15,7 +15,7 @@ import { useRules } from "../context/RulesContext";
 
 const POLL_MS = 500;
 /** Somebody else, or a script, may begin one. */
-const ROOM_MS = 3000;
+export const ROOM_MS = 3000;
 const ROOM = ["drills"];
 
 export interface DrillHandle {

@@ -1,5 +1,5 @@
 import { Button } from "@mantine/core";
-import type { ApplyReport } from "../../api/ruleTypes";
+import type { ApplyReport, Table } from "../../api/ruleTypes";
 import page from "../../ui/page.module.css";
 import { useProbation } from "../bands/useProbation";
 import { useRules } from "../context/RulesContext";
@@ -27,11 +27,13 @@ function prospect(now: Standing): string {
 }
 
 /** What happened on the robot, and where it stands since. */
-export function Applied({ report }: { report: ApplyReport }) {
+export function Applied({ report, rules }: { report: ApplyReport; rules: Table["rules"] }) {
   const { view } = useRules();
   const nav = useNav();
   const now = standing(report, useProbation());
-  const names = new Map(view?.table.rules.map((rule) => [rule.id, ruleName(rule)]));
+  const names = new Map(
+    [...rules, ...(view?.table.rules ?? [])].map((rule) => [rule.id, ruleName(rule)]),
+  );
   return (
     <section className={page.section} aria-label="Result" data-testid="applied">
       <p className={page.note}>
@@ -39,7 +41,7 @@ export function Applied({ report }: { report: ApplyReport }) {
         {(report.pause * 1000).toFixed(2)} ms. {prospect(now)}
       </p>
       <EffectView effect={report.effect} names={names} done />
-      <DiffList changes={report.diff.changes} rules={view?.table.rules ?? []} />
+      <DiffList changes={report.diff.changes} rules={[...(view?.table.rules ?? []), ...rules]} />
       <div className={page.line}>
         <Button
           variant="default"

@@ -2,7 +2,7 @@ import { Button, Radio, Textarea } from "@mantine/core";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
 import { applyRules, conflictOf, reportOf } from "../../api/rulesClient";
-import type { ApplyReport, Finding } from "../../api/ruleTypes";
+import type { ApplyReport, Finding, Table } from "../../api/ruleTypes";
 import { Choice } from "../../ui/controls/Choice";
 import { Problem } from "../../ui/Problem";
 import page from "../../ui/page.module.css";
@@ -11,6 +11,8 @@ import { useRules } from "../context/RulesContext";
 import { useNav } from "../context/RulesNav";
 import { CHECK } from "../context/useCheck";
 import { DrillPanel } from "../drill/DrillPanel";
+import { NewestDrill } from "../drill/NewestDrill";
+import { useDrillRoom } from "../drill/useDrill";
 import { ruleName } from "../model/words";
 import { DiffList } from "../parts/DiffList";
 import { FindingList } from "../parts/FindingList";
@@ -25,18 +27,21 @@ import { ActsAtOnce, TrueNow } from "./TrueNow";
 export function ReviewPage() {
   const { draft } = useRules();
   const nav = useNav();
-  const [applied, setApplied] = useState<ApplyReport | null>(null);
+  const [applied, setApplied] = useState<Result | null>(null);
   return (
     <div className={page.page} data-testid="review">
       <PageTitle
-        title={applied === null ? "Review & apply" : "Applied"}
+        title={applied !== null ? "Applied" : draft.draft === null ? "Review" : "Review & apply"}
         back="Rules"
         onBack={() => nav.go({ at: "table" })}
       />
       {applied !== null ? (
-        <Applied report={applied} />
+        <Applied {...applied} />
       ) : draft.draft === null ? (
-        <p className={page.muted}>There is nothing to apply.</p>
+        <>
+          <p className={page.muted}>There is nothing to apply.</p>
+          <NewestDrill />
+        </>
       ) : (
         <Review draft={draft.draft} onApplied={setApplied} />
       )}
@@ -52,9 +57,15 @@ const PROBATIONS = [
   { value: "0", label: "no probation: it stays" },
 ];
 
+/** What was applied; the rules may be gone by the time it is read. */
+interface Result {
+  report: ApplyReport;
+  rules: Table["rules"];
+}
+
 interface Props {
   draft: Draft;
-  onApplied: (report: ApplyReport) => void;
+  onApplied: (result: Result) => void;
 }
 
 function Review({ draft, onApplied }: Props) {
@@ -63,6 +74,7 @@ function Review({ draft, onApplied }: Props) {
   const [probation, setProbation] = useState("60");
   const [cancelRunning, setCancelRunning] = useState(false);
   const report = check.report;
+  const drilling = useDrillRoom({ enabled: true }).data?.newest?.state === "running";
   useAskedAgain();
   const names = new Map(
     [...draft.baseTable.rules, ...draft.table.rules].map((rule) => [rule.id, ruleName(rule)]),
@@ -85,7 +97,7 @@ function Review({ draft, onApplied }: Props) {
     onSuccess: (answer) => {
       // The page may be gone by now; the draft has done its work all the same.
       handle.take(null);
-      onApplied(answer);
+      onApplied({ report: answer, rules: [...draft.table.rules, ...draft.baseTable.rules] });
       reload();
     },
     onError: (failure) => {
@@ -155,6 +167,11 @@ function Review({ draft, onApplied }: Props) {
             Apply to the robot
           </Button>
         </div>
+        {drilling && (
+          <p className={page.note} data-testid="apply-ends-drill">
+            A drill runs, of what is in force now: Apply ends it.
+          </p>
+        )}
         <Problem error={apply.error} testId="apply-error" />
         <FindingList findings={refused} />
       </section>

@@ -123,6 +123,7 @@ export const DRIVE = {
   "That was before {by} stopped the robot.": "Das war, bevor der Roboter von {by} gestoppt wurde.",
   "less than {distance}": "weniger als {distance}",
   "On the way": "Unterwegs",
+  "There; turns to its heading": "Dort; dreht in seine Richtung",
   "{distance} left": "noch {distance}",
   "{left}, about {duration}": "{left}, etwa {duration}",
   "Held: {why}": "Angehalten: {why}",
@@ -165,8 +166,8 @@ export const DRIVE = {
   "The robot does not say where it is.": "Der Roboter sagt nicht, wo er ist.",
   "Too little of what the robot sees is on the map to compare them.":
     "Zu wenig von dem, was der Roboter sieht, ist auf der Karte.",
-  "The robot may not be where it thinks. Set its place: the tool Locate, or O.":
-    "Der Roboter ist vielleicht nicht, wo er glaubt. Setzen Sie seinen Ort: mit dem Werkzeug „Orten“ (O).",
+  "The robot may not be where it thinks, or things around it are not on the map. Set its place: the tool Locate, or O.":
+    "Der Roboter ist vielleicht nicht, wo er glaubt, oder was um ihn steht, ist nicht auf der Karte. Setzen Sie seinen Ort: mit dem Werkzeug „Orten“ (O).",
 
   // Measuring
   "Press two points of the floor, or drag.": "Drücken Sie zwei Punkte am Boden, oder ziehen Sie.",
