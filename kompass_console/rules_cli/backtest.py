@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from kompass_console.cli_error import CliError
 from kompass_console.rules_cli.options import ROLE, RobotOptions, command
+
+# ROS is imported when a command runs: help answers at once.
+if TYPE_CHECKING:
+    from kompass.rules.schema.table import Table
 
 
 def add_to(app: typer.Typer) -> None:
@@ -22,7 +27,11 @@ def backtest(
         typer.Argument(help="A table in JSON or YAML; else the one in force."),
     ] = None,
     recording: Annotated[
-        str, typer.Option(help="An MCAP file on the robot; else the flight recorder's ring.")
+        str,
+        typer.Option(
+            help="A recording on the robot, or an MCAP file here, for which no robot is asked; "
+            "else the flight recorder's ring."
+        ),
     ] = "",
     seconds: Annotated[float, typer.Option(min=0.0, help="The last ones of it; 0 for all.")] = 0.0,
 ) -> None:
@@ -33,6 +42,10 @@ def backtest(
     from kompass_console.rules_cli.table_file import TableFile
 
     table = None if file is None else TableFile(file).table
+    here = Path(recording)
+    if here.suffix == ".mcap" and here.is_file():
+        _on_file(robot, table, here, seconds)
+        return
     bar = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
@@ -58,3 +71,19 @@ def backtest(
             progress=show,
         )
     robot.tell(answer, lambda: printing.show_backtest(answer))
+
+
+def _on_file(robot: RobotOptions, table: Table | None, recording: Path, seconds: float) -> None:
+    from kompass.recorder.mcap.contents import NotMcap
+    from kompass.recorder.replay.backtest import NoRecording, backtest_files
+    from kompass_console.rules_cli import printing
+
+    if table is None:
+        raise CliError(2, f"--recording {recording}: it is a file here; give the table to try, too")
+    try:
+        report, remark = backtest_files(table, [recording], seconds)
+    except (NoRecording, NotMcap) as error:
+        raise CliError(1, f"{recording.name}: {error}") from None
+    if remark:
+        typer.echo(f"▲ {remark}", err=True)
+    robot.tell(report, lambda: printing.show_backtest(report))

@@ -142,6 +142,23 @@ def test_what_holds_the_robot_is_told_before_what_is_not_in_its_way() -> None:
     assert found(None).told(HERE, RADIUS, 0.0).startswith("The planner has no scan to look at. ")
 
 
+def test_a_robot_that_is_shut_in_hears_so_and_of_one_thing_at_a_time() -> None:
+    live = LiveMap(120.0)
+    away = np.full(RAYS, 0.30)
+    away[::2] += 0.01
+    saw(live, away, 0.0)
+    saw(live, away, 0.1)
+    first = found(live, 0.1, held_by="obstacle", route=np.empty((0, 3)))
+    assert first.shut_in
+    assert first.told(HERE, RADIUS, 0.1).endswith("Something stands on all sides of the robot.")
+    saw(live, away[::-1].copy(), 0.3)
+    second = found(live, 0.3, held_by="obstacle", route=np.empty((0, 3)), before=first)
+    assert math.dist(first.place, second.place) <= 0.15
+    one_side = LiveMap(120.0)
+    saw(one_side, disc(0.4, 0.0), 0.0)
+    assert not found(one_side, 0.0).shut_in
+
+
 @pytest.mark.parametrize(
     ("degrees", "words"),
     [

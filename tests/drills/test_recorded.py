@@ -14,6 +14,7 @@ from typing import NamedTuple
 import pytest
 from kompass_interfaces.msg import DriveState
 from rclpy.serialization import deserialize_message, serialize_message
+from typer.testing import CliRunner
 
 from kompass.backtest.event_log import Began, Fired
 from kompass.drills.drive import DriveResult
@@ -26,6 +27,8 @@ from kompass.recorder.mcap.writer import McapWriter
 from kompass.recorder.replay.backtest import NoRecording, backtest_files
 from kompass.recorder.replay.explain import explain_recorded
 from kompass.recorder.streams import EVENTS, read_event
+from kompass_console.cli import app
+from kompass_console.cli_error import CliError
 from tests.recorder.test_foxglove import read_by_foxglove
 from tests.support.commands import Commands, Done
 
@@ -143,6 +146,19 @@ def test_the_back_test_of_the_same_rules_gives_the_same_firings(made: Made) -> N
     assert [each.at for each in report.firings] == pytest.approx(
         [each.at for each in made.result.firings], abs=0.05
     )
+
+
+def test_a_file_is_back_tested_where_there_is_no_robot(made: Made, tmp_path: Path) -> None:
+    began = events(made.first)[0]
+    assert isinstance(began, Began)
+    rules = tmp_path / "then.json"
+    rules.write_text(began.table.model_dump_json())
+    asked = ["rules", "backtest", "--recording", str(made.first)]
+    tried = CliRunner().invoke(app, [*asked, str(rules)])
+    assert f"{len(made.result.firings)} firings the same" in tried.output
+    refused = CliRunner().invoke(app, asked).exception
+    assert isinstance(refused, CliError)
+    assert "it is a file here; give the table to try, too" in str(refused)
 
 
 def test_foxglove_reads_it_with_all_that_a_robot_records(made: Made) -> None:

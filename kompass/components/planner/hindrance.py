@@ -6,7 +6,7 @@ No ROS and no clock: time is an argument [s].
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -28,6 +28,8 @@ NO_THINGS = frozenset(
 )
 MOVED = 0.4  # m from where something moved, for it to be what is in the way
 _TOGETHER = 0.3  # m from what is in sight: rays do not come to every cell of a thing
+_KEPT = 0.15  # m around what was told, within which it is the same
+_NOISE = 0.1  # m by which something else must be nearer, to be told instead
 _OF_THE_MAP = 0.15  # m from an obstacle of the map: what is seen there is that one
 _WORDS = (
     (30.0, "ahead"),
@@ -51,12 +53,15 @@ class Hindrance:
         When it was first found in the way [s].
     what
         In words; of an ``unknown`` one all that is to be said.
+    shut_in
+        Whether something stands on all sides of the robot.
     """
 
     kind: Kind
     place: tuple[float, float]
     since: float
     what: str
+    shut_in: bool = False
 
     def distance(self, pose: Pose2D, radius: float) -> float:
         """From the body of a robot at ``pose``, with that radius [m]."""
@@ -75,7 +80,8 @@ class Hindrance:
         where = direction_in_words(self.direction(pose))
         lasted = f", for {now - self.since:.0f} s" if now - self.since >= 1.0 else ""
         away = self.distance(pose, radius)
-        return f"In the way: {self.what} at ({x:z.2f}, {y:z.2f}), {away:.2f} m {where}{lasted}."
+        told = f"In the way: {self.what} at ({x:z.2f}, {y:z.2f}), {away:.2f} m {where}{lasted}."
+        return f"{told} Something stands on all sides of the robot." if self.shut_in else told
 
 
 def direction_in_words(angle: float) -> str:
@@ -120,9 +126,11 @@ def find(
     now
         [s]
     """
-    found = None
+    found, shut_in = None, False
     if held_by not in NO_THINGS:
-        found = _nearest(_obstacles(live, zones, pose, now), route, pose, radius, room)
+        around = list(_obstacles(live, zones, pose, now))
+        shut_in = _is_shut_in([places for _, places, _ in around], pose, radius)
+        found = _nearest(around, route, pose, radius, room, before)
         found = found or _farther_on(live, zones, route, pose, radius + room, now)
     if found is None:
         since = before.since if before is not None and before.kind == "unknown" else now
@@ -137,7 +145,7 @@ def find(
         since = before.since
     else:
         since = now - age if kind == "remembered" else now
-    return Hindrance(kind, place, since, _in_words(kind, place, age, zones))
+    return Hindrance(kind, place, since, _in_words(kind, place, age, zones), shut_in)
 
 
 def _in_words(kind: Kind, place: tuple[float, float], age: float, zones: ZonesInForce) -> str:
@@ -230,10 +238,29 @@ def _farther_on(
     return None
 
 
+def _is_shut_in(obstacles: Sequence[Floats], pose: Pose2D, radius: float) -> bool:
+    """Whether something is beside the robot ahead, behind, to the left and to the right."""
+    away = np.concatenate([places - pose[:2] for places in obstacles]) if obstacles else None
+    if away is None:
+        return False
+    beside = away[np.hypot(*away.T) < radius + BESIDE]
+    turns = np.arctan2(beside[:, 1], beside[:, 0]) - pose[2]
+    return len(np.unique(np.round(turns / (math.pi / 2)).astype(int) % 4)) == 4
+
+
 def _nearest(
-    obstacles: Iterable[_Places], route: Floats, pose: Pose2D, radius: float, room: float
+    obstacles: Iterable[_Places],
+    route: Floats,
+    pose: Pose2D,
+    radius: float,
+    room: float,
+    before: Hindrance | None,
 ) -> tuple[Kind, tuple[float, float], float] | None:
-    """The kind, the place, and the age of what the route meets first; None for nothing."""
+    """The kind, the place, and the age of what the route meets first; None for nothing.
+
+    Of what is beside the robot it stays with what was told before, unless something else is nearer
+    by more than a scan's noise.
+    """
     here = np.array(pose[:2])
     way = np.asarray(route, dtype=np.float64)[:, :2] if len(route) else np.empty((0, 2))
     way = way[np.hypot(*(way - here).T) <= REACH]
@@ -252,6 +279,10 @@ def _nearest(
             # What the robot would not come nearer to does not hold it up.
             beside = np.where((places - here) @ ahead < 0.0, math.inf, beside)
             step, which = float(len(way)), int(beside.argmin())
+            if before is not None:
+                told = np.hypot(*(places - before.place).T) <= _KEPT
+                told &= beside <= beside[which] + _NOISE
+                which = int(np.where(told, beside, math.inf).argmin()) if told.any() else which
             if beside[which] >= radius + BESIDE:
                 continue
         x, y = (float(value) for value in places[which])

@@ -156,6 +156,7 @@ export const SAID: Readonly<Record<string, string>> = {
   "Nothing is known to be in the way at ({x}, {y}).": "Im Weg ist bei {x} | {y} nichts bekannt.",
   "The drive manager holds the robot back: {what}.":
     "Die Fahrsteuerung hält den Roboter zurück: {what}.",
+  "Something stands on all sides of the robot.": "Um den Roboter steht überall etwas.",
   "What it is is not known yet.": "Was es ist, ist noch nicht bekannt.",
   "Look at wheels and floor": "Sehen Sie nach Rädern und Boden",
   "The planner has no scan to look at": "Der Planer hat keinen Scan, den er ansehen könnte",
