@@ -8,7 +8,7 @@ from collections import deque
 from kompass.algorithms.geometry import Pose2D, wrap_angle
 
 FASTEST, QUICKEST = 5.0, 5.0  # m/s and rad/s that any robot may do meanwhile
-FARTHER, TURNED = 0.5, 1.0  # m and rad beyond that, for it to be a jump
+TURNED = 1.0  # rad beyond that, for it to be a jump
 TIMES, WITHIN = 3, 2.0  # so many in so many seconds: one is a localiser that has found itself
 
 
@@ -19,14 +19,22 @@ class PoseJumps:
         self._last: tuple[Pose2D, float] | None = None
         self._jumps: deque[tuple[float, float]] = deque()  # when, and how far [m]
 
-    def heard(self, pose: Pose2D, now: float) -> None:
-        """Take in where the robot is said to be (x, y, yaw) [m, m, rad]; finite numbers."""
+    def heard(self, pose: Pose2D, now: float, farther: float) -> None:
+        """Take in where the robot is said to be.
+
+        Parameters
+        ----------
+        pose
+            (x, y, yaw), finite [m, m, rad].
+        farther
+            Beyond what any robot may drive meanwhile, for it to be a jump [m].
+        """
         if self._last is not None:
             before, then = self._last
             passed = now - then
             away = math.dist(before[:2], pose[:2])
             turned = abs(float(wrap_angle(pose[2] - before[2])))
-            if away > FARTHER + FASTEST * passed or turned > TURNED + QUICKEST * passed:
+            if away > farther + FASTEST * passed or turned > TURNED + QUICKEST * passed:
                 self._jumps.append((now, away))
         self._last = pose, now
         while self._jumps and now - self._jumps[0][0] > WITHIN:

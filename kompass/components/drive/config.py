@@ -36,6 +36,13 @@ class DriveManagerConfig(MaskSettings):
     odometry_timeout: float = Field(
         default=0.5, gt=0, le=60, description="s; an older odometry stops the robot"
     )
+    odometry_jump: float = Field(
+        default=0.5,
+        gt=0,
+        le=1e6,
+        description="m beyond what can be driven meanwhile; an odometry that jumps to and fro by "
+        "more stops the robot",
+    )
     missed_messages: int = Field(
         default=3,
         ge=1,

@@ -574,7 +574,8 @@ class DriveManager(Component):
         self._odometries.heard(now)
         self._location_fault = self._location.fault()
         if not self._location_fault:
-            self._jumps.heard(pose_of(self.input("location").fields), now)
+            pose = pose_of(self.input("location").fields)
+            self._jumps.heard(pose, now, self.config.odometry_jump)
             self._location_fault = self._jumps.told
         if not self._location_fault:
             self._standstill.update(self._location.speed(), now)
