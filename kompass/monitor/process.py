@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import os
 import signal
@@ -42,6 +43,9 @@ NAME = "monitor"
 SPIN_TIMEOUT = 0.1  # s, as of the components' host
 # s after which a worker that computes lets the engine in: a fifth of Python's own
 SWITCH_INTERVAL = 0.001
+_M_MMAP_THRESHOLD, _M_ARENA_MAX = -3, -8  # of mallopt(3)
+ARENAS = 2  # heaps of the C library; each thread that comes would be given one of its own
+LARGE = 256 << 10  # bytes of what goes back to the kernel as soon as it is freed
 
 
 def run_monitor(
@@ -76,6 +80,7 @@ def run_monitor(
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     sys.setswitchinterval(SWITCH_INTERVAL)
+    _keep_memory_small()
     settings = MonitorSettings.of()
     start, store = start_from_store(recipe.table, settings)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
@@ -128,6 +133,18 @@ def run_monitor(
             store.close()
         node.destroy_node()
         rclpy.shutdown()
+
+
+def _keep_memory_small() -> None:
+    """Have the C library not keep what reports of back-tests took once, in each thread's heap.
+
+    It makes as many heaps as eight times the processors, and takes what is large for usual once it
+    has been freed. Only glibc has this.
+    """
+    settle = getattr(ctypes.CDLL(None), "mallopt", None)
+    if settle is not None:
+        settle(_M_ARENA_MAX, ARENAS)
+        settle(_M_MMAP_THRESHOLD, LARGE)
 
 
 def _local_socket(node: Node, monitor: Monitor) -> LocalSocket | None:
