@@ -424,8 +424,8 @@ def _scenarios(
     except ValidationError as error:
         text = error.errors()[0]["msg"].removeprefix("Value error, ")
         raise CliError(BAD_INPUT, f"--worlds: {text}") from None
-    if not worlds and (room := roomy(options)):
-        options = options.model_copy(update={"worlds": room[:1]})
+    if not worlds and (place := next(roomy(options), None)):
+        options = options.model_copy(update={"worlds": (place,)})
     try:
         return [draw(seed, number, options) for number in range(count or DRIVES)], options
     except ValueError as error:

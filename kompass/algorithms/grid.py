@@ -18,7 +18,6 @@ OCCUPIED_FROM = 65  # as map_server and RViz draw it
 # Of cells a robot drives by [m]; beyond them a number is a slip, or in another unit.
 FINEST, COARSEST = 0.001, 10.0
 FARTHEST = 1e9  # m, of an origin
-OCCUPIED_FROM = 65  # what a cell is at the least that is taken for an obstacle
 
 
 @dataclass(frozen=True, eq=False)

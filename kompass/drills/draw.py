@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import hashlib
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from random import Random
 from typing import Annotated, TypeVar
@@ -252,16 +252,17 @@ def draw(seed: int, number: int, options: DrawOptions) -> Scenario:
     )
 
 
-def roomy(options: DrawOptions) -> tuple[str, ...]:
-    """Worlds in which the robot of some options has room to drive; not the depot."""
-    found = []
+def roomy(options: DrawOptions) -> Iterator[str]:
+    """Worlds in which the robot of some options has room to drive; not the depot.
+
+    Each is looked at when it is asked for, which takes a while.
+    """
     for name in USUAL_WORLDS:
         try:
             _room_in(name, options)
         except NoRoom:
             continue
-        found.append(name)
-    return tuple(found)
+        yield name
 
 
 def _room_in(name: str, options: DrawOptions) -> _Room:

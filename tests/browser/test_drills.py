@@ -65,6 +65,7 @@ def test_a_proposed_rule_is_drilled_and_a_drive_that_differs_is_played(
     expect(progress).to_contain_text(
         re.compile("[1-7] of 8 drives, about .* left"), timeout=patient(60) * 1000
     )
+    expect(rules.get("apply-ends-drill")).to_be_visible()
     rules.page.keep("drill-progress")
 
     # It goes on while somebody looks elsewhere, and is there again.

@@ -13,8 +13,9 @@ const RECORDS: ReadonlySet<Place["at"]> = new Set(["timeline", "log"]);
 export function DraftBar() {
   const { draft, check, mayEdit } = useRules();
   const nav = useNav();
-  const { data: room } = useDrillRoom({ again: ROOM_MS });
-  if (RECORDS.has(nav.place.at)) return null;
+  const records = RECORDS.has(nav.place.at);
+  const { data: room } = useDrillRoom(records ? { enabled: false } : { again: ROOM_MS });
+  if (records) return null;
   if (!mayEdit) {
     return (
       <div className={classes.draft} data-idle lang={english()}>

@@ -12,7 +12,7 @@ import page from "../../ui/page.module.css";
 import { DriveMap } from "./DriveMap";
 import { DriveTimeline } from "./DriveTimeline";
 import classes from "./Player.module.css";
-import { going, inWords, marksOf, played, SHAPES, SPEEDS } from "./playback";
+import { going, marksOf, played, SHAPES, SPEEDS, whyText } from "./playback";
 
 /** One scenario under both tables, to be watched. */
 export function DrivePlayer({ drill, scenario }: { drill: string; scenario: string }) {
@@ -182,7 +182,7 @@ function Happenings({ pair, onSeek }: { pair: DrillPair; onSeek: (at: number) =>
 function Why({ drive, name }: { drive: Drive; name: string }) {
   return (
     <p>
-      {name}: {inWords(drive, drive.why)}
+      {name}: {whyText(drive)}
     </p>
   );
 }

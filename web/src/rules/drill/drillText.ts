@@ -56,9 +56,12 @@ export function faultsText(faults: readonly ScheduledFault[]): string {
 
 /** How a drive differs, and what became of it, with its faults as they are said. */
 export function toldText({ text, why, faults }: DrillDrive): string {
-  const said = why === text ? text : `${text}. ${why}`;
-  return faults.reduce((told, { name }) => told.replaceAll(name, faultText(name)), said);
+  return inWords(why === text ? text : `${text}. ${why}`, faults);
 }
+
+/** What is told of a drive, with its faults as they are said. */
+export const inWords = (text: string, faults: readonly { name: string }[]): string =>
+  faults.reduce((told, { name }) => told.replaceAll(name, faultText(name)), text);
 
 /** `way blocked; 50 drives under each table, in hexagon`: what somebody asked for. */
 export function wishText({ faults, drives, world, scenario }: Drill["wish"]): string {

@@ -1,6 +1,6 @@
 /** A drive at one moment of it: where the robot was, and what was going on. */
 import type { Drive, Moment } from "../../api/drillTypes";
-import { faultText } from "./drillText";
+import { faultText, inWords } from "./drillText";
 
 export interface Place {
   x: number;
@@ -189,22 +189,21 @@ export function marksOf(drive: Drive): Mark[] {
     if (isMarked(moment))
       found.set(`${moment.at} ${moment.kind} ${moment.text}`, {
         ...moment,
-        text: moment.kind === "fault" ? inWords(drive, moment.text) : moment.text,
+        text: moment.kind === "fault" ? inWords(moment.text, faultsOf(drive)) : moment.text,
       });
   }
   return [...found.values()];
 }
 
-/** What is told of a drive, with its faults as they are said. */
-export const inWords = ({ scenario, faults }: Drive, text: string): string =>
-  [...scenario.faults, ...faults].reduce(
-    (said, { name }) => said.replaceAll(name, faultText(name)),
-    text,
-  );
+/** What became of it, in words. */
+export const whyText = (drive: Drive): string => inWords(drive.why, faultsOf(drive));
+
+/** That were to break it, and that did. */
+const faultsOf = ({ scenario, faults }: Drive) => [...scenario.faults, ...faults];
 
 /** What was going on, in a line: the goal, what was broken, and what was wrong with the robot. */
 export function going(drive: Drive, time: number): string {
-  if (time >= drive.duration) return inWords(drive, drive.why);
+  if (time >= drive.duration) return whyText(drive);
   const during = (name: string) =>
     lanes(drive)
       .find((lane) => lane.name === name)
