@@ -423,8 +423,8 @@ def test_what_a_recipe_starts_ends_with_its_drive(drill: Drill, tmp_path: Path) 
     recipe.write_text(
         "import subprocess\n"
         # One of its own, and one that has left everybody.
-        "own = subprocess.Popen(['sleep', '1000'])\n"
-        "left = subprocess.run(['sh', '-c', 'setsid sleep 1000 >&- 2>&- & echo $!'],\n"
+        "own = subprocess.Popen(['sleep', '120'])\n"
+        "left = subprocess.run(['sh', '-c', 'setsid sleep 120 >&- 2>&- & echo $!'],\n"
         "    capture_output=True, text=True).stdout\n"
         f"with open({str(started)!r}, 'a') as file:\n"
         "    print(own.pid, left, file=file)\n" + GUARDED.read_text(encoding="utf-8"),
